@@ -127,7 +127,7 @@ class Sampler(SampledParty):
         return self._put_under
 
     def _leave(self, number: int) -> _Line:
-        """Return the line of this number, detached from its wire. Create the line if there is none."""
+        """Return the line of this number, detached from its wire. If there is no such line, create it."""
         bit = BITS[number]
         line: _Line
         for line in self._lines:

@@ -241,6 +241,6 @@ def warn(sentence: str) -> None:
 
 @contextmanager
 def output_muted() -> Iterator[None]:
-    """Drop what is printed within the block, in which a case runs that printed the same in an earlier run."""
+    """Discard the output of a block that runs a case again, since its earlier run has printed the same."""
     with redirect_stdout(_Nowhere()):
         yield

@@ -77,7 +77,7 @@ def module_of_file(path: Path) -> ModuleType:
 
 
 def why_not_loaded(error: BaseException, folder: Path) -> str:
-    """Return the reason why a file of user code cannot be loaded, with the line and the fix. folder: of the file."""
+    """Return why a file of user code cannot be loaded, with the line and the fix. folder: the folder of the file."""
     if isinstance(error, SyntaxError):
         return f"line {error.lineno}: {error.msg}"
     if not isinstance(error, ModuleNotFoundError):
@@ -98,7 +98,7 @@ def _make_package(name: str, folders: list[Path]) -> None:
 
 
 class _Source(SourceFileLoader):
-    """Compiles the text at every load: bytecode kept by the second would miss an edit, and litter the user's folder."""
+    """Loads a file without bytecode files, which would hide edits within one second and litter the user's folder."""
 
     def get_code(self, fullname: str) -> CodeType:
         return _code_of(read_input(Path(self.path)), self.path)
@@ -106,7 +106,7 @@ class _Source(SourceFileLoader):
 
 @lru_cache(maxsize=64)
 def _code_of(source: bytes, path: str) -> CodeType:
-    """Compiled once for each text that a file has had: many scenes of one file import it anew each."""
+    """Return the compiled text of a file, from a cache, because each scene of the file imports it again."""
     return _Source("", path).source_to_code(source, path)
 
 
@@ -118,7 +118,7 @@ def _spec(name: str, file: Path) -> ModuleSpec:
 
 
 class _FirmwareFinder:
-    """Finds what firmware imports with a dot; Python's own finder would keep bytecode in the user's folder."""
+    """Finds relative imports of firmware. Python's own finder would keep bytecode files in the user's folder."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -205,7 +205,7 @@ def _replay_settings(name: str, module: ModuleType) -> tuple[str, ...]:
 
 
 def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:
-    """Call main. Misuse if it returns a value, which has no meaning."""
+    """Call main. Raise Misuse if it returns a value, because such a value has no meaning."""
     came = firmware.main(dsp, settings)  # type: ignore[func-returns-value]
     if came is not None:
         raise Misuse(f"main, {defined_at(firmware.main)}, returned {came!r}; firmware returns nothing")
@@ -252,7 +252,7 @@ _shared: dict[tuple[type, str], object] = {}
 
 
 def shared(kind: type[T], given: dict[str, object], who: str) -> T:
-    """Return the same as `filled`. A frozen dataclass is made once for all scenes with these values."""
+    """Return the same as `filled`. All scenes with these values share one object of a frozen dataclass."""
     if not cast(Any, kind).__dataclass_params__.frozen:
         return filled(kind, given, who)
     key = kind, repr(given)

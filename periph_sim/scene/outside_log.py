@@ -80,7 +80,7 @@ class LogReader:
 
     @property
     def unfinished(self) -> str:
-        """Once all instants were read: what is missing at the end of the log, as a sentence; "" for nothing."""
+        """A sentence about what is missing at the end of the log, "" for nothing. Valid once all instants were read."""
         if self.finished:
             return ""
         cut = f", and of the line after it only {counted(self._cut, 'character')} remain" if self._cut else ""
@@ -90,7 +90,7 @@ class LogReader:
         )
 
     def instants(self) -> Iterator[Instant]:
-        """In order of time. `end` is set after the last. BadLog for a log that says nothing after its head."""
+        """Yield the instants in order of time, then set `end`. Raise BadLog if the log has nothing after its head."""
         last, sent = -1, dict[str, int]()
         with self._file:
             while (value := self._line()) is not None:
@@ -178,8 +178,10 @@ WHO = "outside"  # name of the party in records and in messages about who holds 
 
 
 class LoggedOutside(Agent):
-    """start: the tick from which those of the log count. on_sent: called with a wire and how many bytes begin on it.
+    """Outside party that drives the wires as the log of a session says.
 
+    start: the tick of the scene that is tick 0 of the log.
+    on_sent: called with a wire and the number of bytes that begin on it.
     unfinished: what is missing at the end of the log; see `LogReader`.
     """
 

@@ -40,7 +40,7 @@ class FirmwareModel(Protocol):
     """Firmware with a model, as a scene uses it."""
 
     def check(self, case: Case, unit: str) -> None:
-        """Raise BadCase if the case does not run the model as the model needs it."""
+        """Raise BadCase if the case does not meet the requirements of the model."""
 
     def codes(self) -> ChipModel | None:
         """Return the model of the bytes that the chips should show; None if the settings do not determine it."""
@@ -63,7 +63,7 @@ T = TypeVar("T")
 
 
 def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
-    """Return what a unit of a case consists of, but for its wires. BadCase for what it cannot have."""
+    """Return the parts of a unit of a case, without its wires. Raise BadCase for a part that it cannot have."""
     case = ticks.case
     unit = case.unit[name]
     part = part_named(unit.part)

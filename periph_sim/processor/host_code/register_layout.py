@@ -149,7 +149,7 @@ class RegisterLayout:
         self._announced[at] = max(size, self._announced.get(at, 0))
 
     def add_number(self, place: Place) -> bool:
-        """Add a number. False if one of the same bytes has another place."""
+        """Add a number. Return False if the layout has another number in the same bytes, with another place."""
         return self._numbers.setdefault((place.at, place.size), place) == place
 
     def add_field(self, place: Place, first: int, last: int) -> bool:

@@ -35,10 +35,12 @@ WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000
 
 @final
 class InstructionTiming:
-    """pipeline: stalls between instructions. queue: fetched instructions.
+    """The additional cycles of the instructions of an image.
 
-    late: cycles that the present instruction takes in addition.
-    conflicts: `conflict` is called for accesses to the block of memory from which the program is fetched.
+    pipeline: the stalls between instructions.
+    queue: the fetched instructions.
+    late: the additional cycles of the present instruction.
+    conflicts: True if `conflict` is called for accesses to the block of memory from which the program is fetched.
     """
 
     STATE = State("pipeline queue conflicts late")

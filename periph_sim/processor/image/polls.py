@@ -34,14 +34,21 @@ TRIES = 3  # failed analyses before a loop counts as one that does more than cou
 
 @final
 class PollSkipper:
-    """tracking: a pass is examined. clean: each further pass would repeat all that it did. counting: it may also change
-    words of memory; changed: those words with their values before.
+    """Detects passes of a loop that further passes would repeat, and skips these.
 
-    skips: equal passes are skipped; else they are executed, and only the times are recorded at which the program would
-    have begun to sleep and been woken. asleep: between these times. replaying: reads before the cycle `live_from`
-    return the earlier values. elsewhere: words read that are not modelled. routines: number of active service routines.
-    restarts: the pass restarts the watchdog, so that no further one is skipped. began: the cycle at which the examined
-    pass began; since: at which the first pass of the loop ended.
+    tracking: True if the present pass is examined.
+    clean: True if each further pass would repeat all that the examined pass did.
+    counting: True if the pass may also change words of memory.
+    changed: the words that it changed, with their earlier values.
+    skips: True if equal passes are skipped. Otherwise they are executed, and only the times are recorded at which the
+        program would have begun to sleep and would have been woken.
+    asleep: True between these times.
+    replaying: True if reads before the cycle `live_from` return the earlier values.
+    elsewhere: the addresses of unmodelled words that were read.
+    routines: the number of active service routines.
+    restarts: True if the pass restarts the watchdog, so that no further pass is skipped.
+    began: the cycle at which the examined pass began.
+    since: the cycle at which the first pass of the loop ended.
     """
 
     STATE = State(

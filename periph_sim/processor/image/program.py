@@ -36,7 +36,7 @@ from .waits import IDLE, LoopRange, UnmodelledWait, awaited
 
 
 class ImageProgram(LoadedImage):
-    """instructions: number of executed instructions."""
+    """A program that executes an image. instructions: the number of executed instructions."""
 
     STATE = State(
         "instructions _ready _executed _idle_began _loop_due _counted _pass _unmodelled _counting _back _sp",

@@ -40,8 +40,10 @@ class Waited:
 
 @final
 class CodeRecords:
-    """spans, waits: any subscriber needs records of them. kept: a subscriber to records of waits or accesses may keep a
-    reference to a wait.
+    """Makes the records of spans and waits of one program.
+
+    spans, waits: True if any subscriber needs records of them.
+    kept: True if a subscriber to records of waits or accesses may keep a reference to a wait.
     """
 
     __slots__ = ("_clock", "_name", "_program", "_recorder", "_waited", "kept", "spans", "waits")

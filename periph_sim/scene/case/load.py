@@ -229,7 +229,7 @@ class CaseFile:
         return tree
 
     def _changed(self, changes: Sequence[str]) -> Case | None:
-        """Return the changed case, or None if the tables that changed are not enough to tell whether it is one."""
+        """Return the changed case, or None if the changed tables alone do not show whether the case is valid."""
         named = {change.partition("=")[0].partition(".")[0].strip() for change in changes}
         tree = self._tree | {key: copied(self._tree[key]) for key in named if key in self._tree}
         places = [(change, apply(tree, change)) for change in changes]

@@ -61,7 +61,7 @@ def _tables(text: str) -> dict[str, Any]:
 
 
 def copied(value: Any) -> Any:
-    """Return tables and lists anew, with the same values in them: changes go into these."""
+    """Return copies of tables and lists, which may be changed, with the same values in them."""
     if isinstance(value, dict):
         return {key: copied(inner) for key, inner in value.items()}
     return [copied(inner) for inner in value] if isinstance(value, list) else value

@@ -36,7 +36,7 @@ class EventTrigger(EventMeasure):
 
 
 class TextTrigger:
-    """Calls `happened(tick)` at the end of the last of these characters, each time they come; overlaps count once."""
+    """Calls `happened(tick)` at the end of each occurrence of these characters. Occurrences do not overlap."""
 
     STATE = State("_came")
 
@@ -99,7 +99,7 @@ class Send:
         return f"it was due at {due:.6f} s, but its line is busy until {end:.6f} s with send {name!r}"
 
     def happened(self, tick: int) -> None:
-        """Send now: the trigger happened. With a period, only the first time counts."""
+        """Start sending because the trigger happened. With a period, only the first time starts it."""
         if (self._asked and self._table.period is not None) or self._asked == self._most:
             return
         self._asked += 1

@@ -88,7 +88,8 @@ HARD = Kind(
 )
 # Code that leads to a traceback is cold: the compiler keeps it apart from the code of each event.
 PROTOTYPE, COLD = re.compile(r"^static void __Pyx_AddTraceback\b", re.MULTILINE), r"__attribute__((cold)) \g<0>"
-PASSED_ON = re.compile(r"__Pyx_CFunc_\w+_to_py_\w*\([^;\n]*->(\w+)\);")  # a method, where C expects a function
+# A method where C expects a function, in the table of its class or of one that it inherits from.
+PASSED_ON = re.compile(r"__Pyx_CFunc_\w+_to_py_\w*\([^;\n]*->(?:__pyx_base\.)*(\w+)\);")
 SORTED = "-Wl,--sort-section=name"  # C functions of all modules first, then what wraps them for Python
 OBJECTS = "objects"
 

@@ -93,11 +93,14 @@ def test_the_build_ends_at_a_directive_without_effect(tmp_path, monkeypatch):
         build.require_directives(pxd, tmp_path / "one.c")
 
 
-def test_the_build_ends_where_a_typed_method_of_another_module_is_passed_on(tmp_path, monkeypatch):
+@pytest.mark.parametrize("kept", ["Plain", "Inherits"])
+def test_the_build_ends_where_a_typed_method_of_another_module_is_passed_on(tmp_path, monkeypatch, kept):
     c_code(tmp_path, PXD, monkeypatch)
-    pxd = "from .one cimport Plain\n\ncdef class Again:\n    cdef Plain plain\n"
+    pxd = "from .one cimport Plain\n\ncdef class Inherits(Plain):\n    pass\n\n"
+    pxd += f"cdef class Again:\n    cdef {kept} plain\n"
     (tmp_path / "directed" / "two.pxd").write_text(pxd)
     (tmp_path / "directed" / "two.py").write_text(
+        "from .one import Plain\n\nclass Inherits(Plain):\n    pass\n\n"
         "class Again:\n    def again(self):\n        return map(self.plain.doubled, [1])\n"
     )
     c_file = build.generate("two", "directed")

@@ -10,7 +10,7 @@ Accesses are made in the present cycle; `access_at` returns beforehand the cycle
 
 from __future__ import annotations
 
-from typing import Annotated, final
+from typing import Annotated, Any, final
 
 from ...core.chip import Note
 from ...core.state import State
@@ -112,7 +112,8 @@ class ImageCpu(ImageMemory):
         self._slots_seen.add(f.address)
         found = decode_at(f.address, self.word_at(f.address), self.word_at(f.address + 1))
         assert found is not None
-        for text in not_kept(found, self.word_at):
+        memory: Any = self  # of a typed object, C would pass on its function and call it with one argument less
+        for text in not_kept(found, memory.word_at):
             self._options.fpu_delay_slot.assume(self._core.touched)
             self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRUEO2A section 3.2"))
 

@@ -14,6 +14,7 @@ Source: SPRU430F chapters 3 and 4.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 from ...core.chip import NEVER
 from ...core.state import State
@@ -218,9 +219,9 @@ class ImageProgram(LoadedImage):
             spin = polls.sleep()
         else:
             if polls.may_count():
-                self._counting = CountingLoop(
-                    self.cpu, self._processor.time, self._processor.bus.ram, self.unwatch_instructions
-                )
+                program: Any = self  # as in `ImageCpu._look_at_slots`
+                over = program.unwatch_instructions
+                self._counting = CountingLoop(self.cpu, self._processor.time, self._processor.bus.ram, over)
                 self.watch_instructions(self._counting)
             return False
         if spin is None:

@@ -101,7 +101,7 @@ class Door(Agent):
         """Return the changes since the last call, in order of time, without those undone in the same instant."""
         found = self._changes
         if not found:
-            return found
+            return []
         self._changes = []
         last: dict[tuple[int, str], Change] = {(change.at, change.line): change for change in found}
         if len(last) == len(found):

@@ -100,7 +100,7 @@ class ByRoundBefore:
         return self._missed(now)
 
     def _missed(self, now: int) -> list[int]:
-        assert self._period, "the loop would not end"
+        assert self._period > 0, "a period of 0 ticks has rounds without end"
         missed = []
         while self._next != NO_TIME and now >= self._next + self._period // 2:
             missed.append(self._next)

@@ -121,7 +121,7 @@ Decode = Callable[[Capture], list[object]]
 
 
 def decoders(path: Path) -> list[Decode]:
-    """How the capture is decoded: by the oracle's channels, where they are called so in this file."""
+    """Return the lines to decode: those that the oracle names, if the file has channels of these names."""
     found: list[Decode] = []
     name = path.stem.removesuffix("_bin")
     if name in decoded("i2c"):

@@ -104,7 +104,7 @@ def pin_answer() -> Firmware:
 
 
 def two_units() -> Case:
-    """Another unit on the bus, which hears addresses that are not its own."""
+    """Return a case with a second unit on the bus, whose address is another one."""
     one = {"firmware": str(FIRMWARE / "register_slave.py"), "modules": ["I2C-A"], "settings": REGISTERS}
     return case(unit={"dsp": one, "other": one | {"settings": REGISTERS | {"address": 0x22}}})
 
@@ -289,6 +289,16 @@ def test_an_sci_s_pin_moves_at_the_tick_that_is_foretold() -> None:
                 assert session.advance(at) == []
             found.append(moved)
     assert found[0] == found[1] and [change.level for change in found[0]] == [0, 1] * 4 and found[0][0].line == "TX"
+
+
+def test_a_list_of_changes_is_the_caller_s() -> None:
+    """An empty one, too, does not grow with later changes."""
+    moves = written(0x50 << 1)
+    with Session(CASES["polling"](), BUS) as session:
+        before = session.advance(1)
+        for at, levels in moves:
+            session.apply(at, levels)
+        assert session.advance(moves[-1][0]) and before == []
 
 
 def test_nothing_is_foretold_where_nothing_can_move() -> None:

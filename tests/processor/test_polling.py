@@ -215,7 +215,7 @@ def test_an_interrupt_asked_for_behind_a_wait_waits_for_the_end_of_an_instructio
 def asked(
     changes: list[tuple[int, int, int]], work: int = 0, *, skip: bool = True
 ) -> tuple[list[tuple[str, int]], int]:
-    """What a wait for A, with `work` cycles in its condition, sees on a bench; how often the condition was asked."""
+    """Return what a wait for A reads, with `work` cycles in its condition, and the number of its evaluations."""
     bench = Bench(changes, code=replace(BARE, poll_pass=10), skip_polls=skip)
     asked: list[int] = []
 

@@ -1,4 +1,4 @@
-"""Which files are the firmware's, in either form of the package, and the parts of a location in an image."""
+"""Files of firmware are told from those of the package, in either form; a location in an image has its parts."""
 
 from __future__ import annotations
 

@@ -205,7 +205,7 @@ def test_a_pin_edge_reaches_the_vector_fetch_within_its_window_and_twelve_cycles
 
 
 def heard(levels: list[tuple[int, int]], modules: tuple[str, ...], pin: int, setup: Callable[[Dsp], None]) -> int:
-    """How often XINT1, on both edges of a pad that has these levels at these ticks, is served."""
+    """Return how often XINT1 is served. It is on both edges of a pad that has these levels at these ticks."""
     kernel, recorder = Kernel(), Recorder()
     wire = Wire(kernel, "PAD", recorder)
     hand = wire.attach("hand")

@@ -88,7 +88,7 @@ COMPARED = (Kind.WAIT, Kind.FLAG, Kind.BUS, Kind.IRQ)
 
 
 def run_polled(path: Path, skip: bool, seconds: str, *changes: str) -> tuple[Result, list[Record], int]:
-    """What came of it, its records in no order, and how many passes were skipped."""
+    """Return the result, the records without their order, and the number of skipped passes."""
     records: list[Record] = []
     skips = [f"unit.{unit}.skip_polls={str(skip).lower()}" for unit in load(path).unit]
     case = load(path, [f"duration={seconds} s", *changes, *skips])
@@ -111,7 +111,7 @@ def test_figures_and_records_are_those_of_skipping(name: str):
     assert told_too == told and any(one.kind is Kind.WAIT for one in told)
 
 
-HANGS: Mapping[str, tuple[str, str]] = {  # a wait for a byte that nobody sends
+HANGS: Mapping[str, tuple[str, str]] = {  # a wait for a byte that is never sent
     "image": ("hangs.asm", """ .sect ".text", 0x9000
 _c_int00: EALLOW
  MOVW DP,#0x7029 >> 6

@@ -55,7 +55,7 @@ def test_a_wait_says_since_when_in_the_time_of_its_own_clock(tmp_path: Path):
 
 
 def duties(oscclk_mhz: int, pll: int, ipsc: int, switch_to: int = 0) -> list[str]:
-    """What is noted of I2C set up so. switch_to: PLLCR afterwards."""
+    """Return the notes on I2C with this set-up. switch_to: the value of PLLCR that is written afterwards."""
     kernel, recorder = Kernel(), Recorder()
     plan = DspPlan("dsp", ("I2C-A",), {}, oscclk_hz=oscclk_mhz * 1_000_000, pll=pll)
     dsp = Dsp(kernel, Timebase(150_000_000), recorder, plan)

@@ -1,4 +1,4 @@
-"""What is reported of a bus without a controller agent: bytes, records as the agent makes them, and stuck lines."""
+"""A bus without a controller agent: its bytes, its records, which equal those of an agent, and stuck lines."""
 
 from __future__ import annotations
 

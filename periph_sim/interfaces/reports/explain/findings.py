@@ -1,4 +1,4 @@
-"""What the records at the ends of an occurrence and around an instant show; the kind of budget plays no part.
+"""Findings from the records at the ends of an occurrence and around an instant, for budgets of every kind.
 
 ends of a measure of events                  --> the records that it takes there
 ends of others                               --> the records of the bus, a line or a module that it is derived from

@@ -1,4 +1,4 @@
-"""Distributions: every value is in one bin, whatever the values are; what is told of them is what numpy tells."""
+"""Distributions: every value is in exactly one bin, and quantiles equal those of numpy."""
 
 from __future__ import annotations
 

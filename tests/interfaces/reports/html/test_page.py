@@ -244,7 +244,7 @@ def test_a_commit_is_told_and_whether_files_differ_from_it(tmp_path: Path) -> No
     git(tmp_path, "add", ".")
     git(tmp_path, "commit", "-qm", "first")
     commit = git(tmp_path, "rev-parse", "HEAD")[:12]
-    (tmp_path / "report.html").write_text("new", encoding="utf-8")  # nobody's change
+    (tmp_path / "report.html").write_text("new", encoding="utf-8")  # a file that is not committed
     assert commit_of(case.parent) == commit
     case.write_text("b", encoding="utf-8")
     assert commit_of(case.parent) == f"{commit}, and uncommitted changes"

@@ -19,7 +19,7 @@ from ..core.settings import duration, share
 from ..core.time import NO_TIME, Timebase, round_ratio
 from .budget_schema import Budget
 from .language.scope import BadEvent, Scope
-from .measures.event import OfEvents
+from .measures.event_pairing import EventMeasure
 from .measures.factory import expanded, maker_of
 from .measures.measure import MILLIONTHS, Measure
 
@@ -184,7 +184,7 @@ def _check(budget: Budget, measure: Measure, limits: dict[str, int], given: dict
             if limits[key] > limits[higher]:
                 what = f"{key} {given[key]} is above {higher} {given[higher]}, which says more already"
                 raise BadBudget(f"{what}; lower {key} or leave it out", key)
-    if isinstance(measure, OfEvents) and measure.counts and measure.event.free:
+    if isinstance(measure, EventMeasure) and measure.proves_no_zero:
         for key in limits:
             if key != "min" and limits[key] == 0:
                 what = "a span's name is free text, so that none was seen proves nothing"

@@ -33,7 +33,7 @@ from periph_sim.scene.case.unit_table import Code, Compile, StubTable, Unit
 from periph_sim.scene.case.watch import WatchTable
 from periph_sim.scene.case.wiring import Cable
 from periph_sim.timing.budget_schema import REPLY, SPAN, WATCH, Budget, Condition, Limited
-from periph_sim.timing.measures.registry import MEASURES
+from periph_sim.timing.measures.registry import MEASURES, PHRASES
 from tests.docs.pages import ROOT
 from tests.timing.events_by_hand import make
 
@@ -115,7 +115,7 @@ def test_every_family_of_devices_has_a_section():
 def test_every_measure_with_its_unit_and_meaning():
     measures = {name: make(name) for name in [*MEASURES, f"{SPAN}NAME", f"{REPLY}NAME", f"{WATCH}NAME"]}
     shown = [(name.strip("`"), unit, what.split(".")[0]) for name, unit, what in rows("Measures")]
-    abouts = {name: row.about for name, row in MEASURES.items()}
+    abouts = {name: row.about for name, row in MEASURES.items()} | {f"{SPAN}NAME": PHRASES["span"].about}
     assert shown == [
         (name, measure.unit, abouts.get(name, measure.__doc__ or "").strip().split(".")[0])
         for name, measure in measures.items()

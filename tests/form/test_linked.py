@@ -35,7 +35,6 @@ CHAINS = {
     ("timing.measures.modifies", "Access", "before"),
 }
 NO_CHAINS = {
-    ("timing.measures.event", "Jitter", "of"): "one for each `jitter of` in a sentence",
     ("processor.python.register_view", "Port", "_half"): "a half has no half",
 }
 

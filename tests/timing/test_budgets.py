@@ -8,7 +8,7 @@ from periph_sim.timing.budget_plan import BadBudget
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge
 from periph_sim.timing.language.scope import Scope
-from periph_sim.timing.measures.event import OfEvents
+from periph_sim.timing.measures.event_pairing import EventMeasure
 from tests.timing.judges import US, judge, judged, judges
 
 TEXT = "from edge SCL fall to edge SCL rise"
@@ -95,7 +95,7 @@ def test_zero_of_something_counted_is_a_value():
 
 def test_counts_are_judged_whole():
     of = limit("nacked", max=1)
-    assert isinstance(of.measure, OfEvents)
+    assert isinstance(of.measure, EventMeasure)
     of.measure.happened(0, 3 * US, 0)
     assert of.verdict().verdict == "pass"
     of.measure.happened(0, 6_000_000 * US, 0)
@@ -106,7 +106,7 @@ def test_counts_are_judged_whole():
 def test_a_minimum_of_a_count():
     of = limit("nacked", min=1)
     assert of.verdict().verdict == "fail"
-    assert isinstance(of.measure, OfEvents)
+    assert isinstance(of.measure, EventMeasure)
     of.measure.happened(0, 0, 0)
     assert of.verdict().verdict == "pass"
 

@@ -14,8 +14,8 @@ from periph_sim.timing.derived.error_records import RECENT, ErrorRecords
 from periph_sim.timing.derived.transfer_records import begin_of
 from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.measure import MILLIONTHS
-from periph_sim.timing.measures.states import SpanTime, TimeIn
-from tests.timing.events_by_hand import ONE, records, tell
+from periph_sim.timing.measures.states import TimeIn
+from tests.timing.events_by_hand import ONE, make, records, tell
 from tests.timing.measures.hand_made_run import GYRO, OTHER, HandMadeRun, read, wrote
 
 
@@ -120,7 +120,7 @@ def test_rounds_are_counted_from_the_time_asked_for(not_before: int, measured: i
 
 
 def test_a_span_that_is_not_over_counts_with_what_it_has_lasted_unit_by_unit():
-    measure = SpanTime("model")
+    measure = make("span:model")
     tell(measure, records("10 span dsp model 1\n15 span dsp model 0\n20 span imu model 1\n30 span dsp model 1"))
     assert sorted(measure.unfinished(100)) == [(70, 30), (80, 20)]
     assert measure.close(100) == "span 'model' still lasted when the run ended"

@@ -111,13 +111,13 @@ def test_only_some_of_the_kept_values():
     assert of.percentile(1000) == (2, 30)
 
 
-def test_each_value_that_counts_is_told():
-    told: list[tuple[int, int]] = []
+def test_each_value_that_counts_is_kept():
     of = Waits((7, 40))
-    of.not_before, of.tap = 10, lambda value, at: told.append((value, at))
+    of.not_before = 10
+    of.keep()
     took(of, (1, 9), (2, 10), (2, 11))
     of.close(99)
-    assert told == [(2, 10), (2, 11), (7, 40)]
+    assert [column.tolist() for column in of.all_kept()] == [[2, 2, 7], [10, 11, 40]]
 
 
 def test_a_count_is_one_number_and_its_time_that_of_the_first():

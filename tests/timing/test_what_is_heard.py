@@ -3,23 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import chain, cycle
 
 import pytest
 
 from periph_sim.core.records import Kind
 from periph_sim.core.time import NO_TIME
 from periph_sim.timing.language.events import matcher
-from periph_sim.timing.measures.event import Jitter, Period
 from periph_sim.timing.measures.event_pairing import subjects_of
 from periph_sim.timing.measures.factory import measure_named
 from tests.timing.events_by_hand import ONE, came, records, tell
+from tests.timing.measures.test_event import Rounds
 
 CAME = "10 edge SCL level 1\n20 edge SCL level 0\n25 edge SCL level 1\n60 edge SCL level 1"
 
 
 def test_a_period_is_told_with_where_it_began_and_what_is_not_over_counts():
     period = tell(measure_named("period of edge SCL rise", ONE), records(CAME))
-    assert isinstance(period, Period) and came(period) == (35, 25, 15, 2)
+    assert came(period) == (35, 25, 15, 2)
     assert period.unfinished(70) == [(10, 60)] and period.close(70) == ""
     assert period.close(96) == "'edge SCL rise' did not come again before the run ended" and period.worst == 36
     assert measure_named("period of edge SCL rise", ONE).unfinished(70) == []
@@ -78,7 +79,7 @@ def test_why_nothing_was_measured(text: str, of: str, missing: str):
 
 def test_a_jitter_of_one_value_has_none_and_of_none_says_why():
     jitter = measure_named("jitter of edge SCL rise", ONE)
-    assert isinstance(jitter, Jitter) and jitter.missing() == "no event matched 'edge SCL rise'"
+    assert jitter.missing() == "no event matched 'edge SCL rise'"
     tell(jitter, records("5 edge SCL level 1\n6 edge SCL level 1"))
     assert jitter.silent and jitter.missing() == "there was one value, which has none before it"
     tell(jitter, records("9 edge SCL level 1\n10 edge SCL level 1"))
@@ -118,18 +119,12 @@ def test_an_event_of_a_group_needs_its_begin_and_end_as_well():
 # Groups ---------------------------------------------------------------------------------------------------------------
 
 
-class Startup:
+class Startup(Rounds):
     """Rounds of two transfers behind three of the start-up."""
 
-    def __init__(self) -> None:
-        self._starts = -3
-
     def rounds_at_start(self) -> Callable[[], bool]:
-        return self._begins
-
-    def _begins(self) -> bool:
-        self._starts += 1
-        return self._starts > 0 and self._starts % 2 == 1
+        begins = chain([False] * 3, cycle([True, False]))
+        return lambda: next(begins)
 
 
 STARTS = "\n".join(
@@ -152,12 +147,12 @@ STARTS = "\n".join(
 )
 def test_rounds_begin_behind_the_transfers_of_the_start_up(event: str, at: list[int]):
     period = measure_named(f"period of {event}", ONE)
-    period.listen(Startup())  # type: ignore[arg-type]
+    period.listen(Startup(2))
     period.keep()
     tell(period, records(STARTS))
     period.finish(99)
     assert period.all_kept()[1].tolist() == at[:-1]
-    assert period.seen == [len(at)]
+    assert period.seen == [len(at)] * 2
 
 
 def test_the_latency_to_the_first_access_is_that_of_its_own_unit():

@@ -1,12 +1,12 @@
 """Named events: their syntax, and the tests that recognize their records.
 
     event   = one { "or" one } | ( "first" | "last" | number ( "st" | "nd" | "rd" | "th" ) ) one "of" group
-    group   = "transfer" | "round" | "burst"
+    group   = "transfer" | "round" | "burst" | "interrupt" vector
     one     = "edge" wire ( "rise" | "fall" | "change" )
             | "flag" field ( "rise" | "fall" | "change" | "=" number )
-            | "access" ( "R" | "W" ) register
+            | "access" ( ( "R" | "W" ) register | "by" unit )
             | "interrupt" vector ( "enter" | "leave" )
-            | "span" span ( "begin" | "end" )
+            | "span" span ( "begin" | "end" )                    unit "any": in any unit
             | "bus" ( "START" | "repeated" "START" | "STOP" | "arbitration" "lost" | "stuck" | "clear"
                     | "NACK" [ "address" | "byte" ] | "address" [ number ] [ "read" | "write" ] | "byte" [ number ] )
             | "frame" [ line ] [ number ] [ "begin" | "end" | "error" | "cut" | "collision" ]
@@ -47,14 +47,16 @@ OF_PAIRS = ("cut", "collision")
 FRAME_PARTS = ("begin", "end", "error", *OF_PAIRS)
 BEHIND_EVENTS = ("", "to", "from", "or", "of", "at", ",", "in", "next", "last", "same")  # what may follow an event
 NTH = re.compile(r"(\d+)(st|nd|rd|th)")
-GROUPS = ("transfer", "round", "burst")
+GROUPS = ("transfer", "round", "burst", "interrupt")
+ANY_UNIT = "any"
+ANYTHING = ""  # as the thing of a matcher
 
 
 class Event(Struct, frozen=True):
     """kind: the event's first word. name: what it is about. how: which change or way. number: a value, if given.
 
-    others: events that are as good, "or" between them. nth, group: which one of a transfer, round or burst counts; -1
-    is the last.
+    others: events that are as good, "or" between them. nth, group: which one of a transfer, round, burst or service
+    routine counts; -1 is the last. routine: the interrupt of the group.
     """
 
     kind: str
@@ -66,12 +68,13 @@ class Event(Struct, frozen=True):
     others: tuple[Event, ...] = ()
     nth: int = 0
     group: str = ""
+    routine: str = ""
 
 
 class Group(Struct, frozen=True):
     """A stretch of a run in which events are counted: a name of GROUPS.
 
-    begin, end: START and STOP; of a burst a frame's begin and end.
+    begin, end: START and STOP; of a burst a frame's begin and end; of a service routine its own.
     """
 
     name: str
@@ -82,7 +85,8 @@ class Group(Struct, frozen=True):
 class Matcher(Struct, frozen=True, dict=True):
     """where: the places it may happen at; None for any. others: matchers that are as good, "or" between them.
 
-    nth, group: which one counts, 1 for the first, -1 for the last, where not every one does. thing: of a derived one.
+    what: ANYTHING for all things of the kind. nth, group: which one counts, 1 for the first, -1 for the last, where not
+    every one does. thing: of a derived one.
     """
 
     text: str
@@ -111,7 +115,8 @@ class Matcher(Struct, frozen=True, dict=True):
 
     def may_be(self, kind: Kind, where: str, what: str) -> bool:
         """Return True if a record of this kind, place and thing is this one event, provided that its value fits."""
-        return what == self.what and kind is self.kind and (self.where is None or where in self.where)
+        fits = self.what in (what, ANYTHING) and kind is self.kind
+        return fits and (self.where is None or where in self.where)
 
     @cached_property
     def subjects(self) -> frozenset[str]:
@@ -124,7 +129,7 @@ class Matcher(Struct, frozen=True, dict=True):
             return places
         if self.kind is Kind.FLAG:
             return frozenset(f"{place}.{self.what.partition('.')[0]}" for place in places)
-        if self.kind is Kind.ACCESS:
+        if self.kind is Kind.ACCESS and self.what != ANYTHING:
             return frozenset(f"{place}.{self.what[2:]}" for place in places)
         return frozenset()
 
@@ -146,7 +151,8 @@ def read_event(words: Words) -> Event:
     if nth:
         words.one_of(["of"])
         group = words.one_of(list(GROUPS))
-        return replace(first, text=words.between(begin), nth=nth, group=group)
+        routine = name_text(*words.name("an interrupt's name")) if group == "interrupt" else ""
+        return replace(first, text=words.between(begin), nth=nth, group=group, routine=routine)
     others = []
     while words.took("or"):
         others.append(_read_one(words))
@@ -186,6 +192,9 @@ def matcher(event: Event | str, scope: Scope) -> Matcher:
 
 def group_of(event: Event, scope: Scope) -> Group:
     """Return the group in which an event is counted. BadEvent if the scene has no such group."""
+    if event.group == "interrupt":
+        enter, leave = (matcher(f"interrupt {event.routine} {how}", scope) for how in ("enter", "leave"))
+        return Group("interrupt", enter, leave)
     if event.group != "burst":
         if not (scope.rounds if event.group == "round" else scope.bus):
             needs = "[controller] or [rounds]" if event.group == "round" else "SCL and SDA"
@@ -200,6 +209,11 @@ def group_of(event: Event, scope: Scope) -> Group:
 def stretch_of(name: str, scope: Scope) -> Group:
     """Return the group for a transfer or a round, which begins with a START that is not a repeated one."""
     return Group(name, matcher("bus START", scope), matcher("bus STOP", scope))
+
+
+def name_text(unit: str, name: str) -> str:
+    """Return a name as a sentence has it, with its unit if one is given."""
+    return f"{unit}:{name}" if unit else name
 
 
 Parts = tuple[str, str, str, int | None]
@@ -224,7 +238,9 @@ def _read_flag(words: Words) -> Parts:
 
 
 def _read_access(words: Words) -> Parts:
-    way = words.one_of(["R", "W"])
+    way = words.one_of(["R", "W", "by"])
+    if way == "by":
+        return words.take("a unit"), "", way, None
     unit, name = words.name("a register")
     return unit, name, way, None
 
@@ -308,6 +324,8 @@ def _match_flag(event: Event, scope: Scope) -> Matcher:
 
 
 def _match_access(event: Event, scope: Scope) -> Matcher:
+    if event.how == "by":
+        return Matcher(event.text, Kind.ACCESS, frozenset((scope.unit(event.unit),)), ANYTHING)
     unit, module, register = scope.register(event.unit, event.name)
     return Matcher(event.text, Kind.ACCESS, frozenset((unit,)), f"{event.how} {module}.{register.name}")
 
@@ -318,8 +336,12 @@ def _match_interrupt(event: Event, scope: Scope) -> Matcher:
 
 
 def _match_span(event: Event, scope: Scope) -> Matcher:
-    unit, known = scope.span(event.unit, event.name)
     begins = int(event.how == "begin")
+    if event.unit == ANY_UNIT:
+        if len(scope.units) == 1:
+            scope.span("", event.name)
+        return Matcher(event.text, Kind.SPAN, None, event.name, EVERYTHING, begins, free=True)
+    unit, known = scope.span(event.unit, event.name)
     return Matcher(event.text, Kind.SPAN, frozenset((unit,)), event.name, EVERYTHING, begins, free=not known)
 
 

@@ -26,7 +26,8 @@
             | "value" "error" [ "of" chip ] [ "at" ( "first" "bit" | "frame" ) ]
     state   = span | ( "flag" field | "variable" variable ) "=" number | "wire" wire ( "high" | "low" )
             | "bus" ( "busy" | "free" ) | "interrupt" vector
-    pair    = "from" event "to" event { "," ( "in" "order" | "next" | "last" | "same" ( "transfer" | "round" ) ) }
+    pair    = "from" event "to" event { "," rule }
+    rule    = "in" "order" | "next" | "last" | "same" ( "transfer" | "round" | "unit" )
     clause  = "," ( "for" "each" | "measured" "at" | "given" | "unless" | "unfinished" ) event
     event   = see `events`
     field, register, vector, span, variable: [ unit ":" ] name; a name with blanks is quoted
@@ -75,7 +76,7 @@ class Said:
     """form: a key of FORMS. events: those named. text: all of it. unit, name: of a field, vector, unit or chip.
 
     state: of times in one. clauses: what follows, each with its event.
-    pairing: one of PAIRINGS, or empty. group: "transfer" or "round" that a pair lies in. instant: of values.
+    pairing: one of PAIRINGS, or empty. group: "transfer", "round" or "unit" that a pair lies in. instant: of values.
     window: of a load, in seconds. of: what the jitter is of, if that is a measure. access: to the first one.
     """
 
@@ -114,10 +115,6 @@ def measure_of(text: str) -> Said:
     return replace(said, text=text)
 
 
-def name_text(unit: str, name: str) -> str:
-    return f"{unit}:{name}" if unit else name
-
-
 def _from(words: Words) -> Said:
     begin = read_event(words)
     words.one_of(["to"])
@@ -126,7 +123,7 @@ def _from(words: Words) -> Said:
     while not (pairing and group) and (_took_comma(words) or words.next in ("in", "next", "last", "same")):
         said = words.one_of([word for word in ("in", "next", "last") if not pairing] + ["same"] * (not group))
         if said == "same":
-            group = words.one_of(["transfer", "round"])
+            group = words.one_of(["transfer", "round", "unit"])
         else:
             pairing = f"in {words.one_of(['order'])}" if said == "in" else said
     return Said("from", (begin, end), pairing=pairing, group=group, clauses=_clauses(words))

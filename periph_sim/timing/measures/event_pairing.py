@@ -1,11 +1,12 @@
-"""Base class of measures of events. It recognizes events in records and reports them in their order.
+"""Measures of events, as sentences name them: how often they happen, and with which values.
 
     topic  --tag_of--> events that its records may be, and with which values: determined once
     record --on_record--> event that counts immediately --------------.
                    '---> "last ... of transfer": known when that is over -+--in order--> happened(place, tick, value)
                                                                           '--> occasions, things that cannot be judged
 
-Of two events at one time the one recorded first is the earlier one.
+Events are recognized in records and counted in their order. Of two events at one time the one recorded first is the
+earlier one.
 """
 
 # core: compiled
@@ -21,9 +22,9 @@ from ...core.counted import counted
 from ...core.records import UNWANTED, Kind, Recorder, Subjects
 from ...core.state import State
 from ...core.suggest import did_you_mean
-from ..language.events import Matcher
+from ..language.events import ANYTHING, Matcher
 from .groups import Groups
-from .measure import Measure
+from .measure import READ, Measure
 from .measured_scene import MeasuredScene
 from .registry import UNNAMED, Sentence
 
@@ -105,21 +106,41 @@ class Hearing:
 
 
 class EventMeasure(Measure):
-    """A measure that knows how often each of its events happened.
+    """The occurrences of an event, measured in a form of the language of budgets.
+
+    count   how many there were: worst is their number, worst_at when the first one was. Zero is a value, except for
+            free-text names, which may be misspelled. Verdicts show at how many of its occasions it was measured, where
+            it has any.
+    value   the value of each: the words in a FIFO, the age of what is read, a register field whenever it changed
+    level   the value that the second event had last, whenever the first one happens
+    sum     the sum of their values, which are numbers of things, as those of its clauses are: count is the sum of what
+            was measured, since a run in which nothing was compared proves nothing
+    ""      what a subclass takes in `happened`
 
     order: which of its events comes first where one record is several of them; places in `matchers`.
     weighs: the values of its clauses' records are numbers of things, which it counts.
     """
 
-    STATE = State("_groups _queue _queued _newest")
+    STATE = State("_groups _queue _queued _newest _level")
 
-    def __init__(self, *matchers: Matcher, order: Sequence[int] = (), clauses: Clauses = NO_CLAUSES) -> None:
+    def __init__(
+        self, *matchers: Matcher, form: str = "", order: Sequence[int] = (), clauses: Clauses = NO_CLAUSES
+    ) -> None:
         self.asked: str = clauses.said.asked
         super().__init__()
         thing = matchers[0].thing if matchers else None
         self.needs: str = "" if thing is None else thing.needs
         self.looks_back: str = clauses.said.looks_back
-        self.weighs: bool = False
+        self.counts: bool = form == "count"
+        self.weighs: bool = form == "sum"
+        self.series: bool = not (self.counts or self.weighs)
+        if form:
+            self.unit: str = "value" if thing is None or self.counts else thing.unit
+            if self.unit == "value" and not self.series:
+                self.unit = "count"
+            self.occurrence: str = READ if self.series and thing is not None and thing.by_read else ""
+        self._is_level: bool = form == "level"
+        self._level = 0
         self._clauses: Clauses = clauses
         self._roles: list[int] = list(clauses.roles)
         self._own = len(matchers)
@@ -143,6 +164,9 @@ class EventMeasure(Measure):
         each = [one for m in (*matchers, *starts) for one in m.each]
         self.kinds = frozenset(one.kind for one in each)
         self._wanted = {(one.kind, one.what) for one in each}
+        self._every: set[Kind] = {one.kind for one in each if one.what == ANYTHING}  # kinds with all their things
+        if self.spans is not None:  # so that a name near a misspelled one can be shown
+            self._every.add(Kind.SPAN)
         self._needed: dict[Kind, frozenset[str]] = subjects_of([*matchers, *starts])
         self._plans: list[list[Hearing]] = []  # by tag
         self._names: list[str] = []  # by tag, of a span; else ""
@@ -152,18 +176,19 @@ class EventMeasure(Measure):
         return self._needed
 
     def subscribe(self, recorder: Recorder) -> None:
-        by_name = self.kinds if self.spans is None else self.kinds - {Kind.SPAN}
-        recorder.subscribe(by_name, self, self.subjects, self._wanted)
-        if self.spans is not None:  # all of their names, so that one near a misspelled name can be shown
-            recorder.subscribe({Kind.SPAN}, self)
+        recorder.subscribe(self.kinds - self._every, self, self.subjects, self._wanted)
+        recorder.subscribe(self._every, self, self.subjects)
 
     def listen(self, scene: MeasuredScene) -> None:
         for groups in self._groups:
             if groups is not None:
                 groups.listen(scene)
+        if self._is_level:
+            (place,) = self.matchers[1].where or ("",)
+            self._level = scene.value_of(place, self.matchers[1].what)
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        if self.spans is None and (kind, what) not in self._wanted:
+        if kind not in self._every and (kind, what) not in self._wanted:
             return UNWANTED
         plan = [one for place in self._order if (one := self._hearing(place, kind, where, what)) is not None]
         name = what if self.spans is not None and kind is Kind.SPAN else ""
@@ -225,7 +250,9 @@ class EventMeasure(Measure):
 
     def measured_at(self, tick: int, number: int) -> None:
         """Count occasions that were measured."""
-        if tick >= self.not_before:
+        if self.weighs:
+            self.count += number
+        elif tick >= self.not_before:
             self._measured += number
 
     def _hear_of_group(self, one: Hearing, tick: int, value: int) -> None:
@@ -261,7 +288,17 @@ class EventMeasure(Measure):
         self._queued = bool(queue)
 
     def happened(self, place: int, tick: int, value: int) -> None:
-        """Handle an event. Called for each event in order; does nothing in measures that only need their counts."""
+        """Handle an event. Called for each event in order."""
+        if place:
+            self._level = value
+        elif self.series:
+            self.take(self._level if self._is_level else value, tick)
+        else:
+            if not self.worst:
+                self.worst_at = self.least_at = tick
+            self.worst = self.least = self.worst + (value if self.weighs else 1)
+            if self.counts or not self._has_measured:
+                self.count += 1
 
     def finish(self, now: int) -> None:
         for place in list(self._newest):
@@ -273,7 +310,16 @@ class EventMeasure(Measure):
 
     @property
     def measured(self) -> int:
-        return self._measured if self._has_measured else self.count
+        return self._measured if self._has_measured and not (self.weighs or self.is_jitter) else self.count
+
+    @property
+    def counted(self) -> int:
+        return self.measured if self.counts and self.occasions is not None else self.count
+
+    @property
+    def proves_no_zero(self) -> bool:
+        """True if a count of zero proves nothing, because the name of what is counted is free text."""
+        return self.counts and self.matchers[0].free
 
     @property
     def ungiven(self) -> bool:
@@ -282,7 +328,7 @@ class EventMeasure(Measure):
 
     @property
     def silent(self) -> bool:
-        return not self.count or self.ungiven
+        return self.ungiven or not (self.count or (self.counts and not self.proves_no_zero))
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
         return self._unfinished
@@ -290,17 +336,22 @@ class EventMeasure(Measure):
     def unfinished_text(self) -> str:
         return self._clauses.said.cut_off
 
-    def missing(self) -> str:
+    def why_silent(self) -> str:
+        said = self._clauses.said
         if self.ungiven:
-            return self._clauses.said.unproven
-        if self._clauses.said.nothing is not None:
-            return self._clauses.said.nothing
-        return self.unmatched([m for m, seen in zip(self.matchers, self.seen, strict=True) if not seen])
+            return said.unproven
+        if said.nothing is not None and self.spans is not None:
+            return "" if self.seen[0] else f"{said.nothing}; {span_hint(self.matchers[0].what, self.spans)}"
+        if said.nothing is not None:
+            return said.nothing
+        needed = self.matchers[:1] if self._is_level else self.matchers
+        return self.unmatched([m for m, seen in zip(needed, self.seen, strict=False) if not seen])
 
     def unmatched(self, never: list[Matcher]) -> str:
         if never:
             hints = [span_hint(m.what, self.spans) for m in never if m.free and self.spans is not None]
-            return "; ".join([f"no event matched {' and '.join(repr(m.text) for m in never)}", *hints[:1]])
+            texts = dict.fromkeys(repr(m.text) for m in never)
+            return "; ".join([f"no event matched {' and '.join(texts)}", *hints[:1]])
         return f"{self.matchers[0].text!r} was seen {counted(self.seen[0], 'time')}, which makes no measurement"
 
 

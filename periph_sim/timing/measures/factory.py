@@ -17,18 +17,17 @@ from ...core.suggest import did_you_mean
 from ...devices.sensor_rounds import known_sensors
 from ...f28335.pie.register_map import LINES
 from ..budget_schema import REPLY, SPAN, WATCH
-from ..language.events import OF_AGENT, Group, Matcher, matcher, stretch_of
-from ..language.language import FORMS, Said, is_form, measure_of, name_text, near_form
+from ..language.events import OF_AGENT, Group, Matcher, matcher, name_text, stretch_of
+from ..language.language import FORMS, Said, is_form, measure_of, near_form
 from ..language.scope import BadEvent, Scope
-from .event import Jitter, LevelAt, OfEvents, Period, ToFirstAccess
-from .event_pairing import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses
+from .event_pairing import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses, EventMeasure
 from .load import BusLoad, CpuLoad
 from .margin import HeldPerTransfer, Margin
 from .measure import Measure
 from .pair import Between
 from .registry import MEASURES, PHRASES, UNNAMED, Sentence
 from .reply import Reply
-from .states import SpanTime, StateEvents, TimeIn
+from .states import StateEvents, TimeIn
 from .watched_wire import WatchedWire
 
 OVERFLOWS = "overflows"  # of fixed-point arithmetic
@@ -83,9 +82,10 @@ def maker_of(text: str, scope: Scope) -> Maker:
 
 def _called(name: str, scope: Scope) -> Maker:
     """Return the maker of a measure with a fixed name, or of a span, a reply or a watched wire."""
-    if name.startswith(SPAN) and len(scope.units) == 1:
-        scope.span("", name.removeprefix(SPAN))
-    for prefix, kind in ((SPAN, SpanTime), (REPLY, Reply), (WATCH, WatchedWire)):
+    if name.startswith(SPAN):
+        span = name.removeprefix(SPAN)
+        return _of_sentence(PHRASES["span"], scope, name=span, quoted=f"'{span}'" if '"' in span else f'"{span}"')
+    for prefix, kind in ((REPLY, Reply), (WATCH, WatchedWire)):
         if name.startswith(prefix):
             return partial(kind, name.removeprefix(prefix))
     if name in MEASURES:
@@ -116,7 +116,8 @@ def _maker_of_events(said: Said, scope: Scope) -> Maker:
 def _of_sentence(sentence: Sentence, scope: Scope, **parameters: str) -> Maker:
     """Return the maker of a named measure."""
     text, nothing = sentence.text.format_map(parameters), sentence.nothing
-    filled = replace(sentence, nothing=nothing and nothing.format_map(parameters))
+    cut_off = sentence.cut_off.format_map(parameters)
+    filled = replace(sentence, nothing=nothing and nothing.format_map(parameters), cut_off=cut_off)
     return _of_events(measure_of(text), scope, filled)
 
 
@@ -124,16 +125,17 @@ def _of_events(said: Said, scope: Scope, sentence: Sentence = UNNAMED) -> Maker:
     """Return the maker of a count, a value, a sum or a time from one event to another."""
     first, *others = (matcher(event, scope) for event in said.events)
     clauses = _clauses(said, scope, sentence)
+    if not others:
+        return partial(EventMeasure, first, form=said.form, clauses=clauses)
+    group, by_unit = _group(said, scope), said.group == "unit"
     if said.form == "from":
-        return partial(Between, first, others[0], said.pairing, _group(said, scope), clauses)
-    if others:
-        return partial(Between, others[0], others[1], said.pairing, _group(said, scope), clauses, first)
-    return partial(OfEvents, said.form, first, clauses)
+        return partial(Between, first, others[0], said.pairing, group, clauses, by_unit=by_unit)
+    return partial(Between, others[0], others[1], said.pairing, group, clauses, first, by_unit)
 
 
 def _clauses(said: Said, scope: Scope, sentence: Sentence) -> Clauses:
     asked = [event.text for clause, event in said.clauses if clause == "for each"]
-    if said.group and asked:
+    if said.group not in ("", "unit") and asked:
         what = f"pairs of one {said.group} are counted {said.group} by {said.group}"
         raise BadEvent(f"{said.text!r}: {what}; leave 'for each {asked[0]}' out")
     unknown = [(f"event {event.text!r}", "cannot be judged") for clause, event in said.clauses if clause == "unless"]
@@ -151,7 +153,7 @@ def _clauses(said: Said, scope: Scope, sentence: Sentence) -> Clauses:
 
 
 def _group(said: Said, scope: Scope) -> Group | None:
-    if not said.group:
+    if said.group in ("", "unit"):
         return None
     if not (scope.rounds if said.group == "round" else scope.bus):
         needs = "[controller] or [rounds]" if said.group == "round" else "SCL and SDA"
@@ -160,25 +162,37 @@ def _group(said: Said, scope: Scope) -> Group | None:
 
 
 def _jitter(said: Said, scope: Scope) -> Maker:
-    make_of: Maker
     if said.events:
-        make_of = partial(Period, matcher(said.events[0], scope))
+        make_of = _period(said, scope)
     else:
         make_of = _called(said.name, scope) if said.of is None else _maker_of_events(said.of, scope)
         if not make_of().series:
             raise BadEvent(f"{said.text!r}: that is one number a run, so it has no jitter")
-    return lambda: Jitter(make_of())
+    return partial(_jittering, make_of)
+
+
+def _jittering(make_of: Maker) -> Measure:
+    measure = make_of()
+    measure.become_jitter()
+    return measure
+
+
+def _period(said: Said, scope: Scope) -> Maker:
+    return _of_sentence(PHRASES["period"], scope, event=said.events[0].text)
 
 
 def _level(said: Said, scope: Scope) -> Maker:
     change, *at = (matcher(event, scope) for event in said.events)
-    return partial(LevelAt, at[0], change) if at else partial(OfEvents, "value", change)
+    if at:
+        return partial(EventMeasure, at[0], change, form="level", order=(1, 0))
+    return partial(EventMeasure, change, form="value")
 
 
 def _stack(said: Said, scope: Scope) -> Maker:
     """Return the maker of the stack's high-water mark, which is recorded whenever it grows."""
     text = "stack high-water"
-    return partial(OfEvents, "value", Matcher(text, Kind.FLAG, frozenset((f"{scope.image(said.unit)}.CPU",)), "stack"))
+    high = Matcher(text, Kind.FLAG, frozenset((f"{scope.image(said.unit)}.CPU",)), "stack")
+    return partial(EventMeasure, high, form="value")
 
 
 def _reaction(said: Said, scope: Scope) -> Maker:
@@ -202,7 +216,7 @@ def _latency(said: Said, scope: Scope) -> Maker:
     asked, vector = name_text(whose, f"PIE.PIEIFR{group}.INTx{line}"), name_text(whose, said.name)
     if not said.access:
         return _of_sentence(PHRASES["interrupt"], scope, asked=asked, vector=vector)
-    return partial(ToFirstAccess, matcher(f"flag {asked} rise", scope), matcher(f"interrupt {vector} enter", scope))
+    return _of_sentence(PHRASES["first access"], scope, asked=asked, unit=unit, vector=vector)
 
 
 def _state(said: Said, scope: Scope) -> StateEvents:
@@ -243,12 +257,12 @@ def _of(chip: str) -> str:
 
 _MAKERS: dict[str, Callable[[Said, Scope], Maker]] = {
     "from": _of_events,
-    "period": lambda said, scope: partial(Period, matcher(said.events[0], scope)),
+    "period": _period,
     "jitter": _jitter,
     "count": _of_events,
     "sum": _of_events,
     "level": _level,
-    "calls": lambda said, scope: partial(OfEvents, "count", matcher(said.events[0], scope)),
+    "calls": lambda said, scope: partial(EventMeasure, matcher(said.events[0], scope), form="count"),
     "stack": _stack,
     "interrupt": _latency,
     "reaction": _reaction,

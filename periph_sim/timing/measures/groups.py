@@ -3,6 +3,7 @@
 transfer   from its START to the next transfer's
 round      from its first START to the next round's; which one is the first, `rounds` knows
 burst      UART frames of one wire without a pause between them that is longer than two characters
+interrupt  from the begin of a service routine to its end
 """
 
 # core: compiled
@@ -28,6 +29,7 @@ class Groups:
         self.nth = nth
         self.inside = False  # no group has begun yet
         self._group = group
+        self._ends: bool = group.name == "interrupt"  # before the next one begins
         self._seen = 0
         self._begins_round: Callable[[], bool] | None = None
         self._frame_began = self._frame_ended = NO_TIME
@@ -46,6 +48,7 @@ class Groups:
         first = begin and self._is_first(tick)
         if end:
             self._frame_ended = tick
+            self.inside = self.inside and not self._ends
         if first:
             self._seen, self.inside = 0, True
         return first

@@ -104,7 +104,7 @@ class Load(Measure):
         self.worst = self.least = _millionths(self._busy + (now - self._since if busy else 0), whole) if whole else 0
         self.worst_at = self.least_at = now
 
-    def missing(self) -> str:
+    def why_silent(self) -> str:
         return "the run is shorter than its window" if self._window else ""
 
 

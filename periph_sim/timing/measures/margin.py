@@ -103,7 +103,7 @@ class Margin(Measure):
             self.occasion(now)
             self.take(bus.others_held_until - now, bus.others_held_until)
 
-    def missing(self) -> str:
+    def why_silent(self) -> str:
         return f"{self._unit} sent no byte as a slave whose write of I2CDXR is known"
 
 

@@ -9,7 +9,6 @@ No history of values is kept, so memory does not grow with the run, unless `keep
 from __future__ import annotations
 
 from array import array
-from collections.abc import Callable
 from typing import TYPE_CHECKING, final
 
 from ...core.records import UNWANTED, Kind, Listener, Recorder, Subjects
@@ -110,9 +109,11 @@ class Measure(Listener):
 
     looks_back: how far back the records are that its next value depends on, a word of LOOKS_BACK. STATE lists what it
     remembers of them; the values that it has taken are results.
+
+    is_jitter: it takes the difference between each value and the one before (cycle-to-cycle jitter), not the value.
     """
 
-    STATE = State()
+    STATE = State("_before _uncompared")
     looks_back: str = "this occurrence"
     unit = "time"
     series = True
@@ -133,7 +134,9 @@ class Measure(Listener):
         self.cut_off = 0  # number of these that the end of the run cut off
         self.not_before = NO_TIME
         self.occasions: int | None = 0 if self.asked else None
-        self.tap: Callable[[int, int], None] | None = None  # called with each value that is taken
+        self.is_jitter = False
+        self._before: int | None = None  # the last value, of a jitter
+        self._uncompared = 0  # occasions to come that have none before them to be compared with
         self._kept: tuple[array[int], array[int]] | None = None
         self._tally: Tally | None = None
         self.not_judged = ""  # the reason why it is not known whether all occurrences keep the limit
@@ -160,6 +163,12 @@ class Measure(Listener):
 
     def missing(self) -> str:  # core: python
         """Return why nothing was measured; empty if nothing more can be said."""
+        if self._before is not None and not self.count:
+            return "there was one value, which has none before it"
+        return self.why_silent()
+
+    def why_silent(self) -> str:
+        """Return the same if no value was taken that a jitter leaves out."""
         return ""
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
@@ -175,6 +184,8 @@ class Measure(Listener):
 
         Such a value may still grow, so it never counts as the least one.
         """
+        if self.is_jitter:
+            return ""
         most = self.worst if self.count else None
         for value, at in sorted(self.unfinished(now)):
             if at >= self.not_before and (most is None or value > most):
@@ -196,6 +207,13 @@ class Measure(Listener):
         """Handle the end of the run."""
 
     # Values -----------------------------------------------------------------------------
+
+    def become_jitter(self) -> None:
+        """Take differences between successive values from now on. Call it before the first value."""
+        self.is_jitter = True
+        self.looks_back = "the occurrence before"
+        self.occurrence = ""
+        self._uncompared = 1
 
     def keep(self) -> None:
         """Keep every value, for distributions and joined conditions."""
@@ -244,9 +262,15 @@ class Measure(Listener):
         """Count occasions. at: as given to `take`."""
         if at >= self.not_before:
             assert self.occasions is not None
-            self.occasions += number
+            self.occasions += number - self._uncompared
+            self._uncompared = 0
 
     def take(self, value: int, at: int) -> None:
+        if self.is_jitter:
+            before, self._before = self._before, value
+            if before is None:
+                return
+            value = abs(value - before)
         if at < self.not_before:
             return
         if not self.count or value > self.worst:
@@ -259,8 +283,6 @@ class Measure(Listener):
             self._kept[1].append(at)
         if self._tally is not None:
             self._tally.add(value, at)
-        if self.tap is not None:
-            self.tap(value, at)
 
     def take_unfinished(self, value: int, at: int) -> None:
         """Take the value of an unfinished occurrence, which exceeds all before."""

@@ -339,6 +339,6 @@ class LostFlags(Measure):
         self.worst = self.least = gone.count
         self.worst_at = self.least_at = gone.first
 
-    def missing(self) -> str:
+    def why_silent(self) -> str:
         what = self.watched.text or "a register with flags that writing 1 clears"
         return f"the firmware never wrote {what}"

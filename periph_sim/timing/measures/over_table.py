@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...core.suggest import did_you_mean
 from ...traces.formats.record_table import RecordTable
-from ..language.events import Matcher, matcher, stretch_of
+from ..language.events import ANYTHING, Matcher, matcher, stretch_of
 from ..language.scope import BadEvent, scope_of_table
 from .pair import FIRST, PAIRINGS, SECOND, START, Between
 
@@ -75,7 +75,8 @@ def rows_of(matcher: Matcher, table: RecordTable) -> NDArray[np.int64]:
         raise BadEvent(f"{matcher.text!r}: over a recorded run every one is found; leave first, last or the number out")
     found = np.zeros(len(table), bool)
     for one in matcher.each:
-        wanted = _named(table, "kind", frozenset((one.kind.value,))) & _named(table, "what", frozenset((one.what,)))
+        what = None if one.what == ANYTHING else frozenset((one.what,))
+        wanted = _named(table, "kind", frozenset((one.kind.value,))) & _named(table, "what", what)
         found |= wanted & _named(table, "where", one.where) & (table.value & one.mask == one.want)
     return np.flatnonzero(found)
 

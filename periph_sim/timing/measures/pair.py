@@ -8,7 +8,8 @@
          |---------|           last: only the last one before a second one
 
 If no pairing is given and a second A comes before the first one's B, it is not known which events belong together:
-nothing is proven then.
+nothing is proven then. Events of one unit are paired with each other only, if that is the rule. A period is the time
+from an event to the next of its kind.
 """
 
 # core: compiled
@@ -17,6 +18,7 @@ from __future__ import annotations
 
 from collections import deque
 
+from ...core.records import UNWANTED, Kind
 from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
@@ -28,17 +30,33 @@ PAIRINGS = ("in order", "next", "last")
 FIRST, SECOND, START, STOP = range(4)  # places of a pair's events
 
 
+class _Waiting:
+    """First events that wait for their second one: the tick of each, and how many events in between came before it.
+
+    counted: events in between, since something waits.
+    """
+
+    STATE = State("counted counted_at", ticks="since", made=True)
+    __slots__ = ("counted", "counted_at", "since")
+
+    def __init__(self) -> None:
+        self.since: deque[int] = deque()
+        self.counted_at: deque[int] = deque()
+        self.counted = 0
+
+
 class Between(EventMeasure):
     """Time from each event to the event of another kind that belongs to it, or number of third events in between.
 
     counted: the third event: after the first one, up to the second.
     pairing: one of PAIRINGS; empty if one A at most may wait.
+    by_unit: pairs lie in one unit.
     again: the ticks of two A that waited then; None if there were none.
     group: pairs lie in one transfer or round: a transfer lasts from its START to the next one's, so that what firmware
     does about a STOP belongs to it.
     """
 
-    STATE = State("_rule _stopped _begun _paired _counted _counted_at", ticks="_begun_at _waiting")
+    STATE = State("_rule _stopped _begun _paired _waiting _of_unit", ticks="_begun_at")
 
     def __init__(
         self,
@@ -48,6 +66,7 @@ class Between(EventMeasure):
         group: Group | None = None,
         clauses: Clauses = NO_CLAUSES,
         counted: Matcher | None = None,
+        by_unit: bool = False,
     ) -> None:
         inside = () if group is None else (group.begin, group.end)
         extra = () if counted is None else (counted,)
@@ -62,8 +81,10 @@ class Between(EventMeasure):
         self._unsaid: bool = not pairing
         self._only_last: bool = pairing == "last"
         self._in_order: bool = pairing == "in order"
-        self._waiting: deque[int] = deque()  # the ticks of first events that wait
-        self._counted_at: deque[int] = deque()  # of each, the number of events in between that came before it
+        self._waiting = _Waiting()  # of the unit of the present record, if pairs lie in one
+        self._of_unit: dict[str, _Waiting] = {} if by_unit else {"": self._waiting}
+        self._by_unit = by_unit
+        self._of_tag: list[_Waiting] = []
         self.again: tuple[int, int] | None = None
         self._begun = self._paired = False  # in the group under way
         if group is not None:
@@ -71,8 +92,7 @@ class Between(EventMeasure):
             self.occasions = 0
             self._has_measured = True
             self.looks_back = f"this {group.name}"
-        self._counted = 0  # events in between, since something waits
-        self._begun_at = self._now = NO_TIME
+        self._begun_at = NO_TIME
         self._began_at, self._per_second = 0, 1
 
     def listen(self, scene: MeasuredScene) -> None:
@@ -82,9 +102,20 @@ class Between(EventMeasure):
         if self._rule is not None:
             self._rule.listen(scene)
 
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        tag: int = EventMeasure.tag_of(self, kind, where, what)
+        if self._by_unit and tag != UNWANTED:
+            self._of_tag.append(self._of_unit.setdefault(where.partition(".")[0], _Waiting()))
+        return tag
+
+    def on_record(self, tag: int, tick: int, value: int) -> None:
+        if self._by_unit:
+            self._waiting = self._of_tag[tag]
+        EventMeasure.on_record(self, tag, tick, value)
+
     def happened(self, place: int, tick: int, value: int) -> None:
         if place >= self._extra:
-            self._counted += 1
+            self._waiting.counted += 1
         elif place == START:
             self._started(tick)
         elif place == STOP:
@@ -110,61 +141,65 @@ class Between(EventMeasure):
     def _first(self, tick: int) -> None:
         if self._rule is not None and not self._begun:
             self._begun, self._begun_at = True, tick
-        if self._waiting:
+        waiting = self._waiting
+        if waiting.since:
             if self._only_last:
                 self._forget()
             elif self._unsaid and self.again is None:
-                self.again = (self._waiting[0], tick)
-        if not self._waiting:
-            self._counted = 0
-        self._waiting.append(tick)
-        self._counted_at.append(self._counted)
+                self.again = (waiting.since[0], tick)
+        if not waiting.since:
+            waiting.counted = 0
+        waiting.since.append(tick)
+        waiting.counted_at.append(waiting.counted)
 
     def _second(self, tick: int) -> None:
-        if not self._waiting:
+        waiting = self._waiting
+        if not waiting.since:
             return
         self._paired = self._rule is not None
-        while self._waiting:
-            at: int = self._waiting.popleft()
-            counted: int = self._counted_at.popleft()
-            self.take(self._counted - counted if self._is_count else tick - at, at)
+        while waiting.since:
+            at: int = waiting.since.popleft()
+            counted: int = waiting.counted_at.popleft()
+            self.take(waiting.counted - counted if self._is_count else tick - at, at)
             if self._in_order:
                 return
 
     def _forget(self) -> None:
         """Remove all events that wait."""
-        self._waiting.clear()
-        self._counted_at.clear()
+        self._waiting.since.clear()
+        self._waiting.counted_at.clear()
 
     def finish(self, now: int) -> None:
         super().finish(now)
-        self._now = now
         if self._rule is not None and (self._stopped or self._paired):
             self._group_over()
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
         if self._rule is not None and self._stopped:  # in a transfer or round, not every first has a second
             return []
-        if self._is_count:
-            return [(self._counted - counted, at) for at, counted in zip(self._waiting, self._counted_at, strict=True)]
-        return [(self._now - at, at) for at in self._waiting]
+        found: list[tuple[int, int]] = []
+        for waiting in self._of_unit.values():
+            for at, counted in zip(waiting.since, waiting.counted_at, strict=True):
+                found.append((waiting.counted - counted if self._is_count else now - at, at))
+        return found
 
     def unfinished_text(self) -> str:
-        return f"{self.matchers[FIRST].text!r} still waited for {self.matchers[SECOND].text!r} when the run ended"
+        first, second = (self.matchers[place].text for place in (FIRST, SECOND))
+        return self._clauses.said.cut_off or f"{first!r} still waited for {second!r} when the run ended"
 
     @property
     def silent(self) -> bool:
         return not self.count or self.ungiven or self.again is not None
 
-    def missing(self) -> str:
+    def why_silent(self) -> str:
         first, second = (self.matchers[place].text for place in (FIRST, SECOND))
         if self.again is not None:
             one, other = (f"{(at - self._began_at) / self._per_second:.6f} s" for at in self.again)
             what = f"{first!r} came at {one} and again at {other} before {second!r}"
             return f"{what}; add after a comma which belong together: in order, next or last"
         if self.ungiven or self._clauses.said.nothing is not None:
-            return EventMeasure.missing(self)
-        if all(self.seen[:2]):
+            return EventMeasure.why_silent(self)
+        if all(self.seen[:2]) and first != second:
             return f"no {first!r} was followed by {second!r}{self._rule_text}"
         return self.unmatched([self.matchers[place] for place in (FIRST, SECOND) if not self.seen[place]])
 

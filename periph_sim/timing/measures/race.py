@@ -84,7 +84,7 @@ class Race(Measure):
         for value, at in zip(cycles.tolist(), ticks.tolist(), strict=True):
             self.take(value, at)
 
-    def missing(self) -> str:
+    def why_silent(self) -> str:
         if self._unplaced:
             return (
                 f"of {self._unplaced} skipped waits for {self.watched.text} the polls beside a change are not known; "

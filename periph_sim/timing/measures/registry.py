@@ -127,6 +127,19 @@ MEASURES = {
 
 # Measures with parameters, or that depend on the scene, by the form of the language that their words begin with.
 PHRASES = {
+    "span": Sentence(
+        "from span any:{quoted} begin to span any:{quoted} end, last, same unit",
+        "Time from the begin of a named stretch of firmware to its end, service routines in between included.",
+        nothing="there was no span {name!r}",
+        cut_off="span {name!r} still lasted when the run ended",
+        cost=30,
+    ),
+    "period": Sentence(
+        "from {event} to {event}, in order",
+        looks_back="the occurrence before",
+        nothing=None,
+        cut_off="{event!r} did not come again before the run ended",
+    ),
     "overflows": Sentence("count of note overflow", nothing=None),
     "slack": Sentence(
         "from record round end to record round next, for each record round due",
@@ -151,6 +164,11 @@ PHRASES = {
         "from flag {asked} rise to interrupt {vector} enter, last",
         nothing=None,
         cost=20,
+    ),
+    "first access": Sentence(
+        "from flag {asked} rise to first access by {unit} of interrupt {vector}, last",
+        nothing=None,
+        cut_off="'flag {asked} rise' still waited for an access of its routine when the run ended",
     ),
     "value": Sentence(
         "value of record data value error{at}{of}, for each record data sample{of}, "

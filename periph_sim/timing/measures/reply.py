@@ -194,7 +194,7 @@ class Reply(Measure):
                 self._refute(occasion, now)
         self._open.clear()
 
-    def missing(self) -> str:
+    def why_silent(self) -> str:
         if self._cut:
             return f"the run ended before the reply from {self._what.source} had to be there; let it last longer"
         return self._why_never()

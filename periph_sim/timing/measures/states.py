@@ -18,8 +18,7 @@ from ...core.records import Kind
 from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import EVERYTHING, Matcher
-from .event_pairing import EventMeasure, span_hint
-from .measure import Measure
+from .event_pairing import EventMeasure
 from .measured_scene import MeasuredScene
 
 if TYPE_CHECKING:
@@ -113,47 +112,7 @@ class TimeIn(EventMeasure):
     def unfinished_text(self) -> str:
         return f"{self.state.text!r} still lasted when the run ended"
 
-    def missing(self) -> str:
+    def why_silent(self) -> str:
         if self.state.enters[0].free:
             return self.unmatched(list(self.state.enters[:1]))
         return f"{self.state.text!r} was never entered and left"
-
-
-class SpanTime(Measure):
-    """Time from the begin of a named stretch of firmware to its end, service routines in between included."""
-
-    STATE = State(ticks="_began")
-    kinds = frozenset({Kind.SPAN})
-
-    def __init__(self, name: str) -> None:
-        super().__init__()
-        self._name = name
-        self._began: dict[str, int] = {}
-        self._spans: set[str] = set()  # their names, of all that there were
-        self._heard: list[tuple[str, str]] = []  # unit and name, by tag
-
-    def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        self._heard.append((where, what))
-        return len(self._heard) - 1
-
-    def on_record(self, tag: int, tick: int, value: int) -> None:
-        where, what = self._heard[tag]
-        self._spans.add(what)
-        if what != self._name:
-            return
-        if value:
-            self._began[where] = tick
-        elif where in self._began:
-            began = self._began.pop(where)
-            self.take(tick - began, began)
-
-    def missing(self) -> str:
-        if self._name in self._spans:
-            return ""
-        return f"there was no span {self._name!r}; {span_hint(self._name, self._spans)}"
-
-    def unfinished(self, now: int) -> list[tuple[int, int]]:
-        return [(now - began, began) for began in self._began.values()]
-
-    def unfinished_text(self) -> str:
-        return f"span {self._name!r} still lasted when the run ended"

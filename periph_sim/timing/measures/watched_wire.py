@@ -33,5 +33,5 @@ class WatchedWire(Measure):
         assert self._watcher is not None
         self._watcher.finish(now)
 
-    def missing(self) -> str:
+    def why_silent(self) -> str:
         return "" if self._watcher is None else self._watcher.missing()

@@ -57,6 +57,7 @@ def test_an_event(text: str, kind: str, unit: str, name: str, how: str, number: 
         ("from bus byte to frame, same round", "from", ["bus byte", "frame"], ",round", "", ""),
         ("from frame to frame TX, in order", "from", ["frame", "frame TX"], "in order", "", ""),
         ("from frame to frame TX, last, same round", "from", ["frame", "frame TX"], "last,round", "", ""),
+        ("from frame to frame, last, same unit", "from", ["frame", "frame"], "last,unit", "", ""),
         ("from frame to frame TX same round next", "from", ["frame", "frame TX"], "next,round", "", ""),
         ("from span a b begin to span a b end", "from", ["span a b begin", "span a b end"], "", "", ""),
         ("from last bus byte of round to frame", "from", ["last bus byte of round", "frame"], "", "", ""),

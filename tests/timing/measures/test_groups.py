@@ -182,6 +182,23 @@ def test_what_has_no_jitter_is_refused(text: str, sentence: str):
     assert str(caught.value) == sentence
 
 
+def test_an_access_counts_in_the_service_routine_only():
+    of = """
+        10 access dsp W_I2C-A.I2CDXR 1
+        20 irq    dsp SCIRXINTA 1
+        30 irq    dsp SCIRXINTA 0
+        31 access dsp W_I2C-A.I2CDXR 1
+        40 irq    dsp SCIRXINTA 1
+        44 access dsp W_I2C-A.I2CDXR 1
+        45 access dsp W_I2C-A.I2CDXR 1
+    """
+    first = measure_named("count of first access W I2C-A.I2CDXR of interrupt dsp:SCIRXINTA", ONE)
+    assert came(tell(first, records(of))) == (1, 44, 1, 1)
+    last = tell(measure_named("count of last access by dsp of interrupt SCIRXINTA", ONE), records(of))
+    last.finish(99)
+    assert came(last) == (1, 45, 1, 1)
+
+
 # Latency to the first access ---------------------------------------------------------------------------------------
 
 

@@ -11,7 +11,7 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
 from periph_sim.timing.derived.origins import RECENT
 from periph_sim.timing.language.scope import BadEvent
-from periph_sim.timing.measures.event import OfEvents
+from periph_sim.timing.measures.event_pairing import EventMeasure
 from periph_sim.timing.measures.measure import Tally
 from periph_sim.timing.measures.registry import MEASURES
 from tests.timing.events_by_hand import make, tell
@@ -208,7 +208,7 @@ def test_every_measure_says_what_it_measures_and_begins_empty(name: str):
     assert name not in MEASURES or MEASURES[name].about.endswith(".")
     assert run.came() == (0, NO_TIME, 0, 0)
     assert run.measure.unit in ("time", "count", "words", "bytes")
-    assert (isinstance(run.measure, OfEvents) and run.measure.counts) == (run.measure.unit == "count")
+    assert (isinstance(run.measure, EventMeasure) and run.measure.counts) == (run.measure.unit == "count")
 
 
 def test_an_unknown_measure_is_told():

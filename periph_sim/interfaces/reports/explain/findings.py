@@ -21,7 +21,6 @@ from ....core.records import UNWANTED, Kind, Record
 from ....records.record_text import bus_byte, happened, on_the_bus
 from ....scene.case.model import Case
 from ....scene.scope import scope_of_case
-from ....timing.measures.event import Jitter
 from ....timing.measures.event_pairing import EventMeasure
 from ....timing.measures.factory import measure_named
 from ....timing.measures.measure import Measure
@@ -74,13 +73,11 @@ class Ends:
     @classmethod
     def of(cls, evidence: Evidence) -> Ends:
         window, case = evidence.window, evidence.case
-        measure = judged = measure_named(window.verdict.measure, scope_of_case(case))
-        while isinstance(measure, Jitter):
-            measure = measure.of
+        measure = measure_named(window.verdict.measure, scope_of_case(case))
         begin, end = (_at(evidence, measure, tick) for tick in (window.begin, window.end))
         last = measure.matchers[-1] if isinstance(measure, EventMeasure) else None
         thing = last.what if last is not None and last.thing is not None else ""
-        return cls(begin, end, measure.kinds, thing, measure, isinstance(judged, Jitter))
+        return cls(begin, end, measure.kinds, thing, measure, measure.is_jitter)
 
     @property
     def on_the_bus(self) -> bool:

@@ -70,21 +70,22 @@ class Chip:
 
     STATE = State("out held requests loaded writes filter_width", cycles="next_wake")
     MAP: RegisterMap
-    INPUTS: tuple[str, ...]
-    OUTPUTS: tuple[str, ...]
-    LINES: tuple[str, ...]
-
-    next_wake: int  # no output or readable value changes by itself before this cycle
-    out: int  # bit i: level at OUTPUTS[i], of up to 62; for an open-drain pin 1 means released
-    requests: int  # bit i: LINES[i] requested an interrupt since the owner last cleared it
-    held: int  # bit i: LINES[i] is held asserted (requests again as soon as it was served)
-    filter_width: int  # cycles from an input's change to its first effect
-    notes: list[Note]  # the notes since the owner last cleared the list
-    loaded: int  # bit i: the data register at offset i took a value since the owner last cleared it
-    touched: set[str]  # names of the open questions on which the run depended
+    INPUTS: tuple[str, ...] = ()
+    OUTPUTS: tuple[str, ...] = ()
+    LINES: tuple[str, ...] = ()
     mid_byte: tuple[int, ...] = ()  # offsets below 62 of registers to which a write may affect a byte in progress
     steady: tuple[int, ...] = ()  # offsets of register words whose values stay the same while `writes` does
-    writes: int  # number of actions that may change the steady words: writes, resets, the clock gate
+
+    def __init__(self) -> None:
+        self.next_wake = NEVER  # no output or readable value changes by itself before this cycle
+        self.out = 0  # bit i: level at OUTPUTS[i], of up to 62; for an open-drain pin 1 means released
+        self.requests = 0  # bit i: LINES[i] requested an interrupt since the owner last cleared it
+        self.held = 0  # bit i: LINES[i] is held asserted (requests again as soon as it was served)
+        self.filter_width = 0  # cycles from an input's change to its first effect
+        self.notes: list[Note] = []  # the notes since the owner last cleared the list
+        self.loaded = 0  # bit i: the data register at offset i took a value since the owner last cleared it
+        self.touched: set[str] = set()  # names of the open questions on which the run depended
+        self.writes = 0  # number of actions that may change the steady words: writes, resets, the clock gate
 
     def pins(self, now: int, levels: int) -> int:
         """Sample the inputs in cycle `now`; bit i of `levels` is INPUTS[i].
@@ -92,11 +93,11 @@ class Chip:
         Return the effects that the owner must handle: NO_CHANGE, WAKE_CHANGED, PINS_CHANGED or ANY_CHANGED. If
         `filter_width` is above 0, a later call for the same cycle replaces the first.
         """
-        raise NotImplementedError
+        raise ValueError(f"{self.MAP.name} has no input pins")
 
     def wake(self, now: int) -> int:
-        """Advance to `next_wake`. Return the effects, as `pins` does."""
-        raise NotImplementedError
+        """Advance to `next_wake`, which is NEVER in a chip without timers. Return the effects, as `pins` does."""
+        return NO_CHANGE
 
     def next_output(self) -> int:
         """Return a cycle before which `out` does not change without an input (pins, access, reset).
@@ -106,8 +107,8 @@ class Chip:
         return self.next_wake
 
     def read(self, now: int, offset: int) -> int:
-        """Return the value that the CPU reads, and apply the side effects of the read."""
-        raise NotImplementedError
+        """Return the value that the CPU reads, and apply the side effects of the read; by default there are none."""
+        return self.peek(now, offset)
 
     def write(self, now: int, offset: int, value: int) -> None:
         """Write a whole word, as the CPU does."""

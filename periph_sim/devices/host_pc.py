@@ -55,14 +55,8 @@ class Host(Agent):
 
     STATE = State("_peer _number _sending _again _once_more _random", ticks="_due_next _due")
 
-    _random: Random
-    _period: Fraction
-    _due: array[int]
-    _first: int
-    _due_next: int
     _sending: tuple[int, tuple[int, ...], bytes]  # number, values and bytes of the frame in progress
     _again: bool  # the frame in progress will be sent again
-    _once_more: tuple[int, tuple[int, ...], bytes]  # the frame to send again
 
     def __init__(
         self,
@@ -84,13 +78,13 @@ class Host(Agent):
         self._schedule = schedule
         self._values = values
         self._encode = encode
-        self._random = Random(seed)
-        self._first = kernel.now + schedule.first
-        self._period = Fraction(schedule.period)
+        self._random: Random = Random(seed)
+        self._first: int = kernel.now + schedule.first
+        self._period: Fraction = Fraction(schedule.period)
         self._pause = int(self._period // 1)
         self._by_schedule = schedule.paced_by == "schedule"
         self._number = 0
-        self._due = array("q", [self._first])  # by frame, if paced by a pause
+        self._due: array[int] = array("q", [self._first])  # by frame, if paced by a pause
         self._plan(self._first)
 
     def act(self, tag: int) -> None:
@@ -121,7 +115,7 @@ class Host(Agent):
         schedule = self._schedule
         if schedule.frames is None or self._number < schedule.frames:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0
-            self._due_next = due
+            self._due_next: int = due
             self._kernel.schedule(due + late, self, FRAME)
 
     def _begin(self, due: int) -> None:
@@ -151,7 +145,7 @@ class Host(Agent):
     def _over(self, tick: int) -> None:
         """Handle the end of a frame, whose last stop bit ends at `tick`."""
         if self._again:
-            self._once_more = self._sending
+            self._once_more: tuple[int, tuple[int, ...], bytes] = self._sending  # the frame to send again
             self._kernel.schedule(tick, self, FRAME_AGAIN)
         number, values, _ = self._sending
         for callback in self.sent:

@@ -39,11 +39,6 @@ class SensorHead(Agent):
 
     STATE = State("_number _round _left _random", ticks="_due")
 
-    _random: Random
-    _period: Fraction
-    _first: int
-    _due: int  # when the next round is due
-
     def __init__(
         self,
         kernel: Kernel,
@@ -67,9 +62,9 @@ class SensorHead(Agent):
         self._requests = requests
         self.schedule = schedule
         self._by_stop = by_stop
-        self._random = Random(seed)
-        self._first = kernel.now + schedule.first
-        self._period = Fraction(schedule.period)
+        self._random: Random = Random(seed)
+        self._first: int = kernel.now + schedule.first
+        self._period: Fraction = Fraction(schedule.period)
         self._number = 0
         self._startup = startup
         self._round: Round | None = None
@@ -95,7 +90,8 @@ class SensorHead(Agent):
         schedule = self.schedule
         if schedule.rounds is None or self._number < schedule.rounds:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0
-            self._due = self._first + self._number * self._period.numerator // self._period.denominator
+            # when the next round is due
+            self._due: int = self._first + self._number * self._period.numerator // self._period.denominator
             self._kernel.schedule(self._due + late, self, ROUND)
 
     def _set_up(self) -> None:

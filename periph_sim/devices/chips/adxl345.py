@@ -3,8 +3,8 @@
     Source (g) --output rate--> offset, range, format --> Fifo --> DATAX0 to DATAZ1, INT_SOURCE, FIFO_STATUS
 
 Not modelled: detection of tap, activity, inactivity and free fall, AUTO_SLEEP, the self-test force, the filter (a
-sample is the source's value at that instant), the INT pins, the 5 us between two reads of the FIFO, which I2C up to
-400 kHz always keeps. Enabling an event that is not detected leaves a note.
+sample is the source's value at that instant), the INT pins and with them the event of trigger mode, the 5 us between
+two reads of the FIFO, which I2C up to 400 kHz always keeps. Enabling an event that is not detected leaves a note.
 
 Source: ADXL345 data sheet Rev 0, register map, FIFO section and the sections named at the methods.
 """
@@ -116,17 +116,16 @@ class Fifo:
         sample --> bypass: output register
                --> FIFO, stream, trigger: 32 samples and one more at the output of the filter --> output register
 
-    output: the six bytes of the data registers. triggered: FIFO_TRIG.
+    output: the six bytes of the data registers.
     """
 
-    STATE = State("output mode samples overrun triggered _unread _waiting")
+    STATE = State("output mode samples overrun _unread _waiting")
 
     def __init__(self, overrun_when_filled: bool) -> None:
         self.output = bytes(6)
         self.mode = Mode.BYPASS
-        self.samples = 0  # of FIFO_CTL: the watermark, or the number that a trigger keeps
+        self.samples = 0  # of FIFO_CTL: the watermark
         self.overrun = False
-        self.triggered = False
         self._unread = False  # True if the output register is unread, in bypass
         self._waiting: deque[bytes] = deque()
         self._overrun_when_filled = overrun_when_filled
@@ -144,17 +143,12 @@ class Fifo:
         """True if FIFO_CTL's number of entries is reached; at power-on 0 of 0, hence INT_SOURCE reads 0x02."""
         return self.entries >= self.samples
 
-    @property
-    def keeps_first(self) -> bool:
-        """True if later samples are lost when it is full; else the oldest are dropped."""
-        return self.mode is Mode.FIFO or (self.mode is Mode.TRIGGER and self.triggered)
-
     def set_up(self, mode: Mode, samples: int) -> None:
         """Apply a write of FIFO_CTL. Bypass empties the FIFO; the other modes keep its contents."""
         if mode is Mode.BYPASS:
             self._waiting.clear()
         if mode is not self.mode:
-            self.overrun = self.triggered = self._unread = False
+            self.overrun = self._unread = False
         self.mode, self.samples = mode, samples
 
     def push(self, sample: bytes) -> None:
@@ -164,18 +158,11 @@ class Fifo:
             self.output, self._unread = sample, True
             return
         lost = len(self._waiting) == HELD
-        if not (lost and self.keeps_first):
+        if not (lost and self.mode is Mode.FIFO):
             self._waiting.append(sample)
             if lost:
                 self._waiting.popleft()
         self.overrun |= len(self._waiting) >= DEPTH if self._overrun_when_filled else lost
-
-    def trigger(self) -> None:
-        """Handle trigger mode's event: the last `samples` are kept, and new ones fill the rest."""
-        if self.mode is Mode.TRIGGER and not self.triggered:
-            self.triggered = True
-            while len(self._waiting) > self.samples:
-                self._waiting.popleft()
 
     def latch(self) -> bytes:
         """Return the sample for a burst of reads; it counts as read, whole or not."""
@@ -252,11 +239,6 @@ class Adxl345(RegisterChip):
             return super().following(number)
         return 0 if goes == "wraps_to_0" else number
 
-    def trigger(self, now: int) -> None:
-        """Notify that the pin selected by FIFO_CTL's trigger bit became active."""
-        self.catch_up(now)
-        self.fifo.trigger()
-
     # Samples ------------------------------------------------------------------------
 
     def catch_up(self, now: int) -> None:
@@ -267,7 +249,7 @@ class Adxl345(RegisterChip):
         self._taken = max(due, self._taken)
         most = 2 * 33  # more samples have no effect except on the overrun
         if len(new) > most:
-            new = new[:most] if self.fifo.keeps_first else new[-most:]
+            new = new[:most] if self.fifo.mode is Mode.FIFO else new[-most:]
         for number in new:
             self.fifo.push(self.formatted(self.source(self._clock.tick(number))))
 
@@ -300,7 +282,6 @@ class Adxl345(RegisterChip):
             if self.fifo.entries >= DEPTH:
                 self.options.overrun_in_fifo.assume(self.touched)
         elif register.name == "FIFO_STATUS":
-            self.put("FIFO_STATUS", "FIFO_TRIG", self.fifo.triggered)
             entries = self.fifo.entries
             if entries > DEPTH:
                 entries = min(entries, self.options.entries_most.assume(self.touched))

@@ -1,9 +1,9 @@
 """ITG-3200 gyroscope: registers, samples of rates in degrees a second, temperature and flags.
 
-    Source (deg/s) --F_int / (SMPLRT_DIV + 1)--> 14.375 LSB, saturation --> GYRO_XOUT_H ..., INT_STATUS, INT pin
+    Source (deg/s) --F_int / (SMPLRT_DIV + 1)--> 14.375 LSB, saturation --> GYRO_XOUT_H ..., INT_STATUS
 
-Not modelled: the low-pass filter (a sample is the source's value at that instant), its delay, the tolerance of
-scale and zero-rate output (include them in the source), external clocks.
+Not modelled: the INT pin, the low-pass filter (a sample is the source's value at that instant), its delay, the
+tolerance of scale and zero-rate output (include them in the source), external clocks.
 
 Source: InvenSense ITG-3200 Product Specification rev 1.4, sections named at the methods.
 """
@@ -61,7 +61,6 @@ LSB_PER_DEG_S = Fraction(115, 8)  # 14.375
 REGISTER_ACCESS = Fraction(20, 1000)  # after power
 START_UP = Fraction(50, 1000)  # after power, and after sleep
 PLL_SETTLING = Fraction(1, 1000)
-PULSE = Fraction(50, 10**6)  # length of the INT pulse, unless latched
 FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # the pointer stops there: decimal 35 to 60
 SHOWN = ("TEMP_OUT_H", "TEMP_OUT_L", *DATA)
 ROOM = 25.0  # degrees Celsius
@@ -147,16 +146,6 @@ class Itg3200(RegisterChip):
         if stops:
             return number
         return super().following(number)
-
-    def int_pin(self, now: int) -> int:
-        """Return the level of INT: active while latched, or for 50 us after a sample; ACTL = 1 makes active low."""
-        self.catch_up(now)
-        active = False
-        if self.get("INT_CFG", "LATCH_INT_EN"):
-            active = bool(self.get("INT_STATUS"))
-        elif self.get("INT_CFG", "RAW_RDY_EN") and self._clock is not None and self._taken:
-            active = now < self.after(self._clock.tick(self._taken - 1), PULSE)
-        return int(active) ^ self.get("INT_CFG", "ACTL")
 
     # Samples ------------------------------------------------------------------------
 

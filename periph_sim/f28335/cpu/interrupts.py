@@ -23,7 +23,7 @@ Chosen:
   from timers 1 and 2.
 - INTM changes at the start of CLRC/SETC INTM; no interrupt is taken during its 2 cycles.
 - An interrupt that is already flagged and enabled in IER wakes the CPU from IDLE like a new one.
-- Real-time emulation mode is not modelled: DBGIER is only stored.
+- Real-time emulation mode is not modelled.
 """
 
 # core: compiled
@@ -60,17 +60,8 @@ EMUINT = 17
 NMI = 18
 MASKABLE = 16  # numbers 1 to 16 have a bit, number - 1, in IFR and IER
 
-# The pairs in the order in which they are stored, low word first (SPRU430F Table 3-4).
-CONTEXT = (
-    ("ST0", "T"),
-    ("AL", "AH"),
-    ("PL", "PH"),
-    ("AR0", "AR1"),
-    ("ST1", "DP"),
-    ("IER", "DBGSTAT"),
-    ("PC low", "PC high"),
-)
-CONTEXT_WORDS = 2 * len(CONTEXT)
+# The context: ST0, T, AL, AH, PL, PH, AR0, AR1, ST1, DP, IER, DBGSTAT, PC low, PC high (SPRU430F Table 3-4).
+CONTEXT_WORDS = 14
 CONTEXT_SP = 1 + CONTEXT_WORDS  # the increment of SP
 ST1_WORD, IER_WORD = 8, 10  # their indices among these words
 
@@ -93,60 +84,49 @@ class Context(NamedTuple):
     st1: int
     ier: int
 
-    def stores(self) -> tuple[tuple[int, str], ...]:
-        """Return (address, register) for each of the 14 words, in the order of the stores."""
-        words: list[tuple[int, str]] = []
-        for i, (low, high) in enumerate(CONTEXT):
-            even = frame_of(self.sp) + 2 * i
-            words += [(even, low), (even + 1, high)]
-        return tuple(words)
-
 
 class CpuInterrupts:
     """Interrupt logic of the CPU. Times are SYSCLKOUT cycles and never decrease from call to call."""
 
     STATE = State(
-        "ifr ier dbgier st1 sp nested owes_instruction _latched _nonmaskable",
+        "ifr ier st1 sp nested owes_instruction _latched _nonmaskable",
         cycles="next_wake ready _coming _latched_at _pieack_end _returned_at",
     )
 
-    entry_cycles: int
-    vector_delay: int
-    vector_waits: int
-
     def __init__(self, options: SystemOptions) -> None:
         latency = options.int_latency.unrecorded() - IFR_DELAY
-        self.vector_waits = options.vector_fetch_waits.unrecorded()  # of TRAP and INTR, in addition to their cycles
-        self.entry_cycles = latency + self.vector_waits  # boundary to first ISR instruction
-        self.vector_delay = latency - VECTOR_AND_SAVE  # boundary to vector fetch
-        self.next_wake = NEVER  # when the next request reaches the IFR
-        self.ifr = 0
-        self.ier = 0
-        self.dbgier = 0
-        self.st1 = ST1_RESET
-        self.sp = SP_RESET
-        self.nested = 0  # routines entered that have not returned
-        self.ready = 0  # no interrupt is taken before this cycle
-        self.owes_instruction = False  # after IRET: one instruction must complete first; see `instruction_done`
+        # of TRAP and INTR, in addition to their cycles
+        self.vector_waits: int = options.vector_fetch_waits.unrecorded()
+        self.entry_cycles: int = latency + self.vector_waits  # boundary to first ISR instruction
+        self.vector_delay: int = latency - VECTOR_AND_SAVE  # boundary to vector fetch
         self.notes: list[Note] = []
         self.touched: set[str] = set()
         self._options = options
         self._coming: deque[tuple[int, int]] = deque()  # (cycle, IFR bit) of requests in transit
         self._latched_at = -1
-        self._latched = 0  # IFR bits that hardware set in that cycle
+        self._returned_at = -1  # end of the latest IRET
+        self.reset(0)
+
+    def reset(self, now: int) -> None:
+        """Set every register to its value after a hardware reset; nothing is pending or nested."""
+        self.ifr = 0
+        self.ier = 0
+        self.st1 = ST1_RESET
+        self.sp = SP_RESET
+        self.nested = 0  # routines entered that have not returned
+        self.ready = now  # no interrupt is taken before this cycle
+        self.owes_instruction = False  # after IRET: one instruction must complete first; see `instruction_done`
+        self.next_wake = NEVER  # when the next request reaches the IFR
+        self._coming.clear()
+        self._latched = 0  # IFR bits that hardware set in the cycle `_latched_at`
         self._nonmaskable = 0  # bit 0 EMUINT, bit 1 NMI: in order of priority
         self._pieack_end = -1  # end of the latest instruction that wrote PIEACK
-        self._returned_at = -1  # end of the latest IRET
 
     # Status -------------------------------------------------------------------
 
     @property
     def intm(self) -> int:
         return self.st1 & INTM
-
-    @property
-    def dbgm(self) -> int:
-        return self.st1 >> 1 & 1
 
     @property
     def eallow(self) -> int:
@@ -175,22 +155,6 @@ class CpuInterrupts:
 
     def wake(self, now: int) -> None:
         self._sync(now)
-
-    def reset(self, now: int) -> None:
-        """Set every register to its value after a hardware reset; nothing is pending or nested."""
-        self.ifr = 0
-        self.ier = 0
-        self.dbgier = 0
-        self.st1 = ST1_RESET
-        self.sp = SP_RESET
-        self.nested = 0
-        self.ready = now
-        self.owes_instruction = False
-        self.next_wake = NEVER
-        self._coming.clear()
-        self._latched = 0
-        self._nonmaskable = 0
-        self._pieack_end = -1
 
     # Entry and exit ---------------------------------------------------------------
 
@@ -250,19 +214,6 @@ class CpuInterrupts:
             raise ValueError(f"there is no TRAP #{number}; expected 0 to 31")
         return self.save(number, now + cpu_costs.TRAP + self._options.vector_fetch_waits.assume(self.touched))
 
-    def intr(self, now: int, number: int) -> Context:
-        """INTR: like the interrupt itself, but regardless of the masks. EMUINT and NMI act like TRAP."""
-        self._sync(now)
-        first = now + cpu_costs.INTR + self._options.vector_fetch_waits.assume(self.touched)
-        if number in (EMUINT, NMI):
-            return self.save(number, first)
-        bit = self._bit(number)
-        if self.ifr & bit and self._options.intr_clears_ifr.assume(self.touched):
-            self.ifr &= ~bit
-        context = self.save(number, first)
-        self.ier &= ~bit
-        return context
-
     @property
     def returning_sp(self) -> int:
         """SP after an IRET at this point; `frame_of` of it is the address of the context."""
@@ -320,11 +271,6 @@ class CpuInterrupts:
         self.ifr = self.ifr & mask | (self._latched if self._latched_at == now else 0)
         self._next_boundary(now + cpu_costs.AND_IFR)
 
-    def or_ifr(self, now: int, mask: int) -> None:
-        self._sync(now)
-        self.ifr |= mask & 0xFFFF
-        self._next_boundary(now + cpu_costs.OR_IFR)
-
     def and_ier(self, now: int, mask: int) -> None:
         self._sync(now)
         self.ier &= mask
@@ -334,12 +280,6 @@ class CpuInterrupts:
         self._sync(now)
         self.ier |= mask & 0xFFFF
         self._next_boundary(now + cpu_costs.OR_IER)
-
-    def mov_ier(self, now: int, value: int) -> None:
-        """MOV IER, loc16."""
-        self._sync(now)
-        self.ier = value & 0xFFFF
-        self._next_boundary(now + cpu_costs.MOV_IER_LOC16)
 
     def idle(self, now: int) -> None:
         """IDLE: from now + cpu_costs.IDLE on, the processor calls `idle_ends` after each possible change."""

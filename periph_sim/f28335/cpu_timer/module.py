@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from typing import final
 
-from ...core.chip import ANY_CHANGED, NEVER, Chip, Note
+from ...core.chip import ANY_CHANGED, NEVER, Chip
 from ...core.state import State
 from ..system_options import SystemOptions
 from .register_map import BASES, MAP, PRD, PRDH, TCR, TIM, TIMH, TPR, TPRH
@@ -43,46 +43,36 @@ class CpuTimer(Chip):
 
     STATE = State("_clocked _tcr _prd _tddr _tim _psc", cycles="_since _event_at")
     MAP = MAP
-    base: int
-    _tcr: int
-    INPUTS: tuple[str, ...] = ()
-    OUTPUTS: tuple[str, ...] = ()
     LINES: tuple[str, ...] = ("TINT",)
 
     def __init__(self, number: int, options: SystemOptions) -> None:
         if number not in (0, 1, 2):
             raise ValueError(f"there is no CPU timer {number!r}; there are 0, 1 and 2")
-        self.base = BASES[number]
-        self.filter_width = 0
-        self.next_wake = NEVER
-        self.out = 0
-        self.requests = 0
-        self.held = 0
-        self.notes: list[Note] = []
-        self.touched: set[str] = set()
+        super().__init__()
+        self.base: int = BASES[number]
         self._options = options
         self._on_reload = options.timer_tif_point.unrecorded() == "on_reload"
+        self.reset(0)
+        self.next_wake = self._event_at = NEVER  # the first input schedules
+
+    def reset(self, now: int) -> None:
+        """Reset by XRS: the count is 0, the period the longest of 16 bits, and the timer runs."""
         self._clocked = True  # PCLKCR3 resets with the timers' clocks on
-        self._tcr = TCR.reset
-        self._prd = 0xFFFF  # PRDH:PRD
+        self._tcr: int = TCR.reset
+        self._prd: int = PRDH.reset << 16 | PRD.reset  # PRDH:PRD
         self._tddr = 0  # TDDRH:TDDR
-        self._since = 0  # the cycle for which _tim and _psc hold
+        self._since = now  # the cycle for which _tim and _psc hold
         self._tim = 0
         self._psc = 0
-        self._event_at = NEVER  # the next cycle at which TIF is set, visible or not
+        self.requests = 0
+        self._schedule()
 
     # Inputs -----------------------------------------------------------------
-
-    def pins(self, now: int, levels: int) -> int:
-        raise ValueError("a CPU timer has no input pins")
 
     def wake(self, now: int) -> int:
         self._sync(now)
         self._schedule()
         return ANY_CHANGED
-
-    def read(self, now: int, offset: int) -> int:
-        return self.peek(now, offset)
 
     def peek(self, now: int, offset: int) -> int:
         """Return the register's value; 0 where there is none. No register here has a read effect."""
@@ -127,18 +117,6 @@ class CpuTimer(Chip):
         """Switch the timer's clock: PCLKCR3.CPUTIMERnENCLK takes effect at `now`."""
         self._sync(now)
         self._clocked = on
-        self._schedule()
-
-    def reset(self, now: int) -> None:
-        """Reset by XRS: the count is 0, the period the longest of 16 bits, and the timer runs."""
-        self._clocked = True
-        self._tcr = TCR.reset
-        self._prd = PRDH.reset << 16 | PRD.reset
-        self._tddr = 0
-        self._since = now
-        self._tim = 0
-        self._psc = 0
-        self.requests = 0
         self._schedule()
 
     # Inside -----------------------------------------------------------------
@@ -188,6 +166,7 @@ class CpuTimer(Chip):
             self._event_at = self.next_wake = NEVER
             return
         steps = self._tim + 1 if self._on_reload else self._tim or self._prd + 1
+        # the next cycle at which TIF is set, visible or not
         self._event_at = self._since + self._psc + 1 + (steps - 1) * (self._tddr + 1)
         visible = self._tcr & TIE or not self._tcr & TIF
         self.next_wake = self._event_at if visible else NEVER

@@ -135,30 +135,20 @@ class GpioInputs(GpioSettings):
         "_outputs _input_clock _last_words _last_level _last_pads _last_qualified _settles",
         cycles="_edge_at _settle_at",
     )
-    pads: BigInt
-    watched: BigInt
-    _before: BigInt
-    _qualified: BigInt
-    _asynchronous: BigInt
-    _sampled: BigInt
-    _dead: BigInt
-    _pull_ups: BigInt
-    _outputs: BigInt
-    _settles: BigInt
     _last_pads: BigInt
     _last_qualified: BigInt
 
     def __init__(self) -> None:
         super().__init__()
         self.changed: list[tuple[str, int]] = []
-        self.pads = ALL & ~at.GPIO["GPAPUD"].reset  # initially the pull-ups
+        self.pads: BigInt = ALL & ~at.GPIO["GPAPUD"].reset  # initially the pull-ups
         self._edge_at = -1  # the cycle of the last exact edges
-        self._before = 0  # the pads before those edges
+        self._before: BigInt = 0  # the pads before those edges
         self._qualifiers: dict[int, Qualifier] = {}
-        self._qualified = 0  # mask: output of the qualifiers
-        self._asynchronous = 0
-        self._sampled = 0
-        self._dead = 0  # mask: pins whose input path is switched off
+        self._qualified: BigInt = 0  # mask: output of the qualifiers
+        self._asynchronous: BigInt = 0
+        self._sampled: BigInt = 0
+        self._dead: BigInt = 0  # mask: pins whose input path is switched off
         self._last_words: list[int] = []  # the last value of the data registers
         self._last_level: int | None = None  # the levels that it was computed from; None after a change of paths
         self._last_pads = self._last_qualified = 0
@@ -193,10 +183,6 @@ class GpioInputs(GpioSettings):
     def sink(self, signal: str) -> tuple[int, ...]:
         """Return the pins that an output signal drives."""
         return self._routes.sink[signal]
-
-    def pulled_up(self) -> BigInt:
-        """Return the mask of the pins whose pull-up is on."""
-        return self._pull_ups
 
     # From pads to levels ------------------------------------------------------
 
@@ -270,8 +256,8 @@ class GpioInputs(GpioSettings):
     def _update_paths(self, now: int) -> None:
         """Compute the masks of directions and input paths; create and delete samplers."""
         shown = self._shown(now)
-        self._pull_ups = ALL & ~self._ports(PULL_UPS)
-        self._outputs = self._ports(DIRECTIONS) & self._routes.gpio  # general-purpose ones
+        self._pull_ups: BigInt = ALL & ~self._ports(PULL_UPS)  # mask: pins whose pull-up is on
+        self._outputs: BigInt = self._ports(DIRECTIONS) & self._routes.gpio  # general-purpose ones
         self._dead = 0 if self._input_clock else (self._outputs | self._routes.outputs) & ~NOT_GATED
         self._asynchronous = self._settings.asynchronous & ~self._routes.gpio
         self._last_level = None
@@ -287,14 +273,14 @@ class GpioInputs(GpioSettings):
         for pin, qualifier in self._qualifiers.items():
             if qualifier.qualified:
                 self._qualified |= BIT[pin]
-        self.watched = 0  # mask: pins that feed a watched XINT line
+        self.watched: BigInt = 0  # mask: pins that feed a watched XINT line
         line: int
         for line in range(len(at.XINT_SELECTS)):
             if self._watching >> line & 1:
                 self.watched |= BIT[self._xint_pin(line)]
         forwarded = self._routes.inputs & ~self.watched  # the owner itself passes their edges to the peripheral
         # An exact edge on these pins needs a wake-up.
-        self._settles = ALL & ~self._asynchronous & ~self._sampled & ~self._dead & ~forwarded
+        self._settles: BigInt = ALL & ~self._asynchronous & ~self._sampled & ~self._dead & ~forwarded
         if self._edge_at == now and (self.pads ^ self._before) & self._settles:
             self._settle_at = now + 1
 

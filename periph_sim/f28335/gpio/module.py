@@ -68,28 +68,17 @@ class Gpio(GpioInputs):
     STATE = State("driven driven_high out_version routes_version _wired _latch", cycles="_waiting _outs")
     INPUTS = PADS
     OUTPUTS = PADS
-    driven: BigInt
-    driven_high: BigInt
-    gpio_out_delay: IntOption
-    _wired: BigInt
-    _latch: BigInt
-    LINES: tuple[str, ...] = ()
 
     def __init__(self, options: SystemOptions) -> None:
         super().__init__()
-        self.filter_width = 0
-        self.next_wake = NEVER
-        self.out = 0  # a mask of a chip cannot hold 88 pins: the router reads these
-        self.driven_high = 0  # mask: levels of the pins in `driven`; 0 elsewhere
-        self.driven = 0  # mask: pads that this chip drives as general-purpose outputs
+        # `out` cannot hold 88 pins: the router reads these
+        self.driven_high: BigInt = 0  # mask: levels of the pins in `driven`; 0 elsewhere
+        self.driven: BigInt = 0  # mask: pads that this chip drives as general-purpose outputs
         self.out_version = 0  # counts changes of `driven_high` and `driven`
-        self.gpio_out_delay = options.gpio_out_delay  # cycles from a latch or a peripheral's output to the pad
+        # cycles from a latch or a peripheral's output to the pad
+        self.gpio_out_delay: IntOption = options.gpio_out_delay
         self.routes_version = 0  # number of times that MUX, QSEL or CTRL settings took effect
-        self.requests = 0
-        self.held = 0
-        self.touched: set[str] = set()
-
-        self._wired = 0  # mask: pads whose level the owner reports
+        self._wired: BigInt = 0  # mask: pads whose level the owner reports
         self._waiting: list[tuple[int, int, int]] = []  # (when, register offset, value)
         self._outs: list[tuple[int, int, int]] = []  # (when, driven, out)
         self.reset(0)
@@ -145,9 +134,6 @@ class Gpio(GpioInputs):
         self._advance(now)
         return chip.ANY_CHANGED
 
-    def read(self, now: int, offset: int) -> int:
-        return self.peek(now, offset)
-
     def peek(self, now: int, offset: int) -> int:
         self._advance(now)
         if at.DATA <= offset < at.SELECT:
@@ -189,7 +175,7 @@ class Gpio(GpioInputs):
         self.reset_registers()
         self._waiting.clear()
         self._outs.clear()
-        self._latch = 0
+        self._latch: BigInt = 0
         self.reset_inputs()
         self.restart_sampling(now)
         if self.driven:

@@ -83,16 +83,10 @@ class GpioSettings(Chip):
     MAP = at.GPIO
     steady = STEADY
 
-    _periods: list[int]
-    _origins: list[int]
-    _settings: PinSettings
-    _routes: Routes
-
     def __init__(self) -> None:
-        self.writes = 0
-        self.notes: list[Note] = []
-        self._settings = pin_settings_of((0,) * len(CONFIGURED))
-        self._routes = self._settings.routes
+        super().__init__()
+        self._settings: PinSettings = pin_settings_of((0,) * len(CONFIGURED))
+        self._routes: Routes = self._settings.routes
 
     def reset_registers(self) -> None:
         """Set all registers to their reset values; `activate` puts them into effect."""
@@ -102,8 +96,8 @@ class GpioSettings(Chip):
 
     def restart_sampling(self, now: int) -> None:
         """Sample in every cycle, as after XRS."""
-        self._periods = [1] * GROUPS  # sampling period of each group of eight pins
-        self._origins = [now] * GROUPS  # and a cycle in which the group was sampled
+        self._periods: list[int] = [1] * GROUPS  # sampling period of each group of eight pins
+        self._origins: list[int] = [now] * GROUPS  # and a cycle in which the group was sampled
 
     def restored(self) -> None:
         """Derive the settings from the restored registers."""

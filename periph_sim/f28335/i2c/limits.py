@@ -29,15 +29,12 @@ class I2cLimits:
 
     STATE = State("sysclk_hz _clock_within_tm _clock_within_hz _within")
 
-    sysclk_hz: Fraction
-    _clock_within_hz: Fraction
-
     def __init__(self, state: I2cRegisters) -> None:
-        self.sysclk_hz = Fraction(150_000_000)
+        self.sysclk_hz: Fraction = Fraction(150_000_000)
         self._state = state
         # The last settings without a violation:
         self._clock_within_tm = 0  # I2CPSC + 1
-        self._clock_within_hz = self.sysclk_hz  # SYSCLKOUT with that prescaler
+        self._clock_within_hz: Fraction = self.sysclk_hz  # SYSCLKOUT with that prescaler
         self._within = (0, 0, self.sysclk_hz)  # phases of SCL, and SYSCLKOUT
 
     def enabled(self) -> None:

@@ -47,15 +47,14 @@ class I2cLines(Chip):
     steady: tuple[int, ...] = (at.OAR, at.IER, at.CLKL, at.CLKH, at.SAR, at.EMDR, at.PSC)
 
     def __init__(self, options: I2cOptions = I2cOptions()) -> None:  # noqa: B008 (frozen)
+        super().__init__()
         self.options = options
         self.state = I2cRegisters(options)
         self.target = I2cSlave(self.state)
         self.limits = I2cLimits(self.state)
         self.master = I2cMaster(self.state, self.limits)
-        self.next_wake = NEVER
         self._timer = NEVER  # the first of all internal timers, as of the last input
         self.out = self._pins = BOTH
-        self.requests = self.held = self.loaded = self.writes = 0
         self.notes, self.touched = self.state.notes, self.state.touched
         self._clocked = self._suspended = False
         self._lines = I2cNoiseFilter(options.unequal_arrival.matches("one_sample"), self.touched)

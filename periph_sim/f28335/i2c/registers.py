@@ -73,9 +73,6 @@ class I2cRegisters(I2cFifos):
         "xsr",
     )
 
-    filter_width: int
-    sar: int
-
     def __init__(self, options: I2cOptions) -> None:
         super().__init__(options)
         self.loaded = 0  # `Chip.loaded`, for I2CDRR and I2CDXR
@@ -86,11 +83,11 @@ class I2cRegisters(I2cFifos):
         self.reset_flags()
         self.reset_fifos()
         self.oar = self.clkl = self.clkh = self.cnt = self.psc = 0
-        self.sar = I2C_MAP["I2CSAR"].reset
+        self.sar: int = I2C_MAP["I2CSAR"].reset
         self.bcm = self.options.bcm_reset.unrecorded() if self.options.emdr_present.unrecorded() else 1
         self.emdr_written = False
         self.tm = 1  # module clock in cycles, as latched when IRS last rose
-        self.filter_width = self.options.noise_filter_cycles.unrecorded()  # cycles that a level must last at a pin
+        self.filter_width: int = self.options.noise_filter_cycles.unrecorded()  # cycles that a level must last at a pin
         self.dxr = self.xsr = self.drr = self.rsr = 0
         self.dxr_full = self.drr_unread = False
         self.nack_since = 0  # while I2CSTR.NACK = 1: the cycle at which it rose

@@ -43,11 +43,9 @@ class I2cSlaveTransmitter:
         cycles="due _copy_at _release_at",
     )
 
-    _copy_point: TextOption
-
     def __init__(self, state: I2cRegisters) -> None:
         self.state = state
-        self._copy_point = state.options.dxr_to_xsr_copy_point
+        self._copy_point: TextOption = state.options.dxr_to_xsr_copy_point
         self.pulls = 0
         self.due = NEVER
         self.phase = OFF

@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from typing import final
 
-from ...core.chip import NEVER, NO_CHANGE, Chip, Note
+from ...core.chip import Chip, Note
 from ...core.state import State
 from ..system_options import SystemOptions
 from .register_map import (
@@ -54,29 +54,24 @@ class Pie(Chip):
         cycles="_set_at",
     )
     MAP = MAP
-    _as_reset: int
-    _lines_held: list[int]
-    _set_at: list[int]
-    _set_now: list[int]
-    _seen: list[int]
-    INPUTS: tuple[str, ...] = ()
-    OUTPUTS: tuple[str, ...] = ()
-    LINES: tuple[str, ...] = ()
 
     def __init__(self, options: SystemOptions) -> None:
-        self.next_wake = NEVER
-        self.filter_width = 0
-        self.out = 0
-        self.requests = 0
-        self.held = 0
-        self.notes: list[Note] = []
-        self.touched: set[str] = set()
+        super().__init__()
         self._options = options
-        self._piectrl: int  # `reset` sets the registers
-        self._pieack: int
-        self._pieier: list[int]
-        self._pieifr: list[int]
         self.reset(0)
+
+    def reset(self, now: int) -> None:
+        self._piectrl: int = PIECTRL.reset
+        self._pieack: int = self._options.pieack_reset.unrecorded()
+        self._as_reset: int = PIEACK["PIEACK"].mask  # the groups whose PIEACK bit is unchanged since reset
+        self._noted_blocked = 0  # of these, the groups whose blocked request was noted
+        self._pieier: list[int] = [register.reset for register in PIEIER]
+        self._pieifr: list[int] = [register.reset for register in PIEIFR]
+        self._lines_held: list[int] = [0] * GROUPS
+        self._set_at: list[int] = [-1] * GROUPS  # cycle of the latest requests of a group
+        self._set_now: list[int] = [0] * GROUPS  # the lines that requested in that cycle
+        self._seen: list[int] = [0] * GROUPS  # PIEIFR as the CPU last read it
+        self.pulses = 0  # bit x - 1: INTx was pulsed since the owner last set this to 0
 
     # Inputs from peripherals and CPU -----------------------------------------
 
@@ -136,16 +131,6 @@ class Pie(Chip):
 
     # The chip's interface ----------------------------------------------------
 
-    def pins(self, now: int, levels: int) -> int:
-        raise ValueError("the PIE has no input pins; its inputs are `request` and `hold`")
-
-    def wake(self, now: int) -> int:
-        """Do nothing: the PIE has no timers."""
-        return NO_CHANGE
-
-    def gate(self, now: int, on: bool) -> None:
-        """Do nothing: the PIE's clock cannot be switched off."""
-
     def read(self, now: int, offset: int) -> int:
         if offset & 1 and 1 <= offset // 2 <= GROUPS:
             self._seen[offset // 2 - 1] = self._pieifr[offset // 2 - 1]
@@ -178,19 +163,6 @@ class Pie(Chip):
             else:
                 self._pieier[g], _ = PIEIER[g].write(self._pieier[g], value)
             self._send(g)
-
-    def reset(self, now: int) -> None:
-        self._piectrl = PIECTRL.reset
-        self._pieack = self._options.pieack_reset.unrecorded()
-        self._as_reset = PIEACK["PIEACK"].mask  # the groups whose PIEACK bit is unchanged since reset
-        self._noted_blocked = 0  # of these, the groups whose blocked request was noted
-        self._pieier = [register.reset for register in PIEIER]
-        self._pieifr = [register.reset for register in PIEIFR]
-        self._lines_held = [0] * GROUPS
-        self._set_at = [-1] * GROUPS  # cycle of the latest requests of a group
-        self._set_now = [0] * GROUPS  # the lines that requested in that cycle
-        self._seen = [0] * GROUPS  # PIEIFR as the CPU last read it
-        self.pulses = 0  # bit x - 1: INTx was pulsed since the owner last set this to 0
 
     # Inside -------------------------------------------------------------------
 

@@ -40,44 +40,30 @@ class SciFormat:
         made=True,
     )
 
-    data_bits: int
-    data_mask: int
-    stops: int
-    extra_bits: int
-    stop_bit: int
-    bits: int
-    stop_at: int
-    vote_at: int
-    voted_at: int
-    due: int
-    end: int
-    hunt: int
-    break_at: int
-
     def __init__(self, sciccr: int, options: SciOptions) -> None:
         self.sciccr = sciccr
-        self.data_bits = SCICHAR.extract(sciccr) + 1
-        self.data_mask = (1 << self.data_bits) - 1
+        self.data_bits: int = SCICHAR.extract(sciccr) + 1
+        self.data_mask: int = (1 << self.data_bits) - 1
         self.address = bool(sciccr & ADDRIDLE_MODE)
         self.parity = bool(sciccr & PARITYENA)
         self.even = bool(sciccr & PARITY)
-        self.stops = 2 if sciccr & STOPBITS else 1
-        self.extra_bits = self.address + self.parity
-        self.stop_bit = 1 + self.data_bits + self.extra_bits
-        self.bits = self.stop_bit + self.stops
+        self.stops: int = 2 if sciccr & STOPBITS else 1
+        self.extra_bits: int = self.address + self.parity
+        self.stop_bit: int = 1 + self.data_bits + self.extra_bits
+        self.bits: int = self.stop_bit + self.stops
         stop = 8 * self.stop_bit
-        self.stop_at = stop
-        self.vote_at = stop + (3 if options.stop_vote_samples.unrecorded() == "4_5_6" else 2)
-        self.voted_at = self.vote_at + 2
-        self.due = stop + DUE[options.rxrdy_point.unrecorded()]
-        self.end = 8 * self.bits
+        self.stop_at: int = stop
+        self.vote_at: int = stop + (3 if options.stop_vote_samples.unrecorded() == "4_5_6" else 2)
+        self.voted_at: int = self.vote_at + 2
+        self.due: int = stop + DUE[options.rxrdy_point.unrecorded()]
+        self.end: int = 8 * self.bits
         self.early_hunt = self.address
-        self.hunt = stop + options.start_hunt_point.unrecorded() - 1
+        self.hunt: int = stop + options.start_hunt_point.unrecorded() - 1
         if self.address:  # erratum: sub-sample 6 of the address bit
             bit_later = self.parity and options.addrbit_hunt_with_parity.unrecorded() == "parity_bit"
             self.hunt = 8 * (1 + self.data_bits + bit_later) + 5
         counted_from = self.voted_at if options.break_count_from.unrecorded() == "last_stop_sample" else stop + 7
-        self.break_at = counted_from + BREAK_TICKS[options.break_bits.unrecorded()]
+        self.break_at: int = counted_from + BREAK_TICKS[options.break_bits.unrecorded()]
 
     def parity_bit(self, word: int, address: int) -> int:
         """Return the parity bit: the ones in `word`, the address bit and it are even (or odd) in number."""

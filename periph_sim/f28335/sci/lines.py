@@ -4,8 +4,7 @@
                  ^ loop-back
     TXD <-- SciTxBits <--words---- SciTx --> TXINT
 
-The CPU's side, which configures the two halves, is in `module`. Line models coarser than edges use `deliver` and
-`take_words`, which skip the bits; all other code is the same.
+The CPU's side, which configures the two halves, is in `module`.
 
 Chosen, where the manual is silent:
 - Loop-back passes the receiver's synchroniser like the pin, and TXD also shows the frames.
@@ -31,7 +30,7 @@ from .options import SciOptions
 from .receiver import ST_RXWAKE, SciRx
 from .receiver_bits import BREAK, FE, FRAME, IDLE, PE, SciRxBits
 from .register_map import SCI_MAP
-from .transmitter import SciTx, SentWord
+from .transmitter import SciTx
 
 RECEIVED = 1 << SCI_MAP["SCIRXBUF"].offset | 1 << SCI_MAP["SCIRXEMU"].offset
 
@@ -50,7 +49,7 @@ class SciLines(Chip):
 
     STATE = State(
         "_layout _rx_clock _tx_clock _bits _rx _tx _autobaud _rxd _gated _suspended _rx_stopping _ccr "
-        "_ctl1 _hbaud _lbaud _ffct _pri _abd_requested _listening _word_line",
+        "_ctl1 _hbaud _lbaud _ffct _pri _abd_requested _listening",
         cycles="_rx_at _tx_at _request_at",
     )
     MAP = SCI_MAP
@@ -60,15 +59,10 @@ class SciLines(Chip):
     LINES: tuple[str, ...] = ("RXINT", "TXINT")
 
     def __init__(self, name: str = "SCI-A", options: SciOptions = SciOptions()) -> None:  # noqa: B008 (frozen)
+        super().__init__()
         self.name = name
         self.options = options
-        self.next_wake = NEVER
         self.out = 1
-        self.requests = 0
-        self.held = 0
-        self.loaded = 0
-        self.notes: list[Note] = []
-        self.touched: set[str] = set()
         self._layout = SciFormat(0, options)
         self._rx_clock = SciClock()
         self._tx_clock = SciClock()
@@ -89,54 +83,15 @@ class SciLines(Chip):
         self._pri = 0
         self._abd_requested = False  # ABD has requested TXINT since CDC was set
         self._listening = False  # the bit receiver follows the line
-        self._word_line = False
         # The next event of each part, in cycles.
         self._rx_at = NEVER
         self._tx_at = NEVER
         self._request_at = NEVER
 
-    # Interface for coarser line models --------------------------------------
-
     @property
     def marks(self) -> SciTx:
         """The keeper of each word's mark from its write to its last bit on TXD."""
         return self._tx
-
-    def deliver(self, now: int, word: int, address_bit: int = 0) -> None:
-        """Receive a frame that is complete at `now`.
-
-        word: data with FE in bit 15 and PE in bit 14.
-        address_bit: the address bit; in idle-line mode 1 after at least ten idle bits.
-        The frame is lost while SW RESET, SCIRST, the clock gate or a debugger hold the module.
-        """
-        self._run(now)
-        if not self._rx_clock.running:
-            self._note("lost", f"a frame {word & 0xFF:#04x} came while the module had no clock", "SPRUFB0D §5.1.1")
-        elif self._autobaud.armed:
-            if word in (0x41, 0x61):
-                self._set_abd()
-                self._arm_receiver(now)
-                self._move(now, word, address_bit)
-        elif self._tx.running:
-            self._move(now, word, address_bit)
-        self._watch_idle(now)
-        self._schedule()
-
-    def deliver_break(self, now: int) -> None:
-        """Receive a break that is complete at `now`; its first frame was delivered before, with FE."""
-        self._run(now)
-        if self._rx_clock.running and self._tx.running:
-            self._break_received(now)
-        self._schedule()
-
-    def take_words(self) -> list[SentWord]:
-        """Send words through the returned list, which the owner empties, instead of TXD, which stays at 1.
-
-        In loop-back, frames are still generated for the module itself.
-        """
-        self._word_line = True
-        self._tx.word_line = not self._ccr & LOOPBKENA
-        return self._tx.sent
 
     # Inputs: pin, time, clock, debugger -------------------------------------
 

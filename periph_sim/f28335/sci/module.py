@@ -186,7 +186,6 @@ class Sci(SciLines):
         self._tx.set_layout(now, self._layout, at_once)
         if (before ^ self._ccr) & LOOPBKENA:
             looped = self._ccr & LOOPBKENA
-            self._tx.word_line = self._word_line and not looped
             self._line(now, self.out if looped else self._rxd)
 
     def _write_ctl1(self, now: int, value: int) -> None:
@@ -264,7 +263,6 @@ class Sci(SciLines):
         self._rx.reset()
         self._tx.reset()
         self._tx.set_layout(now, self._layout, False)
-        self._tx.word_line = self._word_line
         self._arm_receiver(now)
         self._bits.set_layout(self._rx_clock.passed(now), self._layout, False)
         self._line(now, self._rxd)

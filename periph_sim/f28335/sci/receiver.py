@@ -4,8 +4,7 @@
                         |
                         +--> RXRDY, FE, PE, OE, RXWAKE, RXFFST, RXFFINT, RXFFOVF --> request
 
-All levels of fidelity use this code: the bit receiver calls `deliver` at the stop bit, a
-coarser line model at the time that it has computed.
+The bit receiver calls `deliver` at the stop bit.
 
 Chosen, where the manual is silent:
 - Every move to SCIRXBUF with RXBKINTENA = 1 requests RXINT, including an overrun; setting

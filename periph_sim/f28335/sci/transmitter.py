@@ -1,6 +1,6 @@
 """SCI transmitter, CPU side: sends frames from SCITXBUF and the FIFO, with flags and the transmit request.
 
-    write --> SCITXBUF or FIFO --load--> TXSHF, WUT --start--> SciTxBits (levels), or `sent` (words)
+    write --> SCITXBUF or FIFO --load--> TXSHF, WUT --start--> SciTxBits (levels)
                                   |
                                   +--> TXRDY, TXFFST, TXFFINT --> request
 
@@ -22,7 +22,7 @@ Source: TI SPRUFZ5A sections 1.2.3 to 1.2.10, tables 2-4, 2-6, 2-9, 2-11.
 
 from __future__ import annotations
 
-from typing import NamedTuple, final
+from typing import final
 
 from ...core.chip import NEVER
 from ...core.state import State
@@ -30,7 +30,7 @@ from ..interrupt_fifo import InterruptFifo
 from .character_format import SciFormat
 from .clock import SciClock
 from .options import SciOptions
-from .receiver_bits import FAR, IDLE_TICKS
+from .receiver_bits import FAR
 from .register_map import SCI_MAP
 from .transmitter_bits import SciTxBits
 
@@ -40,19 +40,6 @@ SCIFFENA = SCIFFTX["SCIFFENA"].mask
 
 TXRDY = SCI_MAP["SCICTL2"]["TXRDY"].mask
 TXEMPTY = SCI_MAP["SCICTL2"]["TXEMPTY"].mask
-
-
-class SentWord(NamedTuple):
-    """A frame in transit, in the form that `Sci.deliver` of another module expects.
-
-    address: the address bit, or in idle-line mode 1 after ten idle bits.
-    start, end: cycles of the start edge and of the end of the last stop bit, at the present rate.
-    """
-
-    word: int
-    address: int
-    start: int
-    end: int
 
 
 @final
@@ -65,7 +52,7 @@ class SciTx:
     """
 
     STATE = State(
-        "request bits word_line sent frames lost enabled running in_swreset stopping int_enabled delay "
+        "request bits frames lost enabled running in_swreset stopping int_enabled delay "
         "txbuf txwake wut fifo fifo_mode active next_tick _layout _waiting _drain _loaded _txshf "
         "_data_frame _began _end _last_end _start_at _load_at",
         cycles="next_cycle _load_cycle _empty_until",
@@ -76,8 +63,6 @@ class SciTx:
         self.options = options
         self.touched = touched
         self.bits = SciTxBits()
-        self.word_line = False  # words are passed on in `sent`, without levels
-        self.sent: list[SentWord] = []
         self.frames = 0  # number of frames whose start bits have begun, since construction
         self.lost: list[str] = []  # messages about lost words
         self.mark = 0
@@ -267,13 +252,7 @@ class SciTx:
 
     def _send(self, tick: int) -> None:
         layout = self._layout
-        word = self._txshf
         self.out_mark = self._txshf_mark
-        address = int(self.wut) if layout.address else int(tick - self._last_end >= IDLE_TICKS)
-        if self.word_line:
-            clock = self._clock
-            self.sent.append(SentWord(word & layout.data_mask, address, clock.at(tick), clock.at(self._end)))
-            return
         self.bits.send(tick, self._levels(layout), layout.bits)
 
     def _levels(self, layout: SciFormat) -> int:
@@ -376,8 +355,7 @@ class SciTx:
         if at_once and self.active and self._data_frame:
             done = (self._clock.passed(now) - self._began) // 8 + 1
             self._end = self._began + 8 * max(layout.bits, done)
-            if not self.word_line:
-                self.bits.resend(self._began, self._levels(layout), max(layout.bits, done), done)
+            self.bits.resend(self._began, self._levels(layout), max(layout.bits, done), done)
         self.replan(now)
 
     def show_flags(self, now: int) -> int:

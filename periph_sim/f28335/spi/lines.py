@@ -92,16 +92,11 @@ class SpiLines(Chip):
     LINES: tuple[str, ...] = ("RXINT", "TXINT")
 
     def __init__(self, name: str = "SPI-A", options: SpiOptions = SpiOptions()) -> None:  # noqa: B008 (frozen)
+        super().__init__()
         self.name = name
         self.options = options
-        self.next_wake = NEVER
         self.out = SIMO | SOMI | CLK | STE
         self.driven = 0
-        self.requests = 0
-        self.held = 0
-        self.loaded = 0
-        self.notes: list[Note] = []
-        self.touched: set[str] = set()
         self.filter_width = self._latency = options.input_latency.unrecorded()  # each edge records it
         self._shifter = SpiShifter()
         self._tx = TransmitBuffer(options, self.touched)

@@ -94,38 +94,49 @@ class SystemControl(Chip):
         cycles="lspclk_phase _wdflag_at _gates_to_come _wdints_to_come",
     )
     MAP = MAP
-    INPUTS: tuple[str, ...] = ()
-    OUTPUTS: tuple[str, ...] = ()
     LINES: tuple[str, ...] = ("WAKEINT",)
-    filter_width = 0
 
     def __init__(self, oscclk_hz: int, options: SystemOptions) -> None:
         if oscclk_hz < 1:
             raise ValueError(f"OSCCLK is {oscclk_hz} Hz; expected a positive number")
+        super().__init__()
         self.oscclk_hz = oscclk_hz
-        self.next_wake = NEVER
-        self.out = 0
-        self.requests = 0
-        self.held = 0
-        self.notes: list[Note] = []
-        self.touched: set[str] = set()
         self.reset_requested = False  # by the watchdog; cleared by `reset`
         self._options = options
         self._clock = OscClock()
         self._watchdog = Watchdog(options, self.touched)
-        self._pllsts: int  # `reset` sets the registers
-        self._pllcr: int
-        self._hispcp: int
-        self._lospcp: int
-        self._pclkcr0: int
-        self._pclkcr1: int
-        self._pclkcr3: int
-        self._lpmcr0: int
         self.sysclk_hz = Fraction(oscclk_hz)  # in bypass
         self.sysclk_numerator = self.sysclk_denominator = 1  # SYSCLKOUT = OSCCLK * numerator / denominator
         self._gates_to_come: list[tuple[int, int]] = []  # (cycle, gates)
         self._wdints_to_come: list[tuple[int, int]] = []  # (cycle, level)
         self.reset(0)
+
+    def reset(self, now: int) -> None:
+        """Reset by XRS, or by the watchdog if `reset_requested`; WDFLAG then follows WDFLAG_DELAY cycles later."""
+        by_watchdog = self.reset_requested
+        self._pllcr = PLLCR.reset
+        self._pllsts = PLLSTS.reset
+        self._locked_at = NEVER  # OSCCLK position
+        self._hispcp = HISPCP.reset
+        self._lospcp = LOSPCP.reset
+        self._pclkcr0 = PCLKCR0.reset
+        self._pclkcr1 = PCLKCR1.reset
+        self._pclkcr3 = PCLKCR3.reset
+        self._lpmcr0 = LPMCR0.reset
+        self.hspclk_divider = prescale(self._hispcp)
+        self.lspclk_divider = prescale(self._lospcp)
+        self.lspclk_phase = now  # LSPCLK begins a period at this cycle and every `lspclk_divider` cycles from it
+        self.gates = self._gates()  # bit i: the clock that GATES[i] switches is on
+        self._gates_to_come.clear()
+        self._watchdog.reset(self._clock.at(now))
+        self.requests = 0
+        self.reset_requested = False
+        self._wdint = 1  # WDINT as it was last seen
+        self._wdints = 1
+        self._wdints_to_come.clear()
+        self._wdflag_at = now + WDFLAG_DELAY if by_watchdog else NEVER
+        self._tune(now)
+        self._schedule()
 
     # Queries ----------------------------------------------------------------
 
@@ -141,15 +152,9 @@ class SystemControl(Chip):
 
     # Inputs -----------------------------------------------------------------
 
-    def pins(self, now: int, levels: int) -> int:
-        raise ValueError("system control has no input pins")
-
     def wake(self, now: int) -> int:
         self._sync(now)
         return ANY_CHANGED
-
-    def read(self, now: int, offset: int) -> int:
-        return self.peek(now, offset)
 
     def peek(self, now: int, offset: int) -> int:
         """Return the register's value; no register here has a read effect."""
@@ -181,23 +186,6 @@ class SystemControl(Chip):
             self._write_lpmcr0(value)
         else:
             self._write_watchdog(now, offset, value)
-        self._schedule()
-
-    def reset(self, now: int) -> None:
-        """Reset by XRS, or by the watchdog if `reset_requested`; WDFLAG then follows WDFLAG_DELAY cycles later."""
-        by_watchdog = self.reset_requested
-        self._pllcr = PLLCR.reset
-        self._pllsts = PLLSTS.reset
-        self._locked_at = NEVER  # OSCCLK position
-        self._reset_all_but_pll(now)
-        self._wdflag_at = now + WDFLAG_DELAY if by_watchdog else NEVER
-        self._tune(now)
-        self._schedule()
-
-    def debugger_reset(self, now: int) -> None:
-        """Reset by the debugger: like `reset`, but PLLCR, PLLSTS and therefore SYSCLKOUT are unchanged."""
-        self._sync(now)
-        self._reset_all_but_pll(now)
         self._schedule()
 
     def boot(self, now: int) -> None:
@@ -289,26 +277,6 @@ class SystemControl(Chip):
         self._update_from_watchdog(now)
 
     # Inside -----------------------------------------------------------------
-
-    def _reset_all_but_pll(self, now: int) -> None:
-        self._hispcp = HISPCP.reset
-        self._lospcp = LOSPCP.reset
-        self._pclkcr0 = PCLKCR0.reset
-        self._pclkcr1 = PCLKCR1.reset
-        self._pclkcr3 = PCLKCR3.reset
-        self._lpmcr0 = LPMCR0.reset
-        self.hspclk_divider = prescale(self._hispcp)
-        self.lspclk_divider = prescale(self._lospcp)
-        self.lspclk_phase = now  # LSPCLK begins a period at this cycle and every `lspclk_divider` cycles from it
-        self.gates = self._gates()  # bit i: the clock that GATES[i] switches is on
-        self._gates_to_come.clear()
-        self._watchdog.reset(self._clock.at(now))
-        self.requests = 0
-        self.reset_requested = False
-        self._wdint = 1  # WDINT as it was last seen
-        self._wdints = 1
-        self._wdints_to_come.clear()
-        self._wdflag_at = NEVER
 
     def _sync(self, now: int) -> None:
         while self.next_wake <= now:

@@ -23,7 +23,7 @@ Chosen:
 
 from __future__ import annotations
 
-from ...core.chip import ANY_CHANGED, NEVER, NO_CHANGE, Chip, Note
+from ...core.chip import ANY_CHANGED, NO_CHANGE, Chip, Note
 from ...core.state import State
 from .register_map import XINT
 
@@ -39,22 +39,20 @@ class Xint(Chip):
     STATE = State("enabled _control _count _level", cycles="_since")
     MAP = XINT
     INPUTS = tuple(f"XINT{n}" for n in range(1, LINES + 1))
-    OUTPUTS: tuple[str, ...] = ()
     LINES = INPUTS
-    filter_width = 0
 
     def __init__(self) -> None:
-        self.next_wake = NEVER
-        self.out = 0
-        self.requests = 0
-        self.held = 0
-        self.notes: list[Note] = []
-        self.touched: set[str] = set()
-        self.enabled = 0  # mask: lines whose edges matter
+        super().__init__()
         self._level = 0
+        self._since = [0, 0]  # cycle at which XINT1CTR, XINT2CTR were, or would have been, 0, when running
+        self.reset(0)
+
+    def reset(self, now: int) -> None:
+        """Reset by XRS: all lines disabled, counters at 0. The lines keep their levels."""
+        self.requests = 0
+        self.enabled = 0  # mask: lines whose edges matter
         self._control = [0] * (LINES + 1)  # XINT1CR ... XINT7CR, XNMICR
         self._count = [0, 0]  # of XINT1CTR, XINT2CTR when stopped
-        self._since = [0, 0]  # cycle at which they were, or would have been, 0, when running
 
     def settle(self, now: int, levels: int) -> None:
         """Set the levels of the lines that are not enabled (bit 0: XINT1), without edges."""
@@ -71,13 +69,6 @@ class Xint(Chip):
                 if line < len(self._since):
                     self._since[line] = now
         return ANY_CHANGED
-
-    def wake(self, now: int) -> int:
-        """Do nothing: the module has no timers."""
-        return NO_CHANGE
-
-    def read(self, now: int, offset: int) -> int:
-        return self.peek(now, offset)
 
     def peek(self, now: int, offset: int) -> int:
         if offset <= XNMICR:
@@ -101,12 +92,6 @@ class Xint(Chip):
         if offset < len(self._since):
             self._run_counter(now, offset, bool(enable))
         self.enabled = self.enabled & ~(1 << offset) | enable << offset
-
-    def reset(self, now: int) -> None:
-        """Reset by XRS: all lines disabled, counters at 0. The lines keep their levels."""
-        self.enabled = self.requests = 0
-        self._control = [0] * (LINES + 1)
-        self._count = [0, 0]
 
     def _is_valid(self, line: int, level: int) -> bool:
         polarity = POLARITY.extract(self._control[line])

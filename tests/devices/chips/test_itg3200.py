@@ -16,7 +16,7 @@ from tests.devices.bench import MS, SECOND, TIMEBASE, US, Bench, steady
 
 SMPLRT_DIV, DLPF_FS, INT_CFG, INT_STATUS, TEMP, GYRO, PWR_MGM = 0x15, 0x16, 0x17, 0x1A, 0x1B, 0x1D, 0x3E
 RAW, RDY = 0x01, 0x04
-RAW_EN, RDY_EN, ANY_READ, LATCH, ACTL = 0x01, 0x04, 0x10, 0x20, 0x80
+RAW_EN, RDY_EN, ANY_READ = 0x01, 0x04, 0x10
 RESET, SLEEP = 0x80, 0x40
 
 
@@ -114,21 +114,6 @@ def test_int_anyrd_2clear_lets_any_read_clear_it():
     bench.wait(10 * MS)
     assert bench.read(0x00)[0] == 0x68
     assert bench.read(INT_STATUS)[0] == 0
-
-
-def test_the_int_pin_pulses_for_50_us_or_is_latched():
-    chip = Itg3200(TIMEBASE, steady(0, 0, 0))
-    chip.write(0, SMPLRT_DIV, 79)
-    chip.write(0, INT_CFG, RAW_EN)
-    sample = 60 * MS
-    assert [chip.int_pin(sample + t) for t in (-1, 0, 50 * US - 1, 50 * US)] == [0, 1, 1, 0]
-    chip.write(sample + 60 * US, INT_CFG, RAW_EN | LATCH)
-    chip.read(sample + 60 * US, INT_STATUS)
-    assert [chip.int_pin(sample + 10 * MS + t) for t in (-1, 0, 5 * MS)] == [0, 1, 1]
-    chip.read(sample + 15 * MS, INT_STATUS)
-    assert chip.int_pin(sample + 15 * MS) == 0
-    chip.write(sample + 15 * MS, INT_CFG, RAW_EN | LATCH | ACTL)
-    assert chip.int_pin(sample + 15 * MS) == 1
 
 
 def test_itg_rdy_comes_1_ms_after_the_clock_source_was_chosen():

@@ -222,7 +222,7 @@ def test_after_reset_all_pins_are_synchronised_inputs_with_latch_0():
 @pytest.mark.rule("SYS-048", "I2C-031")
 def test_pull_ups_are_on_except_on_gpio0_to_11():
     rig = Rig()
-    assert rig.gpio.pulled_up() == ALL & ~0xFFF
+    assert rig.gpio.pads == ALL & ~0xFFF
     assert [rig.read(f"GP{port}PUD") for port in "ABC"] == [0xFFF, 0, 0]
     assert [rig.read(f"GP{port}DAT") for port in "ABC"] == [0xFFFF_F000, 0xFFFF_FFFF, 0x00FF_FFFF]
     rig.set("GPBPUD", GPIO32=1)

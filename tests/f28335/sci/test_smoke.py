@@ -10,7 +10,6 @@ from periph_sim.f28335.sci.character_format import SciFormat
 from periph_sim.f28335.sci.module import CCR, CTL1, HBAUD, LBAUD, RXBUF, RXST, TXBUF, Sci
 from periph_sim.f28335.sci.options import SciOptions
 from periph_sim.f28335.sci.receiver_bits import FE, FRAME, IDLE, PE, SciRxBits
-from periph_sim.f28335.sci.transmitter import SentWord
 
 RXRDY, RXWAKE = 0x40, 0x02
 
@@ -47,16 +46,6 @@ def test_a_frame_goes_from_one_module_into_another():
     run(two, 2000)
     assert two.read(2000, RXST) & RXRDY
     assert two.read(2000, RXBUF) == 0x5A
-
-
-def test_words_without_edges():
-    one, two = running(), running()
-    words = one.take_words()
-    one.write(100, TXBUF, 0x5A)
-    assert run(one, 2000) == []
-    assert words == [SentWord(0x5A, 1, words[0].start, words[0].start + 10 * 64)]
-    two.deliver(words[0].end, words[0].word, words[0].address)
-    assert two.read(words[0].end, RXST) & (RXRDY | RXWAKE) == RXRDY | RXWAKE
 
 
 @settings(max_examples=60, deadline=None)

@@ -209,31 +209,18 @@ def test_what_is_not_modelled_is_reported():
 
 
 @pytest.mark.rule("SYS-009")
-def test_debugger_reset_keeps_the_pll_and_xrs_does_not():
+@pytest.mark.parametrize("by_watchdog", [False, True])
+def test_xrs_and_the_watchdog_reset_the_pll(by_watchdog: bool):
     chip = system()
     now = program_pll(chip, 0, 10, 2)
-    chip.write(now, LOSPCP.offset, 0)
     chip.write(now, HISPCP.offset, 0)
-    chip.debugger_reset(now + 10)
-    assert ratio(chip) == (5, 1)
-    assert chip.read(now + 10, PLLCR.offset) == 10
-    assert chip.read(now + 10, PLLSTS.offset) == divsel(2) | 1
-    assert (chip.lspclk_divider, chip.hspclk_divider) == (4, 2)
-    chip.reset(now + 20)
-    assert ratio(chip) == (1, 4)
-    assert chip.read(now + 20, PLLCR.offset) == 0
-    assert chip.read(now + 20, PLLSTS.offset) == 1
-
-
-@pytest.mark.rule("SYS-009")
-def test_watchdog_resets_the_pll():
-    chip = system()
-    now = program_pll(chip, 0, 10, 2)
-    chip.write(now, WDCR.offset, 0)  # WDCHK wrong: reset at once
-    assert chip.reset_requested
+    if by_watchdog:
+        chip.write(now, WDCR.offset, 0)  # WDCHK wrong: reset at once
+    assert chip.reset_requested == by_watchdog
     chip.reset(now)
-    assert ratio(chip) == (1, 4)
+    assert (ratio(chip), chip.lspclk_divider, chip.hspclk_divider) == ((1, 4), 4, 2)
     assert chip.read(now, PLLCR.offset) == 0
+    assert chip.read(now, PLLSTS.offset) == 1
 
 
 # Prescalers ---------------------------------------------------------------------

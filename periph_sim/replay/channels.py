@@ -32,7 +32,10 @@ def channel_map(capture: Capture, text: str | None, session: bool = False) -> di
 
 
 def serial_channel(capture: Capture, text: str | None) -> str:
-    """Return the channel that is RX: `rx=0`, or the one of that name, or the only one. BadReplay if ambiguous."""
+    """Return the channel that is RX: the one that `rx=0` names, or the one named RX, or the only one of the capture.
+
+    Raise BadReplay if that does not determine it.
+    """
     if text is None and len(capture.channels) == 1:
         return capture.channels[0].name
     if text is None:

@@ -73,7 +73,7 @@ class Comparison:
 
     agreed: the number of equal events before the first difference.
     divergence: the first divergence that is not of kind TIMING; None if there is none.
-    lag: the largest difference in time, in seconds, of the events before the first one that differs.
+    lag: the largest difference in time, in seconds, of the events before the first one with other words.
     ranked: the first divergence of each kind, in order of time, because an earlier one may cause a later one. TIMING is
         last, because a stretch delays all later events.
     """
@@ -85,7 +85,7 @@ class Comparison:
 
 
 def kind_of(words: str) -> str:
-    """Return BYTE, ACK or EVENT."""
+    """Return the kind of divergence, BYTE, ACK or EVENT, in which an event with these words is wrong."""
     if words in CONDITIONS or words.startswith("cut off"):
         return EVENT
     return ACK if words in ("ACK", "NACK") else BYTE
@@ -122,7 +122,7 @@ def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: 
 
 
 def _in_both(expected: Sequence[Happened], found: Sequence[Happened]) -> int:
-    """Return the number of events that the lists have in common, in order."""
+    """Return the number of events that occur in both lists in the same order."""
     numbers: dict[str, int] = {}
     rows = [[numbers.setdefault(event.words, len(numbers)) for event in events] for events in (expected, found)]
     return sum(run.length for run in align(*rows))

@@ -3,10 +3,10 @@
 The run is repeated with recording, and ends soon after the last divergence. The statement is the one that wrote the
 value on the wires, or else the one that was executed at the divergence.
 
-    Recorder --FLAG, ACCESS--> one ring a register or access --at each instant--> changes, oldest first
+    Recorder --FLAG, ACCESS--> a ring for each register or access --at each divergence--> changes, oldest first
 
-A run is the same each time, and the first run, before the difference is known, records nothing. The rings are bounded,
-so memory does not grow with the run.
+The first run records nothing, because the divergences are not known until it ends. Both runs are equal. The rings are
+bounded, so memory does not grow with the length of the run.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ REGISTERS = {"I2C-A": ("I2CSTR.", "I2CMDR."), "SCI-A": ("SCIRXST.", "SCIFFRX.", 
 class FlagHistory:
     """Changes and accesses around some moments of a run.
 
-    moments: pairs (tick, last tick to show).
+    moments: for each divergence its tick and the last tick to show after it.
     module: the module whose registers are shown.
     keep: the number of entries that each ring keeps.
     instants: the ticks at which the executed statement is noted.
@@ -101,20 +101,29 @@ class FlagHistory:
 
 @dataclass(frozen=True)
 class CaptureOrigin:
-    """The place of the capture's time 0 in a run, and the history shown after an event, in ticks."""
+    """The tick of a run at which the capture begins, which converts times of the capture to ticks.
+
+    after: the number of ticks after a divergence for which history is shown.
+    """
 
     scene: Scene
     origin: int
     after: int
 
     def moment(self, divergence: Divergence) -> tuple[int, int]:
-        """Return the tick of a divergence, the chip's if it has one, and the last tick to show."""
+        """Return the tick of a divergence and the last tick to show.
+
+        The tick is that of the replayed event; if the replay has no such event, that of the captured one.
+        """
         seconds = divergence.capture_s if divergence.replay_s is None else divergence.replay_s
         tick = self.scene.kernel.now if seconds is None else self.origin + self._ticks(seconds)
         return tick, tick + self.after
 
     def instant(self, divergence: Divergence) -> int:
-        """Return the tick of the statement to name: the event's, or, if only the time differs, the captured one."""
+        """Return the tick whose statement is named as the cause of a divergence.
+
+        It is the tick from `moment`. If only the time differs, it is the tick at which the captured event was due.
+        """
         if divergence.kind == TIMING and divergence.capture_s is not None:
             return self.origin + self._ticks(divergence.capture_s)
         return self.moment(divergence)[0]
@@ -130,7 +139,10 @@ Run = Callable[[FlagHistory, int], None]  # a function that repeats a run, with 
 
 
 class Role(NamedTuple):
-    """The role of a unit. writes: the registers from which events get their values, by the first words of an event."""
+    """The role of a unit.
+
+    writes: for the first words of an event, the register from which such an event gets its value.
+    """
 
     module: str
     writes: Mapping[str, str]
@@ -166,7 +178,7 @@ def with_history(
 
 
 def _write_of(event: str, role: Role, records: Sequence[Record]) -> str:
-    """Return a phrase with the statement that wrote the value of an event; "" if no such write was recorded."""
+    """Return a phrase that names the statement which wrote the value of an event; "" if no write was recorded."""
     for words, register in role.writes.items():
         if event.startswith(words):
             value = int(event.removeprefix(words).split()[0], 16)
@@ -177,7 +189,7 @@ def _write_of(event: str, role: Role, records: Sequence[Record]) -> str:
 
 
 def _shown(place: SourceLocation) -> str:
-    """Format file, line and function; function and address for an image without debug data."""
+    """Format a place as file, line and function, or as function and address for an image without debug data."""
     if isinstance(place, InstructionLocation):
         return str(place)
     return f"{Path(place.path).name}:{place.line}, in {place.rpartition(':')[0]}"

@@ -1,12 +1,12 @@
 """Frames of a UART capture that prove nothing about a receiver of the line.
 
-    frames, rejected starts  --fit?-->  words to compare, one against one
-    words received           ------->   ambiguous: frames with a glitch at a sample point
+    frames and rejected starts of the capture --+--> pairs of a frame and a word, which are compared
+    words received by the firmware -------------+--> ambiguous frames: a glitch lies at a sample point
 
 Receivers may read an ambiguous frame either way. A glitch in a data, parity or stop bit leaves that bit open, so the
 word may have either value. A glitch in the start bit, or a nearly valid start, leaves open whether a frame begins at
 all. A receiver that decides otherwise than the decoder may read other frames up to the next pause. Comparison resumes
-at the place in the burst from which on most words agree.
+at the place in the burst after which the most words agree.
 
 A line that is read at a wrong rate, in a wrong format or inverted decodes into frames with errors. A receiver with the
 same settings reads the same bytes with the same errors, so agreement between capture and receiver proves nothing.
@@ -48,7 +48,11 @@ class Word(NamedTuple):
 
 @dataclass
 class Settled:
-    """The result of `settled`. expected, found: the comparable parts. ambiguous: the omitted frames."""
+    """The events of a line that can be judged.
+
+    expected, found: the events of the capture and of the receiver, which must be equal.
+    ambiguous: the frames that are not judged.
+    """
 
     expected: list[Happened] = field(default_factory=list)
     found: list[Happened] = field(default_factory=list)
@@ -56,7 +60,10 @@ class Settled:
 
 
 def settled(events: Sequence[Event], line: Line, rate: Fraction, found: Sequence[Word]) -> Settled:
-    """Return the parts of a line that can be judged. rate: the number of positions in a second."""
+    """Return the events of a line that can be judged.
+
+    events: the decoded capture. rate: the number of its positions in a second. found: the received words.
+    """
     return _Settling(events, line, rate, found).result()
 
 
@@ -71,7 +78,7 @@ class _Settling:
             for event in events
             if isinstance(event, Frame) or (isinstance(event, RejectedStart) and event.end - event.at >= LIKELY * width)
         ]
-        self._pause = 2 * line.frame * width  # time from a start after which any reading of its frame is over
+        self._pause = 2 * line.frame * width  # a frame has ended this long after its start, however it is read
 
     def result(self) -> Settled:
         done = Settled()
@@ -114,7 +121,7 @@ class _Settling:
         )
 
     def _until_agreed(self, item: int, word: int) -> tuple[int, int]:
-        """Return the numbers of items and of words to omit, from an unsure start to the best agreement in its burst.
+        """Return how many items and words to omit from an unsure start up to the best agreement in its burst.
 
         Of equally good agreements, choose the one with the fewest items, and then the one whose number of words is
         nearest to the usual number for these items.
@@ -153,7 +160,7 @@ class LineErrors:
 
     wrong: number of frames with a framing or parity error, except breaks and frames that a glitch makes ambiguous.
     frames: number of frames.
-    doubt: a sentence that says why the channel has another format; empty if there is no evidence for this.
+    doubt: a sentence with the evidence that the channel has another format; empty if there is none.
     """
 
     wrong: int
@@ -162,7 +169,7 @@ class LineErrors:
 
 
 def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequence[Event]) -> LineErrors:
-    """Return the errors of a channel that was decoded as `line`, with the doubt that they raise about that format."""
+    """Return the errors of a channel that was decoded as `line`, with the doubt about that format that follows."""
     frames = [event for event in events if isinstance(event, Frame)]
     breaks = {event.at for event in events if isinstance(event, Break)}
     breaks |= _break_at_end(capture, channel, line)
@@ -181,7 +188,10 @@ def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequen
 
 
 def _break_at_end(capture: Capture, channel: str | int, line: Line) -> set[int]:
-    """Return the edge at which the line goes low for the rest of the capture: a break without its end."""
+    """Return the position of the edge after which the line is low for the rest of the capture.
+
+    Such a low phase is a break whose end was not captured. The set is empty if there is none.
+    """
     wire = capture.channel(channel)
     if not len(wire.edges) or wire.levels[-1] != int(line.invert) or capture.rate is None:
         return set()
@@ -190,7 +200,7 @@ def _break_at_end(capture: Capture, channel: str | int, line: Line) -> set[int]:
 
 
 def _better(capture: Capture, channel: str | int, line: Line, found: LineErrors) -> Guess | None:
-    """Return the format that the edges suggest, if it is another one with fewer errors; else None."""
+    """Return the format that the edges suggest if it differs from `line` and has fewer errors; else None."""
     try:
         other = guess(capture, channel)
     except ValueError:
@@ -198,7 +208,7 @@ def _better(capture: Capture, channel: str | int, line: Line, found: LineErrors)
     many = found.wrong > MOST * found.frames
     same_rate = abs(Fraction(other.line.baud) / Fraction(line.baud) - 1) <= NEAR
     if same_rate and other.line.invert == line.invert:
-        # The guess is not better if it is the same format, or has a ninth data bit, which takes bad stop bits as data.
+        # A guess of the same format is not better, nor one with nine data bits, which counts a bad stop bit as data.
         hides = other.line.shape == line.shape or other.line.bits > SCI_BITS
         if hides or not many:
             return None

@@ -51,7 +51,7 @@ class Plan:
     """The settings with which the agents play a capture.
 
     own: the addresses of the firmware.
-    origin: the tick of the capture's begin.
+    origin: the tick of the beginning of the capture.
     longest_low: the maximum time, in positions, for which the controller holds SCL low; None: as captured.
     least_gap: the minimum time, in ticks, between two transfers. After a delay, the controller shortens pauses down to
         it until the transfers begin as captured. None: pauses are as captured, so that all later transfers are delayed.
@@ -73,7 +73,9 @@ class Plan:
 class CapturedController:
     """Player of the controller's half of each transfer, and of the answers of targets other than the firmware.
 
-    player: makes the edges. begun: number of transfers that have begun. on_end: called after the last transfer.
+    player: the agent that makes the edges.
+    begun: the number of transfers that have begun.
+    on_end: a function that is called after the last transfer.
     """
 
     def __init__(self, plan: Plan, kernel: Kernel, scl: Wire, sda: Wire, on_end: Callable[[], None]) -> None:
@@ -85,7 +87,7 @@ class CapturedController:
         self._hold = usual_hold(plan.part.transfers, plan.part.half_sample)
         self._late = 0  # ticks by which the last transfer ended later than captured
         self._cut = 0  # ticks by which `longest_low` has shortened the last transfer
-        self._delay = 0  # `delay` of the player at the begin of the last transfer
+        self._delay = 0  # `delay` of the player at the beginning of the last transfer
         answers = plan.part.answers_of_others(plan.own)
         if answers:
             ScriptedTarget(kernel, scl, sda, answers, plan.timebase.ticks(HOLD, "nearest"))
@@ -135,7 +137,10 @@ def without_firmware(plan: Plan, start: int, end: int, tolerance: Fraction) -> C
 
 
 def _marked(one: Divergence, alone: tuple[Divergence, ...], tolerance: Fraction) -> Divergence:
-    """Return a difference, with a cause if the agents make it without the firmware, too. alone: differences of that."""
+    """Return a difference, with its cause if it also occurs in the run of the agents without the firmware.
+
+    alone: the differences of that run.
+    """
     for other in alone:
         if (one.kind, one.index) != (other.kind, other.index):
             continue
@@ -149,10 +154,12 @@ def _marked(one: Divergence, alone: tuple[Divergence, ...], tolerance: Fraction)
 
 
 def asked_once_more(expected: Sequence[Happened], first: Divergence, own: Sequence[int]) -> str:
-    """Return why a NACK of the firmware's address is not an error; "" if it may be one.
+    """Return the reason why the firmware's NACK of its address is not an error; "" if it may be one.
 
-    expected: events of the capture. Firmware that has answered before, and sends NACK after captured NACKs, is busy for
-    longer than the captured target. A controller that polls would repeat, but only the captured polls are played.
+    Firmware that has answered before, and sends one more NACK after the captured NACKs, is busy for longer than the
+    captured target was. A controller that polls would repeat the address, but only the captured polls are played.
+
+    expected: the events of the capture.
     """
     if (first.expected, first.found) != ("ACK", "NACK"):
         return ""
@@ -170,17 +177,17 @@ def asked_once_more(expected: Sequence[Happened], first: Divergence, own: Sequen
 
 
 class I2cReplay(BusReplay):
-    """Replay of a capture on a case.
+    """Closed-loop replay of an I2C capture: agents play the controller, and the firmware is a target.
 
     addresses: the addresses of the firmware; if empty, `answering` determines them.
     first: the maximum number of transfers; None for all.
     longest_low: the maximum time, in seconds, for which the controller holds SCL low; None: as captured.
     tolerance: the allowed difference in time, in seconds. None: a sample period plus a cycle; larger differences are
         reported, but not judged.
-    lead: the time from the start of the firmware to the begin of the capture, in seconds.
+    lead: the time from the start of the firmware to the beginning of the capture, in seconds.
     patience: the maximum time, in seconds, for which SCL may be held low; then the replay ends.
 
-    BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
+    Raise BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
 
     def __init__(
@@ -220,7 +227,7 @@ class I2cReplay(BusReplay):
         return Scene(alone(case, found.unit, "controller", found.forced, found.offered), subscribe)
 
     def _least_gap(self) -> int | None:
-        """Return the minimum gap between transfers, see `Plan`."""
+        """Return the minimum time between transfers, which is `least_gap` of `Plan`."""
         return None
 
     # Running ------------------------------------------------------------------------
@@ -290,7 +297,7 @@ class I2cReplay(BusReplay):
         Set `_agents_parted` to the reason why the first judged difference is no error of the firmware; "" if it may be.
         """
         self._agents_parted = ""
-        self._other_events = False  # True if that difference is in an event, not in a time, and has such a cause
+        self._other_events = False  # True if the agents alone make the first judged difference, and it is an event
         if not outcome.ranked:
             return outcome
         alone = without_firmware(self._agents, self._scene.start, self.kernel.now, tolerance)

@@ -35,20 +35,20 @@ if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
 MODULE_HZ = 10_000_000  # module clock that TI's start-up code sets; I2CCLKL and I2CCLKH count its cycles
-D = 5  # cycles that the module adds to each (SPRUG03B Table 15)
+D = 5  # cycles that the module adds to each of I2CCLKL and I2CCLKH (SPRUG03B Table 15)
 MOST = 0xFFFF
 EDGES = 2 * 4 * 9  # limit of edges of SCL and SDA for each event: twice the maximum in the nine bits of a byte
 
 
 class I2cMasterReplay(BusReplay):
-    """Replay of one capture on one case.
+    """Replay of an I2C capture whose controller is replaced by the firmware, as master.
 
-    first: number of transfers to replay; None for all.
+    first: the number of transfers to replay; None for all.
     tolerance: the allowed difference in time of an event, in seconds; None: times are not compared.
-    patience: time in seconds. The replay of firmware with a script ends when the bus has been silent for the longest
-        pause of the script plus this time.
+    patience: a time in seconds. If the firmware repeats the captured script, the replay ends when the bus has been
+        silent for the longest pause of the script plus this time.
 
-    Raises BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
+    Raise BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
 
     ROLE = "master"
@@ -98,7 +98,7 @@ class I2cMasterReplay(BusReplay):
     # Running ------------------------------------------------------------------------
 
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
-        """Run to the end, or up to tick `until`. Return what the firmware does then if its script is not over."""
+        """Run to the end, or up to tick `until`. If the script is not over then, return what the firmware is doing."""
         kernel, scene = self.kernel, self._scene
         step = self.timebase.ticks(STEP, "nearest")
         length = int(self._part.capture.length * self._per_position)
@@ -118,7 +118,7 @@ class I2cMasterReplay(BusReplay):
         return f"{self._unit} {scene.doing(unit)}: the replay ends there{endless}"
 
     def _endless(self) -> str:
-        """Return why firmware with a script is not waited for any longer; empty while it is, or without a script."""
+        """Return the reason to end a replay whose script does not end; empty to continue, or if there is no script."""
         if not self._scripted:
             return ""
         if self.kernel.now - self.log.last_edge > self._silence:
@@ -136,7 +136,7 @@ class I2cMasterReplay(BusReplay):
         events = decode.events(self._replayed, "SCL", "SDA")
         expected = events_of(self._half.done)
         if not self._scripted:
-            events = events[: len(expected)]  # it continues with its next round
+            events = events[: len(expected)]  # after these, the firmware's own program continues with its next round
         found = i2c_words(events, Fraction(self.timebase.per_second), self.origin)
         self._compared = i2c_words(expected, part.rate), found
         outcome = compare(*self._compared, self._tolerance)
@@ -152,5 +152,5 @@ class I2cMasterReplay(BusReplay):
 
 
 def _cycles(length: Fraction) -> int:
-    """Return I2CCLKL or I2CCLKH for a low or high time in seconds."""
+    """Return the value of I2CCLKL or I2CCLKH for a low or high time in seconds."""
     return min(MOST, max(1, round(length * MODULE_HZ) - D))

@@ -2,12 +2,12 @@
 
     capture --every edge of SCL and SDA--> the chip's inputs, on which it drives nothing
                                            the chip's outputs --> back wires: its own pulls
-    bits that its address must drive:             capture's level  <-- compare -->  back wire as SCL rises
-    all other bits:                               capture's level  <-- compare -->  the same, unless it pulls SDA
+    bits that the chip must drive:                capture's level  <-- compare -->  back wire as SCL rises
+    all other bits:                               the chip must not pull SDA low in a bit that is 1 in the capture
 
 If the chip still holds SCL when SCL rises in the capture, its answer is late, and the rest of its data differs from the
-data that it would send to a controller that waits. Low phases that are longer than usual in the capture are counted if
-the chip would have ended them earlier, because the chip did not need them.
+data that it would send to a controller that waits. Low phases that are longer than usual in the capture are counted in
+a note if the chip would have ended them earlier.
 
 An edge of SDA that shares a sample with an edge of SCL is moved half a sample into the low phase.
 """
@@ -97,7 +97,7 @@ class I2cOpenReplay(BusReplay):
         self._end_tick = self._tick(end) + self.timebase.ticks(TAIL, "nearest")
         for wire, line, edges in zip(wires, part.lines, _edges(*part.lines, part.half_sample, end), strict=True):
             ticks = [(self._tick(at), level) for at, level in edges]
-            if not line.initial:  # the line falls before the firmware enables the module, so that it sees no START
+            if not line.initial:  # the line falls before the firmware enables the module, which then sees no START
                 ticks.insert(0, (scene.start, 0))
             EdgePlayer(scene.kernel, wire, ticks)
 
@@ -111,7 +111,10 @@ class I2cOpenReplay(BusReplay):
     # The chip's own outputs ----------------------------------------------------
 
     def _would_be(self, sda: Channel) -> list[decode.Transfer]:
-        """Return the capture's transfers with the chip's bits where its address must drive."""
+        """Return the capture's transfers with the levels that they would have with the chip on the bus.
+
+        Bits that the chip must drive have the chip's level; any other bit is 0 if the chip pulls SDA low in it.
+        """
         found: list[decode.Transfer] = []
         for transfer in self._part.transfers:
             phases = []
@@ -145,7 +148,7 @@ class I2cOpenReplay(BusReplay):
         return self.origin + int(position * self._per_position)
 
     def _holds(self, scl: Channel) -> list[_Held]:
-        """Return every low phase of the capture in a turn of the chip, with the chip's hold of SCL in it."""
+        """Return the low phases of transfers that address the chip, each with the time for which the chip holds SCL."""
         edges = scl.edges[scl.levels == 0].tolist(), scl.edges[scl.levels == 1].tolist()
         own = [
             phase
@@ -215,7 +218,7 @@ class I2cOpenReplay(BusReplay):
         return self._transfers, (self._part.rate, 0)
 
     def _late(self, held: _Held, part: Played) -> Divergence:
-        """Return the first answer that was not ready as a divergence in time."""
+        """Return a late answer as a divergence of kind TIMING."""
         index = sum(Fraction(event.at) / part.rate < held.at for event in part.expected)
         return Divergence(
             index,
@@ -253,7 +256,10 @@ def _us(seconds: Fraction) -> str:
 def _edges(
     scl: Channel, sda: Channel, half_sample: Fraction, end: int
 ) -> tuple[list[tuple[Position, int]], list[tuple[Position, int]]]:
-    """Return (position, level) of both lines up to `end`; SDA's edges in a sample of SCL's are moved half a sample."""
+    """Return the edges of both lines up to `end` as (position, level).
+
+    An edge of SDA in the same sample as an edge of SCL is moved by half a sample.
+    """
     rising = dict(_up_to(end + half_sample, scl))
     data: list[tuple[Position, int]] = []
     for at, level in _up_to(end + half_sample, sda):

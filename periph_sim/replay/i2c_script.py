@@ -1,19 +1,21 @@
 """A capture's I2C transfers as two halves, for agents and for firmware that play one of them.
 
     decode.i2c transfers --> Moves of SCL and SDA, a list for each     (the controller's half)
-                         --> AsMaster: "50 W 00 Sr 50 R 6", the pause before it, or why the F28335 cannot do that
-                         --> Turn: address, answer, its end              (the targets' half)
+                         --> AsMaster: "50 W 00 Sr 50 R 6", the pause before it, or why the F28335 cannot send it
+                         --> Turn: address, answer, positions            (the targets' half)
                          --> AsTarget: address, replies, asleep, busy
 
 The controller's half keeps every SCL edge of the capture: the lines do not show who held SCL low, so a stretch of
 the captured target becomes the controller's own delay. Of SDA it keeps the controller's decisions: START, STOP,
 the bits it sent and the ACKs it gave. If an SDA change shares a sample with an SCL edge, or was not visible to the
-controller, it is moved inside the low phase, half a sample or more away from both edges. For firmware that is the
-master, a low phase much longer than usual counts as the target's, where a target may stretch, that is from the
-address's ACK on.
+controller, it is moved inside the low phase, half a sample or more away from both edges.
 
-A run of refused addresses becomes a time in which firmware that is the target does not answer: from the STOP of the
-write before it, or from the start, up to the middle between the last NACK and the START of the first answered turn.
+If the firmware is the master, a low phase that is much longer than usual is attributed to the target if it lies where a
+target may stretch, which is from the ACK of the address on.
+
+If the firmware is the target, consecutive NACKs of its address become an interval in which it does not answer. The
+interval begins with the STOP of the write before them, or with the start of the capture. It ends midway between the
+last NACK and the START of the first turn that is answered.
 """
 
 from __future__ import annotations
@@ -79,11 +81,13 @@ def controllers_half(transfer: Transfer, hold: Fraction, half_sample: Fraction =
 
 
 def hurried(edges: list[Edge], longest_low: Fraction, step: int = 0) -> list[Edge]:
-    """Return the edges with SCL released at most `longest_low` after its fall, and all later edges earlier.
+    """Return the edges with each low phase of SCL shortened to `longest_low`; later edges move by the removed time.
 
-    The removed time was the target's stretching, or the controller's own pauses: the answering party must stretch now.
-    step: positions of a sample. Each edge is exact to within one, so a low phase that is longer by no more than that
-    is unchanged; shortening each would add up over the bits of a transfer.
+    The removed time is stretching by the captured target, or a pause of the controller. In the replay, the answering
+    party must stretch by itself.
+
+    step: the length of a sample in positions. An edge is exact to within one sample, so a low phase that is too long
+    by at most a sample is unchanged; otherwise, these errors would add up over the bits of a transfer.
     """
     found: list[Edge] = []
     cut = Fraction(0)
@@ -101,7 +105,7 @@ def hurried(edges: list[Edge], longest_low: Fraction, step: int = 0) -> list[Edg
 
 
 def moves(edges: list[Edge], ticks_per_position: Fraction) -> list[Move]:
-    """Convert edges to an `I2cPlayer`'s moves. Each is rounded down on its own, so rounding does not add up."""
+    """Convert edges to moves of an `I2cPlayer`. The time of each edge is rounded down, so errors do not add up."""
     found = []
     last = int(edges[0].at * ticks_per_position)
     for edge in edges:
@@ -128,7 +132,7 @@ def usual_hold(transfers: list[Transfer], half_sample: Fraction = HALF) -> Fract
 
 
 def turns(transfers: list[Transfer]) -> Iterator[Turn]:
-    """Yield every addressed part of the transfers, in order; none for an incomplete address."""
+    """Yield every addressed part of the transfers, in order. Parts with an incomplete address are left out."""
     for transfer in transfers:
         for number, phase in enumerate(transfer.phases):
             if not is_addressed(phase):
@@ -163,7 +167,7 @@ def _answer(phase: Phase) -> Answer:
 
 
 def _value(byte: Byte) -> int:
-    """Return a byte's value; an incomplete one is filled with ones."""
+    """Return a byte's value, in which bits that are missing in the capture are ones."""
     value = 0xFF
     for place, bit in enumerate(byte.bits[:8]):
         if not bit.value:
@@ -188,7 +192,10 @@ class _ControllersHalf:
         self._fall = None if bit.high is None else bit.at + bit.high
 
     def condition(self, condition: Condition, level: int) -> None:
-        """Add START, repeated START (level 0) or STOP (1), with its own pulse before it, if any."""
+        """Add a START or repeated START (level 0) or a STOP (level 1), with its pulse of SCL, if any.
+
+        level: the level of SDA after the condition.
+        """
         if condition.high is not None and condition.at - condition.high > self._rise:
             self._pulse(condition.at - condition.high, 1 - level, None)
         self.toggle(condition, level)
@@ -198,12 +205,15 @@ class _ControllersHalf:
         self._fall = None if condition.hold is None else condition.at + condition.hold
 
     def cut_off(self) -> None:
-        """End with the capture: add SCL's last fall, if captured."""
+        """End a transfer that the end of the capture cuts off: add the last fall of SCL if it was captured."""
         if self._fall is not None:
             self.edges.append(Edge(Fraction(self._fall), True, 0))
 
     def _pulse(self, rise: int, sda: int, seen_at: int | None) -> None:
-        """Add SCL low up to `rise`, with SDA changing to `sda` within."""
+        """Add a low phase of SCL that ends at `rise`, in which SDA changes to `sda`.
+
+        seen_at: the position of that change; None if the capture does not show it.
+        """
         if self._fall is not None:
             self.edges.append(Edge(Fraction(self._fall), True, 0))
             at = self._fall + self._hold if seen_at is None else Fraction(seen_at)
@@ -230,7 +240,10 @@ class AsTarget:
 
 
 def as_target(address: int, turns: Iterable[Turn], end: int) -> AsTarget:
-    """Return the settings for one address. end: the position at which NACKs at the end of the capture are over."""
+    """Return the settings of firmware that answers one address.
+
+    end: the position up to which the firmware does not answer if the capture ends with NACKs.
+    """
     found = AsTarget(address)
     refused: list[Turn] = []
     last: Turn | None = None  # the last answered turn
@@ -287,7 +300,7 @@ class AsMaster:
 
 
 def as_master(transfers: list[Transfer], long_low: Fraction, ticks_per_position: Fraction) -> AsMaster:
-    """Return the script, and the targets' answers to it. long_low: as for `stretched_answers`."""
+    """Return the script of the captured controller and the targets' answers. long_low: as for `stretched_answers`."""
     found = AsMaster()
     over: int | None = None
     for transfer in transfers:

@@ -58,14 +58,14 @@ class Played:
 
     @cached_property
     def half_sample(self) -> Fraction:
-        """Half a sample in positions, by which edges of both lines in one sample are moved apart."""
+        """Half a sample, in positions. Edges of both lines in the same sample are moved apart by this distance."""
         return Fraction(sample_step(self.capture), 2)
 
     @cached_property
     def step(self) -> int:
         """The number of positions from one sample to the next, which is the uncertainty of an edge.
 
-        It is 1 if SCL would be low for less than two samples, because then the raster of the edges is that of the bus
+        It is 1 if SCL is low for less than two of these steps: then the spacing of the edges is that of the bus clock
         and not that of an analyser.
         """
         step = int(2 * self.half_sample)
@@ -73,7 +73,7 @@ class Played:
 
     @property
     def sample_rate(self) -> Fraction:
-        """The number of samples in a second. `rate` is the number of positions in a second."""
+        """The number of samples in a second. `rate` is the number of positions in per second."""
         return self.rate / self.step
 
     @cached_property
@@ -93,7 +93,7 @@ class Played:
 
     @property
     def stretch(self) -> Fraction:
-        """The largest time, in positions, by which a low phase of `long_low` or more exceeds `low`; 0 without one."""
+        """The longest stretch, in positions: the most by which a low phase over `long_low` exceeds `low`; else 0."""
         longest = max((bit.low for bit in self.bits() if bit.low is not None), default=0)
         return longest - self.low if longest > self.long_low else Fraction(0)
 
@@ -125,7 +125,7 @@ class Played:
 def played(capture: Capture, scl: str | int, sda: str | int, first: int | None = None) -> Played:
     """Decode the part of a capture to play. first: maximum number of transfers; None for all.
 
-    BadReplay if the capture has no transfer or a wrong rate; LookupError if it has no such channel.
+    Raise BadReplay if the capture has no transfer or a wrong rate; LookupError if it has no such channel.
     """
     rate = rate_of(capture)
     if wrong := impossible_rate(capture, scl):
@@ -156,7 +156,7 @@ def events_of(transfers: Sequence[decode.Transfer]) -> list[decode.Event]:
 
 @dataclass
 class Answering:
-    """The unit that replaces a captured target.
+    """The unit that replaces captured targets.
 
     own: the addresses of the unit.
     asked: the number of times that one of these addresses is acknowledged in the capture. If it is 0, the capture does
@@ -184,8 +184,8 @@ def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = L
 
     given: the addresses of the firmware. If it is empty, the firmware answers the address that the case sets, or else
     the one that was acknowledged most often in the capture; firmware whose `REPLAY` does not name `address` answers all
-    addresses. Where the captured target sent NACK, the firmware is made unreachable, unless its addresses are given:
-    then it must send NACK itself, or it differs from the capture.
+    addresses. While the captured target sent NACK, the firmware is made unreachable. If its addresses are given, it is
+    not: it must then send NACK by itself to agree with the capture.
     """
     unit = unit_with(case, "I2C-A")
     found = Answering(unit, _addresses(case, unit, part, given))
@@ -239,7 +239,7 @@ def _settings(part: Played, address: int, lead: Fraction, in_reach: bool) -> dic
 
 
 def _cut(last: decode.Transfer) -> list[str]:
-    """Return a note on a last transfer without its STOP."""
+    """Return a note if the last transfer has no STOP; else an empty list."""
     if last.stop is not None:
         return []
     phase = last.phases[-1]

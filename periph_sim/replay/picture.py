@@ -1,7 +1,7 @@
 """A divergence of a replay as a timing diagram of both sides, in SVG.
 
     capture  SCL, SDA, bytes  --\\
-    replay   SCL, SDA, bytes  ----> lanes, aligned at the last agreed event --> drawing.timing
+    replay   SCL, SDA, bytes  ----> lanes, aligned at the last agreed event --> svg_diagram
     history  flags, accesses  --/
 
 Time 0 of the axis is the last event in which both sides agree.
@@ -21,7 +21,7 @@ from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, M
 from .compare import Change, Divergence, Happened
 from .report import Report
 
-BEFORE, AFTER = 22, 13  # bits shown around the divergence
+BEFORE, AFTER = 22, 13  # numbers of bits shown before and after the divergence
 ALWAYS = ("AAS", "SDIR", "RRDY", "XRDY", "XSMT", "SCD", "NACK", "BB", "RXFFST", "RXRDY")  # flag lanes, in this order
 MOST_FLAGS = 9
 LINES = ("SCL", "SDA")
@@ -32,7 +32,7 @@ class Side:
     """One side of a comparison.
 
     rate: the number of positions in a second, for the edges of `lines`.
-    origin: the position of the capture's begin.
+    origin: the position of the beginning of the capture.
     transfers_at: the rate and origin of the positions in `transfers`, if they are different.
     agreed: the time on this side, in seconds, of the last event in which both sides agree.
     """
@@ -66,7 +66,7 @@ def last_agreed(divergence: Divergence, expected: Sequence[Happened], found: Seq
 
 def divergence_picture(divergence: Divergence, title: str, captured: Side, replayed: Side, bit: float) -> str:
     """Return a picture of a divergence as SVG text. bit: the length of a bit in seconds."""
-    began = not captured.agreed and not replayed.agreed  # nothing agreed before it
+    began = not captured.agreed and not replayed.agreed  # True if no event before the divergence agreed
     aligned = captured.agreed != divergence.capture_s
     at_captured = None if divergence.capture_s is None else divergence.capture_s - captured.agreed
     at_replayed = None if divergence.replay_s is None else divergence.replay_s - replayed.agreed
@@ -166,7 +166,7 @@ def _flags(history: Sequence[Change], side: Side, window: tuple[float, float]) -
 
 
 def _accesses(history: Sequence[Change], side: Side, window: tuple[float, float]) -> list[Lane]:
-    """Return a lane for each register that the firmware wrote, or read data from; without polls of status registers."""
+    """Return a lane for each register that the firmware wrote or read data from. Polls of status are left out."""
     ticks: dict[str, list[Tick]] = {}
     for change in history:
         at = change.at_s - side.agreed

@@ -1,4 +1,4 @@
-"""The course of every replay: its run, a repetition for the history of its divergences, its report and its picture.
+"""Base classes of replays: the run, its repetition with a history of the divergences, the report and the picture.
 
 scene, capture --run--> wires --compare--> Comparison --+--> Report
           \\--run again, up to the last divergence--> history of flags
@@ -101,7 +101,7 @@ class Replay:
 class BusReplay(Replay):
     """A replay of SCL and SDA. log: the edges of the given wires."""
 
-    NAME = "replay"  # of the replayed side in a picture
+    NAME = "replay"  # name of the replayed side in a picture
     _filled: list[str]  # names of the settings taken from the capture
     _compared: tuple[Sequence[Happened], Sequence[Happened]]
     _replayed: Capture
@@ -155,5 +155,8 @@ class BusReplay(Replay):
         return divergence_picture(divergence, title_of(report, divergence), captured, replayed, part.bit)
 
     def _replayed_transfers(self) -> tuple[Sequence[i2c.Transfer], tuple[Fraction, int] | None]:
-        """Return the transfers of the replay, and rate and origin of their positions, if not those of `log`."""
+        """Return the transfers of the replay, and the rate and origin of their positions.
+
+        Rate and origin are None if the positions are those of `log`.
+        """
         return i2c.transfers(self._replayed, *LINES), None

@@ -2,8 +2,8 @@
 
 pass         everything judged is as in the capture
 ambiguous    as pass, except for places that receivers may read either way
-not judged   nothing was required of the firmware, a serial line does not fit its format, or the first difference is not
-             the firmware's: nothing is proved
+not judged   nothing is proved: the capture requires nothing of the firmware, a serial line does not fit its format, or
+             the firmware did not cause the first difference
 fail         something differs
 """
 
@@ -28,7 +28,7 @@ class Report:
     nacks: number of NACKs on the replayed wires.
     captured_events, captured_transfers: numbers of events and transfers in the whole capture.
     transfers: number of replayed transfers.
-    captured_errors: number of UART frames with a framing or parity error in the capture itself, except breaks.
+    captured_errors: number of captured UART frames, except breaks, that have a framing or parity error themselves.
     ambiguous: number of events that are not judged, because receivers may read them either way.
     filled: names of the firmware's settings that were taken from the capture.
     unjudged: the reason why nothing was judged.
@@ -58,7 +58,7 @@ class Report:
     role: str = "slave"  # I2C: role of the F28335, slave or master
     divergences: list[Divergence] = field(default_factory=list)
     tolerance_us: float = 0.0
-    addresses: list[str] = field(default_factory=list)  # I2C: of the firmware, or of the master's targets
+    addresses: list[str] = field(default_factory=list)  # I2C: addresses of the firmware, or of its targets as a master
     nacks: int = 0
     errors: dict[str, int] = field(default_factory=dict)  # UART: words read with FE or PE, and rises of other flags
     stretch_worst_us: float = 0.0
@@ -113,7 +113,7 @@ def headline(report: Report) -> str:
 
 
 def _coverage(report: Report) -> str:
-    """Format the replayed part of the capture; empty if all of it."""
+    """Format the replayed part of the capture; return "" if the whole capture was replayed."""
     if report.captured_events <= report.events:
         return ""
     transfers = f", {report.transfers} of {report.captured_transfers} transfers" if report.captured_transfers else ""

@@ -1,9 +1,10 @@
 """Preparation of a case for a replay, and checks of the capture's time base.
 
-The agent that the capture replaces is removed, and open settings are filled in.
+The agent that the capture replaces is removed, and settings of the firmware that the case leaves open are filled in
+from the capture. Only settings that the firmware's module names in `REPLAY` are filled in, because another firmware may
+use `address` or `busy` for something else.
 
-Only settings that the firmware's module names in `REPLAY` are filled in: another firmware may use `address` or `busy`
-for something else. Budgets are not judged in a replay: its verdict is the agreement of the wires with the capture.
+Budgets are not judged in a replay: its verdict is the agreement of the wires with the capture.
 """
 
 from __future__ import annotations
@@ -21,11 +22,11 @@ from ..traces.capture.sampling import rate_text
 from . import BadReplay
 
 LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
-LONGEST = 24 * 3600  # simulated seconds
+LONGEST = 24 * 3600  # longest replay, in simulated seconds
 
 
 def unit_with(case: Case, module: str) -> str:
-    """Return the first unit that has a module. BadCase if none has."""
+    """Return the name of the first unit that has a module. Raise BadCase if no unit has it."""
     for name, unit in case.unit.items():
         if module in unit.modules:
             return name
@@ -33,7 +34,10 @@ def unit_with(case: Case, module: str) -> str:
 
 
 def settings_of(case: Case, unit: str) -> frozenset[str]:
-    """Return the settings of a unit's firmware that a replay may fill in. BadCase if there is no such firmware."""
+    """Return the settings of a unit's firmware that a replay may fill in.
+
+    Raise BadCase if there is no such firmware.
+    """
     if not case.unit[unit].firmware:
         return frozenset()
     try:
@@ -43,7 +47,10 @@ def settings_of(case: Case, unit: str) -> frozenset[str]:
 
 
 def undeclared(case: Case, unit: str, names: Iterable[str]) -> list[str]:
-    """Return a note on settings of these names that a replay does not fill in, since `REPLAY` lacks them."""
+    """Return a note on those of the named settings that the firmware has but does not name in `REPLAY`.
+
+    A replay does not fill these settings in.
+    """
     if not case.unit[unit].firmware:
         return []
     firmware = load_firmware(case.unit[unit].firmware)
@@ -77,7 +84,7 @@ def alone(case: Case, unit: str, agent: str, forced: Mapping[str, object], offer
 
 
 def rate_of(capture: Capture) -> Fraction:
-    """Return the number of positions in a second. BadReplay if the file states none."""
+    """Return the number of positions in a second. Raise BadReplay if the file states none."""
     if capture.rate is None:
         raise BadReplay(f"{capture.path}: a replay needs a time base and the file states no rate; state the rate")
     return capture.rate
@@ -97,7 +104,7 @@ def tolerance_of(given: Fraction | None, rate: Fraction, scene: Scene) -> Fracti
     """Return the largest time, in seconds, by which an event may be early or late.
 
     given: the user's tolerance. By default it is a sample period of the capture, which is the uncertainty of its edges,
-    and one SYSCLKOUT cycle of the slowest unit, to which the chip rounds its inputs. rate: samples a second.
+    and one SYSCLKOUT cycle of the slowest unit, to which the chip rounds its inputs. rate: samples per second.
     """
     if given is not None:
         return given

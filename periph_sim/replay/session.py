@@ -9,7 +9,7 @@ enough. The host does not wait for the firmware, so the edges of RX keep their t
 A round is due one period after the previous one. If a capture has no round of the case's requests, budgets on rounds
 are not judged, and a note names them.
 
-A frame has as many bytes as the host sends; a pause of RX ends it early, and then its values do not count.
+A frame has as many bytes as the host sends at a time. A frame that a pause of RX ends early is ignored.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class SessionScene(Scene):
 
     @property
     def rounds(self) -> int:
-        """The number of rounds of the case on the bus."""
+        """The number of rounds of the case that were completed on the bus."""
         return self.bus.rounds.completed
 
     def tell_frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
@@ -76,7 +76,7 @@ class SessionScene(Scene):
 class SessionReplay(I2cReplay):
     """Replay of an I2C and a UART capture on a case.
 
-    offset: seconds from the begin of the I2C capture to the begin of the UART capture.
+    offset: seconds from the beginning of the I2C capture to the beginning of the UART capture.
     wanted: the line format with which RX is decoded; None: as the firmware sets the SCI.
     The other arguments are those of `I2cReplay`.
     """
@@ -132,7 +132,7 @@ class SessionReplay(I2cReplay):
         return self._session_scene
 
     def _expect(self, transfer: Transfer) -> None:
-        """Expect the captured bytes in a transfer, unless the case checks against the host."""
+        """Expect the captured bytes in a transfer, unless the case checks them against the host's values."""
         captured = next(self._whole, None)
         if captured is not None and not self._session_scene.case.checks_host:
             for phase, was in zip(transfer.phases, captured.phases, strict=False):
@@ -161,7 +161,7 @@ class SessionReplay(I2cReplay):
     # Running ------------------------------------------------------------------------
 
     def _least_gap(self) -> int:
-        """Return the minimum gap: transfers begin as captured, later only if the one before has just ended."""
+        """Return the shortest gap in the capture. A transfer begins late only if the gap before it would be shorter."""
         gaps = [transfer.gap for transfer in self._part.transfers if transfer.gap is not None]
         return int(min(gaps, default=0) * self._per_position)
 
@@ -175,7 +175,7 @@ class SessionReplay(I2cReplay):
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
         stuck = super()._drive(progress, until)
         if stuck:
-            self._scene.recorder.emit(self.kernel.now, Kind.BUS, WHO, "stuck")  # as a controller would
+            self._scene.recorder.emit(self.kernel.now, Kind.BUS, WHO, "stuck")  # the record that a controller emits
         return stuck
 
     def _report(self, stuck: list[str]) -> Report:
@@ -203,7 +203,7 @@ class SessionReplay(I2cReplay):
         return report
 
     def _other_transfers(self) -> list[str]:
-        """Return a note on transfers outside of the rounds of a capture."""
+        """Return a note on transfers that belong to no round of the case; an empty list if there are none."""
         scene = self._session_scene
         if not scene.others or not scene.rounds:
             return []
@@ -216,7 +216,7 @@ class SessionReplay(I2cReplay):
         ]
 
     def _since_capture(self, verdict: Verdict) -> Verdict:
-        """Return the verdict with its time counted from the capture's begin."""
+        """Return the verdict with its time counted from the beginning of the capture."""
         if verdict.at_s is None:
             return verdict
         scene = self._session_scene
@@ -225,7 +225,7 @@ class SessionReplay(I2cReplay):
 
 
 def _bursts(words: list[uart.Frame], pause: Fraction, most: int) -> list[list[uart.Frame]]:
-    """Group words into frames: a new one begins after `most` words, or if two start bits are over `pause` apart."""
+    """Group words into frames: a new frame begins after `most` words, or if start bits are over `pause` apart."""
     found: list[list[uart.Frame]] = []
     last: uart.Frame | None = None
     for word in words:

@@ -4,8 +4,8 @@
        |                                             |
        \\--decode--> frames expected <-- compare --> words read, with SCIFFFE and SCIFFPE
 
-A firmware whose `REPLAY` names `baud`, `bits`, `parity` and `stop` is set to the line's format if one is given; else
-the line is decoded in the format that the firmware has set for the SCI.
+If a line format is given, firmware whose `REPLAY` names `baud`, `bits`, `parity` and `stop` is set to it. If none is
+given, the line is decoded in the format to which the firmware has set the SCI.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
 
-TAKEN = Fraction(100, 10**6)  # seconds in which the firmware can read the last word
+TAKEN = Fraction(100, 10**6)  # seconds that the firmware has after the end of the capture to read the last word
 TOLERANCE = Fraction(2, 100)  # largest difference in rate at which two UARTs agree on every bit of a long frame
 
 SCIRXBUF, SCIFFRX = (SCI_MAP[name] for name in ("SCIRXBUF", "SCIFFRX"))
@@ -49,7 +49,7 @@ PARITIES = {"n": "none", "o": "odd", "e": "even"}
 
 
 def line_format(baud: int, text: str = "8n1") -> decode.Line:
-    """Parse a format such as "8n1" or "7e2". BadReplay if the SCI does not support it."""
+    """Parse a format such as "8n1" or "7e2". Raise BadReplay if the SCI does not support it."""
     match = re.fullmatch(r"([1-8])([noe])([12])", text.strip().lower())
     if match is None:
         raise BadReplay(f"{text!r} is no line format; expected data bits 1 to 8, n, o or e, and 1 or 2 stop bits: 8n1")
@@ -59,7 +59,7 @@ def line_format(baud: int, text: str = "8n1") -> decode.Line:
 
 
 def line_settings(line: decode.Line) -> dict[str, object]:
-    """Return the settings of firmware for a line."""
+    """Return the firmware settings that correspond to a line format."""
     return {"baud": line.baud, "bits": line.bits, "parity": line.parity, "stop": line.stop}
 
 
@@ -81,7 +81,7 @@ def play_line(scene: Scene, capture: Capture, channel: str | int, origin: int) -
 
 
 def line_events(capture: Capture, channel: str | int, line: decode.Line) -> list[decode.Event]:
-    """Decode a channel. BadReplay if the capture is too coarse for the line."""
+    """Decode a channel. Raise BadReplay if the capture is too coarse for the line."""
     try:
         return decode.events(capture, channel, line)
     except ValueError as error:
@@ -89,11 +89,13 @@ def line_events(capture: Capture, channel: str | int, line: decode.Line) -> list
 
 
 class UartReplay(Replay):
-    """Replay of a capture's channel on a case. wanted: the line's format; None: as the firmware sets the SCI.
+    """Replay of one channel of a capture into SCI-A.
 
-    lead: seconds from the start of the firmware to the begin of the capture. It determines at which phases of the line
-    the SCI samples.
-    BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
+    wanted: the format in which the channel is read. None: the format to which the firmware sets the SCI.
+    lead: seconds from the start of the firmware to the start of the capture. It determines at which phases of the line
+        the SCI samples.
+
+    Raise BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
 
     KIND, LOOP = "uart", "open"
@@ -114,7 +116,7 @@ class UartReplay(Replay):
         self._capture = capture
         self._channel = capture.channel(channel)
         self._wanted = wanted
-        self._words: list[tuple[int, int]] = []  # tick, SCIRXBUF
+        self._words: list[tuple[int, int]] = []  # tick and value of each read of SCIRXBUF
         self.errors = {"FE": 0, "PE": 0, **dict.fromkeys(FLAGS.values(), 0)}
         self._subscribe = subscribe
         self._unit = unit = unit_with(case, "SCI-A")
@@ -212,7 +214,7 @@ class UartReplay(Replay):
         )
 
     def picture(self, report: Report) -> str | None:
-        """Return the first divergence of a run as SVG text; None without any. Both sides share one time base."""
+        """Return the first divergence of a run as SVG text; None if there is none. Both sides share one time base."""
         if not report.divergences:
             return None
         divergence = report.divergences[0]

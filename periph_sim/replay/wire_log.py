@@ -13,7 +13,7 @@ from ..traces.capture.capture import Capture, channel_of
 
 
 class WireLog:
-    """A log whose positions are ticks."""
+    """Log of the edges of some wires; its positions are ticks."""
 
     def __init__(self, *wires: Wire) -> None:
         self._wires = wires

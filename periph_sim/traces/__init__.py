@@ -1,1 +1,4 @@
-"""Captures: formats, decoders, compliance, comparison, drawing. The decoders share no code with chips or agents."""
+"""Captures: file formats, decoders, compliance checks, comparison and drawing.
+
+The decoders share no code with the chips or the agents.
+"""

@@ -28,17 +28,17 @@ from ...core.suggest import did_you_mean
 Positions = NDArray[np.int64]
 Levels = NDArray[np.uint8]
 
-MOST_DIGITS = 40  # of a number in text; Python refuses to read one of over 4300
-MOST_NAMED = 12  # channels in a message
-MOST_LISTED = 3  # spans in a note
-UNKNOWN = 2  # a state beside 0 and 1
+MOST_DIGITS = 40  # maximum digits of a number in text; Python refuses to convert more than 4300
+MOST_NAMED = 12  # maximum number of channels that a message names
+MOST_LISTED = 3  # maximum number of spans that a note lists
+UNKNOWN = 2  # the state of a line whose level is unknown, beside the states 0 and 1
 UNITS = {"": 1, "hz": 1, "khz": 10**3, "mhz": 10**6, "ghz": 10**9}
-FASTEST = 10**15  # samples a second
+FASTEST = 10**15  # samples per second
 RATE = re.compile(rf"\s*(\d{{1,{MOST_DIGITS}}}(?:\.\d{{0,{MOST_DIGITS}}})?(?:[eE]\+?\d\d?)?)\s*([A-Za-z]*)\s*")
 
 
 class BadCapture(ValueError):
-    """A file that cannot be read, in one sentence: file, place, found, expected, remedy."""
+    """A file cannot be read. The message states the file, the place, what was found and expected, and a remedy."""
 
     def __init__(self, path: Path, place: str, found: str, expected: str, way_out: str) -> None:
         said = f"{shorten(place)}: found {shorten(found)}, expected {shorten(expected)}; {shorten(way_out)}"
@@ -58,9 +58,11 @@ class Span(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """One line. `edges` rise strictly, within 1 .. length - 1; each inverts the level, which is `initial` before.
+    """One line of a capture.
 
-    `index` is the place in the file (bit of the sample, column, number of the export file).
+    initial: the level before the first edge.
+    edges: the positions of the edges, strictly increasing, from 1 to length - 1. Each edge inverts the level.
+    index: the place of the line in the file: a bit of the sample, a column, or the number of an export file.
     """
 
     name: str
@@ -71,7 +73,7 @@ class Channel:
 
     @cached_property
     def levels(self) -> Levels:
-        """The level from each edge on."""
+        """The level after each edge."""
         levels = np.full(len(self.edges), self.initial, np.uint8)
         levels[::2] ^= 1
         return levels
@@ -91,12 +93,13 @@ class Channel:
             shortest = 3     __-_______----____        __________----____
                              __--_-----___-____   -->  ______----________
 
-        A pulse is dropped with both its edges, from left to right; of a run of short pulses that leaves the line at the
-        other level, the last edge stays. The levels before the first edge and after the last are no pulses.
+        Pulses are removed from left to right, each with both its edges. If consecutive short pulses end at another
+        level than they begin with, their last edge remains. The levels before the first and after the last edge are no
+        pulses.
         """
         if shortest <= 1 or len(self.edges) < 2:
             return self
-        near = np.diff(self.edges) < shortest  # edge n and n + 1 bound a short pulse
+        near = np.diff(self.edges) < shortest  # True if edges n and n + 1 enclose a short pulse
         if not near.any():
             return self
         begins = np.flatnonzero(np.append(True, ~near))  # edges that begin a run of edges close to each other
@@ -104,7 +107,7 @@ class Channel:
         return Channel(self.name, self.index, self.initial, self.edges[ends[(ends - begins) & 1 == 0]])
 
     def cut(self, span: Span) -> Channel:
-        """Return the line within a span, positions unchanged; `initial` is the level where the span begins."""
+        """Return the line within a span, with its positions unchanged; `initial` is the level where the span begins."""
         first, last = np.searchsorted(self.edges, [span.begin + 1, span.end])
         initial = self.initial ^ (int(first) & 1)
         return Channel(self.name, self.index, initial, self.edges[first:last])
@@ -112,12 +115,13 @@ class Channel:
 
 @dataclass(frozen=True, eq=False)
 class Capture:
-    """rate: positions a second, None if neither the file nor the caller states it.
+    """A recording of some lines.
 
-    sampled: True if one position is one sample of the analyser, False if positions are the
-    ticks of time stamps, whose sampling grid is unknown (see `sampling`).
-    notes: what the reader did about irregularities, a sentence each.
-    exact: True if positions are the exact instants, as in our own simulations.
+    rate: the number of positions per second; None if neither the file nor the caller states it.
+    sampled: True if a position is a sample of the analyser; False if positions are the ticks of time stamps, whose
+        sampling grid is unknown (see `sampling`).
+    notes: sentences that say how the reader treated irregularities of the file.
+    exact: True if positions are exact instants, as in our own simulations.
     """
 
     path: Path
@@ -133,9 +137,10 @@ class Capture:
         return replace(self, notes=(*self.notes, *notes))
 
     def channel(self, wanted: str | int) -> Channel:
-        """Return the channel of a name (the part after the last dot is enough if unique), or an index, also as digits.
+        """Return the channel with a name, or with an index, which may be given as digits.
 
-        LookupError names the nearest right names.
+        The part of a name after its last dot is sufficient if it is unique. If there is no such channel, raise
+        LookupError with the most similar names.
         """
         if isinstance(wanted, str):
             found = [c for c in self.channels if c.name == wanted]
@@ -167,19 +172,19 @@ class Capture:
 
 
 def listed(channels: Sequence[Channel]) -> str:
-    """Return the channels as text, `SCL (index 0), SDA (index 1)`; at most MOST_NAMED of them."""
+    """Format channels as `SCL (index 0), SDA (index 1)`; at most MOST_NAMED of them are named."""
     names = [f"{shorten(channel.name, 60)} (index {channel.index})" for channel in channels[:MOST_NAMED]]
     return ", ".join(names if len(channels) <= MOST_NAMED else [*names, "..."])
 
 
 def channel_of(name: str, index: int, at: Iterable[int], levels: Iterable[int | None], length: int) -> Channel:
-    """Build a Channel from levels in order of time, None for unknown, as `channel_of_states` does from arrays."""
+    """Build a Channel from levels in order of time, which are None if unknown. See `channel_of_states`."""
     states = [UNKNOWN if level is None else level for level in levels]
     return channel_of_states(name, index, np.fromiter(at, np.int64), np.array(states, np.uint8), length)
 
 
 def rate_of(text: str) -> Fraction:
-    """Parse a sample rate: `4 MHz`, `500 kHz`, `1.5MHz`, `12000000`. ValueError says what was expected."""
+    """Parse a sample rate: `4 MHz`, `500 kHz`, `1.5MHz`, `12000000`. Raise ValueError if it is invalid."""
     match = RATE.fullmatch(text)
     if not match or match[2].casefold() not in UNITS:
         asked = shorten(repr(text.strip()))
@@ -191,10 +196,11 @@ def rate_of(text: str) -> Fraction:
 
 
 def channel_of_states(name: str, index: int, at: Positions, states: Levels, length: int) -> Channel:
-    """Build a Channel from positions, which may repeat but never fall, and the states from each on: 0, 1 or UNKNOWN.
+    """Build a Channel from positions and the state of the line from each position on: 0, 1 or UNKNOWN.
 
-    Of several states at one position the last counts; a state that changes nothing is dropped.
-    An unknown stretch keeps the level before it (at the start, the level after it): no edge lies within it.
+    Positions may repeat but never decrease. The last of several states at one position counts, and a state that equals
+    the one before is ignored. An unknown part has no edges: it has the level before it, or, at the start of the
+    capture, the level after it.
     """
     if len(at):
         last = np.append(at[1:] != at[:-1], True)
@@ -216,9 +222,10 @@ def channel_of_states(name: str, index: int, at: Positions, states: Levels, leng
 
 
 def changes(capture: Capture) -> tuple[Positions, NDArray[np.int64], Levels]:
-    """Return (at, which, states): from `at[i]` on, channel number `which[i]` is at `states[i]`, 0, 1 or UNKNOWN.
+    """Return the changes of all channels as (at, which, states), sorted by position and channel.
 
-    They are sorted by position and channel. The first `len(channels)` are the states at position 0.
+    From position `at[i]` on, channel number `which[i]` has the state `states[i]`: 0, 1 or UNKNOWN. The first
+    `len(channels)` entries are the states at position 0.
     """
     each = [_states(channel, capture.length) for channel in capture.channels]
     at = np.concatenate([np.empty(0, np.int64), *(positions for positions, _ in each)])
@@ -229,7 +236,7 @@ def changes(capture: Capture) -> tuple[Positions, NDArray[np.int64], Levels]:
 
 
 def _states(channel: Channel, length: int) -> tuple[Positions, Levels]:
-    """Return one channel's positions, from 0 on, and the state from each on; no state repeats."""
+    """Return the positions at which a channel's state changes, the first of which is 0, and its states from them on."""
     begins = np.array([span.begin for span in channel.unknown], np.int64)
     ends = np.array([span.end for span in channel.unknown if span.end < length], np.int64)
     at = np.unique(np.concatenate([np.zeros(1, np.int64), channel.edges, begins, ends]))
@@ -242,14 +249,14 @@ def _states(channel: Channel, length: int) -> tuple[Positions, Levels]:
 
 
 def gaps(capture: Capture, *channels: Channel) -> list[Span]:
-    """Return the spans in which the level of at least one of the channels is unknown, in order, neighbours joined."""
+    """Return the spans in which the level of any of the channels is unknown, in order. Adjacent spans are merged."""
     known = [Span(0, 0), *capture.known(*channels), Span(capture.length, capture.length)]
     between = (Span(before.end, behind.begin) for before, behind in pairwise(known))
     return [span for span in between if span.begin < span.end]
 
 
 def gap_notes(capture: Capture, *channels: Channel) -> list[str]:
-    """Return one note on where and for how long the channels were not recorded, or none."""
+    """Return a note on where and for how long the channels were not recorded; an empty list if they always were."""
     found = gaps(capture, *channels)
     if not found:
         return []

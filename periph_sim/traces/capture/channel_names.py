@@ -1,10 +1,10 @@
 """Find the buses of a capture by the names of its channels: pairs of SCL and SDA, and serial lines.
 
 SCL, SDA                                             one bus
-EEPROM SCL, EEPROM SDA, SCL2, SDA2                   two: the other words, or the numbers, are equal
-Channel 0 (SDA), Channel 1 (SCL)                     one: no other channel could be meant
-SCL_A, SDA_A, SCL_B                                  one, and SCL_B is left over
-tb.scl, tb.dut.scl, tb.sda, tb.dut.sda               one, if both scopes show the same edges
+EEPROM SCL, EEPROM SDA, SCL2, SDA2                   two buses: the other words, or the numbers, are equal
+Channel 0 (SDA), Channel 1 (SCL)                     one bus, because no other channel can be its SCL or SDA
+SCL_A, SDA_A, SCL_B                                  one bus; SCL_B is left over
+tb.scl, tb.dut.scl, tb.sda, tb.dut.sda               one bus if both scopes show the same edges
 """
 
 from __future__ import annotations
@@ -19,7 +19,9 @@ from .capture import Capture, Channel
 
 
 def channels_named(capture: Capture, line: str) -> list[Channel]:
-    """Return the channels named `line`, ignoring scopes (`tb.bus.scl`) and case; if none, those with it as a word.
+    """Return the channels named `line`; if there are none, the channels with this word in their names.
+
+    Case and scopes (`tb.bus.scl`) are ignored.
 
     `Channel 0 (SDA)`, `24LC515 SCL` and `i2c_scl` have the word; `SCL2` and `MISCL` do not.
     """
@@ -29,13 +31,18 @@ def channels_named(capture: Capture, line: str) -> list[Channel]:
 
 
 LINE = re.compile(r"(scl|sda|rx|tx)(\d*)")
-PLACE = re.compile(r"channel|(ch|d|a)?\d+")  # an analyser's input, not part of the name of a bus
+PLACE = re.compile(r"channel|(ch|d|a)?\d+")  # names an input of the analyser and is no part of the name of a bus
 
 Key = tuple[str, ...]
 
 
 class Named(NamedTuple):
-    """i2c: SCL and SDA of each bus. uart: lines called RX or TX. left_over: SCL or SDA lines without a partner."""
+    """The buses of a capture.
+
+    i2c: SCL and SDA of each I2C bus.
+    uart: lines called RX or TX.
+    left_over: SCL or SDA lines without a partner.
+    """
 
     i2c: list[tuple[Channel, Channel]]
     uart: list[Channel]
@@ -74,7 +81,7 @@ def _line(channel: Channel) -> _Line | None:
 
 
 def _same(line: _Line, other: _Line) -> bool:
-    """True if two names are of one wire, as in the scopes of a simulation."""
+    """Return True if two channels of a simulation are the same wire in different scopes: their edges are equal."""
     a, b = line.channel, other.channel
     return line.line == other.line and len(a.edges) > 0 and a.initial == b.initial and np.array_equal(a.edges, b.edges)
 
@@ -84,7 +91,7 @@ def _key_without_places(line: _Line) -> Key:
 
 
 def _pairs(lines: Iterable[_Line], alike: Callable[[_Line], Key]) -> list[tuple[_Line, _Line]]:
-    """Return SCL and SDA of equal keys, where there is exactly one of each."""
+    """Return the pairs of SCL and SDA with equal keys, for each key that has exactly one of both."""
     groups: dict[Key, dict[str, list[_Line]]] = {}
     for line in lines:
         groups.setdefault(alike(line), {"scl": [], "sda": []})[line.line].append(line)

@@ -14,12 +14,12 @@ from .capture import MOST_DIGITS, BadCapture, Capture, Channel, Span
 
 
 def with_channels(capture: Capture, names: Sequence[str]) -> Capture:
-    """Return the named channels in the order given. LookupError names the nearest right names."""
+    """Return the named channels in the order given. Raise LookupError, with similar names, if one does not exist."""
     return replace(capture, channels=tuple(capture.channel(name) for name in names))
 
 
 def within(capture: Capture, window: Span) -> Capture:
-    """Return the part in the window, whose begin becomes position 0. BadCapture if it is outside the capture."""
+    """Return the part in the window, which begins at position 0. Raise BadCapture if it is outside the capture."""
     if not 0 <= window.begin < window.end <= capture.length:
         raise BadCapture(
             capture.path,
@@ -40,7 +40,10 @@ def _within(channel: Channel, window: Span) -> Channel:
 
 
 def window_of(text: str, rate: Fraction | None) -> Span:
-    """Parse `100 us..1.2 ms`, or in positions `400..4800`; times between two positions round outwards. ValueError."""
+    """Parse a window of times, `100 us..1.2 ms`, or of positions, `400..4800`.
+
+    Times between two positions are rounded outwards. Raise ValueError if the text is invalid.
+    """
     begin, dots, end = text.partition("..")
     if not dots:
         raise ValueError(f"{shorten(repr(text))} is no window; expected FROM..TO, as in '100 us..1.2 ms'")

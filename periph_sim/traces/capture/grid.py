@@ -1,6 +1,6 @@
 """Conversion of times to integer positions and back, exactly or with an error.
 
-"0.000016460", ISO 8601 --> ticks (a power of ten a second) <--> samples of a known rate
+"0.000016460", ISO 8601 --> ticks (a power of ten per second) <--> samples of a known rate
 """
 
 from __future__ import annotations
@@ -17,15 +17,15 @@ from ...core.shorten import shorten
 from .capture import BadCapture, Capture, Positions
 from .sampling import rate_text
 
-DECIMAL = re.compile(r"\s*([+-]?)(\d{1,40})(?:\.(\d{0,40}))?\s*")  # more digits are no time
+DECIMAL = re.compile(r"\s*([+-]?)(\d{1,40})(?:\.(\d{0,40}))?\s*")  # a text with more digits is not a time
 ISO = re.compile(r"\s*(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d)(?:\.(\d{1,40}))?(Z|[+-]\d\d:?\d\d)?\s*")
 
-FINEST = 15  # decimals of a second that are written: femtoseconds
-LEAST_DECIMALS = 9  # nanoseconds, to which Saleae's exports are exact at whole-nanosecond sample periods
+FINEST = 15  # maximum number of decimals with which seconds are written: femtoseconds
+LEAST_DECIMALS = 9  # nanoseconds: Saleae's exports are exact with these if the sample period is whole nanoseconds
 
 
 class OffGrid(ValueError):
-    """A time that is on no sample of the given rate: its index in the sequence, and the offset in ticks."""
+    """A time lies between two samples of the given rate. It has an index in its sequence and an offset in ticks."""
 
     def __init__(self, which: int, off: Fraction) -> None:
         super().__init__(f"time {which} is {float(off):.3g} ticks off the grid")
@@ -33,7 +33,10 @@ class OffGrid(ValueError):
 
 
 def exact_time(text: str) -> tuple[int, int]:
-    """Return (digits, decimals): digits / 10**decimals seconds, exactly. ValueError if not a number or ISO 8601."""
+    """Parse a time exactly. Return (digits, decimals), which means digits / 10**decimals seconds.
+
+    Raise ValueError if the text is neither a number nor a time of ISO 8601.
+    """
     if match := DECIMAL.fullmatch(text):
         sign, whole, part = match[1], match[2], match[3] or ""
         digits = int(whole + part)
@@ -47,11 +50,13 @@ def exact_time(text: str) -> tuple[int, int]:
 
 
 def decimals_for(capture: Capture, least: int, rounded_to: int, otherwise: str = "") -> tuple[int, bool]:
-    """Return (decimals of a second, from `least` to FINEST, in which times are written, whether they are exact).
+    """Return with how many decimals of a second times are written, from `least` to FINEST, and whether this is exact.
 
-    The fewest with which each sample is exact, else with which a sample is `rounded_to` units of the last decimal, so
-    that a reader that knows the rate gets the same samples. BadCapture if there is no rate, or it is too high;
-    otherwise: what else is expected of it.
+    This is the smallest number of decimals with which each sample is exact. If there is none, it is the smallest number
+    with which a sample is at least `rounded_to` units of the last decimal. With it, a reader that knows the rate gets
+    the same samples.
+
+    otherwise: an addition to the expected rate in the message. Raise BadCapture if there is no rate or it is too high.
     """
     rate = capture.rate
     if rate is None:
@@ -70,7 +75,7 @@ def decimals_for(capture: Capture, least: int, rounded_to: int, otherwise: str =
 def nearest(times: Positions, ratio: Fraction) -> Positions:
     """Return the whole number nearest to each time multiplied by `ratio`, exactly.
 
-    They are Python's integers, in an array of objects, if the arithmetic does not fit 64 bits.
+    If the arithmetic does not fit 64 bits, the result is an array of objects, which are Python's integers.
     """
     top, bottom = ratio.numerator, ratio.denominator
     if len(times) and 2 * (int(abs(times).max()) * top + bottom) >= 1 << 63:
@@ -79,12 +84,13 @@ def nearest(times: Positions, ratio: Fraction) -> Positions:
 
 
 def quantized(ticks: Positions, per_second: Fraction, rate: Fraction) -> Positions:
-    """Return the nearest sample number of each time. OffGrid if one is further off than its writer's rounding explains.
+    """Return the nearest sample number of each time.
 
-    Where a sample period is whole ticks there is nothing to round and a time must fall on a sample; else the writer may
-    have rounded or cut by up to a tick. OverflowError if a sample number exceeds 64 bits.
+    If a sample period is a whole number of ticks, each time must be on a sample. Otherwise the writer may have rounded
+    or truncated times by up to a tick. Raise OffGrid for a time that is further off, and OverflowError if a sample
+    number exceeds 64 bits.
     """
-    period = per_second / rate  # ticks a sample
+    period = per_second / rate  # ticks per sample
     samples = nearest(ticks, 1 / period)
     off = ticks.astype(samples.dtype) * period.denominator - samples * period.numerator
     beyond = np.flatnonzero(abs(off) > (0 if period.denominator == 1 else period.denominator))
@@ -99,7 +105,8 @@ def on_grid(
 ) -> tuple[list[Positions], int]:
     """Return the sample numbers of the times of each line, and of the time `last`.
 
-    BadCapture if a time is on no sample; said: its description, with {} for the time.
+    Raise BadCapture if a time is not on a sample. said: a description of such a time for the message, with {} in place
+    of the time.
     """
     moments = np.unique(np.concatenate([np.array([last], np.int64), *lines]))
     try:

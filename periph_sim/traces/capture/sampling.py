@@ -1,11 +1,11 @@
 """Sampling of a capture: the step from one sample to the next, and resampling at another rate.
 
-A file of time stamps (VCD, Saleae CSV and binary) does not say how it was sampled. Its times are assumed to be as
-good as the coarsest grid on which all its edges are. A grid finer than any analyser's is that of a simulation, whose
-times are exact, as are those of our own runs.
+A file of time stamps (VCD, Saleae CSV and binary) does not say how it was sampled. Its sample period is assumed to be
+that of the coarsest grid on which all its edges lie. If that grid is finer than any analyser's, the file comes from a
+simulation, whose times are exact, as are those of our own runs.
 
-Resampled, an edge is at the first sample at or after it, as an analyser of that rate would have recorded it. A pulse
-between two samples is lost, counted, and mentioned in the notes.
+Resampling moves an edge to the first sample at or after it, where an analyser of that rate would have recorded it. A
+pulse between two samples is lost; a note states the number of lost pulses.
 """
 
 from __future__ import annotations
@@ -19,12 +19,15 @@ import numpy as np
 from .capture import BadCapture, Capture, Channel, Positions, Span
 
 MOST_POSITION = 1 << 62
-FASTEST_ANALYSER = 10**10  # samples a second; nothing samples logic faster
+FASTEST_ANALYSER = 10**10  # samples per second; no logic analyser is faster
 LONGEST_PAUSE = 1 << 26  # samples without an edge when time stamps become samples: 0.7 s at 100 MHz
 
 
 def resampled(capture: Capture, rate: Fraction) -> Capture:
-    """Return the capture on samples of `rate` a second, with a note of lost pulses. BadCapture without a rate."""
+    """Return the capture at `rate` samples per second, with a note on lost pulses.
+
+    Raise BadCapture if the capture has no rate.
+    """
     if capture.rate is None:
         raise BadCapture(
             capture.path, "its rate", "none stated", "positions with a time", "state the rate at which it was captured"
@@ -53,7 +56,7 @@ def rate_text(rate: Fraction) -> str:
 
 
 def _moved(channel: Channel, ratio: Fraction, length: int) -> tuple[Channel, int]:
-    """Return (the channel on the new samples, pulses lost)."""
+    """Return the channel at the new rate and the number of lost pulses."""
     at, changes = np.unique(_up(channel.edges, ratio), return_counts=True)
     lost = int((changes // 2).sum())
     spans = ((_ceil(hole.begin * ratio), min(_ceil(hole.end * ratio), length)) for hole in channel.unknown)
@@ -82,7 +85,7 @@ def grid_of(channels: tuple[Channel, ...]) -> int:
 
 
 def is_exact(capture: Capture) -> bool:
-    """True if the positions are the instants of a simulation, or too fine for any analyser."""
+    """Return True if the positions are instants of a simulation, or finer than those of any analyser."""
     if capture.sampled or capture.rate is None:
         return False
     return capture.exact or capture.rate / grid_of(capture.channels) > FASTEST_ANALYSER
@@ -91,7 +94,7 @@ def is_exact(capture: Capture) -> bool:
 def sample_step(capture: Capture) -> int:
     """Return the positions from one sample to the next, which is the uncertainty of an edge's true instant.
 
-    1 where positions are samples, and where they are exact; else the grid of the edges.
+    It is 1 if positions are samples or exact instants; otherwise it is the step of the edges' grid.
     """
     return 1 if capture.sampled or is_exact(capture) else grid_of(capture.channels)
 
@@ -110,8 +113,8 @@ def stamp_notes(capture: Capture) -> list[str]:
 def on_samples(capture: Capture) -> Capture:
     """Return the capture in samples of the slowest rate that loses no edge, with a note that says so.
 
-    A capture of samples, or without a rate, is returned as it is. BadCapture if most samples would be one long pause,
-    as after a single damaged time stamp.
+    A capture of samples, or without a rate, is returned unchanged. Raise BadCapture if most of the samples would lie in
+    one long pause, which is the effect of a single damaged time stamp.
     """
     if capture.sampled or capture.rate is None:
         return capture
@@ -124,12 +127,15 @@ def on_samples(capture: Capture) -> Capture:
 
 
 def _refuse_pause(capture: Capture, rate: Fraction) -> None:
-    """Raise BadCapture if one pause has more samples than LONGEST_PAUSE and than all the rest. Exact times may."""
+    """Raise BadCapture if one pause has more samples than LONGEST_PAUSE and than the rest of the capture together.
+
+    A capture with exact times may have such a pause.
+    """
     assert capture.rate is not None
     edges = np.sort(np.concatenate([channel.edges for channel in capture.channels] or [np.empty(0, np.int64)]))
     ends = [0, *edges.tolist(), capture.length]
     lengths = np.diff(ends)
-    before = int(lengths.argmax())  # edges before the pause
+    before = int(lengths.argmax())  # number of edges before the longest pause
     begin, end, length = ends[before], ends[before + 1], int(lengths[before])
     samples = int(length * rate / capture.rate)
     if capture.exact or samples <= LONGEST_PAUSE or 2 * length <= capture.length:

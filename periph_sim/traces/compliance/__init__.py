@@ -26,9 +26,9 @@ def check(
     *,
     exact: bool | None = None,
 ) -> Report:
-    """Return the verdict on every limit of a mode; `str()` of it is a table.
+    """Return the verdict on every limit of a mode. Its `str()` is a table.
 
-    exact: as for `resolution_of`. LookupError for a missing channel; ValueError without a rate.
+    exact: as for `resolution_of`. Raise LookupError if a channel is missing, and ValueError if there is no rate.
     """
     mode = Mode(mode)
     resolution = resolution_of(capture, exact)

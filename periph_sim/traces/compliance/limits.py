@@ -1,4 +1,4 @@
-"""The timing limits of the I2C-bus specification, one row a limit; nothing is measured here.
+"""The timing limits of the I2C-bus specification, one row per limit; nothing is measured here.
 
 Source: UM10204 (I2C-bus specification and user manual), Table 10, characteristics of the SDA and SCL bus lines, with
 its footnotes; the maxima of tVD in Fast-mode Plus from general knowledge. Times are whole nanoseconds. The maximum
@@ -18,14 +18,18 @@ class Mode(Enum):
 
 
 class Bounds(NamedTuple):
-    """Minimum and maximum of a time in nanoseconds; None: no such limit."""
+    """Minimum and maximum of a time in nanoseconds; None if there is no such limit."""
 
     least: int | None = None
     most: int | None = None
 
 
 class Limit(NamedTuple):
-    """seen: False if a capture with one threshold a line cannot show it. rule: a footnote and its interpretation."""
+    """A limit of the specification.
+
+    seen: False if a capture with one threshold per line cannot show this time.
+    rule: a footnote of the table and how it is interpreted.
+    """
 
     symbol: str
     begins: str
@@ -89,4 +93,4 @@ LIMITS: tuple[Limit, ...] = (
 )
 
 LIMIT = {limit.symbol: limit for limit in LIMITS}
-SPIKES_TO = 2  # times tSP: a pulse of up to this length is a spike, if an invalid one
+SPIKES_TO = 2  # a pulse of up to this multiple of tSP is a spike; above tSP it breaks the limit

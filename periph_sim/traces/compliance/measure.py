@@ -1,6 +1,6 @@
 """Measurement of every time of UM10204's Table 10, over the whole trace at once.
 
-    Capture --known spans, spikes put aside--> SCL rises and falls, SDA edges --> symbol -> Measured
+    Capture --known spans, spikes removed--> SCL rises and falls, SDA edges --> symbol -> Measured
 
              tHD;STA tLOW  tHIGH       tSU;STA tHD;STA                tSU;STO  tBUF
     SCL  -------|______|--------|_____|-----------|___ ... ________|-------------------
@@ -9,20 +9,19 @@
                 |--| tHD;DAT (first change), tVD;DAT (last change before the rise)
 
 Rules:
-- SDA changes while SCL is high before and after are conditions: START (falling), STOP (rising), a repeated START if
-    the condition before was a START. If both lines change at one position, it is data: no time after the fall, or no
-    time before the rise.
-  - SCL's high phases with a condition inside are no tHIGH and no whole period; tSU;STA and tSU;STO are measured from
-    the rise to the first condition after it.
-  - Data times are measured between START and STOP; tVD;DAT, tVD;ACK and the maximum of tHD;DAT only in low phases that
-    come before a bit, that is, with no condition in the high phase after them. The ninth bit of each byte is ACK.
-  - Driver: conditions and SCL are the controller's. The protocol determines the driver of a bit (bytes after R/W = 1
-    by the target, their ACK by the controller, the rest the other way round); a falling SDA is caused by the driver of
-    this bit, a rising one by the driver of the bit before, which released it. SDA falling ahead of STOP is the
-    controller's.
-- Unknown spans are never crossed.
-- Spikes are removed first, as the filter of an I2C input does it: a level that lasts no longer than a spike may last is
-  removed, and the rest keeps its place, so of an edge that rings the last one counts. `limits.SPIKE` defines a spike.
+- A change of SDA while SCL is high is a condition: START (falling) or STOP (rising). A START after a START is a
+  repeated START. If both lines change at one position, the change of SDA is data whose hold or setup time is 0.
+- A high phase of SCL with a condition inside is not measured as tHIGH or as part of a period. tSU;STA and tSU;STO are
+  measured from the rise to the first condition after it.
+- Data times are measured between START and STOP. tVD;DAT, tVD;ACK and the maximum of tHD;DAT are measured only in low
+  phases before a bit, which is a high phase without a condition. The ninth bit of each byte is ACK.
+- The controller causes conditions and edges of SCL. The protocol determines the driver of a bit: the target drives the
+  bytes after R/W = 1, the controller their ACKs, and all other bits the other way round. A falling SDA is caused by the
+  driver of this bit, a rising one by the driver of the bit before, which released SDA. The controller causes the fall
+  of SDA before a STOP.
+- No time is measured across an unknown span.
+- Spikes are removed first, as by the filter of an I2C input: a level that lasts no longer than a spike may last is
+  removed, and the other edges keep their places. If an edge rings, the last one counts. `limits.SPIKE` defines a spike.
 """
 
 from __future__ import annotations
@@ -44,9 +43,9 @@ from .resolution import Resolution
 def without_spikes(
     scl: Channel, sda: Channel, mode: Mode, resolution: Resolution
 ) -> tuple[Channel, Channel, Positions, Positions]:
-    """Return (SCL, SDA, begins of spikes, their lengths). In Standard-mode, which has no filter, nothing is a spike.
+    """Return SCL and SDA without spikes, and the positions and lengths of the spikes.
 
-    Only what surely is a spike at this resolution is one.
+    Only pulses that are certainly spikes at this resolution count. Standard-mode has no filter, and so no spikes.
     """
     most = LIMIT["tSP"].bounds[mode].most
     none = np.zeros(0, np.int64)
@@ -66,12 +65,12 @@ def without_spikes(
 
 
 def _lengths(channel: Channel) -> Positions:
-    """Return the duration of the level after each edge; the last one holds for ever."""
+    """Return the duration of the level after each edge; the last level has no end."""
     return np.append(np.diff(channel.edges), np.iinfo(np.int64).max // 2)[: len(channel.edges)]
 
 
 def _filtered(channel: Channel, short: NDArray[np.bool_]) -> tuple[Channel, Positions, Positions]:
-    """Return the channel without the levels that are too short, and their begins and lengths."""
+    """Return the channel without the levels that are too short, and the positions and lengths of these levels."""
     if not short.any():
         return channel, channel.edges[:0], channel.edges[:0]
     edges, levels = channel.edges[~short], channel.levels[~short]
@@ -90,10 +89,13 @@ PARTY: dict[int, Party | None] = {NOBODY: None, CONTROLLER: Party.CONTROLLER, TA
 
 
 class Measured(NamedTuple):
-    """One symbol's times, in order: begin and length of each in positions, and the party that caused it (a PARTY key).
+    """All measured times of one symbol, in order.
 
-    excused: where a maximum does not apply. doubtful: where the resolution does not show whether the limit applies (the
-    pulse may be a spike, the low phase a stretched one), so that a time beyond it is not surely wrong.
+    begins, lengths: positions.
+    party: the party that caused the time, a key of PARTY.
+    excused: True where the maximum does not apply.
+    doubtful: True where the resolution does not show whether the limit applies, because the pulse may be a spike or the
+        low phase may be stretched. A time beyond the limit is then not certainly wrong.
     """
 
     begins: Positions
@@ -124,10 +126,13 @@ def measured(
 
 @dataclass(frozen=True)
 class Measures:
-    """times: symbol -> its times, for every limit a capture can show. starts: STARTs of any kind.
+    """The measured times of a capture.
 
-    shared: positions at which both lines change, so that their order is unknown. coarse: the mode allows SCL pulses
-    shorter than a sample. blind: also, some levels of SCL last one sample only; others may be missed.
+    times: the times of each symbol, for every limit that a capture can show.
+    starts: the number of STARTs, repeated ones included.
+    shared: positions at which both lines change, so that the order of the edges is unknown.
+    coarse: True if the mode allows pulses of SCL that are shorter than a sample.
+    blind: True if also some levels of SCL last only one sample, so that others may have been missed.
     """
 
     times: dict[str, Measured]
@@ -138,7 +143,10 @@ class Measures:
 
 
 def measure(capture: Capture, scl: str | int, sda: str | int, mode: Mode, resolution: Resolution) -> Measures:
-    """Measure all times of a capture. LookupError for a missing channel. The mode defines what is a spike."""
+    """Measure all times of a capture. The mode determines which pulses are spikes.
+
+    Raise LookupError if a channel is missing.
+    """
     lines = capture.channel(scl), capture.channel(sda)
     spans = capture.known(*lines)
     clock, data = lines
@@ -169,10 +177,10 @@ class _Part:
         edges = edges_of(scl, sda)
         self.rises, self.conditions, self.is_start = edges.rises, edges.conditions, edges.starts
         self.falls = scl.edges[scl.levels == 0]
-        self.shortest_phase = np.diff(scl.edges).min(initial=np.iinfo(np.int64).max)  # of SCL's levels, in positions
+        self.shortest_phase = np.diff(scl.edges).min(initial=np.iinfo(np.int64).max)  # of SCL, in positions
         self._edges, self._levels = sda.edges, sda.levels
         self.starts = self.conditions[self.is_start]
-        # A pulse is from a rise to the next fall; the low phase before it belongs to it.
+        # A pulse is the low phase before a rise of SCL and the high phase up to the next fall.
         self._low_from = _at(self.falls, np.searchsorted(self.falls, self.rises) - 1)  # -1: not in the capture
         self._high_to = _at(self.falls, np.searchsorted(self.falls, self.rises, side="right"))  # -1: not in the capture
         high_to = np.where(self._high_to < 0, span.end, self._high_to)
@@ -194,7 +202,7 @@ class _Part:
         whole = rw_bit < next_first
         asked[whole] = edges.values[rw_bit[whole]] == 1
         read = _pick(asked, last, False) & (number >= BITS)
-        by_target = (read != self._ack) & self._is_bit  # before START and STOP the controller drives
+        by_target = (read != self._ack) & self._is_bit  # the controller drives SDA in a pulse with START or STOP
         self._driver = np.where(busy, np.where(by_target, TARGET, CONTROLLER), NOBODY).astype(np.uint8)
         before = np.concatenate((np.zeros(1, np.uint8), self._driver))[:-1]
         self._driver_before = np.where(busy & (number == 0), CONTROLLER, before).astype(np.uint8)
@@ -205,7 +213,7 @@ class _Part:
         return self.rises[seen] - self._low_from[seen]
 
     def measures(self, shortest_low: int) -> dict[str, Measured]:
-        """Return symbol -> its times. shortest_low: that of the whole capture, in positions."""
+        """Return the times of each symbol. shortest_low: the shortest low phase of the whole capture, in positions."""
         return {
             **self._clock(),
             **self._start_stop(),
@@ -231,7 +239,7 @@ class _Part:
         after_start = np.concatenate((np.zeros(1, np.bool_), is_start))[:-1]
         before = np.concatenate((np.full(1, -1, np.int64), conditions))[:-1]
         rise = _at(self.rises, np.searchsorted(self.rises, conditions) - 1)
-        rise = np.where(rise > before, rise, -1)  # a condition between: not from the rise
+        rise = np.where(rise > before, rise, -1)  # not measured from a rise that another condition follows
         fall = _at(self.falls, np.searchsorted(self.falls, conditions))
         behind = np.append(conditions[1:], np.iinfo(np.int64).max)[: len(conditions)]
         held = is_start & (fall >= 0) & (fall < behind)
@@ -262,7 +270,7 @@ class _Part:
         first, last = np.minimum(first, len(self._edges) - 1), np.maximum(last, 0)
         hold_by, setup_by = self._by(first), self._by(last)
         valid = self._edges[last]
-        # In the sample of SCL's rise: data, or a condition just after it.
+        # A change in the sample of SCL's rise is either data or a condition just after the rise.
         unsure = (valid == rises) & (self._resolution.slack > 0)
         return {
             "tHD;DAT": measured(low_from[seen], self._edges[first][seen], hold_by[seen], excused[seen], maybe[seen]),
@@ -272,14 +280,14 @@ class _Part:
         }
 
     def _by(self, edge: NDArray[np.intp]) -> Parties:
-        """Return the party that made this SDA edge in the low phase before each pulse."""
+        """Return for each pulse the party that caused the given SDA edge in its low phase."""
         return np.where(self._levels[edge] == 0, self._driver, self._driver_before).astype(np.uint8)
 
     def _stretched(self, shortest_low: int) -> tuple[Flags, Flags]:
-        """Return where the low phase before a pulse is surely stretched, and where this cannot be decided.
+        """Return two masks of pulses: the low phase is certainly stretched, and this cannot be decided.
 
-        A low phase is not stretched if it is no longer than the least tLOW, or than 1.1 times the shortest of the
-        trace; both lengths are exact to within the slack.
+        A low phase is not stretched if it is no longer than the minimum of tLOW, or than 1.1 times the shortest low
+        phase of the trace; both lengths are exact to within the slack.
         """
         least, slack = _least("tLOW", self._mode), self._resolution.slack
         lengths = self.rises - self._low_from
@@ -301,12 +309,12 @@ def _least(symbol: str, mode: Mode) -> int:
 
 
 def _at(positions: Positions, index: NDArray[np.intp]) -> Positions:
-    """Return positions[index], -1 where the index is out of range."""
+    """Return positions[index], with -1 where the index is out of range."""
     padded = np.concatenate((positions, np.full(1, -1, np.int64)))
     return padded[np.where((index < 0) | (index >= len(positions)), len(positions), index)]
 
 
 def _pick(values: NDArray[Scalar], index: NDArray[np.intp], default: bool | int) -> NDArray[Scalar]:
-    """Return values[index], the default where the index is -1."""
+    """Return values[index], with the default where the index is -1."""
     padded = np.concatenate((values, np.array([default], values.dtype)))
     return padded[np.where(index < 0, len(values), index)]

@@ -1,6 +1,6 @@
 """The verdict on one trace, from its rows of limits: pass, fail or undecidable, as text, JSON or an AssertionError.
 
-Only texts and JSON contain floats; everything else is in whole numbers.
+Only texts and JSON contain floats; all calculations are in whole numbers.
 """
 
 from __future__ import annotations
@@ -16,7 +16,11 @@ from .verdict import Occurrence, Row, Verdict
 
 @dataclass(frozen=True)
 class Report:
-    """The verdict on one trace. shared: positions at which both lines change. notes: a sentence each."""
+    """The verdict on one trace.
+
+    shared: positions at which both lines change.
+    notes: sentences for the user.
+    """
 
     name: str
     mode: Mode
@@ -28,7 +32,10 @@ class Report:
 
     @property
     def verdict(self) -> Verdict:
-        """NOT_JUDGED if no time was measured, FAIL if any row fails, else UNDECIDABLE if any is, else PASS."""
+        """The verdict on the trace.
+
+        It is NOT_JUDGED if no time was measured, else FAIL if any row fails, else UNDECIDABLE if any row is, else PASS.
+        """
         found = {row.verdict for row in self.rows}
         judged = {row.verdict for row in self.rows if row.count}
         if not judged & {Verdict.PASS, Verdict.FAIL, Verdict.UNDECIDABLE}:
@@ -38,7 +45,7 @@ class Report:
         return Verdict.UNDECIDABLE if Verdict.UNDECIDABLE in found else Verdict.PASS
 
     def row(self, symbol: str) -> Row:
-        """Return the row of a limit. KeyError if there is no such limit."""
+        """Return the row of a limit. Raise KeyError if there is no such limit."""
         for row in self.rows:
             if row.limit.symbol == symbol:
                 return row
@@ -49,7 +56,10 @@ class Report:
         return [row.limit.symbol for row in self.rows if row.verdict is verdict]
 
     def assert_compliant(self, strict: bool = False) -> None:
-        """AssertionError with the worst rows if a limit is broken, or undecidable if strict, or none was measured."""
+        """Raise AssertionError, with the worst rows, if a limit is broken or no time was measured.
+
+        strict: True to raise it also if a limit is undecidable.
+        """
         if self.verdict is Verdict.NOT_JUDGED:
             raise AssertionError(f"{self.name}: no time of the I2C limits was measured; the trace has no whole bit")
         if self.verdict is Verdict.FAIL or (strict and self.verdict is Verdict.UNDECIDABLE):
@@ -67,7 +77,7 @@ RULES = ("symbol", "from -> to", "worst begins at", "by")
 
 
 def table(report: Report) -> str:
-    """Format a head line, the measured times of each limit, its begin, end and worst place, notes, and the verdict."""
+    """Format the report as a table with the measured times and the worst place of each limit, notes and the verdict."""
     lines = text_table(MEASURED, [_measured(report, row) for row in report.rows], (2, 3, 4))
     rules = text_table(RULES, [_rule(report, row) for row in report.rows], (2,))
     period = report.resolution.period

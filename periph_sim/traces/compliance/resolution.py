@@ -20,7 +20,11 @@ NS = 10**9
 
 @dataclass(frozen=True)
 class Resolution:
-    """rate: positions a second. slack: error of a time in positions to either side, 0 if exact."""
+    """Resolution of the positions of a capture.
+
+    rate: the number of positions per second.
+    slack: the maximum error of a time in either direction, in positions; 0 if positions are exact.
+    """
 
     rate: Fraction
     slack: int
@@ -34,27 +38,29 @@ class Resolution:
         return positions * NS / self.rate
 
     def surely_at_least(self, ns: int) -> int:
-        """Return the fewest positions that surely are `ns` or more."""
+        """Return the smallest number of positions that is certainly `ns` or more."""
         return ceil(ns * self.rate / NS) + self.slack
 
     def surely_at_most(self, ns: int) -> int:
-        """Return the most positions that surely are `ns` or less."""
+        """Return the largest number of positions that is certainly `ns` or less."""
         return floor(ns * self.rate / NS) - self.slack
 
     def surely_below(self, ns: int) -> int:
-        """Return the most positions that surely are less than `ns`."""
+        """Return the largest number of positions that is certainly less than `ns`."""
         return self.surely_at_most(ns) if self.slack else ceil(ns * self.rate / NS) - 1
 
     def surely_above(self, ns: int) -> int:
-        """Return the fewest positions that surely are more than `ns`."""
+        """Return the smallest number of positions that is certainly more than `ns`."""
         return self.surely_at_least(ns) if self.slack else floor(ns * self.rate / NS) + 1
 
 
 def resolution_of(capture: Capture, exact: bool | None = None) -> Resolution:
     """Return the resolution of the capture's positions.
 
-    exact: True takes unsampled times as exact, False as stamps on the coarsest grid that holds all edges; None: exact
-    if the capture is known to be, or is finer than any analyser samples. ValueError without a rate.
+    exact: how time stamps are interpreted. True: as exact instants. False: as samples on the coarsest grid that
+        contains all edges. None: as exact if the capture is known to be exact, or if it is finer than any analyser.
+
+    Raise ValueError if the capture has no rate.
     """
     if capture.rate is None:
         raise ValueError(f"{capture.path}: limits need a time base and the file states no rate; state the rate")

@@ -1,9 +1,9 @@
 """Measured times against the limits: a verdict for each.
 
-    Measures + LIMITS + Resolution --> Row, one a limit --> a Report, see report.py
+    Measures + LIMITS + Resolution --> one Row per limit --> a Report, see report.py
 
-A time passes if even its worst possible true value keeps the limit, fails if even the best breaks it, and is
-undecidable in between. A row fails if any of its times does, else is undecidable if any is, else passes.
+A time is measured with an error. It passes if all its possible true values keep the limit, fails if none does, and is
+undecidable otherwise. A row fails if any of its times fails, else it is undecidable if any is, else it passes.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .limits import LIMITS, Bounds, Limit, Mode
 from .measure import PARTY, Flags, Measured, Measures
 from .resolution import Resolution
 
-PLACES = 3  # worst places listed in a row
+PLACES = 3  # number of worst places that a row lists
 
 
 class Verdict(Enum):
@@ -33,7 +33,7 @@ class Verdict(Enum):
 
 @dataclass(frozen=True)
 class Occurrence:
-    """A time that does not surely keep its limit. at: the position where it begins. length: positions."""
+    """A measured time that breaks its limit or may break it. at: the position where it begins. length: in positions."""
 
     at: int
     length: int
@@ -42,10 +42,13 @@ class Occurrence:
 
 @dataclass(frozen=True)
 class Row:
-    """least, most: positions, None if nothing was measured. failed, undecided: number of times.
+    """The verdict on one limit.
 
-    excused: times beyond a maximum that does not apply there. unsure: those of `undecided` that are beyond a limit
-    which may not apply. worst: the worst places, worst first.
+    least, most: the shortest and the longest time, in positions; None if nothing was measured.
+    failed, undecided: numbers of times with this verdict.
+    excused: the number of times beyond a maximum that does not apply to them.
+    unsure: the number of undecided times that are beyond a limit which may not apply to them.
+    worst: the worst places, the worst one first.
     """
 
     limit: Limit
@@ -73,7 +76,7 @@ def _row(limit: Limit, measures: Measures, mode: Mode, resolution: Resolution) -
         return Row(limit, bounds, 0, None, None, Verdict.NOT_IN_CAPTURE)
     if bounds == Bounds():
         return Row(limit, bounds, 0, None, None, Verdict.NO_LIMIT)
-    # A pulse shorter than a sample can be between two of them.
+    # A pulse that is shorter than a sample may lie between two samples.
     hidden = measures.blind or (limit.symbol == "tSP" and resolution.period > (bounds.most or 0))
     if found is None or not len(found.lengths):
         return Row(limit, bounds, 0, None, None, Verdict.UNDECIDABLE if hidden or measures.coarse else Verdict.NOT_SEEN)
@@ -92,7 +95,7 @@ def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolutio
         within = lengths <= resolution.surely_at_most(bounds.most)
         excused = int((found.excused & ~within).sum())
         kept &= within | found.excused
-        if not (hidden or coarse):  # else an edge in between may be missing
+        if not (hidden or coarse):  # otherwise the time may be too long because edges in between were missed
             broken |= (lengths >= resolution.surely_above(bounds.most)) & ~found.excused
     unsure = int((broken & found.doubtful).sum())
     broken &= ~found.doubtful
@@ -108,7 +111,7 @@ def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolutio
 
 
 def _worst(found: Measured, culprits: Flags, bounds: Bounds, resolution: Resolution) -> tuple[Occurrence, ...]:
-    """Return the culprits that are furthest beyond their limit, or nearest to it."""
+    """Return the worst of the times in the mask `culprits`: those furthest beyond the limit, or nearest to it."""
     which = np.flatnonzero(culprits)
     lengths = found.lengths[which]
     beyond = np.full(len(which), np.iinfo(np.int64).min)

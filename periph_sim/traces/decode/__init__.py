@@ -1,1 +1,1 @@
-"""Edges of a capture to the events of a protocol, one file a protocol."""
+"""Decoders from the edges of a capture to the events of a protocol."""

@@ -1,4 +1,4 @@
-"""Events of any protocol as rows of one shape, so that several buses of a capture share one list.
+"""Events of all protocols as rows with the same columns, so that several buses of a capture share one list.
 
 I2cTable, UartTable, events of an SPI line --> Rows (numbers) --> in order of time
 
@@ -46,7 +46,7 @@ def purpose_of(byte: int) -> str:
     return "10-bit" if high >= 0x78 else ""
 
 
-# The words of a row, by number; those of I2C as in i2c_table.Kind.
+# The names of events, indexed by `event` of a row. Those of I2C are in the order of `I2cRowKind`.
 OF_I2C = ("start", "repeated start", "address", "address low", "data", "ack", "nack", "stop", "cut")
 OF_SPI = ("select", "word", "deselect")
 EVENTS = (*OF_I2C, "frame", "break", "rejected start", *OF_SPI)
@@ -56,14 +56,14 @@ DETAILS = ("", "write", "read", *FAULTS, *RESERVED)
 START, ADDRESS, ADDRESS_LOW, CUT = (EVENTS.index(name) for name in ("start", "address", "address low", "cut"))
 FRAME, BREAK, REJECTED, SELECT, WORD, DESELECT = range(len(OF_I2C), len(EVENTS))
 
-OF_UART = np.array([FRAME, BREAK, CUT, REJECTED], np.uint8)  # by `UartRowKind`
-OF_FAULTS = np.array([0, *range(3, 10)], np.uint8)  # by parity error + 2 * frame error + 4 * glitch
+OF_UART = np.array([FRAME, BREAK, CUT, REJECTED], np.uint8)  # events, indexed by `UartRowKind`
+OF_FAULTS = np.array([0, *range(3, 10)], np.uint8)  # details, indexed by parity error + 2 * frame error + 4 * glitch
 WAYS = [("read" if byte & 1 else "write") + (purpose_of(byte) and ", " + purpose_of(byte)) for byte in range(256)]
-OF_ADDRESS = np.array([DETAILS.index(way) for way in WAYS], np.uint8)  # by address byte
+OF_ADDRESS = np.array([DETAILS.index(way) for way in WAYS], np.uint8)  # details, indexed by the address byte
 
 
 class Rows(NamedTuple):
-    """Arrays of equal length; the tuple is of columns.
+    """A table of events: a tuple of columns, which are arrays of equal length.
 
     at, end  int64   positions, as in the tables
     bus      uint8   number of the bus in the list of buses to decode
@@ -82,7 +82,7 @@ class Rows(NamedTuple):
     detail: NDArray[np.uint8]
 
     def select(self, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> Rows:
-        """Return the rows of these numbers, of this mask or slice."""
+        """Return some of the rows. rows: their numbers, a mask or a slice."""
         return Rows._make(column[rows] for column in self)
 
 
@@ -98,9 +98,10 @@ def no_rows() -> Rows:
 
 
 def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
-    """Return the rows of an I2C table. Detail: the direction of bytes, whole or cut, and reserved addresses' purposes.
+    """Return the rows of an I2C table.
 
-    A 10-bit address that is repeated, to read, has all its ten bits in `value`.
+    The detail of a row is the direction of a byte, whole or cut, and the purpose of a reserved address. If a 10-bit
+    address is repeated to read, `value` has all its ten bits.
     """
     is_byte = (table.bits >= 8) | (table.kind == i2c_table.I2cRowKind.CUT)
     detail = (table.read + np.uint8(1)) * is_byte
@@ -111,9 +112,10 @@ def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
     again = addresses[byte & 0xF9 == 0xF1]  # 11110xx and R/W = 1
     if len(again):
         lows, starts = np.flatnonzero(table.kind == ADDRESS_LOW), np.flatnonzero(table.kind == START)
-        known = np.searchsorted(lows, again)  # 10-bit addresses before
+        known = np.searchsorted(lows, again)  # number of 10-bit addresses before each
         again, known = again[known > 0], known[known > 0] - 1
-        same = np.searchsorted(starts, lows[known]) == np.searchsorted(starts, again)  # within one transfer
+        # True if both are in the same transfer.
+        same = np.searchsorted(starts, lows[known]) == np.searchsorted(starts, again)
         same &= value[lows[known]] >> 8 == value[again] & 3
         value[again[same]] = value[lows[known[same]]]
         bits[again[same]] = 10
@@ -127,9 +129,9 @@ def uart_rows(table: UartTable, bus: int = 0) -> Rows:
 
 
 def spi_rows(events: Sequence[spi.Event], bits: int, is_mosi: bool, bus: int = 0) -> Rows:
-    """Return the rows of one data line of an SPI bus, with the selections.
+    """Return the rows of one data line of an SPI bus, and those of the chip select.
 
-    bits: bits of a word. The bits of a cut word are in the order of reception.
+    bits: the number of bits of a word. The bits of a cut word are in the order of reception.
     """
     rows: list[tuple[int, int, int, int, int, int, int]] = []
     for one in events:
@@ -148,7 +150,7 @@ def spi_rows(events: Sequence[spi.Event], bits: int, is_mosi: bool, bus: int = 0
 
 
 def merged(parts: Sequence[Rows]) -> Rows:
-    """Merge all rows in order of time; rows at one position are in the order of the parts."""
+    """Merge all rows in order of time. Rows at the same position are in the order of the parts."""
     if len(parts) == 1:
         return parts[0]
     rows = joined(parts)
@@ -160,11 +162,12 @@ def _all(bus: int, table: I2cTable | UartTable) -> NDArray[np.uint8]:
 
 
 def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np.int64]]:
-    """Return the rows, those of one transfer together, and the number of the row with which each transfer begins.
+    """Return the rows grouped by transfers, and the numbers of the rows with which transfers begin.
 
-    A burst of frames or words begins after its line was quiet for over `silence[bus]` positions. If `silence` is None,
-    a transfer begins at each START of an I2C bus, and where an SPI line is selected. Transfers are in the order of
-    their first rows.
+    silence: for each bus the number of positions without an event that separates two transfers. If it is None, a
+        transfer begins at each START of an I2C bus and at each selection of an SPI line.
+
+    Transfers are in the order of their first rows.
     """
     parts, keys = [], []
     for bus, quiet in enumerate(silence):

@@ -1,6 +1,6 @@
-"""I2C from edges: SCL and SDA in, events and transfers out.
+"""I2C decoder: from the edges of SCL and SDA to events and transfers.
 
-An oracle: it shares no code with the chip's model or the agents on the simulated bus.
+It is a test oracle, so it shares no code with the chip's model or the agents on the simulated bus.
 
     edges --> clock rises with SDA's level, START and STOP --> Transfer > Phase > Byte > Bit
                                                            --> events, in order
@@ -9,14 +9,14 @@ Positions are those of logic-analyser decoders: START and STOP at the SDA edge, 
 SCL of its first bit, ACK or NACK at the ninth.
 
 Rules, from the I2C-bus specification (UM10204, section 3.1):
-- A bit is SDA's level at a rising SCL. Where both lines change in one sample the order is unknown: at a
-  rising SCL SDA's new level counts, at a falling SCL its old one, and neither is a START or STOP.
-- SDA falling while SCL is high before and after is START or repeated START, rising is STOP, at any
-  place. The SCL high phase in which it comes holds no bit, unless it is the ninth: the sender sampled the
-  ACK when SCL rose. The bits of an incomplete byte are `Cut`.
-- The first byte after a START is the address. Bytes after R/W = 1 are the target's, their ACKs the
-  controller's; else the other way round. This is who should drive: the lines do not show who did.
-- 10-bit addresses are not joined: 11110xx comes as an address, the second byte as data.
+- A bit is the level of SDA at a rising SCL. If both lines change in one sample, their order is unknown: SDA's new level
+  counts at a rising SCL and its old level at a falling SCL, and neither is a START or STOP.
+- A falling SDA while SCL is high before and after it is a START or repeated START, a rising one is a STOP, also within
+  a byte. The pulse of SCL in which it lies is no bit, except the ninth: the sender sampled the ACK when SCL rose. The
+  bits of an incomplete byte are `Cut`.
+- The first byte after a START is the address. After R/W = 1 the target drives the bytes and the controller the ACKs;
+  otherwise it is the other way round. This party should drive: the lines do not show which one did.
+- The two bytes of a 10-bit address are not combined: 11110xx is decoded as an address and the second byte as data.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class RepeatedStart:
 
 @dataclass(frozen=True, slots=True)
 class Address:
-    """value: seven bits, right-aligned. rw_at: the rising SCL of the R/W bit."""
+    """An address byte. value: the seven bits of the address. rw_at: the rising SCL of the R/W bit."""
 
     at: int
     value: int
@@ -61,7 +61,7 @@ class Address:
 
 @dataclass(frozen=True, slots=True)
 class Data:
-    """read: True if the target sends it, by the address's R/W bit."""
+    """A data byte. read: True if the target sends it, according to the R/W bit of the address."""
 
     at: int
     value: int
@@ -85,7 +85,7 @@ class Stop:
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """Bits of a byte, most significant first, that START, STOP or the end of the capture left incomplete."""
+    """Bits of an incomplete byte, most significant first. A START, a STOP or the end of the capture cut it off."""
 
     at: int
     bits: tuple[int, ...]
@@ -103,11 +103,13 @@ PLAIN: dict[I2cRowKind, Callable[[int], Event]] = {
 
 
 class Bit(NamedTuple):
-    """One SCL pulse.
+    """One pulse of SCL.
 
-    at: its rising SCL. low: positions SCL was low before it; None if the capture (or its known part) began
-    within. high: positions from the rise to the fall; None if the capture ended before. Stretching is part
-    of `low`: the lines do not show who held SCL. sda: where SDA took this level, if since SCL fell.
+    at: the position of the rising SCL.
+    low: the number of positions for which SCL was low before it, stretching included, because the lines do not show who
+        held SCL; None if the capture, or its known part, began during that time.
+    high: the number of positions from the rise to the fall; None if the capture ended before the fall.
+    sda: the position at which SDA changed to this level; None if that was before SCL fell.
     """
 
     value: int
@@ -119,7 +121,7 @@ class Bit(NamedTuple):
 
 
 class Byte(NamedTuple):
-    """Eight bits and the ninth. value: None if cut off; acked: None if the ninth bit is missing."""
+    """Eight bits and the ninth. value: None if the byte is cut off. acked: None if the ninth bit is missing."""
 
     at: int
     value: int | None
@@ -130,8 +132,11 @@ class Byte(NamedTuple):
 class Condition(NamedTuple):
     """START, repeated START or STOP.
 
-    at: the SDA edge. low, high: the SCL low phase before it, and from SCL's rise to the SDA edge; None where SCL
-    did not move since the last condition. hold: from the SDA edge to SCL's fall; None if none came.
+    at: the position of the edge of SDA.
+    low: the length of the low phase of SCL before it.
+    high: the time from the rise of SCL to the edge of SDA. Both are None if SCL did not change since the last
+        condition.
+    hold: the time from the edge of SDA to the next fall of SCL; None if there is none before the next condition.
     """
 
     at: int
@@ -142,7 +147,7 @@ class Condition(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Phase:
-    """Part of a transfer, from a START or repeated START on. Address and direction are None if they were cut off."""
+    """The part of a transfer after a START or repeated START. Address and direction are None if they were cut off."""
 
     start: Condition
     address: int | None
@@ -151,7 +156,7 @@ class Phase:
 
     @property
     def data(self) -> tuple[int, ...]:
-        """Values of the whole data bytes."""
+        """The values of all complete data bytes."""
         return tuple(byte.value for byte in self.bytes[1:] if byte.value is not None)
 
 
@@ -159,9 +164,10 @@ class Phase:
 class Transfer:
     """A transfer from START to STOP.
 
-    gap: positions between the STOP before and this START; None if there is no such STOP in sight.
-    stop: None if the capture ends first. lead: rising SCL before the first START of the capture, of a
-    transfer whose START was not captured; it has no phases, since the bounds of its bytes are unknown.
+    gap: the number of positions between the STOP before and this START; None if that STOP was not captured.
+    stop: None if the capture ends before the STOP.
+    lead: pulses of SCL before the first START of the capture. They belong to a transfer whose START was not captured.
+        It has no phases, because the boundaries of its bytes are unknown.
     """
 
     phases: tuple[Phase, ...]
@@ -178,12 +184,12 @@ _Pulse = tuple[int, int, int | None, int | None, int | None]  # a bit without it
 
 
 def transfers(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> list[Transfer]:
-    """Decode all transfers of a capture, in order. LookupError for a missing channel."""
+    """Decode all transfers of a capture, in order. Raise LookupError for a missing channel."""
     return [transfer for edges in i2c_edges(capture, scl, sda) for transfer in _transfers(edges)]
 
 
 def events(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> list[Event]:
-    """Decode all events of a capture, in order, from the first START on. LookupError for a missing channel."""
+    """Decode all events of a capture, in order, from the first START on. Raise LookupError for a missing channel."""
     return events_of_table(i2c_table(capture, scl, sda))
 
 
@@ -222,13 +228,16 @@ def events_of(transfer: Transfer) -> Iterator[Event]:
 
 
 def shared_edges(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> int:
-    """Count the samples with an edge of both lines, whose order, and so a START or STOP, is unknown."""
+    """Count the samples in which both lines change.
+
+    The order of these edges is unknown: they may be a START or STOP.
+    """
     clock, data = capture.channel(scl), capture.channel(sda)
     return len(np.intersect1d(clock.edges, data.edges, assume_unique=True))
 
 
 def _transfers(edges: I2cEdges) -> Iterator[Transfer]:
-    """Go from condition to condition; the bytes between two of them belong to the first."""
+    """Yield the transfers of a span. The bytes between two conditions belong to the first one."""
     pulses = _pulses(edges)
     conditions = _conditions(edges, pulses)
     starts, seen, counts = (column.tolist() for column in (edges.starts, edges.seen, bit_counts(edges)))
@@ -237,7 +246,7 @@ def _transfers(edges: I2cEdges) -> Iterator[Transfer]:
     first = starts.index(True) if True in starts else len(starts)
     lead = seen[first] if first < len(seen) else len(pulses)
     stop = conditions[first - 1] if first else None
-    stopped = None if stop is None else stop.at  # where the last STOP was
+    stopped = None if stop is None else stop.at  # position of the last STOP
     if lead or first:
         yield Transfer((), stop, None, tuple(Bit(*pulse, Party.CONTROLLER) for pulse in pulses[:lead]))
     for number in range(first, len(conditions)):
@@ -256,7 +265,7 @@ def _transfers(edges: I2cEdges) -> Iterator[Transfer]:
 
 
 def _phase(start: Condition, pulses: list[_Pulse]) -> Phase:
-    """Return a START with the bytes of these pulses."""
+    """Return the phase that consists of a START and the bytes of these pulses."""
     read: bool | None = None
     address: int | None = None
     found: list[Byte] = []
@@ -297,7 +306,7 @@ def _conditions(edges: I2cEdges, pulses: list[_Pulse]) -> list[Condition]:
     hold = fall - at
     hold[:-1][at[1:] < fall[:-1]] = -1
     found: list[Condition] = []
-    before = 0  # rises before the last one
+    before = 0  # number of rises before the last condition
     for place, seen, held in zip(at.tolist(), edges.seen.tolist(), _known(hold), strict=True):
         low = high = None
         if seen > before:

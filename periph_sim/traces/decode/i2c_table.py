@@ -2,11 +2,12 @@
 
     edges --> clock rises with SDA's level | START and STOP --> phases --> bytes --> rows in order of time
 
-The rules are those of `decode.i2c`, which gives the same as objects, with the timing of each bit; `i2c_stream` has them
-as a table. Here nothing is done edge by edge: a capture of a million edges takes some tens of milliseconds.
+The rules are those of `decode.i2c`, which returns the same events as objects with the timing of each bit. `i2c_stream`
+contains the rules as a table. All operations are on whole arrays, so a capture of a million edges takes some tens of
+milliseconds.
 
-10-bit addresses (UM10204, section 3.1.11): after an acknowledged 11110xx with R/W = 0 the next byte is their lower
-half, `ADDRESS_LOW`, whose value is the whole address.
+10-bit addresses (UM10204, section 3.1.11): the byte after an acknowledged 11110xx with R/W = 0 is the lower part of the
+address. Its row is `ADDRESS_LOW`, whose value is the whole address.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ OF_COUNTED = np.array(COUNTED, np.int64)
 
 
 class I2cRowKind(IntEnum):
-    """Kind of a row. CUT: bits of a byte that START, STOP or the end of the capture left incomplete."""
+    """Kind of a row. CUT: bits of a byte that a START, a STOP or the end of the capture cut off."""
 
     START = 0
     REPEATED_START = 1
@@ -43,16 +44,16 @@ class I2cRowKind(IntEnum):
 
 
 class I2cTable(NamedTuple):
-    """Arrays of equal length, in order of time; the tuple is of columns.
+    """Events in order of time: a tuple of columns, which are arrays of equal length.
 
-    kind    uint8   a `I2cRowKind`
-    at      int64   START, STOP: the SDA edge; else the rising SCL of the first bit, of ACK and NACK the ninth
+    kind    uint8   an `I2cRowKind`
+    at      int64   START, STOP: the edge of SDA; ACK, NACK: the rising SCL of the ninth bit; else that of the first bit
     last    int64   the rising SCL of the last bit (of an address: of its R/W bit); START, STOP: as `at`
     end     int64   the falling SCL after the last bit, or `last` if the capture ends before; START, STOP: as `at`
     value   int16   ADDRESS: seven bits, right-aligned; ADDRESS_LOW: ten bits; DATA: the byte; CUT: its bits, the
                     last one least significant; else -1
-    bits    uint8   bits decoded: 8 of a whole byte, 1 of ACK and NACK, fewer than 8 of CUT, 0 of START and STOP
-    read    bool    the target sends in this phase, by the address's R/W bit; False if there is no address
+    bits    uint8   number of bits: 8 of a complete byte, 1 of ACK and NACK, fewer than 8 of CUT, 0 of START and STOP
+    read    bool    True if the target sends in this phase, by the address's R/W bit; False if there is no address
     """
 
     kind: NDArray[np.uint8]
@@ -64,16 +65,16 @@ class I2cTable(NamedTuple):
     read: Flags
 
     def select(self, rows: NDArray[np.int64] | Flags | slice) -> I2cTable:
-        """Return the table of some rows: their numbers, a mask, or a slice."""
+        """Return the table of some rows. rows: their numbers, a mask or a slice."""
         return I2cTable._make(column[rows] for column in self)
 
 
 class I2cBits(NamedTuple):
-    """Every SCL pulse, arrays of equal length, in order of time; the tuple is of columns.
+    """All pulses of SCL in order of time: a tuple of columns, which are arrays of equal length.
 
     at      int64   the rising SCL
-    value   uint8   SDA there
-    low     int64   positions SCL was low before, stretching included; -1 if that began before the capture
+    value   uint8   the level of SDA there
+    low     int64   positions for which SCL was low before, stretching included; -1 if that began before the capture
     high    int64   positions to the falling SCL; -1 if the capture ended before
     """
 
@@ -84,13 +85,13 @@ class I2cBits(NamedTuple):
 
 
 class I2cEdges(NamedTuple):
-    """Edges of a span in which both lines are known, as bits and conditions; the arrays are in order of time.
+    """Bits and conditions in a span in which both lines are known. The arrays are in order of time.
 
-    rises       int64   rising SCL
-    values      uint8   SDA there
-    conditions  int64   START and STOP: the SDA edges
-    starts      bool    START
-    seen        int64   rises before each condition
+    rises       int64   each rising SCL
+    values      uint8   the level of SDA there
+    conditions  int64   the edges of SDA that are START or STOP
+    starts      bool    True if the condition is a START
+    seen        int64   the number of rises before each condition
     """
 
     clock: Channel
@@ -103,22 +104,26 @@ class I2cEdges(NamedTuple):
 
 
 def i2c_table(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", glitch: int = 0) -> I2cTable:
-    """Decode all events of a capture from the first START of each known span on; none spans unknown levels.
+    """Decode all events of a capture, from the first START of each known span on.
 
-    glitch: pulses of fewer positions on either line are removed first. LookupError for a missing channel.
+    No event extends over unknown levels.
+
+    glitch: pulses of fewer positions on either line are removed first.
+
+    Raise LookupError if a channel is missing.
     """
     return _joined([_table(edges) for edges in i2c_edges(capture, scl, sda, glitch)])
 
 
 def i2c_bits(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", glitch: int = 0) -> I2cBits:
-    """Return every SCL pulse of a capture, also before the first START. LookupError for a missing channel."""
+    """Return all pulses of SCL, including those before the first START. Raise LookupError if a channel is missing."""
     none = (np.empty(0, np.int64), np.empty(0, np.uint8), np.empty(0, np.int64), np.empty(0, np.int64))
     found = [bits_of(edges) for edges in i2c_edges(capture, scl, sda, glitch)]
     return I2cBits._make(np.concatenate(columns) for columns in zip(none, *found, strict=True))
 
 
 def bits_of(edges: I2cEdges) -> I2cBits:
-    """Return every SCL pulse of a span."""
+    """Return all pulses of SCL in a span."""
     clock, rises = edges.clock, edges.rises
     falls = _edges(clock, 0)
     before = falls if clock.initial else np.concatenate(([-1], falls))
@@ -139,7 +144,7 @@ def i2c_edges(capture: Capture, scl: str | int, sda: str | int, glitch: int = 0)
 
 
 def _edges(line: Channel, level: int) -> Positions:
-    """Return the edges to a level: every second one."""
+    """Return the edges to a level, which are every second edge."""
     return line.edges[int(line.initial == level) :: 2]
 
 
@@ -147,19 +152,19 @@ def edges_of(clock: Channel, data: Channel) -> I2cEdges:
     """Find START, STOP and bits in the edges of two lines, both of which are known."""
     rises = _edges(clock, 1)
 
-    # The place of each SDA edge among SCL's, and the lines before and after it.
+    # The place of each edge of SDA among those of SCL, and the levels of both lines before and after it.
     edges = data.edges
-    passed = np.searchsorted(clock.edges, edges)  # SCL edges before it
-    seen = (passed + 1 - clock.initial) >> 1  # rises among them
+    passed = np.searchsorted(clock.edges, edges)  # number of SCL's edges before each edge of SDA
+    seen = (passed + 1 - clock.initial) >> 1  # number of rises among these edges
     high = ((passed & 1) != clock.initial).view(np.uint8)
     together = clock.edges[np.minimum(passed, len(clock.edges) - 1)] == edges if len(clock.edges) else np.False_
     before, after = high | (data.levels ^ 1) << 1, high ^ together | data.levels << 1
     events = OF_EVENTS[before << 2 | after]
     which = np.flatnonzero(events >= START)
 
-    # SDA at each rise: each edge up to there inverts the level.
+    # The level of SDA at each rise follows from the parity of the number of its edges up to there.
     values = np.bincount(seen, minlength=len(rises) + 1)[: len(rises)].astype(np.uint8)
-    np.cumsum(values, out=values)  # only whether it is odd counts, so it may wrap
+    np.cumsum(values, out=values)  # only the parity of the sum is used, so the sum may overflow
     values &= 1
     values ^= np.uint8(data.initial)
     return I2cEdges(clock, data, rises, values, edges[which], events[which] == START, seen[which])
@@ -176,7 +181,7 @@ def _table(edges: I2cEdges) -> I2cTable:
 
 
 def bit_counts(edges: I2cEdges) -> Counts:
-    """Return the number of bits that belong to each condition: those up to the next one, none of a STOP."""
+    """Return the number of bits between each condition and the next one; 0 for a STOP."""
     counts = np.diff(edges.seen, append=len(edges.rises))
     partial = counts[:-1] % BITS
     counts[:-1] += OF_COUNTED[partial] - partial
@@ -184,28 +189,37 @@ def bit_counts(edges: I2cEdges) -> Counts:
 
 
 class _Bytes(NamedTuple):
-    """The bytes of all phases, whole or cut, in order. phase: their condition, by number. begin: their first rise."""
+    """The bytes of all phases, complete or cut, in order.
+
+    phase: the number of the condition with which the byte's phase begins.
+    begin: the number of the byte's first rise.
+    """
 
     phase: Counts
     begin: Counts
     kind: NDArray[np.uint8]
     value: NDArray[np.int16]
-    bits: Counts  # without the ninth
-    acked: Flags  # whether there is a ninth
+    bits: Counts  # number of bits without the ninth
+    acked: Flags  # True if there is a ninth bit
     read: Flags
 
 
 def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
-    """Divide rises into bytes of nine: `count` of them, from `seen` on, belong to each condition."""
+    """Divide rises into bytes of nine bits.
+
+    seen, count: the number of the first rise after each condition, and the number of rises that belong to it.
+    values: the level of SDA at each rise.
+    """
     per = (count + 8) // 9
     phase = np.repeat(np.arange(len(per)), per)
-    number = np.arange(len(phase)) - np.repeat(np.cumsum(per) - per, per)  # of the byte in its phase
+    number = np.arange(len(phase)) - np.repeat(np.cumsum(per) - per, per)  # number of the byte in its phase
     begin = seen[phase] + 9 * number
     there = count[phase] - 9 * number
     bits, acked, whole = np.minimum(there, 8), there >= 9, there >= 8
 
     padded = np.append(values, np.zeros(8, np.uint8))
-    eights = np.ndarray(len(values) + 1, np.uint64, padded, strides=(1,))  # eight values from each place on, as a word
+    # The eight values from each rise on, as a word.
+    eights = np.ndarray(len(values) + 1, np.uint64, padded, strides=(1,))
     value = np.packbits(eights[begin].view(np.uint8).reshape(-1, 8), axis=1)[:, 0].astype(np.int16)
     value >>= 8 - bits
     head = whole & (number == 0)
@@ -224,13 +238,13 @@ def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
 
 
 def _rows(edges: I2cEdges, found: _Bytes) -> I2cTable:
-    """Return conditions (the first one a START) and bytes in order, an acknowledge after its byte."""
+    """Return the rows of conditions, the first of which is a START, and of bytes with their ACK or NACK, in order."""
     clock, _, rises, values, conditions, starts, _ = edges
-    falls = _edges(clock, 0)[clock.initial :]  # the first one is after the first rise
-    again = np.concatenate(([False], starts[:-1]))  # the condition before was a START
-    shown = starts | again  # a second STOP ends nothing
+    falls = _edges(clock, 0)[clock.initial :]  # from the first fall after the first rise on
+    again = np.concatenate(([False], starts[:-1]))  # True if the condition before was a START
+    shown = starts | again  # a second STOP without a START before it has no row
 
-    of_bytes = np.concatenate(([0], np.cumsum(1 + found.acked)))  # rows up to each byte, conditions aside
+    of_bytes = np.concatenate(([0], np.cumsum(1 + found.acked)))  # number of rows before each byte, without conditions
     of_conditions = np.cumsum(shown)
     at_byte = of_bytes[:-1] + of_conditions[found.phase]
     at_ack = at_byte[found.acked] + 1
@@ -260,7 +274,7 @@ def _rows(edges: I2cEdges, found: _Bytes) -> I2cTable:
 
 
 def _behind(falls: Positions, rises: Positions, which: Counts) -> Positions:
-    """Return the falling edges after some rises; the rise itself where the last one has none."""
+    """Return the falling edges after some rises. If the last rise has none, return the rise itself in its place."""
     if len(falls) == len(rises):
         return falls[which]
     ends = rises[which]

@@ -1,7 +1,8 @@
-"""Times of SCL that are unusual: long low phases, and a clock that no I2C bus has, as at a wrong sampling rate.
+"""Unusual times of SCL: long low phases, and clock rates that no I2C bus has.
 
-A target that is not ready stretches the low phase; a controller that pauses looks the same, since the lines do not show
-who held SCL. Captures come without a rate, or with a wrong one (a file of 500 kHz that states 1 Hz).
+A long low phase may be stretching by a target that is not ready or a pause of the controller; the lines do not show who
+held SCL. An impossible clock rate shows that the file states a wrong sample rate: for example, a capture at 500 kHz may
+state 1 Hz.
 """
 
 from __future__ import annotations
@@ -15,14 +16,17 @@ from ..capture.capture import Capture, Channel, Positions
 from ..capture.sampling import rate_text, sample_step
 from .i2c_table import i2c_bits
 
-LONG = Fraction(3, 2)  # times the usual low phase
+LONG = Fraction(3, 2)  # a low phase is long above this multiple of the median
 SLOWEST, FASTEST = 100, 5_000_000  # Hz; UM10204: Ultra Fast-mode to 5 MHz; SMBus allows no less than 10 kHz
-FEWEST = 9  # clocks: a byte
+FEWEST = 9  # minimum number of clocks for a judgement: one byte
 
 
 class LongLows(NamedTuple):
-    """rises: every rising SCL of the capture. which: indices of those after a long low. lengths: of these lows, in
-    positions."""
+    """The long low phases of SCL.
+
+    rises: every rising SCL of the capture.
+    which: the indices of the rises that follow a long low phase.
+    lengths: the lengths of these low phases in positions."""
 
     rises: Positions
     which: Positions
@@ -30,7 +34,10 @@ class LongLows(NamedTuple):
 
 
 def long_lows(capture: Capture, scl: Channel, sda: Channel, glitch: int = 0) -> LongLows:
-    """Return SCL's lows of over 1.5 times the median, and at least two samples longer. glitch: as in `i2c_table`."""
+    """Return the low phases of SCL that exceed 1.5 times the median, and the median by at least two samples.
+
+    glitch: as in `i2c_table`.
+    """
     bits = i2c_bits(capture, scl.index, sda.index, glitch)
     seen = bits.low[bits.low >= 0]
     usual = Fraction(float(np.median(seen))) if len(seen) else Fraction(0)
@@ -40,9 +47,9 @@ def long_lows(capture: Capture, scl: Channel, sda: Channel, glitch: int = 0) -> 
 
 
 def impossible_rate(capture: Capture, scl: str | int) -> str:
-    """Return why the rate cannot be true; empty if it can, or if there are too few clocks to judge by.
+    """Return the reason why the capture's rate is impossible; "" if it is possible or there are too few clocks.
 
-    LookupError for a missing channel.
+    Raise LookupError if the channel is missing.
     """
     line = capture.channel(scl)
     rises = line.edges[line.levels == 1]

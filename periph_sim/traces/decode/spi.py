@@ -1,6 +1,6 @@
 """SPI decoder: from a clock, one or two data lines and a chip select to words and selections.
 
-An oracle: it shares no code with the SPI model.
+It is a test oracle, so it shares no code with the SPI model.
 
     CS   ---________________---
     CLK  _____--__--__--_______      polarity 0, phase 0, three bits: 1 0 1 on MOSI
@@ -11,9 +11,10 @@ An oracle: it shares no code with the SPI model.
 Rules:
 - A bit is the level of a data line in the sample of each latching edge: the rising edge if polarity and phase are
   equal, else the falling one. If a data line or CS changes in that same sample, its new level counts.
-- Without a chip select, words follow each other from the first latching edge on, and after gaps in the capture.
-- With one, only edges while it is active count, and its change ends a word: the bits of an incomplete word are
-  `Cut`, as at the end of the capture. If CS is active from the beginning, words count from the first latching edge.
+- Without a chip select, words are counted from the first latching edge on, and again after a gap in the capture.
+- With a chip select, only edges while it is active count. A change of the chip select, or the end of the capture, ends
+  a word; the bits of an incomplete word are `Cut`. If the chip select is active from the beginning, words are counted
+  from the first latching edge on.
 
 Polarity and phase are CPOL and CPHA of the field. TI's CLK_PHASE is the opposite of CPHA.
 """
@@ -29,9 +30,9 @@ from ..capture.capture import Capture, Channel, Positions
 
 
 class SpiFormat(Struct, frozen=True):
-    """Shape of words and meaning of edges.
+    """Format of the words and meaning of the clock's edges.
 
-    bits: bits of a word.
+    bits: the number of bits of a word.
     polarity: level of the clock between words (CPOL).
     phase: 0 if the edge away from this level latches, 1 if the other one does (CPHA).
     lsb_first: the least significant bit comes first.
@@ -68,7 +69,7 @@ class Deselect:
 
 @dataclass(frozen=True, slots=True)
 class Word:
-    """at, end: the first and the last latching edge. mosi, miso: None without that line."""
+    """A complete word. at, end: the first and the last latching edge. mosi, miso: None if that line is not used."""
 
     at: int
     end: int
@@ -78,7 +79,7 @@ class Word:
 
 @dataclass(frozen=True, slots=True)
 class Cut:
-    """Bits of a word that was not completed, in order of reception."""
+    """The bits of an incomplete word, in order of reception."""
 
     at: int
     end: int
@@ -98,10 +99,11 @@ def events(
     cs: str | int | None = "CS",
     glitch: int = 0,
 ) -> list[Event]:
-    """Decode all events of a capture, in the order of their begins; words end before the Deselect that ends them.
+    """Decode all events of a capture, in the order in which they begin. A word is before the Deselect that ends it.
 
-    glitch: pulses of fewer positions are removed first. A line that is None is not used. LookupError for a missing
-    channel; ValueError without any data line.
+    glitch: pulses of fewer positions are removed first. A line that is None is not used.
+
+    Raise LookupError if a channel is missing, and ValueError if there is no data line.
     """
     if mosi is None and miso is None:
         raise ValueError("no data line; expected mosi, miso or both")
@@ -133,7 +135,7 @@ def _events(
 
 
 def _words(format_: SpiFormat, latches: Positions, mosi: Channel | None, miso: Channel | None) -> list[Event]:
-    """Decode the words of latching edges without a change of the chip select between them."""
+    """Decode the words of latching edges between two changes of the chip select."""
     streams = [None if line is None else line.at(latches).tolist() for line in (mosi, miso)]
     found: list[Event] = []
     for begin in range(0, len(latches), format_.bits):

@@ -1,25 +1,26 @@
 """Decoder of asynchronous serial frames: from the edges of one line to frames and breaks.
 
-An oracle: it shares no code with the SCI model.
+It is a test oracle, so it shares no code with the SCI model.
 
            ___     ___ ___ ___ ... ___ ___
     idle      \\___/___X___X___X ...___/        start bit, data (least significant first), parity, stop
             |   '   '   '   '        '
             at  mid-bit: where each bit is sampled
 
-Rules: a falling edge starts a frame. Each bit is sampled once, in its middle (the first sample not before
-it, the bits counted from half a sample before the first low one, since the edge is between two samples), or
-three times around it, and the majority counts. A start bit that is sampled high is a rejected start. Only the
-first stop bit is checked, and the next falling edge after its sample starts the next frame. A low phase of at
-least a whole frame is a break, in addition to its frame.
+Rules:
+- A falling edge starts a frame. The edge lies between two samples, so bits are counted from half a sample before the
+  first low sample.
+- Each bit is sampled once, at the first sample that is not before its middle, or three times around the middle, where
+  the majority counts. A start bit that is sampled high is a rejected start.
+- Only the first stop bit is checked. The first falling edge after its sample starts the next frame.
+- A low phase of at least a whole frame is a break, in addition to its frame.
+- A pulse of less than half a bit is a glitch. If it lies at a place at which receivers sample a bit, they may read that
+  bit either way, and the line does not show which value they read.
 
-A pulse of less than half a bit is a glitch. If it is at a place at which receivers sample a bit, they may
-read that bit either way, and the line does not show which.
+    falling edges --> the next possible start after each --> chain of frames --> edges within each frame --> bits
 
-    falling edges --> where the next frame would begin --> the chain of frames --> edges within each --> bits
-
-A frame decides where the next may begin, so the chain is followed frame by frame, with one list access each; all else
-is done for all frames at once, in a table, whose rows `events` makes objects of.
+The place of a frame determines where the next one can begin, so the chain is followed frame by frame, with one list
+access each. All other steps are done for all frames at once in a table, whose rows `events` converts to objects.
 """
 
 from __future__ import annotations
@@ -41,7 +42,10 @@ HALF, QUARTER, LATEST = Fraction(1, 2), Fraction(1, 4), Fraction(7, 8)
 
 
 def width_of(capture: Capture, baud: Fraction | int) -> Fraction:
-    """Return the samples of one bit. ValueError if the capture has no rate, or under two samples a bit."""
+    """Return the length of a bit in samples.
+
+    Raise ValueError if the capture has no rate, or fewer than two samples per bit.
+    """
     if capture.rate is None:
         raise ValueError(f"{capture.path}: frames need a time base and the file states no rate; state the rate")
     width = capture.rate / Fraction(baud)
@@ -54,21 +58,25 @@ def width_of(capture: Capture, baud: Fraction | int) -> Fraction:
 
 
 def sample_points_of(line: Line, width: Fraction, step: int = 1, vote: bool = False) -> list[tuple[int, ...]]:
-    """Return the offsets of each bit's samples from the first low position, from the start bit to the first stop bit.
+    """Return the sample points of each bit, from the start bit to the first stop bit.
 
-    One sample in the middle; vote: three, an eighth of a bit apart. width: positions of a bit. step: of a sample.
+    They are offsets from the first low position.
+
+    width: the length of a bit in positions.
+    step: the length of a sample in positions.
+    vote: True for three samples an eighth of a bit apart; False for one sample in the middle of the bit.
     """
     places = (Fraction(3, 8), HALF, Fraction(5, 8)) if vote else (HALF,)
     bits = range(_checked_bits(line))
-    # The first sample not before each place, counted from half a sample before the first low one.
+    # The first sample that is not before each place, which is counted from half a sample before the first low one.
     return [tuple(step * ceil((bit + place) * width / step - HALF) for place in places) for bit in bits]
 
 
 def windows_of(line: Line, width: Fraction) -> list[tuple[int, int]]:
-    """Return the first and last position, from the first low one, at which a receiver may sample each bit.
+    """Return the interval in which a receiver may sample each bit, as offsets from the first low position.
 
-    From a quarter to seven eighths of a bit: receivers of 8 or 16 samples a bit vote around the middle, and count bits
-    from an edge that they see up to one of these samples late. They watch the start bit from its begin on.
+    It is from a quarter to seven eighths of the bit: receivers with 8 or 16 samples per bit vote around the middle, and
+    they detect the start edge up to one of these samples late. They sample the start bit from its beginning on.
     """
     bits = range(_checked_bits(line))
     return [(int((bit + QUARTER) * width) + 1 if bit else 0, int((bit + LATEST) * width)) for bit in bits]
@@ -79,15 +87,15 @@ def _checked_bits(line: Line) -> int:
 
 
 def sample_point_step(step: int, width: Fraction | float) -> int:
-    """Return the step of sample points: that of the samples, or 1 where a bit would have under two samples.
+    """Return the step of sample points, in positions: `step`, or 1 if a bit would have fewer than two samples.
 
-    In the second case, the grid of the signal's own edges was mistaken for the sampling grid of an analyser.
+    In the second case, `step` is the grid of the signal's own edges and not the sampling grid of an analyser.
     """
     return step if width >= 2 * step else 1
 
 
 class UartRowKind(IntEnum):
-    """Kind of a row. CUT: a frame that the end of the capture, or of its known part, left incomplete."""
+    """Kind of a row. CUT: a frame that is incomplete because the capture, or its known part, ends in it."""
 
     FRAME = 0
     BREAK = 1
@@ -96,9 +104,9 @@ class UartRowKind(IntEnum):
 
 
 class UartTable(NamedTuple):
-    """Arrays of equal length, in the order of the rows' begins, a frame before the break it is part of.
+    """Events of a line in the order in which they begin: a tuple of columns, which are arrays of equal length.
 
-    The tuple is of columns.
+    A frame is before the break of which it is a part.
 
     kind          uint8   a `UartRowKind`
     at            int64   the start edge
@@ -107,8 +115,8 @@ class UartTable(NamedTuple):
     value         int32   the data bits, the first one least significant; -1 for a break and a rejected start
     bits          uint8   data bits received; 0 for a break and a rejected start
     parity_error  bool
-    frame_error   bool    the stop bit was low
-    glitched      bool    there is a glitch within the frame
+    frame_error   bool    True if the stop bit was low
+    glitched      bool    True if there is a glitch within the frame
     unsure        int32   the bits that receivers may read differently: bit 0 the start bit, then as sent
     """
 
@@ -123,15 +131,18 @@ class UartTable(NamedTuple):
     unsure: NDArray[np.int32]
 
     def select(self, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> UartTable:
-        """Return the table of some rows: their numbers, a mask, or a slice."""
+        """Return the table of some rows. rows: their numbers, a mask or a slice."""
         return UartTable._make(column[rows] for column in self)
 
 
 def uart_table(capture: Capture, channel: str | int, line: Line, glitch: int = 0, vote: bool = False) -> UartTable:
-    """Decode frames, breaks and rejected starts of one channel; none spans unknown levels.
+    """Decode frames, breaks and rejected starts of one channel. None of them extends over unknown levels.
 
-    glitch: pulses of fewer positions are removed first. vote: each bit is the majority of three samples. LookupError
-    for a missing channel; ValueError if the capture has no rate, or under two samples a bit.
+    glitch: pulses of fewer positions are removed first.
+    vote: True if each bit is the majority of three samples.
+
+    Raise LookupError if the channel is missing, and ValueError if the capture has no rate, or fewer than two samples
+    per bit.
     """
     wire = capture.channel(channel)
     width = width_of(capture, line.baud)
@@ -150,7 +161,10 @@ def _table(wire: Channel, line: Line, width: Fraction, end: int, step: int, vote
 
 
 def frames_of(wire: Channel, line: Line, width: Fraction, end: int, step: int = 1) -> UartTable:
-    """Decode the frames of a line that is known up to `end`, each bit `width` positions long, each sample `step`."""
+    """Decode the frames of a line that is known up to `end`.
+
+    width, step: the length of a bit and of a sample, in positions.
+    """
     return _frames(wire, line, width, end, step, vote=False)[0]
 
 
@@ -158,9 +172,9 @@ def _frames(wire: Channel, line: Line, width: Fraction, end: int, step: int, vot
     """Return (frames, rejected starts)."""
     low = int(line.invert)  # level of the wire during a start bit
     edges = wire.edges
-    first = int(wire.initial == low)  # among the edges, the first that may start a frame
+    first = int(wire.initial == low)  # index of the first edge that may start a frame
     starts = edges[first::2]
-    looks = np.array(sample_points_of(line, width, step, vote), np.int64)  # a row a bit
+    looks = np.array(sample_points_of(line, width, step, vote), np.int64)  # a row for each bit
     last = looks[:, -1]
 
     taken, rejected = _chain(starts, edges, first, looks, end)
@@ -197,8 +211,9 @@ def _frames(wire: Channel, line: Line, width: Fraction, end: int, step: int, vot
 
 
 def _seen(edges: Positions, first: int, taken: NDArray[np.int64], looks: Positions) -> NDArray[np.int32]:
-    """Return the levels at the sample points of each frame, as bits; 1 is the idle level. Each edge of a frame inverts
-    all sample points after it; edge 0 is the start bit's own."""
+    """Return the levels at the sample points of each frame, as bits; 1 is the idle level.
+
+    Each edge of a frame inverts the levels at all sample points after it. Edge 0 is the start edge."""
     begin = 2 * taken + first
     if not len(begin):
         return np.empty(0, np.int32)
@@ -220,7 +235,7 @@ def _majority(seen: list[NDArray[np.int32]]) -> NDArray[np.int32]:
 def _glitches(
     edges: Positions, at: Positions, line: Line, width: Fraction
 ) -> tuple[NDArray[np.bool_], NDArray[np.int32]]:
-    """Return for each frame, which begin at `at`, if a glitch is in it, and the bits that it makes unsure."""
+    """Return for each of the frames that begin at `at` whether it contains a glitch, and the bits made unsure by it."""
     glitched, unsure = np.zeros(len(at), bool), np.zeros(len(at), np.int32)
     short = np.flatnonzero(np.diff(edges) <= ceil(width / 2) - 1) if len(at) else edges[:0]
     begins, ends = edges[short], edges[short + 1]
@@ -240,15 +255,15 @@ def _chain(
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the edges that start a frame, and those that are rejected as starts.
 
-    Candidates are the first edge, and each time the first after the last sample point of the candidate before. An edge
-    whose start bit is over at its sample point starts nothing.
+    The first candidate is the first edge, and the next one is the first edge after the last sample point of the frame.
+    A candidate is rejected if its start bit has ended at its sample point.
     """
     passed = [np.searchsorted(edges, starts + look, side="right") for look in looks[0].tolist()]
     high = sum((done - first & 1 == 0).astype(np.int64) for done in passed)
     start, stop = starts + looks[0, -1], starts + looks[-1, -1]
     glitch = (2 * high > len(passed)) & (start < end)
     behind = np.searchsorted(starts, np.where(glitch, start, stop), side="right")
-    behind[~glitch & (stop >= end)] = len(starts)  # cut off: nothing follows
+    behind[~glitch & (stop >= end)] = len(starts)  # the end of the line cuts this frame off, so no frame follows
     hops: list[int] = behind.tolist()
     tried: list[int] = []
     n, count = 0, len(hops)
@@ -261,7 +276,7 @@ def _chain(
 
 
 def breaks_of(wire: Channel, line: Line, width: Fraction) -> UartTable:
-    """The breaks of a line, each bit `width` positions long."""
+    """Return the breaks of a line. width: the length of a bit in positions."""
     first = int(wire.initial == int(line.invert))
     falls, rises = wire.edges[first::2], wire.edges[first + 1 :: 2]
     falls = falls[: len(rises)]
@@ -299,11 +314,14 @@ __all__ = ["PARITIES", "Break", "CutFrame", "Event", "Frame", "Line", "RejectedS
 
 @dataclass(frozen=True, slots=True)
 class Frame:
-    """at: the start edge. end: the end of its last stop bit. value: the first data bit is the least significant.
+    """A frame.
 
-    glitched: True with a glitch between the start edge and the end of the first stop bit. unsure: the bits that
-    receivers may read differently because of a glitch, as a mask: bit 0 the start bit, then data, parity and the
-    first stop bit.
+    at: the position of the start edge.
+    end: the end of its last stop bit.
+    value: the data bits; the first one is the least significant.
+    glitched: True if there is a glitch between the start edge and the end of the first stop bit.
+    unsure: a mask of the bits that receivers may read differently because of a glitch. Bit 0 is the start bit; then
+        follow data, parity and the first stop bit.
     """
 
     at: int
@@ -325,7 +343,10 @@ class Break:
 
 @dataclass(frozen=True, slots=True)
 class CutFrame:
-    """A frame cut by the end of the capture or of its known part. bits: data bits received, least significant first."""
+    """A frame that the end of the capture, or of its known part, cuts off.
+
+    bits: the received data bits, least significant first.
+    """
 
     at: int
     bits: tuple[int, ...]
@@ -333,7 +354,7 @@ class CutFrame:
 
 @dataclass(frozen=True, slots=True)
 class RejectedStart:
-    """The line left idle at `at`, but not for a start bit; `end`: its first return."""
+    """A low phase that is too short for a start bit. at: its falling edge. end: the next rising edge."""
 
     at: int
     end: int
@@ -343,10 +364,14 @@ Event = Frame | Break | CutFrame | RejectedStart
 
 
 def events(capture: Capture, channel: str | int, line: Line, vote: bool = False) -> list[Event]:
-    """Decode the events of one channel, in the order of their begins, a frame before the break it is part of.
+    """Decode the events of one channel, in the order in which they begin.
 
-    vote: each bit is the majority of three samples. LookupError for a missing channel; ValueError if the capture has
-    no rate, or under two samples a bit.
+    A frame is before the break of which it is a part.
+
+    vote: True if each bit is the majority of three samples.
+
+    Raise LookupError if the channel is missing, and ValueError if the capture has no rate, or fewer than two samples
+    per bit.
     """
     return events_of_table(uart_table(capture, channel, line, vote=vote))
 

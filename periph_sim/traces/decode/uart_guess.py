@@ -1,11 +1,12 @@
 """Estimate of a serial line's rate, frame and polarity from its edges, with a measure of certainty.
 
     low pulses --> the largest bit time of which all are multiples --> a usual rate near it
-    frames decoded with each usual shape --> the first one without errors that enough values support
+    frames decoded with each usual shape --> the first shape without errors that enough values support
 
-Low pulses consist of start and data bits and never of silence, so all are whole bits long; high ones are not.
-A shape without errors need not be right: 7e1 always reads as 8n1, and any parity fits one byte out of two.
-A shape that demands more of the line is accepted if at least six different values agree with it.
+Low pulses consist of start and data bits and never of silence, so their lengths are whole numbers of bits; those of
+high pulses are not. A shape that decodes without errors is not necessarily right: a line of 7e1 also decodes as 8n1,
+and any parity is right for half of all bytes. A shape that requires more of the line is accepted if at least six
+different values agree with it.
 """
 
 from __future__ import annotations
@@ -32,26 +33,30 @@ USUAL = (
     *(375_000, 460_800, 500_000, 576_000, 625_000, 750_000, 921_600, 1_000_000, 1_250_000, 1_500_000, 1_843_200),
     *(2_000_000, 2_500_000, 3_000_000, 3_500_000, 4_000_000, 6_000_000, 8_000_000, 12_000_000),
 )
-NEAR = 0.035  # such a rate is rounded to the usual one: 2.5 % that receivers tolerate, 1 % of a short capture
+# A rate this close to a usual one is taken as that: receivers tolerate 2.5 %, and a short capture adds 1 %.
+NEAR = 0.035
 
-# Shapes in order of preference, each if it reads without errors.
+# Shapes in order of preference; the first one that decodes without errors is chosen.
 SHAPES = ("5n1", "6n1", "7n1", "7e1", "7o1", "8n1", "8e1", "8o1", "9n1")
 PLAIN = "8n1"
-ENOUGH = 6  # different values that must agree with any other shape
-CLEAN = 0.005  # tolerated part of wrong frames
+ENOUGH = 6  # number of different values that must agree with any other shape
+CLEAN = 0.005  # tolerated share of wrong frames
 
-MANY = 12  # pulses needed to see that all are longer by a constant
-LOOKED_AT = 20_000  # edges on which the shapes are tried
-LONGEST = 10.5  # bits of a low pulse, start and nine data bits; longer ones are breaks
+MANY = 12  # number of pulses from which a constant lengthening of all pulses can be estimated
+LOOKED_AT = 20_000  # number of edges on which the shapes are tried
+LONGEST = 10.5  # longest low pulse in bits: start and nine data bits; longer ones are breaks
 
 
 @dataclass(frozen=True)
 class Guess:
-    """measured: baud according to the edges. errors: part of the examined frames that are wrong.
+    """The estimated settings of a line.
 
-    off: average distance of edges from bit bounds, in bits. also: shapes that read as well, but are less likely or
-    supported by fewer values. sure: 0 to 1, small if few frames, errors, edges off the bit bounds, or other shapes
-    that fit as well leave doubt; a guide, not a probability.
+    measured: the baud rate according to the edges.
+    errors: the share of wrong frames among those examined.
+    off: the average distance of edges from the boundaries of bits, in bits.
+    also: other shapes that decode as well, but are less likely or supported by fewer values.
+    sure: a certainty from 0 to 1, which is no probability. It is small if there are few frames, errors, edges away from
+        the boundaries of bits, or other shapes that fit as well.
     """
 
     line: Line
@@ -74,9 +79,12 @@ class Guess:
 def guess(
     capture: Capture, channel: str | int, shape: str | None = None, invert: bool | None = None, glitch: int = 0
 ) -> Guess:
-    """Return the settings that read a channel best; `shape` (8n1) and `invert` if they are known.
+    """Return the settings with which a channel decodes best.
 
-    LookupError for a missing channel; ValueError if the capture has no rate, or too few edges for a guess.
+    shape, invert: the shape, such as 8n1, and the polarity, if they are known.
+
+    Raise LookupError if the channel is missing, and ValueError if the capture has no rate, or too few edges for a
+    guess.
     """
     wire = capture.channel(channel)
     if capture.rate is None:
@@ -98,7 +106,7 @@ def guess(
 
 @dataclass(frozen=True)
 class _Tried:
-    """A shape and its result on the line. values: number of different ones."""
+    """The result of decoding the line with a shape. values: the number of different values."""
 
     line: Line
     frames: int
@@ -107,7 +115,7 @@ class _Tried:
 
 
 def _best(rate: Fraction, step: int, parts: list[Channel], shape: str | None, invert: bool) -> Guess | None:
-    """Return the best guess at one polarity; None without enough pulses. step: positions of a sample."""
+    """Return the best guess at one polarity; None if there are too few pulses. step: positions of a sample."""
     pulses = np.concatenate([np.empty(0, np.int64), *(_low_pulses(part, invert) for part in parts)])
     found = _bit_time(pulses, step)
     if found is None:
@@ -130,21 +138,24 @@ def _best(rate: Fraction, step: int, parts: list[Channel], shape: str | None, in
 
 
 def _only_longer(line: Line, than: Line) -> bool:
-    """True if a line has only more data bits: silence reads as data bits, all high, and is no evidence."""
+    """Return True if a line differs from another one only by more data bits.
+
+    Such a line is no better, because silence also decodes as high data bits.
+    """
     return line.parity == "none" and line.shape != PLAIN and line.bits > than.bits
 
 
 def _low_pulses(part: Channel, invert: bool) -> Pulses:
-    """Return the lengths of the pulses at the level of a start bit, between two edges each."""
+    """Return the lengths of the pulses that have the level of a start bit."""
     first = int(part.initial == int(invert))
     falls, rises = part.edges[first::2], part.edges[first + 1 :: 2]
     return rises - falls[: len(rises)]
 
 
 def _bit_time(pulses: Pulses, step: int) -> tuple[float, float] | None:
-    """Return the positions of one bit, and the average distance of pulses from whole bits, in bits.
+    """Return the length of a bit in positions, and the average distance of the pulses from whole bits, in bits.
 
-    The shortest frequent pulse is one bit, or a few if the bytes never contain a single bit alone.
+    The shortest frequent pulse is one bit long, or several bits if the bytes contain no single low bit.
     """
     pulses = np.sort(pulses[pulses >= 2])
     if not len(pulses):
@@ -155,7 +166,8 @@ def _bit_time(pulses: Pulses, step: int) -> tuple[float, float] | None:
     fits = [_fit(pulses, shortest / bits) for bits in (1, 2, 3, 4) if shortest / bits >= 2]
     fits = fits or [_fit(pulses, shortest)]
     for width, off in fits:
-        if off <= 0.07 + 0.4 * sample_point_step(step, width) / width:  # an edge falls between two samples
+        # The second term allows for edges between two samples.
+        if off <= 0.07 + 0.4 * sample_point_step(step, width) / width:
             return width, off
     return min(fits, key=lambda fit: fit[1])
 
@@ -163,10 +175,11 @@ def _bit_time(pulses: Pulses, step: int) -> tuple[float, float] | None:
 def _fit(pulses: Pulses, width: float) -> tuple[float, float]:
     """Return the bit time near `width` that fits the pulses best, and their average distance from whole bits.
 
-    A line that falls faster than it rises makes all low pulses longer by a constant.
+    The fit allows for a constant lengthening of all low pulses, which occurs if a line falls faster than it rises.
     """
     longer = 0.0
-    for longest in (2.5, 5.5, LONGEST, LONGEST):  # short pulses first: an error of the bit time adds up in long ones
+    # Short pulses first, since an error of the bit time adds up in long ones.
+    for longest in (2.5, 5.5, LONGEST, LONGEST):
         some = pulses[pulses < longest * width]
         bits = np.maximum(np.rint((some - longer) / width), 1)
         if len(some) < MANY or len(np.unique(bits)) < 3:
@@ -184,7 +197,7 @@ def _fit(pulses: Pulses, width: float) -> tuple[float, float]:
 
 
 def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
-    """Decode with a line's settings and count frames, values and errors, without frames cut by the end."""
+    """Decode with a line's settings and count frames, values and errors. Frames that are cut off do not count."""
     width = rate / Fraction(line.baud)
     sample = sample_point_step(step, width)
     frames = wrong = 0
@@ -206,8 +219,8 @@ def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
 
 
 def _idle(parts: list[Channel], spans: list[Span], invert: bool) -> float:
-    """Return the part of the time that the line is at its idle level: most lines are idle more than busy."""
-    low = 0  # time at the level of a start bit
+    """Return the share of time for which the line is at its idle level. Most lines are idle longer than busy."""
+    low = 0  # total time at the level of a start bit
     for part, span in zip(parts, spans, strict=True):
         bounds = np.concatenate(([span.begin], part.edges, [span.end]))
         low += int(np.diff(bounds)[part.initial ^ int(invert) :: 2].sum())

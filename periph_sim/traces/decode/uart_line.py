@@ -14,7 +14,7 @@ PARITIES = ("none", "odd", "even", "mark", "space")
 
 
 class Line(Struct, frozen=True):
-    """Rate and shape of frames. invert: True if idle is low on the wire."""
+    """Rate of a line and shape of its frames. invert: True if the line idles low on the wire."""
 
     baud: Fraction | int
     bits: int = 8
@@ -34,19 +34,22 @@ class Line(Struct, frozen=True):
 
     @property
     def shape(self) -> str:
-        """Data bits, first letter of the parity, and stop bits: 8n1."""
+        """The shape of a frame as data bits, first letter of the parity, and stop bits: 8n1."""
         return f"{self.bits}{self.parity[0]}{float(self.stop):g}"
 
     @property
     def frame(self) -> Fraction:
-        """Bit times from the start edge to the end of the last stop bit."""
+        """The length of a frame in bits, from the start edge to the end of the last stop bit."""
         return 1 + self.bits + (self.parity != "none") + Fraction(self.stop)
 
 
 def line_of(baud: str, shape: str = "8n1", invert: bool = False) -> Line:
-    """Parse a line: `115200` or `31250.5` baud; data bits, first letter of the parity, stop bits: `8n1`, `7e1.5`.
+    """Parse the format of a line.
 
-    ValueError says what was expected.
+    baud: a rate such as `115200` or `31250.5`.
+    shape: data bits, first letter of the parity, and stop bits: `8n1`, `7e1.5`.
+
+    Raise ValueError if one of them is invalid.
     """
     match = re.fullmatch(r"(\d\d?)([a-z])(1|1\.5|2)", shape.strip().casefold())
     parity = [name for name in PARITIES if match and name[0] == match[2]]

@@ -1,9 +1,9 @@
-"""Comparison of two captures by the events on the bus, regardless of their times: for the command and for tests.
+"""Comparison of two captures by the events on the bus.
 
     Capture A, Capture B --decode--> words --pair--> entries --> TraceDiff
 
-A run whose interrupt came 3 us later has the same events; from one of them on they are 3 us later, and that event
-is reported.
+Events are paired by what they are and in order, not by their times. Then the times of each pair are compared. If an
+interrupt came 3 us later in B, all events after it are 3 us later, and the first of them is reported.
 """
 
 from __future__ import annotations
@@ -28,9 +28,12 @@ def diff_i2c(
     lines_b: I2cLines | None = None,
     tolerance: Fraction | None = None,
 ) -> TraceDiff:
-    """Return the differences of two I2C captures. lines: SCL and SDA, also of B unless `lines_b` is given.
+    """Return the differences of two I2C captures.
 
-    tolerance: seconds; None: a position of each capture. LookupError for a missing channel, ValueError without a rate.
+    lines: the names of SCL and SDA in A, and also in B unless `lines_b` is given.
+    tolerance: the allowed difference of times in seconds; None: one position of each capture.
+
+    Raise LookupError if a channel is missing, and ValueError if a capture has no rate.
     """
     return _diff(a, b, i2c_groups(a, *lines), i2c_groups(b, *(lines_b or lines)), tolerance)
 
@@ -43,7 +46,7 @@ def diff_uart(
     channel_b: str | int | None = None,
     tolerance: Fraction | None = None,
 ) -> TraceDiff:
-    """Return the differences of two UART lines. Otherwise as `diff_i2c`."""
+    """Return the differences of two UART lines. Arguments and errors are as for `diff_i2c`."""
     other = channel if channel_b is None else channel_b
     return _diff(a, b, uart_groups(a, channel, line), uart_groups(b, other, line), tolerance)
 

@@ -1,21 +1,21 @@
-"""Alignment of two sequences of numbers: what they have in common, as runs in order.
+"""Alignment of two sequences of numbers: the items that they have in common, as runs in order.
 
     1 2 3 4 5 6
     1 2 9 4 5 5 6   -->  Run(0, 0, 2) Run(3, 3, 2) Run(5, 6, 1)
 
 The greedy algorithm of Myers (An O(ND) difference algorithm and its variations, 1986) finds the fewest insertions and
-deletions, in time that grows with length times differences: a long capture with few differences is quick, also where
-it repeats one transfer endlessly, as a polling loop does (difflib's SequenceMatcher is quadratic there). Items that
-occur on one side only are removed first. Beyond `MOST_EDITS` differences in one piece the furthest path is kept, and
-the search restarts from there: no longer always the fewest, but never quadratic.
+deletions. Its time grows with the length times the number of differences, so a long capture with few differences is
+quick, even if a polling loop repeats one transfer endlessly, where difflib's SequenceMatcher is quadratic. Items that
+occur on one side only are removed first. After `MOST_EDITS` differences in one piece, the furthest path is kept, and
+the search restarts from its end. The result is then not always the smallest, but the time is never quadratic.
 
 Among several equal items, times decide which one is missing:
 
     A   poll 0  poll 10  poll 20  poll 30      by words alone: the last one is missing, two are 10 late
     B   poll 0           poll 20  poll 30      by time: the second is missing, nothing is late
 
-A gap between two runs can be at any place as long as the items between are repetitions. It is placed where lateness
-changes least from item to item. A gap of several equal items is several gaps, each with its own place.
+If items repeat, a gap between two runs can be moved without changing what is equal. It is placed where the lateness
+changes least from item to item. A gap of several equal items is treated as several gaps, each with its own place.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 MOST_EDITS = 200
-STRIDE = 16  # items that are compared before larger arrays are
+STRIDE = 16  # number of items in the first comparison; later ones compare larger arrays
 
 
 class Run(NamedTuple):
@@ -40,7 +40,7 @@ class Run(NamedTuple):
 
 
 def align(a: Sequence[int] | NDArray[np.int64], b: Sequence[int] | NDArray[np.int64]) -> list[Run]:
-    """Return the runs that both sequences have in common, in order, none empty, neighbours joined."""
+    """Return the runs that both sequences have in common, in order. No run is empty, and adjacent runs are merged."""
     left, right = np.asarray(a, np.int64), np.asarray(b, np.int64)
     head = equal_from_start(left, right)
     tail = equal_from_start(left[head:][::-1], right[head:][::-1])
@@ -60,7 +60,7 @@ def align(a: Sequence[int] | NDArray[np.int64], b: Sequence[int] | NDArray[np.in
 
 
 def _middle(a: NDArray[np.int64], b: NDArray[np.int64]) -> list[Run]:
-    """Align piece by piece, each up to MOST_EDITS differences long."""
+    """Align two sequences in pieces with up to MOST_EDITS differences each."""
     found: list[Run] = []
     x = y = 0
     while x < len(a) and y < len(b):
@@ -71,8 +71,11 @@ def _middle(a: NDArray[np.int64], b: NDArray[np.int64]) -> list[Run]:
 
 
 def _piece(a: NDArray[np.int64], b: NDArray[np.int64]) -> tuple[list[Run], int, int]:
-    """Return (runs, their extent in a, and in b): to the end, or as far as MOST_EDITS differences lead."""
-    reach = {1: 0}  # diagonal x - y -> furthest x on it
+    """Align the first piece. Return its runs and the numbers of items of a and b that it covers.
+
+    It covers all items, or those that can be reached with MOST_EDITS differences.
+    """
+    reach = {1: 0}  # for each diagonal x - y, the furthest x that was reached on it
     history: list[dict[int, int]] = []
     for edits in range(MOST_EDITS + 1):
         history.append(dict(reach))
@@ -80,7 +83,7 @@ def _piece(a: NDArray[np.int64], b: NDArray[np.int64]) -> tuple[list[Run], int, 
             x = _step(reach, k, edits)
             y = x - k
             if x > len(a) or y > len(b) or y < 0:
-                reach[k] = x  # outside: never continued
+                reach[k] = x  # outside of the matrix, so this diagonal ends
                 continue
             x += equal_from_start(a[x:], b[y:])
             reach[k] = x
@@ -92,7 +95,7 @@ def _piece(a: NDArray[np.int64], b: NDArray[np.int64]) -> tuple[list[Run], int, 
 
 
 def _step(reach: dict[int, int], k: int, edits: int) -> int:
-    """Return x where diagonal k is entered: down from k + 1 (an insertion) or right from k - 1 (a deletion)."""
+    """Return the x at which a path enters diagonal k: down from k + 1 (insertion) or right from k - 1 (deletion)."""
     if k == -edits or (k != edits and reach[k - 1] < reach[k + 1]):
         return reach[k + 1]
     return reach[k - 1] + 1
@@ -113,7 +116,7 @@ def _way_back(history: list[dict[int, int]], x: int, y: int) -> list[Run]:
 
 
 def equal_from_start(a: NDArray[np.int64], b: NDArray[np.int64]) -> int:
-    """Return the number of equal items from the start on."""
+    """Return the number of equal items at the start of both arrays."""
     length = min(len(a), len(b))
     done, stride = 0, STRIDE
     while done < length:
@@ -139,11 +142,14 @@ def _joined(runs: list[Run]) -> list[Run]:
 
 
 Numbers = NDArray[np.int64]
-Times = NDArray[np.float64]  # only for the choice; reported times are exact
+Times = NDArray[np.float64]  # used only to choose between alignments; reported times are exact
 
 
 def place_by_time(runs: Sequence[Run], a: Numbers, b: Numbers, time_a: Times, time_b: Times) -> list[Run]:
-    """Return the runs with their gaps moved to where times fit best. Times of each item, in one unit."""
+    """Return the runs with their gaps moved to the places where times fit best.
+
+    time_a, time_b: the time of each item, in the same unit.
+    """
     edges = _split([Run(0, 0, 0), *runs, Run(len(a), len(b), 0)], a, b)
     for before, behind in pairwise(edges):
         gap_a = behind[0] - before[0] - before[2]
@@ -162,7 +168,7 @@ def place_by_time(runs: Sequence[Run], a: Numbers, b: Numbers, time_a: Times, ti
 
 
 def _split(runs: list[Run], a: Numbers, b: Numbers) -> list[list[int]]:
-    """Return the runs as lists, with an empty one wherever a gap repeats itself."""
+    """Return the runs as lists. Empty runs divide a gap of repeated items into one gap for each repetition."""
     found: list[list[int]] = []
     for before, behind in pairwise(runs):
         found.append(list(before))
@@ -177,7 +183,7 @@ def _split(runs: list[Run], a: Numbers, b: Numbers) -> list[list[int]]:
 
 
 def _period(items: Numbers) -> int:
-    """Return the shortest length, a divisor of the whole, after which the items repeat."""
+    """Return the period of the items: the shortest length that divides their number and after which they repeat."""
     size = len(items)
     return next((n for n in range(1, size) if not size % n and np.array_equal(items[n:], items[:-n])), max(size, 1))
 
@@ -185,23 +191,26 @@ def _period(items: Numbers) -> int:
 def _moved(
     before: list[int], behind: list[int], gap: int, long: int, items: Numbers, time_short: Times, time_long: Times
 ) -> int:
-    """Return the items by which the gap moves right (or left). long: 1 if B has the gap's items, 0 if A has."""
+    """Return the number of items by which a gap moves to the right; negative to the left.
+
+    long: 1 if B has the items of the gap, 0 if A has them.
+    """
     end = before[long] + before[2]  # first item of the gap
     left = equal_from_start(items[end - before[2] : end][::-1], items[end - before[2] + gap : end + gap][::-1])
     right = equal_from_start(items[end : end + behind[2]], items[end + gap : end + gap + behind[2]])
     if not left and not right:
         return 0
-    # One more item on each side, if there is one: its lateness is known.
+    # One more item on each side is included, if there is one, because its lateness does not depend on the gap.
     first, last = min(left + 1, before[2]), min(right + 1, behind[2])
     place = np.arange(-first, last)
     short = time_short[before[1 - long] + before[2] + place]
-    early = time_long[end + place] - short  # paired as before the gap
-    late = time_long[end + gap + place] - short  # and as after it
+    early = time_long[end + place] - short  # lateness if these items are before the gap
+    late = time_long[end + gap + place] - short  # lateness if they are after it
     nothing = np.zeros(1)
     until = np.concatenate((nothing, nothing, np.cumsum(np.abs(np.diff(early)))))[: len(place) + 1]
     since = np.concatenate((np.cumsum(np.abs(np.diff(late))[::-1])[::-1], nothing, nothing))[: len(place) + 1]
     across = np.concatenate((nothing, np.abs(late[1:] - early[:-1]), nothing))
     cost = until + since + across
     allowed = cost[first - left : first + right + 1]
-    best = len(allowed) - 1 - int(allowed[::-1].argmin())  # the last of equal ones
+    best = len(allowed) - 1 - int(allowed[::-1].argmin())  # the last place with the lowest cost
     return best - left

@@ -1,11 +1,11 @@
-"""Comparison of paired events and their times: what differs, and where a difference in time begins.
+"""Comparison of paired events and their times: the differences, and the events at which a difference in time begins.
 
-    pairs, rate of A, rate of B --> TraceDiff: entries, offset, change points, a summary a kind
+    pairs, rate of A, rate of B --> TraceDiff: entries, offset, change points, a summary per kind
 
-Times are whole ticks of a clock that both rates divide. B's clock began at another moment than A's: the first common
-event defines the offset, and the lateness of an event in B is counted from there. A change point is where this
-lateness deviates by more than the tolerance from its value at the last change point: what happened just before is
-the cause, and later events that are equally late are not reported.
+Times are whole ticks of a clock whose rate is a multiple of both rates. The clocks of A and B started at different
+moments, so the first common event defines the offset between them, and the lateness of events in B is relative to it.
+A change point is an event whose lateness deviates by more than the tolerance from that of the last change point. Its
+cause lies just before it. Later events that are equally late are not reported.
 """
 
 from __future__ import annotations
@@ -23,7 +23,11 @@ from .matching import Pair
 
 
 class Entry(NamedTuple):
-    """number: place among all pairs. later: ticks by which B's event is later than A's, None if one is missing."""
+    """A pair of events, one of which may be missing.
+
+    number: the index among all pairs.
+    later: the number of ticks by which B's event is later than A's; None if one is missing.
+    """
 
     number: int
     a: Event | None
@@ -42,7 +46,11 @@ class Entry(NamedTuple):
 
 
 class ChangePoint(NamedTuple):
-    """From `entry` on, B is `step` ticks later than at `before`, the common event before it."""
+    """An entry at which the lateness changes.
+
+    before: the last common event before it.
+    step: the change of the lateness from `before` to `entry`, in ticks.
+    """
 
     entry: Entry
     before: Entry
@@ -51,7 +59,11 @@ class ChangePoint(NamedTuple):
 
 @dataclass(frozen=True)
 class KindSummary:
-    """Summary of a kind of event. median, worst: ticks B is later, worst by size; None without a common event."""
+    """Summary of a kind of event.
+
+    median: the median lateness of B in ticks; None if there is no common event.
+    worst: the entry with the largest lateness or earliness; None if there is no common event.
+    """
 
     kind: str
     both: int
@@ -64,9 +76,11 @@ class KindSummary:
 
 @dataclass(frozen=True)
 class TraceDiff:
-    """Two captures compared. ticks: ticks a second. offset: ticks from A's clock to B's, None without a common event.
+    """The result of comparing two captures.
 
-    tolerance: seconds; a lateness of up to this is no difference.
+    ticks: the number of ticks per second.
+    offset: the number of ticks from A's clock to B's; None if there is no common event.
+    tolerance: the lateness, in seconds, that is no difference.
     """
 
     name_a: str
@@ -114,7 +128,7 @@ class TraceDiff:
 
     @property
     def equal(self) -> bool:
-        """True if the events are the same, at the same times within the tolerance."""
+        """True if both captures have the same events at the same times, within the tolerance."""
         return not (self.missing or self.inserted or self.changed or self.late)
 
     @cached_property
@@ -159,10 +173,13 @@ def compared(
     rates: tuple[Fraction, Fraction],
     tolerance: Fraction | None = None,
 ) -> TraceDiff:
-    """Compare pairs. tolerance: seconds; None: one position of each capture, the possible effect of sampling alone."""
+    """Compare pairs of events.
+
+    tolerance: in seconds; None: one position of each capture, since sampling alone can cause such a difference.
+    """
     rate_a, rate_b = rates
     ticks = lcm(rate_a.numerator, rate_b.numerator)
-    per_a, per_b = int(ticks / rate_a), int(ticks / rate_b)  # whole: see lcm
+    per_a, per_b = int(ticks / rate_a), int(ticks / rate_b)  # whole numbers, since `ticks` is a multiple of both rates
     entries: list[Entry] = []
     offset: int | None = None
     for number, (a, b) in enumerate(paired):

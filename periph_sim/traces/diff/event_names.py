@@ -1,4 +1,4 @@
-"""Names of the events on a bus, without times, in groups.
+"""Events on a bus as words without times, in groups.
 
     I2C   START, address 53 W, ACK, byte 1D, ACK, STOP     a group is a transfer
     UART  41, 0D FE, break                                 a group is one frame
@@ -15,7 +15,7 @@ from ..decode import i2c, uart
 
 
 class Event(NamedTuple):
-    """kind: type of event. word: all that is compared. at: its position in the capture."""
+    """An event. kind: its type. word: the text that is compared. at: its position in the capture."""
 
     kind: str
     word: str
@@ -26,7 +26,7 @@ Group = list[Event]
 
 
 def i2c_groups(capture: Capture, scl: str | int, sda: str | int) -> list[Group]:
-    """Return the transfers of a capture from its first START on. LookupError for a missing channel."""
+    """Return the transfers of a capture from its first START on. Raise LookupError for a missing channel."""
     groups: list[Group] = []
     for event in i2c.events(capture, scl, sda):
         if isinstance(event, i2c.Start):
@@ -36,7 +36,10 @@ def i2c_groups(capture: Capture, scl: str | int, sda: str | int) -> list[Group]:
 
 
 def uart_groups(capture: Capture, channel: str | int, line: uart.Line) -> list[Group]:
-    """Return each frame and break of a line as a group, without rejected starts. Errors as of `decode.uart.events`."""
+    """Return each frame and break of a line as a group. Rejected starts are left out.
+
+    Errors are those of `decode.uart.events`.
+    """
     digits = (line.bits + 3) // 4
     events = uart.events(capture, channel, line)
     return [[_uart_event(event, digits)] for event in events if not isinstance(event, uart.RejectedStart)]

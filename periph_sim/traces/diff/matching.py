@@ -2,13 +2,14 @@
 
     groups of A, groups of B --whole groups alike--> --events alike--> --events of one kind--> pairs
 
-First whole groups (transfers) are aligned by their text, which covers most of a long capture. Then the events in
-between are aligned, if these have much in common; if not, each transfer is paired with the most similar one. Among
-equals, times decide which one is missing. The rest of two transfers is paired if it is of one class (a byte with a
-byte, ACK with NACK): these are the changed ones. All others are missing (in B) or inserted.
+First, whole groups (transfers) are aligned by their text, which covers most of a long capture. Then the events between
+these groups are aligned if they have much in common; if not, each transfer is paired with the most similar one. If
+several equal events are possible, times decide which one is missing. Of two paired transfers, the remaining events are
+paired if they are of the same class (a byte with a byte, ACK with NACK); these events are changed. All other events are
+missing (in B) or inserted.
 
     A   read 6 of 68    read 6 of 53    read 6 of 1E
-    B   53 NACK         read 1 of 53                     -->  the two reads of 53 are one, changed; the others are not
+    B   53 NACK         read 1 of 53                     -->  the reads of 53 are paired, as changed; the others are not
 
 The similarity of two groups is their share of common words; half of them is enough, and so is the same sequence of
 addresses, or of kinds of events. The pairing in order with the largest total similarity is chosen.
@@ -33,7 +34,7 @@ CLASSES = {"NACK": "ACK", "repeated START": "START", "cut byte": "byte", "cut fr
 
 
 def similar_runs(a: Sequence[Group], b: Sequence[Group]) -> list[Run]:
-    """Return the groups to pair, each as a run of one. The computing time grows with the product of both lengths."""
+    """Return the pairs of similar groups as runs of length 1. The time grows with the product of both lengths."""
     score = [[is_similar(one, other) for other in b] for one in a]
     best = [[0.0] * (len(b) + 1) for _ in range(len(a) + 1)]
     for i in reversed(range(len(a))):
@@ -54,7 +55,7 @@ def similar_runs(a: Sequence[Group], b: Sequence[Group]) -> list[Run]:
 
 
 def is_similar(a: Group, b: Group) -> float:
-    """Return the similarity: 0 for nothing in common, 1 for the same words in any order."""
+    """Return the similarity of two groups, from 0 for no common word to 1 for the same words in any order."""
     common = Counter(event.word for event in a) & Counter(event.word for event in b)
     share = 2 * common.total() / (len(a) + len(b))
     same = shape(a) == shape(b) or (head(a) == head(b) != ())
@@ -72,24 +73,27 @@ def shape(group: Group) -> tuple[str, ...]:
 
 
 def class_of(kind: str) -> str:
-    """Return the class of a kind; kinds that may replace one another are of one class."""
+    """Return the class of a kind of event. Events of the same class can be paired as changed."""
     return CLASSES.get(kind, kind)
 
 
 T = TypeVar("T")
-Pair = tuple[Event | None, Event | None]  # one event in both captures, None where it is missing
-FEW_EVENTS = 5_000  # aligned one by one, across the bounds of transfers
-FEW_GROUPS = 60  # each compared with each of the other side
+Pair = tuple[Event | None, Event | None]  # an event of A and one of B; None if it is missing there
+FEW_EVENTS = 5_000  # up to this number, events are aligned one by one, also across transfers
+FEW_GROUPS = 60  # up to this number, each group is compared with every group of the other capture
 
 
 def pairs(a: Sequence[Group], b: Sequence[Group], rates: tuple[Fraction, Fraction]) -> list[Pair]:
-    """Return every event of both, once, in order. rates: positions a second of A and B."""
+    """Return all events of both captures in pairs, in order.
+
+    rates: positions per second of A and B.
+    """
     return list(_Pairing(rates).pairs(a, b))
 
 
 class _Pairing:
     def __init__(self, rates: tuple[Fraction, Fraction]) -> None:
-        self._rates = tuple(map(float, rates))  # times are only used to choose among equals
+        self._rates = tuple(map(float, rates))  # times are used only to choose between equal events
 
     def pairs(self, a: Sequence[Group], b: Sequence[Group]) -> Iterator[Pair]:
         texts = [_text(group) for group in a], [_text(group) for group in b]
@@ -100,7 +104,10 @@ class _Pairing:
                 yield from zip(one, other, strict=True)
 
     def _block(self, a: Sequence[Group], b: Sequence[Group]) -> Iterator[Pair]:
-        """Pair groups without equals: by event if half of all are equal, else each group with a similar one."""
+        """Pair the events of groups that are not equal.
+
+        If half of the events are equal, align the events; otherwise pair each group with a similar one.
+        """
         if len(a) == len(b) and all(shape(one) == shape(other) for one, other in zip(a, b, strict=True)):
             for one, other in zip(a, b, strict=True):
                 yield from zip(one, other, strict=True)
@@ -142,7 +149,7 @@ class _Pairing:
 
 
 def _unlike(a: Sequence[Event], b: Sequence[Event]) -> Iterator[Pair]:
-    """Pair events without equals: those of one class are changed, the rest missing or inserted."""
+    """Pair events that are not equal: those of one class are changed, and the others are missing or inserted."""
     classes = align(*_numbered([class_of(event.kind) for event in a], [class_of(event.kind) for event in b]))
     for run, left, right in _between(classes, a, b):
         yield from ((event, None) for event in left)
@@ -159,7 +166,7 @@ def _numbered(a: Iterable[Hashable], b: Iterable[Hashable]) -> tuple[Numbers, Nu
 
 
 def _between(runs: list[Run], a: Sequence[T], b: Sequence[T]) -> Iterator[tuple[Run, Sequence[T], Sequence[T]]]:
-    """Yield each run with the items of both between the run before and this one; an empty run at the end."""
+    """Yield each run with the items of both sequences before it and after the last run; at the end an empty run."""
     at_a = at_b = 0
     for run in [*runs, Run(len(a), len(b), 0)]:
         yield run, a[at_a : run.a], b[at_b : run.b]

@@ -10,12 +10,16 @@ from .compare import ChangePoint, Entry, KindSummary, TraceDiff
 
 COUNTS = ("kind", "in both", "changed", "missing", "inserted")
 LATENESS = ("kind", "median later", "worst later", "worst at (A)")
-SHOWN = 10  # of each list, unless all are wanted
-WORDS = 8  # shown of successive events that are not in both
+SHOWN = 10  # number of entries of each list that are shown, unless all are requested
+WORDS = 8  # number of words that are shown of successive events in only one of the captures
 
 
 def text(diff: TraceDiff, everything: bool = False) -> str:
-    """Format offset, tables of kinds, first difference, changes of lateness, events not in both, and the verdict."""
+    """Format the whole report.
+
+    It has the offset, a table of kinds, the first difference, changes of lateness, events in only one capture, and the
+    verdict.
+    """
     counts = [(one.kind, *map(str, (one.both, one.changed, one.missing, one.inserted))) for one in diff.kinds]
     parts = [_title(diff), "", *text_table(COUNTS, counts, range(1, len(COUNTS))), ""]
     parts += [*text_table(LATENESS, [_lateness(diff, one) for one in diff.kinds], range(1, len(LATENESS))), ""]
@@ -29,7 +33,10 @@ def text(diff: TraceDiff, everything: bool = False) -> str:
 
 
 def as_json(diff: TraceDiff, everything: bool = False) -> dict[str, object]:
-    """Convert to JSON: times as numbers in seconds, positions as in the captures. everything: include equal events."""
+    """Convert a diff to JSON, with times in seconds and positions as in the captures.
+
+    everything: True to include equal events.
+    """
     return {
         "a": diff.name_a,
         "b": diff.name_b,
@@ -62,7 +69,7 @@ def as_json(diff: TraceDiff, everything: bool = False) -> dict[str, object]:
 
 
 def duration(seconds: Fraction) -> str:
-    """Format with sign, in microseconds to the nanosecond, or in milliseconds or seconds if long."""
+    """Format a duration with its sign, in microseconds with three decimals; long ones in milliseconds or seconds."""
     us = float(seconds * 10**6)
     if abs(us) < 10_000:
         return f"{us:+.3f} us"
@@ -102,7 +109,7 @@ def _said(diff: TraceDiff, entry: Entry) -> str:
 
 
 def _apart(diff: TraceDiff) -> list[str]:
-    """List what is changed, missing and inserted; successive missing or inserted events share one line."""
+    """List changed, missing and inserted events. Successive missing or inserted events share one line."""
     apart = [entry for entry in diff.entries if entry.later is None or entry.changed]
     found: list[str] = []
     for _, same in groupby(enumerate(apart), lambda pair: (pair[1].number - pair[0], _sort(pair[1]))):

@@ -15,16 +15,16 @@ from ..decode.i2c_table import edges_of
 from .svg_diagram import BLACK, Box, Lane
 
 BUS = ("SCL", "SDA")
-BYTE = 9  # bits, with its ACK
+BYTE = 9  # number of bits of a byte with its ACK
 
-Seconds = Callable[[float], float]  # a position of the capture on the diagram's axis
+Seconds = Callable[[float], float]  # converts a position of the capture to seconds on the axis of the diagram
 
 
 def wire_lanes(capture: Capture, span: Span, seconds: Seconds, columns: int, colour: str = BLACK) -> list[Lane]:
-    """Return the lanes of the bus and its bytes, then of each other wire that moves within the span.
+    """Return the lanes of the bus and its bytes, followed by those of other wires that change within the span.
 
-    columns: number of things that can be distinguished side by side. The bus is shown byte by byte; phase by phase if a
-    bit is less than a column; not at all if a byte is.
+    columns: the number of columns of the diagram. If a bit is less than a column, the lane of the bytes shows whole
+        phases instead of bytes; if a byte is less than a column, there is no such lane.
     """
     lanes: list[Lane] = []
     names = [channel.name for channel in capture.channels]
@@ -41,7 +41,10 @@ def wire_lanes(capture: Capture, span: Span, seconds: Seconds, columns: int, col
 
 
 def bit_of(capture: Capture, otherwise: int) -> int:
-    """Return the length of a bit of the I2C bus in positions: the median distance of SCL's rising edges."""
+    """Return the length of a bit on the I2C bus in positions: the median distance of SCL's rising edges.
+
+    otherwise: the result if there are too few edges.
+    """
     for channel in capture.channels:
         rises = channel.edges[channel.levels == 1]
         if channel.name == BUS[0] and len(rises) > BYTE:
@@ -67,11 +70,11 @@ def _boxes(capture: Capture, span: Span, seconds: Seconds, columns: int) -> tupl
     )
 
 
-Stretch = tuple[float, float, str]  # begin, end, text
+Stretch = tuple[float, float, str]  # begin and end of a box, and its text
 
 
 def _bytes(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
-    """Yield START, bytes, ACK and STOP."""
+    """Yield the boxes of a transfer: START, bytes, ACKs and STOP."""
     for number, phase in enumerate(transfer.phases):
         yield phase.start.at, phase.start.at + bit / 2, "Sr" if number else "S"
         for place, byte in enumerate(phase.bytes):
@@ -86,7 +89,7 @@ def _bytes(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
 
 
 def _phases(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
-    """Yield each phase up to the next one or the STOP, with its address and number of bytes."""
+    """Yield a box for each phase of a transfer, with its address and number of bytes."""
     stops = [phase.start.at for phase in transfer.phases[1:]]
     stops.append(end if transfer.stop is None else transfer.stop.at)
     for phase, stop in zip(transfer.phases, stops, strict=True):
@@ -97,9 +100,10 @@ def _phases(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
 
 
 def _around(capture: Capture, span: Span) -> Capture:
-    """Return the capture from the last STOP before the span to half the span's length after it: all that is decoded.
+    """Return the part of the capture that is decoded for a diagram of the span.
 
-    A byte that the end of the span cuts in two is thus complete, if the run lasted long enough.
+    It begins with the last STOP before the span and ends half the span's length after it, so that a byte at the end of
+    the span is complete if the capture is long enough.
     """
     scl, sda = (capture.channel(name) for name in BUS)
     known = [one for one in capture.known(scl, sda) if one.begin <= span.begin]

@@ -4,8 +4,8 @@
     marks ------------------> lines across all lanes   replay   SCL  _/-\\___/-
     window -----------------> axis with its unit                0   5   10 us
 
-Times are seconds on one common axis, as floats, since they only become places on paper. Equal input gives equal text.
-Colours can be distinguished in print without colour, with colour blindness, and beside each other.
+Times are seconds on a common axis. They are floats, since they are used only to place things on paper. Equal input
+gives equal text. Readers can distinguish the colours side by side, in grey print, and with colour blindness.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ CHARACTER = 6.3  # width of a character in the labels
 
 @dataclass(frozen=True)
 class Box:
-    """A named stretch of time in a lane. wrong: drawn as an error."""
+    """A named interval in a lane. wrong: True to draw it as an error."""
 
     begin: float
     end: float
@@ -50,10 +50,11 @@ class Tick:
 
 @dataclass(frozen=True)
 class Lane:
-    """One line of the diagram: a level with its edges, boxes, or ticks, as far as given.
+    """One line of the diagram. It can have a wave, boxes and ticks.
 
-    initial: the level before the first of `edges`, which are (time, level); None: no wave. group: lanes of one group
-    are drawn together under its name, in `colour`.
+    initial: the level of the wave before its first edge; None for no wave.
+    edges: the edges of the wave as (time, level).
+    group: the name of a group of lanes, which are drawn together under this name and in `colour`.
     """
 
     name: str
@@ -67,7 +68,7 @@ class Lane:
 
 @dataclass(frozen=True)
 class Mark:
-    """A line across all lanes. wrong: marks a divergence of two sides."""
+    """A line across all lanes. wrong: True if it marks a divergence of two sides."""
 
     at: float
     text: str
@@ -77,9 +78,12 @@ class Mark:
 def timing_diagram(
     lanes: Sequence[Lane], window: tuple[float, float], marks: Sequence[Mark] = (), title: str = "", axis: str = ""
 ) -> str:
-    """Return SVG text. window: first and last time shown. axis: the origin of the times.
+    """Return the diagram as SVG text.
 
-    ValueError if the window holds no time, or there is no lane.
+    window: the first and the last time shown.
+    axis: the label of the axis, which says what time 0 is.
+
+    Raise ValueError if the window is empty or there is no lane.
     """
     begin, end = window
     if not lanes or end <= begin:
@@ -167,7 +171,7 @@ class _Diagram:
             self._page.append(band)
 
     def _draw_marks(self, marks: Sequence[Mark]) -> None:
-        free = [float("-inf"), float("-inf")]  # the end of the occupied part of two rows of labels
+        free = [float("-inf"), float("-inf")]  # the places at which the labels in both rows end
         for mark in sorted(marks, key=lambda one: one.at):
             if not self._seen(mark.at):
                 continue
@@ -248,7 +252,7 @@ class _Diagram:
 
 
 def nice_step(length: float, steps: int = 10) -> float:
-    """Return 1, 2 or 5 times a power of ten, of which at most `steps` fit into `length`."""
+    """Return the smallest step of 1, 2 or 5 times a power of ten that fits at most `steps` times into `length`."""
     least = length / steps
     power = 10.0 ** floor(log10(least))
     return next(factor * power for factor in (1, 2, 5, 10) if factor * power >= least * 0.999)

@@ -1,11 +1,11 @@
 """A timing diagram as lines of text, from lanes, a window of time and marks.
 
-    lanes --cut to window--> waves (two rows a lane), boxes (one row)     SCL   ┐ ┌─┐ ┌─┐
+    lanes --cut to window--> waves (two rows per lane), boxes (one row)     SCL   ┐ ┌─┐ ┌─┐
     marks -----------------> a row above each, pointing down                    └─┘ └─┘ └
     window ----------------> axis with its unit                           bytes [-- 68 write --]
 
 One column is one slice of the window. A wave that changes more than once within a slice is shown as ░: too fast to
-be drawn, but not lost. `drawing.timing` draws the same lanes as SVG. Equal input gives equal text.
+be drawn, but not lost. `svg_diagram` draws the same lanes as SVG. Equal input gives equal text.
 """
 
 from __future__ import annotations
@@ -15,20 +15,24 @@ from math import ceil, floor
 
 from .svg_diagram import UNITS, Box, Lane, Mark, nice_step
 
-GUTTER = 8  # columns of lane names at least
-LEAST = 20  # columns of waves at least
+GUTTER = 8  # minimum number of columns for the names of lanes
+LEAST = 20  # minimum number of columns for waves
 FAST = "░"
-LEVEL = ("─", " "), (" ", "─")  # the two rows of a low and of a high column, bottom first
+LEVEL = ("─", " "), (" ", "─")  # the characters of a low and of a high column, each as (lower row, upper row)
 RISE, FALL = ("┘", "┌"), ("└", "┐")
 
 
 def text_diagram(
     lanes: Sequence[Lane], window: tuple[float, float], marks: Sequence[Mark] = (), axis: str = "", width: int = 80
 ) -> list[str]:
-    """Return the lines, of at most `width`, without trailing spaces. window: first and last time shown, in seconds.
+    """Return the lines of the diagram, at most `width` characters long and without trailing spaces.
 
-    axis: the origin of the times. Groups and colours of lanes are not shown. ValueError if there is no lane,
-    the window holds no time, or `width` leaves fewer than 20 columns for the waves.
+    Groups and colours of lanes are not shown.
+
+    window: the first and the last time shown, in seconds.
+    axis: the label of the axis, which says what time 0 is.
+
+    Raise ValueError if there is no lane, the window is empty, or `width` leaves fewer than 20 columns for the waves.
     """
     begin, end = window
     gutter = max([GUTTER, *(len(lane.name) + 2 for lane in lanes)])
@@ -52,14 +56,14 @@ class _Slices:
         self.begin, self.end, self.count = begin, end, count
 
     def column(self, at: float) -> int:
-        """Return the column of a time; below 0 or from `count` on if it is not in the window.
+        """Return the column of a time. It is below 0, or `count` or more, if the time is not in the window.
 
-        A time just short of a column, by less than the precision of floats, is in that column.
+        A time that is earlier than a column only by the rounding error of floats is in that column.
         """
         return floor((at - self.begin) / (self.end - self.begin) * self.count + 1e-6)
 
     def last(self, at: float) -> int:
-        """Return the last column that ends by this time."""
+        """Return the last column that begins before this time."""
         return ceil((at - self.begin) / (self.end - self.begin) * self.count - 1e-6) - 1
 
 
@@ -75,9 +79,9 @@ def _lane(lane: Lane, slices: _Slices) -> list[str]:
 
 
 def _wave(initial: int, edges: Sequence[tuple[float, int]], slices: _Slices) -> list[str]:
-    """Return the upper and the lower row."""
+    """Return the upper and the lower row of a wave."""
     level = initial
-    turns: dict[int, int] = {}  # column -> edges within
+    turns: dict[int, int] = {}  # number of edges in each column that has any
     for at, value in edges:
         column = slices.column(at)
         if column < 0:
@@ -97,9 +101,9 @@ def _wave(initial: int, edges: Sequence[tuple[float, int]], slices: _Slices) -> 
 
 
 def _boxes(boxes: Sequence[Box], slices: _Slices) -> str:
-    """Draw boxes as [-- text --]; a narrow one as its text or first word only, or as |. wrong: with ! in it."""
+    """Draw boxes as [-- text --]; a narrow one as its text, its first word or |. The text of a wrong box ends in !."""
     row = [" "] * slices.count
-    taken = 0  # columns in which a box may no longer begin
+    taken = 0  # number of columns that are occupied by earlier boxes
     for box in sorted(boxes, key=lambda one: one.begin):
         if box.end <= slices.begin or box.begin >= slices.end:
             continue
@@ -124,7 +128,7 @@ def _boxed(text: str, width: int) -> str:
 
 
 def _ticks(ticks: Sequence[tuple[float, str]], slices: _Slices) -> str:
-    """Draw instants as |text; a text whose room another instant needs is left out."""
+    """Draw instants as |text. A text that would cover another instant is left out."""
     row = [" "] * slices.count
     places = [(slices.column(at), text) for at, text in ticks if 0 <= slices.column(at) < slices.count]
     for column, _ in places:

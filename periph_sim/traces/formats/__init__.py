@@ -7,16 +7,17 @@ One file of this folder is one format. It defines
 
 and one or both of
 
-    recognises(path, head)                   whether a file that begins with these bytes can be one (b"" for a folder)
-    read(path, rate=None, salvage=False)     the Capture; BadCapture if it cannot be read
+    recognises(path, head)                   True if a file beginning with the bytes `head` can be of this format;
+    `head` is b"" for a folder read(path, rate=None, salvage=False)     return the Capture; raise BadCapture if it
+    cannot be read
 
-    write(capture, path)                     writes the file (`path` is a temporary name); None, or notes on losses
-    SAMPLES_ONLY = True                      if positions must be samples, since the format has no times
-    WRITTEN                                  which of SUFFIXES are written, if not all
+    write(capture, path)                     write the file (`path` is a temporary name); return notes on losses or None
+    SAMPLES_ONLY = True                      set if positions must be samples, because the format has no times
+    WRITTEN                                  the SUFFIXES that can be written, if not all
 
-and is found by its presence. `rate` states the sampling rate if the file does not, or states a
-wrong one; times given in seconds are put on its grid. With `salvage` a damaged file is read up to the
-damage, and the notes of the Capture say what was dropped.
+A new file in this folder needs no registration. `rate` gives the sampling rate if the file states none or a wrong one;
+times in seconds are converted to samples of this rate. With `salvage`, a damaged file is read up to the damage, and the
+notes of the Capture say what was left out.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from __future__ import annotations
 import importlib
 from fractions import Fraction
 from functools import cache
-from os.path import isdir  # False also for a name that is too long
+from os.path import isdir  # for a name that is too long, it returns False and does not raise
 from pathlib import Path
 from typing import Protocol, cast
 
@@ -38,9 +39,9 @@ from .atomic_write import atomic_write
 
 __all__ = ["BadCapture", "Capture", "Channel", "Format", "Span", "formats", "rate_of", "read", "whole", "write"]
 
-HEAD = 4096  # bytes of a file that `recognises` receives
+HEAD = 4096  # number of bytes of a file that `recognises` receives
 
-REFUSED = {  # by suffix: description and remedy
+REFUSED = {  # for each suffix that cannot be read, a description and a remedy
     ".sal": ("a Saleae session, whose layout the vendor changes at will", "export CSV or binary from Logic 2"),
     ".logicdata": ("a Saleae Logic 1 session, whose layout is not published", "export CSV from Logic"),
     ".pvs": ("a PulseView setup without samples", "give the .sr file beside it"),
@@ -66,14 +67,20 @@ def _shipped() -> dict[str, Format]:
 
 
 def _with_plugins(shipped: dict[str, Format], installed: bool) -> dict[str, Format]:
-    """Return these formats and those of plugins: of the project here and, if asked, of installed distributions."""
+    """Return these formats and those of plugins.
+
+    Plugins are those of the project in the current folder and, if `installed`, those of installed distributions.
+    """
     if not installed and not has_plugins(Path()):
         return shipped
     return dict(registered("plugins").known_formats(shipped, installed))
 
 
 def formats(installed: bool = False) -> dict[str, Format]:
-    """Return every format of this folder and of plugins, by the name of its file. installed: see `_with_plugins`."""
+    """Return every format of this folder and of plugins, indexed by the name of its file.
+
+    installed: see `_with_plugins`.
+    """
     return _with_plugins(_shipped(), installed)
 
 
@@ -83,16 +90,16 @@ def readers(installed: bool = False) -> dict[str, Format]:
 
 
 def writers(installed: bool = False) -> dict[str, Format]:
-    """Return the formats that can be written, by suffix."""
+    """Return the formats that can be written, indexed by suffix."""
     able = [found for found in formats(installed).values() if hasattr(found, "write")]
     return {suffix: writer for writer in able for suffix in getattr(writer, "WRITTEN", writer.SUFFIXES)}
 
 
 def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = False) -> Capture:
-    """Read the capture in a file or folder; BadCapture states the problem and its remedy.
+    """Read the capture in a file or folder. Raise BadCapture with the problem and a remedy if that is impossible.
 
-    The content decides; the suffix only determines which formats are tried first, and which one reports
-    an error if none recognises the content.
+    The content of the file determines its format. The suffix only determines which formats are tried first, and which
+    one reports an error if none recognises the content.
     """
     path = note_input(Path(path))
     suffix = "/" if isdir(path) else path.suffix.casefold()
@@ -106,7 +113,7 @@ def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = Fals
     for candidate in likely:
         if candidate.recognises(path, head):
             return candidate.read(path, rate, salvage)
-    for installed in (False, True):  # entry points are looked through last, since that takes long
+    for installed in (False, True):  # entry points are searched last, because that takes long
         for candidate in readers(installed).values():
             if candidate not in likely and candidate.recognises(path, head):
                 return candidate.read(path, rate, salvage)
@@ -116,7 +123,10 @@ def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = Fals
 
 
 def _readers_of(suffix: str) -> list[Format]:
-    """Return the readable formats of this suffix. Only files that mention it are imported: most imports take long."""
+    """Return the readable formats of a suffix.
+
+    Only modules whose source contains the suffix are imported, because most imports take long.
+    """
     found: list[Format] = []
     for file in sorted(Path(__file__).parent.glob("*.py")):
         if file.stem != "__init__" and f'"{suffix}"' in file.read_text(encoding="utf-8"):
@@ -128,10 +138,12 @@ def _readers_of(suffix: str) -> list[Format]:
 
 
 def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -> tuple[str, ...]:
-    """Write a capture in the format of the suffix. Return notes on what writing changed, a sentence each.
+    """Write a capture in the format of the suffix. Return sentences on the differences from the capture.
 
-    With `rate` the capture is put on the samples of that rate first; without one, if the format has samples only, on
-    those of the slowest that loses no edge. The file appears whole or not at all; BadCapture states why not.
+    rate: the rate at which the capture is resampled first. If it is None and the format has only samples, the capture
+        is resampled at the lowest rate that loses no edge.
+
+    Raise BadCapture, without creating a file, if the capture cannot be written.
     """
     path = Path(path)
     writer = _writer_of(path)
@@ -152,7 +164,7 @@ def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -
 
 
 def ready_for(path: Path, capture: Capture) -> Capture:
-    """Return the capture as the format of `path` can hold it. BadCapture if no format has such a name."""
+    """Return the capture converted for the format of `path`. Raise BadCapture if no format has such a suffix."""
     return on_samples(capture) if getattr(_writer_of(path), "SAMPLES_ONLY", False) else capture
 
 
@@ -160,7 +172,8 @@ def _writer_of(path: Path) -> Format:
     able, name = writers(), path.name.casefold()
     if not any(name.endswith(known) for known in able):
         able = writers(installed=True)
-    suffix = max((known for known in able if name.endswith(known)), key=len, default=None)  # a suffix may have two dots
+    # The longest, since a suffix may have two dots.
+    suffix = max((known for known in able if name.endswith(known)), key=len, default=None)
     if suffix is None:
         raise BadCapture(
             path, "its name", repr(path.suffix), f"one of {', '.join(able)}", did_you_mean(path.suffix, able)

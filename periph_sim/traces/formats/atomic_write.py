@@ -20,15 +20,16 @@ NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """Yield a temporary path of the same suffix, whose file replaces `path` when the block ends without an error.
+    """Yield a temporary path with the same suffix. Its file replaces `path` when the block ends without an error.
 
-    Links are followed. A device or pipe, such as /dev/stdout, is never replaced: the bytes are copied to it when
-    the block ends. If the block raises, nothing is left and the file at `path` is unchanged. BadCapture if no file
-    can be created, if the disk is full, and for a file that the present command has read: an output never replaces
-    an input.
+    Links are followed. A device or pipe, such as /dev/stdout, is never replaced: the bytes are copied to it when the
+    block ends. If the block raises, the temporary file is removed and the file at `path` is unchanged.
+
+    Raise BadCapture if no file can be created, if the disk is full, or if the present command has read the file at
+    `path`, because an output never replaces an input.
     """
     import shutil
-    import tempfile  # imported only for writing
+    import tempfile  # imported here because only writing needs it
 
     whole = Path(os.path.realpath(path)) if path.is_symlink() else path
     replaced = whole.is_file() or not path.exists()

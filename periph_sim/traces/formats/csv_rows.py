@@ -1,7 +1,7 @@
-"""Reader of rows of levels, with or without a time before them: keeps the rows that change a level.
+"""Reader of rows of levels, with or without a time before them. It keeps the rows that change a level.
 
-    1,0\\n  2360,1,0\\n --> all rows of the form of the first? --> compare whole rows --> changed rows: time, levels
-                       --> else line by line
+    1,0\\n  2360,1,0\\n --> if all rows look like the first: compare whole rows --> changed rows: time, levels
+                       --> otherwise: read line by line
 
 A block whose rows all look like the first is compared as arrays; any other is read line by line, which
 allows comments, blank lines and mixed line ends, and reports errors with their line number.
@@ -47,7 +47,11 @@ class Time(NamedTuple):
 
 @dataclass(frozen=True)
 class Form:
-    """The common part of a block's rows, after the time: `(byte & mask) == bytes`, levels at `cells`."""
+    """The common form of a block's rows after the time.
+
+    mask, bytes: each byte of a row, and-ed with its mask, equals the corresponding one of `bytes`.
+    cells: the places of the levels.
+    """
 
     bytes: NDArray[np.uint8]
     mask: NDArray[np.uint8]
@@ -55,7 +59,7 @@ class Form:
 
 
 class Rows:
-    """Reader of blocks of whole lines; `count` is the number of rows and `line` that of lines so far."""
+    """Reader of blocks of whole lines. count, line: the numbers of rows and of lines so far."""
 
     def __init__(self, columns: int, timed: bool, separator: str, line: int) -> None:
         self.count = 0
@@ -63,22 +67,23 @@ class Rows:
         self._columns = columns
         self._timed = timed
         self._separator = separator.encode()
-        self._before: bytes | None = None  # levels of the last row, a byte each
+        self._before: bytes | None = None  # levels of the last row, one byte each
         self.last = Time(0, 0)
         self._held = 0
-        self._places: list[Positions] = []  # rows, or the digits of times
+        self._places: list[Positions] = []  # row numbers, or the digits of times
         self._decimals: list[int] = []
         self._levels: list[Levels] = []
 
     def feed(self, block: bytes) -> None:
-        """Read a block. BadRow for a row that cannot be read; those before it are kept."""
+        """Read a block. Raise BadRow if a row cannot be read; the rows before it are kept."""
         if not self._quickly(block):
             self._line_by_line(block)
 
     def changes(self) -> tuple[Positions, int, Levels]:
-        """Return (place of each row that changes a level, decimals of the places, its levels, a line each).
+        """Return the places of the rows that change a level, the number of decimals of the places, and the rows'
+        levels.
 
-        Places are row numbers if there are no times. OverflowError if the times need over 64 bits.
+        Places are times, or row numbers if there are no times. Raise OverflowError if the times need over 64 bits.
         """
         decimals = max(self._decimals, default=0)
         scaled = [
@@ -91,7 +96,7 @@ class Rows:
     # Whole blocks ------------------------------------------------------------------
 
     def _quickly(self, block: bytes) -> bool:
-        """Read a block of rows that all have the form of its first; False if they have not."""
+        """Read a block if all its rows have the form of the first. Return False if they do not."""
         first = block[: block.find(b"\n") + 1]
         tail = first[first.find(self._separator) :] if self._timed else first
         form = _form(tail, self._columns)
@@ -136,7 +141,7 @@ class Rows:
         return True
 
     def _with_first(self, changed: NDArray[np.intp], levels: Levels) -> NDArray[np.intp]:
-        """Return the changed rows, with the first of the block if it differs from the one before."""
+        """Return the changed rows, including the first of the block if it differs from the last of the block before."""
         if self._before == bytes(levels & 1):
             return changed
         return np.concatenate((np.zeros(1, np.intp), changed))
@@ -183,7 +188,7 @@ class Rows:
                 raise BadRow(self.line, "times that need over 64 bits", "times of one kind") from None
 
     def _row(self, row: bytes) -> bytes:
-        """Return the levels of a row, a byte each, and store its time."""
+        """Return the levels of a row, one byte each, and store its time."""
         cells = [cell.strip() for cell in row.split(self._separator)]
         expected = f"{'a time and ' if self._timed else ''}{self._columns} levels 0 or 1"
         time, levels = self.last, b""
@@ -202,7 +207,7 @@ class Rows:
 
 
 def _form(row: bytes, columns: int) -> Form | None:
-    """Return the form of rows like this one; None if it is not `columns` levels and single marks."""
+    """Return the form of rows like this one; None if it does not consist of `columns` levels and single separators."""
     if not re.fullmatch(rb"[,;|\t ]{0,2}[01]([,;|\t ]{1,2}[01])*[ \t]?\r?\n", row):
         return None
     data = np.frombuffer(row, np.uint8)
@@ -213,7 +218,10 @@ def _form(row: bytes, columns: int) -> Form | None:
 
 
 def _times(texts: list[bytes]) -> tuple[NDArray[np.int64], int]:
-    """Return (digits, common decimals). ValueError if one is no number, OverflowError beyond 64 bits."""
+    """Parse times. Return their digits and their common number of decimals.
+
+    Raise ValueError if a text is no number, and OverflowError beyond 64 bits.
+    """
     joined = b" ".join(texts)
     if b"e" not in joined and b"E" not in joined:
         points = {len(text) - 1 - text.rfind(b".") if b"." in text else 0 for text in texts}
@@ -225,7 +233,7 @@ def _times(texts: list[bytes]) -> tuple[NDArray[np.int64], int]:
 
 
 def _time(text: bytes) -> Time:
-    """Parse a time. ValueError if it is no number or exceeds 64 bits."""
+    """Parse a time. Raise ValueError if it is no number or exceeds 64 bits."""
     if not (match := NUMBER.fullmatch(text)):
         raise ValueError
     part = match[2] or b""

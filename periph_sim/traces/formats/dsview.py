@@ -1,10 +1,10 @@
-"""DSView sessions, `.dsl`: a zip of one packed bit a sample, with a file for each block of a channel, to edges.
+"""Reader of DSView sessions, `.dsl`: zip archives with a file for each block of a channel, one bit per sample.
 
-    L-<channel>/0, /1, ... --> words of 64 samples --> words that change inside or at their begin --> edges
+    L-<channel>/0, /1, ... --> words of 64 samples --> words that contain or begin with a change --> edges
 
-Chosen: a probe without blocks was not captured. DSView numbers the probes of the header and the
-folders of the blocks differently if channels are off; if a number has no folder, both are taken in order.
-With salvage the levels of a channel are unknown after its damage.
+Chosen: a probe without blocks was not captured. If channels are off, DSView numbers the probes of the header and the
+folders of the blocks differently. So if the number of a probe has no folder, probes and folders are matched in order.
+With salvage, the levels of a channel are unknown after its damage.
 
 Source: the demo captures that come with DSView (header versions 2 and 3): INI text and such blocks.
 """
@@ -37,7 +37,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """Read the capture; `rate` overrides the file's samplerate. BadCapture if zip, header or blocks are broken."""
+    """Read the capture; `rate` overrides the file's samplerate.
+
+    Raise BadCapture if zip, header or blocks are broken.
+    """
     with Archive(path, WHAT, salvage) as archive:
         keys = _header(path, archive.text("header"))
         probes = {int(match[1]): name for key, name in keys.items() if (match := re.fullmatch(r"probe(\d{1,4})", key))}
@@ -59,7 +62,7 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 
 
 class Folder(NamedTuple):
-    """Place of a channel's samples: `blocks` members L-<number>/..., of `size` bytes in all."""
+    """The members with a channel's samples: L-<number>/0 to L-<number>/<blocks - 1>, with `size` bytes in total."""
 
     number: int
     blocks: int
@@ -67,11 +70,11 @@ class Folder(NamedTuple):
 
 
 class Bits:
-    """Decoder of blocks of packed samples of one channel, in order. `length` is the number of samples so far."""
+    """Decoder of the blocks of packed samples of one channel. length: the number of samples so far."""
 
     def __init__(self) -> None:
         self.length = 0
-        self._rest = b""  # an incomplete word at the end of the last block
+        self._rest = b""  # the bytes of an incomplete word at the end of the last block
         self._first = 0
         self._last = 0
         self._edges = array("q")
@@ -88,16 +91,16 @@ class Bits:
             self._compare(block[:whole], 8 * len(self._rest))
 
     def mark(self) -> tuple[int, bytes, int, int]:
-        """Return the present state, for `back`."""
+        """Return the present state, to which `back` can return."""
         return self.length, self._rest, self._last, len(self._edges)
 
     def back(self, mark: tuple[int, bytes, int, int]) -> None:
-        """Discard all blocks since the mark."""
+        """Discard all blocks that were read after the mark."""
         self.length, self._rest, self._last, edges = mark
         del self._edges[edges:]
 
     def channel(self, name: str, index: int, length: int) -> Channel:
-        """Return the line up to `length`, unknown after the last sample that was fed; nothing may be fed afterwards."""
+        """Return the line up to `length`; it is unknown after the last sample. No block may be fed afterwards."""
         known = min(self.length, length)
         if self._rest:
             self._compare(self._rest.ljust(WORD, b"\0"), 8 * (len(self._rest) - WORD))
@@ -110,7 +113,7 @@ class Bits:
         return len(self._edges)
 
     def _compare(self, block: bytes, behind: int) -> None:
-        """Read whole words, the last of which ends `behind` samples before `length`."""
+        """Find the edges in whole words, the last of which ends `behind` samples before `length`."""
         words = np.frombuffer(block, "<u8")
         before = words << np.uint64(1)
         before[1:] |= words[:-1] >> np.uint64(63)
@@ -148,7 +151,7 @@ def _scanned(archive: Archive, folder: Folder, salvage: bool, notes: list[str]) 
 
 
 def _folders(path: Path, archive: Archive, probes: dict[int, str], keys: dict[str, str]) -> dict[int, Folder]:
-    """Return the blocks of every probe that has any."""
+    """Return the folder of each probe that has blocks, indexed by the number of the probe."""
     sizes: dict[int, int] = {}
     blocks = _count(keys, "total blocks") or 0
     for name, member in archive.members.items():
@@ -168,7 +171,7 @@ def _folders(path: Path, archive: Archive, probes: dict[int, str], keys: dict[st
 
 
 def _count(keys: dict[str, str], key: str) -> int | None:
-    """Return a number of the header, None if it states no valid one."""
+    """Return a number from the header; None if there is no valid one."""
     stated = keys.get(key, "")
     return int(stated) if re.fullmatch(r"[1-9]\d{0,17}", stated, re.ASCII) else None
 

@@ -1,15 +1,16 @@
-"""FST (GTKWave, Verilator, Icarus) and GHW (GHDL): binary waveforms of simulators, read as edges at integer ticks.
+"""FST (GTKWave, Verilator, Icarus) and GHW (GHDL): binary waveforms of simulators. FST is also written.
 
     file --> a separate process with the library `pywellen` --> positions and states --> Capture
 
-Chosen as for VCD: tick 0 is position 0; `z` is high; states other than 0 and 1 are unknown; a vector is a channel
-for each bit, `name[k]` counted from its width (the library does not report declared ranges); reals and strings are
-ignored. The end is the last time that an FST file names; GHW has none, so there it is the last change.
+Chosen, as for VCD: tick 0 is position 0; `z` is high; states other than 0 and 1 are unknown; reals and strings are
+ignored. Each bit of a vector is a channel `name[k]`; k is counted from 0 to the width, because the library does not
+report declared ranges. The end of the capture is the last time in an FST file, and the last change in a GHW file, which
+states no end.
 
-VCD is not read this way: the library loses the end of a capture, and declared ranges of vectors.
+VCD is not read with this library, because it loses the end of a capture and the declared ranges of vectors.
 
-FST is written by GTKWave's own library, `fstapi.c`, as `pylibfst` provides it: the extra `fst`. It keeps temporary
-files beside the one that it writes, and so gets its own folder.
+FST is written by GTKWave's own library, `fstapi.c`, which `pylibfst` provides (the extra `fst`). The library creates
+temporary files beside its output, so it writes into a folder of its own.
 """
 
 from __future__ import annotations
@@ -43,12 +44,12 @@ FST_HEAD = struct.Struct(">BQQQ")  # block type 0, its length, first and last ti
 FST_LENGTH = 329
 GHW_MARK = b"GHDLwave\n"
 READER = Path(__file__).with_name("wellen_worker.py")
-PATIENCE = 900  # seconds; the reader itself ends at its limit of processor time
+PATIENCE = 900  # seconds; usually the reading process ends earlier, at its own limit of processor time
 MOST_TICKS = 1 << 62
 ERROR = re.compile(r"^(?:[\w.]*(?:Error|Exception)): (.+)$", re.MULTILINE)
 NO_END = "the format does not say where the run ends, so the last change is used"
 
-STATE_OF = np.full(256, UNKNOWN, np.uint8)  # by letter
+STATE_OF = np.full(256, UNKNOWN, np.uint8)  # state of a line, indexed by the letter
 for _letters, _state in ((b"0lL", 0), (b"1hHzZ", 1)):
     STATE_OF[list(_letters)] = _state
 
@@ -58,7 +59,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """Read the capture in ticks of the file, or in samples if `rate` is given. BadCapture for a file with errors."""
+    """Read the capture in ticks of the file, or in samples if `rate` is given.
+
+    Raise BadCapture if the file has errors.
+    """
     with path.open("rb") as file:
         end = _fst_end(file.read(FST_HEAD.size))
     head, signals = _signals(path)
@@ -91,7 +95,7 @@ def _fst_end(head: bytes) -> int | None:
 
 
 def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]]]:
-    """Return (names and timescale, positions and letters of each signal) from the process that reads the file."""
+    """Read a file in a separate process. Return names and timescale, and the positions and letters of each signal."""
     command = [sys.executable, "-P", str(READER), str(path.absolute())]
     try:
         done = subprocess.run(command, capture_output=True, timeout=PATIENCE)
@@ -117,7 +121,7 @@ def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any
 
 
 def _ticks(head: dict[str, Any]) -> Fraction | None:
-    """Return ticks a second, None if the file does not state them."""
+    """Return the number of ticks per second; None if the file does not state it."""
     if not head["factor"] or head["exponent"] is None:
         return None
     factor, exponent = int(head["factor"]), int(head["exponent"])
@@ -132,8 +136,10 @@ TEXT = 0  # the width of a variable whose values are texts
 
 
 class Variable(NamedTuple):
-    """name: with its scopes, `dsp.I2C_A.I2CSTR`. changes: (time, value) in order, from time 0 on, values as
-    `width` letters of 0, 1, x, or as text."""
+    """A variable to be written.
+
+    name: the name with its scopes, `dsp.I2C_A.I2CSTR`.
+    changes: (time, value) in order, from time 0 on. A value has `width` letters of 0, 1, x, or is a text."""
 
     name: str
     width: int
@@ -145,7 +151,7 @@ class NoFstLibrary(ImportError):
 
 
 def library() -> Any:
-    """Return `pylibfst`. NoFstLibrary explains how to install it."""
+    """Return the module `pylibfst`. Raise NoFstLibrary, with how to install it, if it is missing."""
     try:
         import pylibfst
     except ImportError:
@@ -156,7 +162,10 @@ def library() -> Any:
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
-    """Write a capture. Return notes on losses. BadCapture if positions have no time, or one that is too fine."""
+    """Write a capture. Return notes on losses.
+
+    Raise BadCapture if the capture has no rate, or one that is too high for the format.
+    """
     try:
         library()
     except NoFstLibrary as error:
@@ -175,7 +184,11 @@ def write(capture: Capture, path: Path) -> tuple[str, ...]:
 
 
 def fst_bytes(per_second: Fraction, variables: Sequence[Variable], end: int) -> bytes:
-    """Return the file. per_second: times a second, a power of ten. end: the end time."""
+    """Return the bytes of a file.
+
+    per_second: the number of units of time per second, a power of ten.
+    end: the time of the end.
+    """
     fst = library()
     with TemporaryDirectory() as folder:
         path = Path(folder) / "x.fst"
@@ -186,7 +199,7 @@ def fst_bytes(per_second: Fraction, variables: Sequence[Variable], end: int) -> 
 def _write(lib: Any, null: Any, path: Path, per_second: Fraction, variables: Sequence[Variable], end: int) -> None:
     file = lib.fstWriterCreate(str(path).encode(), 1)
     lib.fstWriterSetTimescale(file, 1 - len(str(int(per_second))))
-    lib.fstWriterSetDate(file, b"")  # equal runs give equal files
+    lib.fstWriterSetDate(file, b"")  # no date, so that equal runs give equal files
     lib.fstWriterSetVersion(file, OURS.encode())
     handles = _declared(lib, null, file, [(one.name, one.width) for one in variables])
     events = [(time, number, value.encode()) for number, one in enumerate(variables) for time, value in one.changes]
@@ -202,7 +215,10 @@ def _write(lib: Any, null: Any, path: Path, per_second: Fraction, variables: Seq
 
 
 def _declared(lib: Any, null: Any, file: Any, variables: Sequence[tuple[str, int]]) -> list[int]:
-    """Declare variables and return their handles. Those of one scope are declared together, since scopes are nested."""
+    """Declare variables and return their handles.
+
+    Scopes are nested, so the variables of a scope are declared together.
+    """
     handles = [0] * len(variables)
     inside: list[str] = []
     for number in sorted(range(len(variables)), key=lambda number: variables[number][0].split(".")[:-1]):

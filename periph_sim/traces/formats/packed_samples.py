@@ -1,9 +1,9 @@
 """Decoder of packed samples: blocks of bytes are scanned once, and only the edges of each channel are kept.
 
-    block --> words --> words that differ from the one before --> their changed bits --> positions a channel
+    block --> words --> words that differ from the one before --> their changed bits --> positions per channel
 
-The comparison runs at about the speed of memory; a channel costs time only where a word changed. So memory
-and nearly all time grow with the number of edges, which is limited.
+The comparison of words runs at about the speed of memory, and a channel takes time only where a word changed. So memory
+and nearly all of the time grow with the number of edges, which is limited.
 """
 
 from __future__ import annotations
@@ -18,13 +18,13 @@ from numpy.typing import NDArray
 from ..capture import size_limits as limits
 from ..capture.capture import BadCapture, Channel
 
-BLOCK = 1 << 19  # bytes scanned at once: fits the caches of a processor
+BLOCK = 1 << 19  # bytes that are scanned at once; they fit into the caches of a processor
 
 Words = NDArray[np.unsignedinteger]
 
 
 class Mark(NamedTuple):
-    """A state of a `Scan` to return to."""
+    """A state of a `Scan` to which it can return."""
 
     length: int
     last: int
@@ -33,9 +33,12 @@ class Mark(NamedTuple):
 
 
 class Scan:
-    """Scanner of blocks of little-endian samples of `unitsize` bytes, in order. `channels` are bit -> name.
+    """Scanner of blocks of little-endian samples.
 
-    `length` is the number of whole samples so far, `rest` the bytes of an incomplete one.
+    unitsize: the number of bytes of a sample.
+    channels: the names of the channels, indexed by their bits in a sample.
+    length: the number of complete samples so far.
+    rest: the bytes of an incomplete sample.
     """
 
     def __init__(self, path: Path, unitsize: int, channels: dict[int, str]) -> None:
@@ -49,7 +52,7 @@ class Scan:
         self._last = 0
 
     def feed(self, block: bytes) -> None:
-        """Scan a block of any size. BadCapture if there are more edges than `limits` allows."""
+        """Scan a block of any size. Raise BadCapture if there are more edges than `limits` allows."""
         if self.rest:
             block = self.rest + block
         whole = len(block) - len(block) % self._unitsize
@@ -58,17 +61,17 @@ class Scan:
             self._compare(_words(memoryview(block)[:whole], self._unitsize))
 
     def mark(self) -> Mark:
-        """Return the present state, for `back`."""
+        """Return the present state, to which `back` can return."""
         return Mark(self.length, self._last, self.rest, tuple(len(edges) for edges in self._edges.values()))
 
     def back(self, mark: Mark) -> None:
-        """Discard all blocks since the mark."""
+        """Discard all blocks that were scanned after the mark."""
         self.length, self._last, self.rest = mark.length, mark.last, mark.rest
         for edges, length in zip(self._edges.values(), mark.edges, strict=True):
             del edges[length:]
 
     def channels(self) -> tuple[Channel, ...]:
-        """Return every channel, in the order given; nothing may be fed afterwards."""
+        """Return all channels in the given order. No block may be fed afterwards."""
         return tuple(
             Channel(self._names[bit], bit, self._first >> bit & 1, np.frombuffer(edges, np.int64))
             for bit, edges in self._edges.items()
@@ -79,7 +82,7 @@ class Scan:
             self._first = self._last = int(words[0])
         at = _changes(words, self._last)
         if len(at):
-            now = words[at]  # and up to the next change
+            now = words[at]  # the changed words, whose values hold up to the next change
             flips = now.copy()
             flips[1:] ^= now[:-1]
             flips[0] ^= words.dtype.type(self._last)
@@ -95,7 +98,7 @@ class Scan:
 
 
 def _changes(words: Words, last: int) -> NDArray[np.int64]:
-    """Return the places of words that differ from the one before; `last` precedes the first."""
+    """Return the places of the words that differ from the word before. last: the word before the first one."""
     differs = np.empty(len(words), np.bool_)
     differs[0] = int(words[0]) != last
     np.not_equal(words[1:], words[:-1], out=differs[1:])

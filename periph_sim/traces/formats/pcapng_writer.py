@@ -1,8 +1,8 @@
-"""Writer of pcapng, the capture file of Wireshark: from packets with their times to blocks of bytes.
+"""Writer of pcapng, the file format of Wireshark: converts packets with times to blocks of bytes.
 
-    section | interface, one a bus | packet, packet, ...
+    section | one interface per bus | packet, packet, ...
 
-Three blocks with two options are sufficient, so no library is used.
+Only three types of blocks and two options are used, so no library is needed.
 
 Source: IETF draft-ietf-opsawg-pcapng; LINKTYPE_I2C_LINUX (209) and LINKTYPE_USER0 (147) of the list of link types at
 tcpdump.org.
@@ -12,20 +12,23 @@ from __future__ import annotations
 
 from struct import pack
 
-I2C_LINUX = 209  # bus number, flags as of Linux' struct i2c_msg, then the bytes on the wire, the address first
-USER0 = 147  # content by agreement of sender and receiver: here, bytes of a serial line
+I2C_LINUX = 209  # bus number, flags as in struct i2c_msg of Linux, and the bytes on the wire with the address
+USER0 = 147  # a link type whose content is defined by its users: here, the bytes of a serial line
 READ, TEN_BITS = 0x0001, 0x0010  # flags of an I2C message
 
 COMMENT, IF_NAME, IF_TSRESOL, END = 1, 2, 9, 0
 
 
 def section() -> bytes:
-    """Return the header of a file."""
+    """Return the section block, which is the header of a file."""
     return _block(0x0A0D0D0A, pack("<IHHq", 0x1A2B3C4D, 1, 0, -1))
 
 
 def interface(link_type: int, name: str, decimals: int) -> bytes:
-    """Return the next interface, numbered from 0. decimals: those of a second in its packets' times."""
+    """Return an interface block. Interfaces are numbered from 0 in the order of their blocks.
+
+    decimals: the number of decimals of a second in the times of its packets.
+    """
     options = _option(IF_NAME, name.encode()) + _option(IF_TSRESOL, bytes([decimals])) + _option(END, b"")
     return _block(1, pack("<HHI", link_type, 0, 0) + options)
 

@@ -6,15 +6,17 @@ A zip whose members are .npy arrays, so that `numpy.load` opens it:
 
     head.npy     UTF-8 bytes of a JSON object: format, version, ticks_per_second, end, names, topics, modules, clocks,
                  capture
-        number.npy   tick.npy    differences from the record before, of the first record its values
-        topic.npy    an index into `topics`, each of which has three indices into `names`: of kind, where and what
+    number.npy   tick.npy    the differences from the record before; for the first record its values
+    topic.npy    an index into `topics`, each of which has three indices into `names`: of kind, where and what
     value.npy    text.npy    cause.npy   field.npy
 
-Each array is int8, int16, int32 or int64, as its numbers need. `text` and `field` are indices into `names`, so each
-string is stored once. `ticks_per_second` is a whole number, a fraction as text ("100000000/3"), or null. A capture has
-one "edge" record for each edge, `where` being the channel's index, and under `capture` what edges do not contain; in a
-run each wire that ever changed is a channel. `clocks` has for each unit pairs of a tick and the SYSCLKOUT from then
-on, in Hz as text.
+The type of each array is the smallest of int8, int16, int32 and int64 that holds its numbers. `text` and `field` are
+indices into `names`, so each string is stored once. `ticks_per_second` is a whole number, a fraction as text
+("100000000/3"), or null.
+
+A capture has an "edge" record for each edge, in which `where` is the index of the channel; `capture` contains all its
+other data. If a run is read as a capture, each wire that changed at least once is a channel. `clocks` has for each unit
+pairs of a tick and the SYSCLKOUT from this tick on, in Hz as text.
 """
 
 from __future__ import annotations
@@ -47,11 +49,11 @@ VERSION = 3
 STORED = ("number", "tick", "topic", "value", "text", "cause", "field")
 DIFFERENCES = ("number", "tick")
 WIDTHS = ("|i1", "<i2", "<i4", "<i8")
-MOST_BYTES = 4 << 30  # of all columns: more than 80 million records
+MOST_BYTES = 4 << 30  # maximum size of all columns together: more than 80 million records
 ROW = sum(np.dtype(dtype).itemsize for _, dtype in COLUMNS.values())
 EDGE = Kind.EDGE.value
 COPY = "copy or record it again"
-# Exceptions of numpy for a damaged head of an array, which it reads as Python.
+# Exceptions that numpy raises for a damaged header of an array, because it parses the header as a Python literal.
 UNREADABLE = (ValueError, SyntaxError, TokenError, TypeError, KeyError, AttributeError, MemoryError, RecursionError)
 
 
@@ -60,19 +62,19 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """Read the edges as a Capture, on the grid of `rate` if given. BadCapture for a file with errors."""
+    """Read the edges as a Capture, in samples of `rate` if it is given. Raise BadCapture if the file has errors."""
     head, table = _load(path)
     capture = _stored(path, head, table) if head.get("capture") is not None else _wires(path, table)
     return capture if rate is None or rate == capture.rate else _at_rate(capture, rate)
 
 
 def read_table(path: Path) -> RecordTable:
-    """Read every record, as columns. BadCapture for a file with errors."""
+    """Read all records as columns. Raise BadCapture if the file has errors."""
     return _load(path)[1]
 
 
 def holds_run(path: Path) -> bool:
-    """True if the file is a recorded run, with more in it than edges. False for any other file, or none."""
+    """Return True if the file is a recorded run, which has more than edges; False for any other or a missing file."""
     try:
         with open_regular(path) as file:
             known = recognises(path, file.read(38))
@@ -85,7 +87,7 @@ def holds_run(path: Path) -> bool:
 
 
 def write(capture: Capture, path: Path) -> None:
-    """Write all of the capture except its path."""
+    """Write a capture. Only its path is not stored."""
     channels = capture.channels
     tick = np.concatenate([np.empty(0, np.int64), *(channel.edges for channel in channels)])
     value = np.concatenate([np.empty(0, np.uint8), *(channel.levels for channel in channels)])
@@ -116,7 +118,7 @@ def write(capture: Capture, path: Path) -> None:
 
 
 def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | None = None) -> None:
-    """Write the members to an open file, the same bytes for the same table. capture: see `write`."""
+    """Write the members to an open file. Equal tables give equal bytes. capture: see `write`."""
     per_second, topics = table.per_second, table.topics()
     stated: int | str | None = None if per_second is None else str(per_second)
     if per_second is not None and per_second.denominator == 1:
@@ -138,17 +140,17 @@ def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | N
             values = arrays.get(name)
             if values is None:
                 values = _stored_as(name, topics.row if name == "topic" else table.columns[name])
-            member = zipfile.ZipInfo(f"{name}.npy")  # without the date, equal runs give equal files
+            member = zipfile.ZipInfo(f"{name}.npy")  # without a date, so that equal runs give equal files
             member.create_system = 3
             content = io.BytesIO()
             np.lib.format.write_array(content, values, allow_pickle=False)
-            # Level 1: level 6 takes three times as long for a third of the size.
+            # Level 6 would take three times as long and save about a third of the size.
             archive.writestr(member, content.getbuffer(), zipfile.ZIP_DEFLATED, 1)
 
 
 def _stored_as(name: str, values: NDArray[Any]) -> NDArray[Any]:
     if name in DIFFERENCES:
-        values = np.diff(values, prepend=values.dtype.type(0))  # modulo 2**64, as their later summation
+        values = np.diff(values, prepend=values.dtype.type(0))  # modulo 2**64, like the summation when they are read
     least, most = (int(values.min()), int(values.max())) if len(values) else (0, 0)
     narrow = next(width for width in WIDTHS if np.iinfo(width).min <= least and most <= np.iinfo(width).max)
     return values.astype(narrow)
@@ -186,7 +188,7 @@ def _member(path: Path, archive: zipfile.ZipFile, name: str) -> tuple[IO[bytes],
 
 
 def _column(path: Path, archive: zipfile.ZipFile, name: str, dtypes: tuple[str, ...]) -> NDArray[Any]:
-    """Read the array of a member, whose type and size are checked before memory is allocated."""
+    """Read the array of a member. Its type and size are checked before memory is allocated."""
     file, size = _member(path, archive, name)
     with file:
         try:
@@ -225,7 +227,7 @@ def _head(path: Path, archive: zipfile.ZipFile) -> dict[str, Any]:
 
 
 def _topics(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]]) -> Topics:
-    """Return the topics of the file, and replace its columns by all of COLUMNS."""
+    """Return the topics of the file, and convert `columns` in place from the stored columns to those of COLUMNS."""
     row = columns.pop("topic")
     try:
         given = [[_whole(place) for place in topic] for topic in head["topics"]]
@@ -248,7 +250,7 @@ def _topics(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]]) 
 
 
 def _table(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]], topics: Topics) -> RecordTable:
-    """Build the table after checking head and columns against each other."""
+    """Build the table after checking that the head and the columns agree."""
     try:
         names = {name: tuple(_strings(head["names"][name])) for name in TABLES}
         end = _whole(head["end"])
@@ -275,7 +277,7 @@ def _strings(given: Any) -> list[str]:
 
 
 def _clock(given: Any) -> tuple[tuple[int, Fraction], ...]:
-    """Parse rising ticks, each with a frequency. ValueError otherwise."""
+    """Parse pairs of a tick and a frequency. Raise ValueError if they are invalid or the ticks do not increase."""
     found = tuple((_whole(tick), Fraction(hz)) for tick, hz in given)
     if not found or any(hz <= 0 for _, hz in found) or any(one[0] > other[0] for one, other in pairwise(found)):
         raise ValueError("a clock that is none")
@@ -297,7 +299,7 @@ def _rate(given: Any) -> Fraction | None:
 
 
 def _wires(path: Path, table: RecordTable) -> Capture:
-    """Return each wire of a run that ever changed, in the order of first changes, from its first tick to its end."""
+    """Return the whole run as a capture of each wire that changed at least once, in the order of first changes."""
     rows = table.rows(Kind.EDGE)
     if (np.diff(table.tick[rows], prepend=0) < 0).any():
         _bad(path, "tick.npy", "an edge before the one above", "times that rise from 0")
@@ -308,7 +310,7 @@ def _wires(path: Path, table: RecordTable) -> Capture:
     for index, place in enumerate(places[np.argsort(firsts)].tolist()):
         own = rows[where == place]
         levels = (table.value[own] != 0).astype(np.uint8)
-        # The level at tick 0, if no edge gives it, is the opposite of the first.
+        # If there is no edge at tick 0, the level there is the opposite of that after the first edge.
         at, states = np.append(0, table.tick[own]), np.append(1 - levels[0], levels)
         channels.append(channel_of_states(table.names["where"][place], index, at, states, length))
     if not channels:
@@ -347,7 +349,10 @@ def _channel(table: RecordTable, place: int, entry: dict[str, Any], length: int)
 
 
 def _at_rate(capture: Capture, rate: Fraction) -> Capture:
-    """Convert to a rate. Samples just get this rate; ticks become its samples, BadCapture if one is off the grid."""
+    """Convert a capture to a rate. For samples, only the stated rate changes; ticks are converted to samples.
+
+    Raise BadCapture if a tick is between two samples.
+    """
     ratio = capture.rate
     if capture.sampled or ratio is None:
         return replace(capture, rate=rate)

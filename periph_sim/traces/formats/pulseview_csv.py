@@ -1,17 +1,17 @@
-"""CSV by sigrok-cli, PulseView and DSView: comments, and a row for each sample (or change, with a time column).
+"""CSV files of sigrok-cli, PulseView and DSView: comments, and a row for each sample, or with a time for each change.
 
     ; Channels (2/8): SCL, SDA        names
     ; Samplerate: 4 MHz               rate; DSView: Sample rate
     SCL,SDA | logic,logic | microseconds,logic,logic | Time,SCL,SDA | Time(s), SCL, SDA | no header
     1,1
 
-Times are counted from the first row: libsigrok 0.5 prints them one sample period late, older ones do
-not, and the first row is the first sample either way. Their unit is the header's, else the coarsest
-in which a sample period is at least 1, as the writer chooses it.
+Times are counted from the first row, which is the first sample: libsigrok 0.5 prints times one sample period late, and
+older versions do not. Their unit is that of the header. If it states none, the unit is the coarsest in which a sample
+period is at least 1, which the writer chooses.
 
-Chosen: without a time column every row is a sample. The separator is the first of comma, tab, semicolon,
-bar and blank that is in the first row. In a block of regular rows only the times of those that change a
-level, and of the last, are read.
+Chosen: without a time column, every row is a sample. The separator is the first of comma, tab, semicolon, bar and blank
+that occurs in the first row. In a block of regular rows, only the times of the last row and of rows that change a level
+are read.
 """
 
 from __future__ import annotations
@@ -61,7 +61,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """Read the capture; `rate` overrides the file's. BadCapture names the line."""
+    """Read the capture. Raise BadCapture with the line of an error. rate: overrides the rate that the file states."""
     with path.open("rb") as file:
         return _read(path, file, rate, salvage)
 
@@ -75,7 +75,7 @@ class Head:
     separator: str = ","
     timed: bool = False
     unit: str | None = None
-    lines: int = 0  # of comments and header
+    lines: int = 0  # number of lines of the comments and the header
 
 
 def _read(path: Path, file: BinaryIO, rate: Fraction | None, salvage: bool) -> Capture:
@@ -108,13 +108,13 @@ def _read(path: Path, file: BinaryIO, rate: Fraction | None, salvage: bool) -> C
 
 
 def _channel(name: str, index: int, at: Positions, levels: np.ndarray[tuple[int], np.dtype[np.uint8]]) -> Channel:
-    """Build a channel. The first state is that of position 0; unchanged states are dropped."""
+    """Build a channel from its levels at some positions. The first of them is the level at position 0."""
     turned = np.flatnonzero(levels[1:] != levels[:-1]) + 1
     return Channel(name, index, int(levels[0]), at[turned])
 
 
 def _blocks(path: Path, file: BinaryIO) -> Iterator[bytes]:
-    """Yield whole lines, about BLOCK bytes at a time."""
+    """Yield blocks of whole lines with about BLOCK bytes each."""
     rest = b""
     while piece := file.read(BLOCK):
         rest += piece
@@ -130,7 +130,7 @@ def _blocks(path: Path, file: BinaryIO) -> Iterator[bytes]:
 
 
 def _head(path: Path, block: bytes) -> tuple[Head, bytes]:
-    """Return (contents of comments and header, the lines after them): all of them are in the first block."""
+    """Parse the comments and the header, all of which are in the first block. Return them and the rest of the block."""
     head = Head()
     at = len(BOM) if block.startswith(BOM) else 0
     while at < len(block):
@@ -160,7 +160,7 @@ def _comment(path: Path, head: Head, line: str) -> None:
 
 
 def _header(path: Path, head: Head, line: str) -> bool:
-    """Take separator, names and time column from the first row. True if it is a header and not samples."""
+    """Set separator, names and time column from the first row. Return True if it is a header, False for samples."""
     head.separator = next((mark for mark in SEPARATORS if mark in line), ",")
     if line.count(head.separator) > limits.MOST_CHANNELS:
         found, most = f"{line.count(head.separator) + 1} columns", f"at most {limits.MOST_CHANNELS}"
@@ -192,7 +192,7 @@ def _header(path: Path, head: Head, line: str) -> bool:
 def _timed(
     path: Path, head: Head, rows: Rows, notes: list[str]
 ) -> tuple[Positions, int, Fraction, np.ndarray[tuple[int, int], np.dtype[np.uint8]]]:
-    """Return (position of each row with a change, from the first row on, length, positions a second, levels)."""
+    """Convert rows with times. Return (positions of rows with a change, length, positions per second, levels)."""
     if head.rate is None and head.unit is None:
         raise BadCapture(path, "the header", "times without unit or samplerate", "one of them", "export with comments")
     if head.unit is not None:
@@ -216,7 +216,7 @@ def _timed(
         raise BadCapture(
             path, "its times", "times that need over 64 bits", "times of one kind", "export again"
         ) from None
-    counts = np.append(positions[1:] != positions[:-1], True)  # the last of several rows of one sample counts
+    counts = np.append(positions[1:] != positions[:-1], True)  # if several rows are of one sample, the last one counts
     if not counts.all():
         lost = len(counts) - int(counts.sum())
         notes.append(f"rows ignored, since the next row has the same sample: {lost}")
@@ -224,7 +224,10 @@ def _timed(
 
 
 def _since_first(at: Positions, decimals: int, last: Time) -> tuple[int, Positions, int]:
-    """Return (decimals, times, last time) on one scale, counted from the first time. OverflowError beyond 64 bits."""
+    """Return a common number of decimals, and the times and the last time with it, counted from the first time.
+
+    Raise OverflowError beyond 64 bits.
+    """
     finer = max(last.decimals - decimals, 0)
     first = int(at[0]) * 10**finer
     end = last.scaled(decimals + finer) - first

@@ -1,12 +1,12 @@
-"""Saleae's binary export, versions 0 and 1: one file for each channel, or their folder.
+"""Reader of Saleae's binary exports, versions 0 and 1: the file of one channel, or the folder of all.
 
     <SALEAE> version type | v0: level begin end count times... | v1: chunks of level rate begin end count times...
 
-Times are float64 seconds. They are put on the sampling grid (v1 states it, v0 needs `rate`), else on
+Times are float64 seconds. They are converted to samples (v1 states the rate, v0 needs `rate`), or without a rate to
 nanoseconds, as in the vendor's CSV of the same capture.
 
-Chosen: position 0 is the earliest begin of all files. Time between chunks is unknown. With salvage a
-channel is unknown after its damage.
+Chosen: position 0 is the earliest beginning of all files. Levels between chunks are unknown. With salvage, the levels
+of a channel are unknown after its damage.
 
 Source: Saleae's published export formats, binary digital version 0 and the 2025 update.
 """
@@ -34,24 +34,27 @@ SUFFIXES = (".bin", "/")
 MARK = b"<SALEAE>"
 KINDS = {1: "analogue data", 100: "a piece of a Logic 2 session"}
 NANOSECONDS = Fraction(10**9)
-OFF_GRID = 0.02  # of a sample: far more than float64 loses, far less than a wrong rate gives
+OFF_GRID = 0.02  # tolerance in samples: far above the errors of float64, far below those of a wrong rate
 MOST_POSITIONS = float(1 << 62)
-BLOCK = 1 << 16  # times read at once
+BLOCK = 1 << 16  # number of times that are read at once
 OR_SALVAGE = ", or read the intact part with --salvage"
 
 
 @dataclass(frozen=True)
 class Chunk:
-    """A part without gaps: level at its begin, place of the times of change in the file; times in seconds."""
+    """A part of a channel without gaps: the level at its beginning and the place of its changes in the file.
+
+    Times are in seconds.
+    """
 
     initial: int
     rate: float | None
     begin: float
     end: float
-    place: int  # of the chunk, in bytes
-    at: int  # of its times
+    place: int  # place of the chunk in the file, in bytes
+    at: int  # place of its times in the file, in bytes
     count: int
-    cut: bool = False  # the file ends within its times
+    cut: bool = False  # True if the file ends within its times
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -59,7 +62,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """Read the capture of one file, or of all `digital_N.bin` of a folder. BadCapture names file and byte."""
+    """Read the capture of one file, or of all `digital_N.bin` of a folder.
+
+    Raise BadCapture with the file and byte of an error.
+    """
     files = _files(path) if path.is_dir() else {_number(path) or 0: path}
     if not files:
         raise BadCapture(path, "the folder", "no digital_N.bin", "one file a channel", "export digital data as binary")
@@ -91,7 +97,7 @@ class _Grid:
         self._strict = rate is not None
 
     def places(self, path: Path, times: NDArray[np.float64]) -> Positions:
-        """Return the positions of changes. BadCapture if one is between two samples of a known rate."""
+        """Return the positions of changes. Raise BadCapture if the rate is known and one is between two samples."""
         exact = self._exact(path, times)
         near = np.rint(exact)
         off = np.abs(exact - near) > OFF_GRID
@@ -101,11 +107,11 @@ class _Grid:
         return near.astype(np.int64)
 
     def nearest(self, path: Path, time: float) -> int:
-        """Return the position nearest to a begin or an end, which real files also have between samples."""
+        """Return the position nearest to a beginning or an end, which is between two samples in some real files."""
         return round(float(self._exact(path, np.array([time]))[0]))
 
     def _exact(self, path: Path, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        with np.errstate(over="ignore"):  # what does not fit is refused below
+        with np.errstate(over="ignore"):  # values that do not fit are rejected below
             exact = (times - self._begin) * self._rate
         if not np.all(np.abs(exact) < MOST_POSITIONS):
             raise BadCapture(path, "its times", "a time beyond 64 bits", "seconds", "export it again")
@@ -113,7 +119,7 @@ class _Grid:
 
 
 class _Line:
-    """Reader of the edges of one file, in blocks. Damage is an error without `notes`, else a note."""
+    """Reader of the edges of one file, in blocks. Damage is added to `notes`, or is an error if `notes` is None."""
 
     def __init__(self, path: Path, grid: _Grid, notes: list[str] | None) -> None:
         self._path = path
@@ -130,7 +136,7 @@ class _Line:
                 begin = self._grid.nearest(self._path, chunk.begin)
                 if begin > known_to:
                     unknown.append(Span(known_to, begin))
-                if chunk.initial != level:  # it changed in the gap
+                if chunk.initial != level:  # the level changed in the gap between chunks
                     self._flips.append(begin)
                 before = len(self._flips)
                 end = self._changes(file, chunk)
@@ -170,7 +176,10 @@ class _Line:
 
 
 def _odd(flips: Positions) -> Positions:
-    """Return the positions, which do not fall, that occur an odd number of times: two changes at one cancel out."""
+    """Return the positions that occur an odd number of times; two changes at one position cancel out.
+
+    flips: positions that do not decrease.
+    """
     firsts = np.flatnonzero(np.diff(flips, prepend=-1))
     if len(firsts) == len(flips):
         return flips
@@ -190,7 +199,7 @@ def _number(path: Path) -> int | None:
 
 
 def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
-    """Read the chunks of a file, without their times. With `notes`, those before any damage."""
+    """Read the chunks of a file without their times. If `notes` is given, chunks after damage are left out."""
     try:
         opened = open_regular(path)
     except OSError as error:
@@ -210,7 +219,8 @@ def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
         count = cursor.read("Q")[0] if version else 1
         chunks: list[Chunk] = []
         try:
-            for _ in range(min(count, cursor.left)):  # a chunk is more than a byte: no count makes a long loop
+            # A chunk has at least a byte, so a wrong count does not cause a long loop.
+            for _ in range(min(count, cursor.left)):
                 chunk = _chunk(cursor, version, notes)
                 if chunks and chunk.begin < chunks[-1].end:
                     found = "one that begins before the last ends"
@@ -252,7 +262,7 @@ def _chunk(cursor: _Cursor, version: int, notes: list[str] | None) -> Chunk:
 
 
 class _Cursor:
-    """Sequential reader of a file's bytes; BadCapture at a cut."""
+    """Sequential reader of a file's bytes. It raises BadCapture if the file ends too early."""
 
     def __init__(self, path: Path, file: BinaryIO) -> None:
         self.path = path

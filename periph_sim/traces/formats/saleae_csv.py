@@ -1,4 +1,4 @@
-"""Saleae's CSV of digital data, Logic 2 and Logic 1.x (KingstVIS writes the latter): rows of changes.
+"""Saleae's CSV files of digital data: rows of changes, by Logic 2 or Logic 1.x. KingstVIS writes the latter form.
 
     Time [s],Channel 0,Channel 1      Logic 2: the first row is the start, the last row the end
     Time[s], SCL, SDA                 Logic 1.x: blanks after commas, no row for the end
@@ -6,8 +6,8 @@
 Chosen: position 0 is the first row, whatever its time. Without a rate, positions are nanoseconds, or
 finer if some row needs it. `X` means that the level is unknown.
 
-Written as Logic 2 does, with a row for the end, with nine decimals or as many as the rate needs to be exact.
-If no number of decimals is exact (24 MHz) times are rounded so finely that a reader that knows the rate
+Captures are written in the form of Logic 2, with a row for the end. Times have nine decimals, or as many as are needed
+to be exact. If no number of decimals is exact (24 MHz), times are rounded so finely that a reader that knows the rate
 gets the same samples.
 """
 
@@ -42,9 +42,9 @@ SUFFIXES = (".csv",)
 
 HEADER = re.compile(rb'(?:\xef\xbb\xbf)?"?Time ?\[s\]"?[,\r\n]')
 STATES = {"0": 0, "1": 1, "X": UNKNOWN, "x": UNKNOWN}
-MOST_CELLS = MOST_EDGES  # a byte each while reading
+MOST_CELLS = MOST_EDGES  # maximum number of cells; a cell takes a byte while the file is read
 MOST_POSITIONS = 1 << 62
-ROUNDED_TO = 10  # units of the last decimal in a sample, at least, if decimals are not exact
+ROUNDED_TO = 10  # minimum units of the last decimal in a sample, if times are not exact
 CELLS = "01X"
 NO_END = "the format has no row for the end, so the last change is used"
 
@@ -63,7 +63,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """Read the capture on the grid of `rate`, or in ticks of the time stamps. BadCapture names the line."""
+    """Read the capture on the grid of `rate`, or in ticks of the time stamps.
+
+    Raise BadCapture with the line of an error.
+    """
     with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
         rows = csv.reader(file, skipinitialspace=True)
         try:
@@ -73,7 +76,10 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
-    """Write a capture. Return notes on rounded times. BadCapture if positions have no time, or one that is too fine."""
+    """Write a capture. Return notes on rounded times.
+
+    Raise BadCapture if positions have no time, or one that is too fine.
+    """
     decimals, exact = decimals_for(capture, LEAST_DECIMALS, ROUNDED_TO)
     per_second = 10**decimals
     rate = capture.rate or Fraction(per_second)
@@ -100,21 +106,21 @@ def write(capture: Capture, path: Path) -> tuple[str, ...]:
 
 
 class _Table:
-    """The rows so far: for each the time since the first, in ticks, and its states."""
+    """The rows so far. Each has its time since the first row, in ticks, and the states of the channels."""
 
     def __init__(self, path: Path, names: list[str]) -> None:
         self._path = path
         self._columns = len(names) + 1
-        self.ticks: array[int] | list[int] = array("q")  # a list if one is beyond 64 bits
+        self.ticks: array[int] | list[int] = array("q")  # a list if a value exceeds 64 bits
         self.lines = array("q")  # the line of each row
-        self._kinds: dict[tuple[str, ...], int] = {}  # the few combinations of cells, numbered
+        self._kinds: dict[tuple[str, ...], int] = {}  # numbers of the combinations of cells, which are few
         self._states: list[list[int]] = []  # states of each combination
         self._rows = array("I")  # the combination of each row
         self.decimals = LEAST_DECIMALS
         self._first = self._last = 0
 
     def add(self, row: list[str], line: int) -> None:
-        """Add a row. BadCapture names the line if the row is malformed or its time falls."""
+        """Add a row. Raise BadCapture, with its line, if the row is malformed or its time decreases."""
         if len(row) != self._columns:
             raise self.bad(line, f"{len(row)} columns", f"{self._columns} as in line 1", "export it again")
         try:
@@ -158,7 +164,7 @@ class _Table:
         return np.array([states[index] for states in self._states], np.uint8)[np.frombuffer(self._rows, np.uint32)]
 
     def positions(self, rate: Fraction | None) -> tuple[Positions, Fraction]:
-        """Return (position of each row counted from the first, positions a second)."""
+        """Return the position of each row, counted from the first row, and the number of positions per second."""
         ticks, decimals = self.ticks, self.decimals
         many = np.array(ticks, object) if isinstance(ticks, list) else np.frombuffer(ticks, np.int64)
         while decimals > LEAST_DECIMALS and not (many % 10).any():

@@ -1,11 +1,11 @@
-"""sigrok sessions, `.sr`: a zip of metadata and packed samples, read and written (as version 2).
+"""Sessions of sigrok, `.sr`: zip archives of metadata and packed samples. They are written in version 2.
 
-    logic-1 | logic-1-1, -2, ... -10 --> blocks of samples --> edges a channel
-    edges a channel --> words --> chunks logic-1-1, -2, ... of 4 MiB
+    logic-1 | logic-1-1, -2, ... -10 --> blocks of samples --> edges per channel
+    edges per channel --> words --> chunks logic-1-1, -2, ... of 4 MiB
 
-Chosen: a file that names no probe at all has all of `total probes`, called 0, 1, ...; if only some
-are named, the others were not captured. With salvage, a damaged chunk and all after it are dropped,
-unless the file merely ends there or it is the first.
+Chosen: if a file names no probes, it has `total probes` of them with the names 0, 1, and so on; if it names some, the
+others were not captured. With salvage, a damaged chunk and all later ones are left out. Of a chunk in which the file
+ends, and of the first chunk, the samples before the damage are kept.
 
 Source: sigrok's file format as its own tools write and read it (libsigrok 0.1 to 0.6 files).
 """
@@ -36,19 +36,19 @@ SUFFIXES = (".sr",)
 SAMPLES_ONLY = True
 
 WHAT = "sigrok session"
-CHUNK = 1 << 22  # bytes of a chunk, as sigrok's own writer makes them
-MOST_WIDE = 64  # channels: 8 bytes a sample
-LONG_AGO = (1980, 1, 1, 0, 0, 0)  # fixed, so that equal captures give equal files
+CHUNK = 1 << 22  # bytes of a chunk, the same as for sigrok's own writer
+MOST_WIDE = 64  # maximum number of channels, which is 8 bytes per sample
+LONG_AGO = (1980, 1, 1, 0, 0, 0)  # a fixed date, so that equal captures give equal files
 SALVAGE = "read the intact part with --salvage"
 
 
 @dataclass(frozen=True)
 class Metadata:
-    """Contents of the member `metadata` about the first device."""
+    """The data about the first device in the member `metadata`."""
 
     capturefile: str
     unitsize: int
-    probes: dict[int, str]  # bit of the sample -> name
+    probes: dict[int, str]  # names of the probes, indexed by their bits in a sample
     samplerate: str | None
 
 
@@ -57,7 +57,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """Read the capture; `rate` overrides the file's samplerate. BadCapture if zip, metadata or samples are broken."""
+    """Read the capture; `rate` overrides the file's samplerate.
+
+    Raise BadCapture if zip, metadata or samples are broken.
+    """
     with Archive(path, WHAT, salvage) as archive:
         if (version := archive.text("version").strip()) not in ("1", "2"):
             raise BadCapture(path, "version", repr(version[:40]), "1 or 2", "save it with sigrok 0.7")
@@ -77,7 +80,10 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 
 
 def _scanned(archive: Archive, member: str, scan: Scan, notes: list[str] | None) -> bool:
-    """True if all samples of a member are intact. Damage is an error without `notes`, else a note."""
+    """Scan the samples of a member. Return True if all are intact.
+
+    Damage is added to `notes`, or is an error if `notes` is None.
+    """
     before = scan.mark()
     try:
         for block in archive.blocks(member, BLOCK):
@@ -100,9 +106,9 @@ def _scanned(archive: Archive, member: str, scan: Scan, notes: list[str] | None)
 
 
 def _sample_members(path: Path, archive: Archive, capturefile: str, notes: list[str] | None) -> list[str]:
-    """Return the members that hold samples, in order: a single one, or chunks by number (10 after 9).
+    """Return the members that contain samples: a single one, or chunks in the order of their numbers (10 after 9).
 
-    A missing number is an error, or ends the list if there are `notes`.
+    If a number is missing, the list ends there, or it is an error if `notes` is None.
     """
     chunk = re.compile(re.escape(capturefile) + r"-(\d{1,9})", re.ASCII)
     numbered = {int(match[1]): name for name in archive.members if (match := chunk.fullmatch(name))}
@@ -156,14 +162,17 @@ def _number(path: Path, keys: dict[str, str], key: str, least: int, most: int) -
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...] | None:
-    """Write version 2, the channels in order as bits from 0. BadCapture if sigrok could not read it."""
+    """Write a capture in version 2. The channels are the bits from 0 on, in order.
+
+    Raise BadCapture if sigrok could not read the file.
+    """
     _check_writable(capture, path)
     with path.open("wb") as file:
         return write_to(file, capture)
 
 
 def write_to(file: IO[bytes], capture: Capture) -> tuple[str, ...] | None:
-    """Write to an open file a capture with up to 64 channels and a whole number of samples a second."""
+    """Write a capture to an open file. It has up to 64 channels and a whole number of samples per second."""
     channels = capture.channels
     unitsize = next(size for size in (1, 2, 4, 8) if len(channels) <= 8 * size)
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -178,7 +187,7 @@ def write_to(file: IO[bytes], capture: Capture) -> tuple[str, ...] | None:
 
 
 def _check_writable(capture: Capture, path: Path) -> None:
-    """Raise BadCapture with all obstacles at once, and the options that remove them."""
+    """Raise BadCapture if a capture cannot be written, with all reasons and the options that remove them."""
     found, expected, options = [], [], []
     if not 1 <= (count := len(capture.channels)) <= MOST_WIDE:
         found.append(f"{count} channels")
@@ -199,7 +208,7 @@ def _check_writable(capture: Capture, path: Path) -> None:
 
 
 def _few_names(capture: Capture) -> list[str]:
-    """Return the first lines named like those of a bus or serial line, else the first two."""
+    """Return the first channels that are named like those of a bus or a serial line, or else the first two."""
     usual = [found[0].name for line in ("scl", "sda", "rx", "tx") if (found := channels_named(capture, line))]
     return usual or [channel.name for channel in capture.channels[:2]]
 
@@ -238,7 +247,7 @@ def _described(capture: Capture, unitsize: int) -> str:
 
 
 def _chunks(capture: Capture, unitsize: int) -> Iterator[NDArray[np.unsignedinteger]]:
-    """Yield the samples as words, a chunk at a time: each edge inverts its bit from there on."""
+    """Yield chunks of samples as words. Each edge inverts the bit of its channel from there on."""
     samples = CHUNK // unitsize
     word = sum(channel.initial << bit for bit, channel in enumerate(capture.channels))
     for begin in range(0, capture.length, samples):

@@ -1,10 +1,10 @@
-"""CSV with a unit in every column's title, read as names, units and float64 columns.
+"""Reader of CSV files with a unit in the title of each column: returns names, units and float64 columns.
 
     time [s],phi [deg],ax [g]
     0.00,1.5,0.01
 
-The first line holds the titles; every other line has one finite number a column. Errors name their line
-(BadCapture). Read as arrays; line by line only to find an error.
+The first line contains the titles; every other line has one finite number per column. Files are read as arrays, and
+line by line only to find the line of an error for BadCapture.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ..capture.capture import BadCapture
 
 Floats = NDArray[np.float64]
 
-LARGEST = 1 << 30  # bytes: weeks of a sensor's values
+LARGEST = 1 << 30  # maximum size of a file in bytes, which is weeks of a sensor's values
 TITLE = re.compile(r"\s*(\S[^\[\]]*?)\s*\[\s*([^\[\]]*?)\s*\]\s*")
 WRITTEN = "a title such as 'time [s]' or 'phi [deg]' for every column"
 
@@ -40,7 +40,10 @@ class Column:
 
 
 def read(path: Path) -> list[Column]:
-    """Read the columns in the order of the file, of equal length, with at least one row. BadCapture for errors."""
+    """Read the columns in the order of the file. They have equal lengths and at least one row.
+
+    Raise BadCapture if the file has errors.
+    """
     try:
         with open_input(path, LARGEST) as file:
             head = file.readline().decode("utf-8-sig")
@@ -65,7 +68,10 @@ def read(path: Path) -> list[Column]:
 
 
 def line_of_row(path: Path, row: int) -> int:
-    """Return the line of a row of numbers, counted from 0; the file may contain blank lines."""
+    """Return the line number of a row of numbers, which differs from the row's if the file contains blank lines.
+
+    row: the number of the row, counted from 0.
+    """
     return next(line for number, (line, _) in enumerate(_rows(path)) if number == row)
 
 
@@ -77,7 +83,7 @@ def _title(path: Path, cell: str) -> tuple[str, str]:
 
 
 def _numbers(path: Path, columns: int) -> Floats:
-    """Return the numbers, shape (rows, columns), all finite."""
+    """Return the numbers, all of which are finite, in the shape (rows, columns)."""
     import warnings
 
     try:
@@ -110,7 +116,7 @@ def _first_wrong(path: Path, columns: int) -> BadCapture:
 
 
 def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
-    """Yield every row after the titles, with its line."""
+    """Yield the line number and the cells of every row after the titles."""
     with path.open(encoding="utf-8-sig", newline="") as file:
         rows = csv.reader(file)
         next(rows, None)

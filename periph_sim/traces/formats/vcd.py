@@ -1,19 +1,20 @@
 """Value change dumps (IEEE 1364, four-state), read as edges at integer ticks, and written.
 
-    lines of bytes --> one array of positions and one of states a bit --> Channel
+    lines of bytes --> one array of positions and one of states per bit --> Channel
 
-Read line by line and not with pyvcd's reader, which goes byte by byte, rejects the spaces that sigrok's users put
-into channel names and the non-ASCII letters in comments, and accepts a truncated file; nor with wellen, which reads
-FST for us, since it loses the end of a capture and the declared ranges of vectors.
+pyvcd's reader is not used: it reads byte by byte, rejects the spaces that sigrok's users put into channel names and
+non-ASCII letters in comments, and accepts truncated files. wellen, which reads FST for us, is not used either: it loses
+the end of a capture and the declared ranges of vectors.
 
 Chosen:
-- Tick 0 of the file is position 0; before the first `#` levels are unknown, unless values precede it.
+- Tick 0 of the file is position 0. Levels before the first `#` are unknown, unless values are given before it.
 - `z` is high (a released open-drain line); `x` and the VHDL states other than 0 and 1 are unknown.
-- A vector is a channel for each bit, `name[k]`. Reals, strings, events and parameters are ignored.
-- A last `#N` with nothing after it is the end: N positions. Else the last change is the last position.
-- With salvage the changes before an error are kept, if lines were declared and there was a time.
-- pyvcd writes, in the coarsest timescale in which a sample is a whole number of ticks. At rates such as 24 MHz there is
-  none: then times are rounded to a tick so fine that a reader that knows the rate gets the same samples back.
+- Each bit of a vector is a channel, `name[k]`. Reals, strings, events and parameters are ignored.
+- A last `#N` without changes after it is the end, so that the length is N positions. Otherwise the last change is at
+  the last position.
+- With salvage, the changes before an error are kept if lines were declared and there was a time.
+- pyvcd writes the files, in the coarsest timescale in which a sample is a whole number of ticks. Rates such as 24 MHz
+  have no such timescale; times are then rounded so finely that a reader that knows the rate gets the same samples.
 """
 
 from __future__ import annotations
@@ -34,21 +35,24 @@ from ..capture.grid import decimals_for, nearest, on_grid
 from ..capture.sampling import rate_text
 from ..capture.size_limits import MOST_EDGES
 
-SECONDS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}  # decimals of each unit
+SECONDS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}  # number of decimals of a second for each unit
 MOST_TICKS = 1 << 62
-ROUNDED_TO = 1000  # ticks in a sample, at least, if the timescale does not divide it
+ROUNDED_TO = 1000  # minimum number of ticks in a sample, if a sample is not a whole number of ticks
 LETTERS = "01x"
-OURS, SCOPE = "periph-sim", "capture"  # variables need a scope; reading our own files drops it
+OURS, SCOPE = "periph-sim", "capture"  # variables need a scope, which is removed when our own files are read
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
-    """Write a capture. Return notes on losses. BadCapture if positions have no time, or it is too fine or too long."""
+    """Write a capture. Return notes on losses.
+
+    Raise BadCapture if positions have no time, or it is too fine or too long.
+    """
     with path.open("w", encoding="utf-8", newline="\n") as file:
         return write_to(file, capture)
 
 
 def write_to(file: IO[str], capture: Capture, scope: tuple[str, ...] = (SCOPE,)) -> tuple[str, ...]:
-    """Write to an open file. scope: prefix of all names."""
+    """Write a capture to an open file. scope: the scopes in which all variables are declared."""
     from vcd import VCDWriter
 
     scale, per_second, notes = timescale_of(capture)
@@ -75,7 +79,7 @@ def write_to(file: IO[str], capture: Capture, scope: tuple[str, ...] = (SCOPE,))
 
 
 def timescale_of(capture: Capture) -> tuple[str, Fraction, list[str]]:
-    """Return (`10 ns`, its ticks a second, a note if samples are not whole ticks)."""
+    """Return the timescale, such as `10 ns`, its ticks per second, and a note if samples are not whole ticks."""
     decimals, exact = decimals_for(capture, 0, ROUNDED_TO, ", or a whole number of femtoseconds a sample")
     unit, size = next((unit, size) for unit, size in SECONDS.items() if size >= decimals)
     scale = f"{10 ** (size - decimals)} {unit}"
@@ -87,7 +91,7 @@ def timescale_of(capture: Capture) -> tuple[str, Fraction, list[str]]:
 
 
 def channel_names(capture: Capture) -> list[str]:
-    """Return names without blanks, without empty parts, and without duplicates."""
+    """Return the names of the channels without blanks and empty parts. Duplicates are made unique."""
     names: list[str] = []
     for channel in capture.channels:
         parts = [re.sub(r"\s+|^\$", "_", part.strip()) for part in channel.name.split(".")]
@@ -107,9 +111,9 @@ STATES = {
 }
 TIME, COMMAND = ord("#"), ord("$")
 NO_LEVELS = {"parameter", "real", "realtime", "real_parameter", "string", "event", "time"}
-WIDEST = 1024  # bits of a vector
-MOST_LINES = 1 << 18  # bits declared
-LONGEST = 1 << 20  # bytes of a line
+WIDEST = 1024  # maximum number of bits of a vector
+MOST_LINES = 1 << 18  # maximum number of bits of all declared variables
+LONGEST = 1 << 20  # maximum number of bytes of a line
 
 
 class Line:
@@ -127,7 +131,10 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """Read the capture in ticks of the file's timescale, or samples if `rate` is given. BadCapture names the line."""
+    """Read the capture in ticks of the file's timescale, or samples if `rate` is given.
+
+    Raise BadCapture with the line of an error.
+    """
     with path.open("rb") as file:
         lines = iter(partial(file.readline, LONGEST), b"")
         return _Reader(path, lines, salvage).read(rate)
@@ -139,15 +146,15 @@ class _Reader:
         self._numbered = enumerate(lines, 1)
         self._salvage = salvage
         self._notes: tuple[str, ...] = ()
-        self._words: list[bytes] = []  # the rest of the line, backwards
+        self._words: list[bytes] = []  # the remaining words of the line in reverse order
         self._per_second: Fraction | None = None
         self._scopes: list[str] = []
         self._ours = False
         self._names: list[tuple[str, Line]] = []
-        self._lines: dict[bytes, list[Line]] = {}  # identifier -> its bits, most significant first
+        self._lines: dict[bytes, list[Line]] = {}  # for each identifier its bits, most significant first
         self._now = 0
-        self._timed = False  # a `#` was read
-        self._moved = False  # a change was read since
+        self._timed = False  # True if a `#` was read
+        self._moved = False  # True if a change was read after it
 
     def read(self, rate: Fraction | None) -> Capture:
         try:
@@ -163,8 +170,8 @@ class _Reader:
         return self._capture(rate)
 
     def _parse(self) -> None:
-        """Parse the lines. The common ones, a time or the change of a scalar, are handled here."""
-        simple: dict[bytes, tuple[Line, int]] = {}  # a whole line -> (bit, its new state)
+        """Parse the lines. Common lines, which are times and changes of scalars, are handled here for speed."""
+        simple: dict[bytes, tuple[Line, int]] = {}  # for the text of a line, the bit that it changes and its new state
         now = self._now
         changes = 0
         for number, text in self._numbered:
@@ -191,7 +198,7 @@ class _Reader:
             while self._words:
                 self._word(number, self._words.pop())
             now = self._now
-            changes += len(words)  # at most
+            changes += len(words)  # an upper bound
             if changes > MOST_EDGES:
                 self._too_many(number)
             if len(words) == 1 and words[0][0] in STATES and len(simple) < MOST_LINES:
@@ -272,7 +279,7 @@ class _Reader:
             if now < self._now:
                 self._bad(number, f"time {now} after {self._now}", "times that rise", "write the dump again")
             return
-        if not self._timed or now > self._now:  # values before the first # hold from the start
+        if not self._timed or now > self._now:  # values before the first # are valid from the start
             self._timed = True
             self._now = now
             self._moved = False

@@ -1,8 +1,8 @@
-"""WaveDrom's JSON, for a picture of a short window in a document: a line of bricks for each channel.
+"""Writer of WaveDrom's JSON, for a picture of a short window in a document. Each channel is a line of bricks.
 
     SCL  11100111...     a brick is the largest step that divides the times of all edges
 
-Written only. Bricks are all equally long, so the picture is true to scale; a window that needs too many is an error.
+All bricks have the same length, so the picture is true to scale. A window that needs too many bricks is an error.
 Source: the WaveDrom schema (github.com/wavedrom/schema), waves `0`, `1`, `x` and `.` for "as before".
 """
 
@@ -24,7 +24,7 @@ LETTERS = "01x"
 
 
 def write(capture: Capture, path: Path) -> None:
-    """Write the picture's source. BadCapture if the window is too long for a picture."""
+    """Write a capture as the source of a picture. Raise BadCapture if it is too long for a picture."""
     edges = sum(len(channel.edges) for channel in capture.channels)
     if edges > MOST_EDGES:
         _refuse(capture, f"{edges} edges", f"at most {MOST_EDGES}")
@@ -33,7 +33,7 @@ def write(capture: Capture, path: Path) -> None:
     brick = gcd(*at, capture.length) or 1
     bricks = capture.length // brick
     if bricks > MOST_BRICKS:
-        brick = gcd(*at) or capture.length  # the window's end need not be on a brick
+        brick = gcd(*at) or capture.length  # the end of the window may be within a brick
         bricks = -(-capture.length // brick)
     if bricks > MOST_BRICKS:
         _refuse(capture, f"{bricks} bricks of {brick} positions", f"at most {MOST_BRICKS}")

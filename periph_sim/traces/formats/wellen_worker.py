@@ -3,8 +3,9 @@
     python -m periph_sim.traces.formats.wellen_worker FILE --> head (JSON), a line; then for each signal
         number of changes, width (8 bytes each, as this machine has them), positions (8 bytes each), states (letters)
 
-A damaged file can make the library allocate any amount of memory and abort, which cannot be caught; so this must not
-happen in the user's process. Only this file uses the library. Its imports are quick: it is started for each file.
+A damaged file can make the library allocate any amount of memory and abort. This cannot be caught, so it must not
+happen in the user's process. Only this module uses the library. It has few imports, because it is started for each
+file.
 """
 
 from __future__ import annotations
@@ -16,9 +17,9 @@ from array import array
 from collections.abc import Iterator
 from typing import IO, Any
 
-MEMORY = 4 << 30  # bytes of address space
-SECONDS = 300  # of processor time
-WIDEST = 1024  # bits of a vector
+MEMORY = 4 << 30  # limit of the address space in bytes
+SECONDS = 300  # limit of the processor time in seconds
+WIDEST = 1024  # maximum number of bits of a vector
 MOST_LINES = 1 << 18
 FEW = 32
 NO_LINES = {"Parameter", "Event", "Time"}
@@ -28,7 +29,7 @@ def limited() -> None:
     """Limit memory and time, if the system supports it."""
     try:
         import resource
-    except ImportError:  # not a POSIX system: the process is still a separate one
+    except ImportError:  # without POSIX there are no limits, but the process is still a separate one
         return
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
     resource.setrlimit(resource.RLIMIT_CPU, (SECONDS, SECONDS))
@@ -36,7 +37,7 @@ def limited() -> None:
 
 
 def alone() -> IO[bytes]:
-    """Return the output, used by this program only: what the library prints is redirected to standard error."""
+    """Return the standard output for this program alone. Output of the library is redirected to standard error."""
     out = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)
     return out
@@ -48,9 +49,9 @@ def main(path: str) -> None:
     limited()
     out = alone()
     wave = pywellen.Waveform(path, multi_threaded=False, remove_scopes_with_empty_name=True)
-    named: list[tuple[str, int, int]] = []  # name, width, place of its signal
+    named: list[tuple[str, int, int]] = []  # name, width and index of the signal of each variable
     places: dict[str, int] = {}
-    variables: list[Any] = []  # one of each signal
+    variables: list[Any] = []  # one variable of each signal
     for variable in wave.all_vars():
         width = variable.bitwidth
         if variable.is_real or variable.is_string or str(variable.var_type) in NO_LINES or not width or width > WIDEST:
@@ -79,7 +80,7 @@ def main(path: str) -> None:
 
 
 class Changes:
-    """Changes of one signal: times, and the state of each bit as a letter, most significant first."""
+    """The changes of one signal: their times and states. A state is a letter for each bit, most significant first."""
 
     def __init__(self, width: int) -> None:
         self.width = width
@@ -93,7 +94,10 @@ class Changes:
 
 
 def collected(wave: Any, places: dict[str, int], variables: list[Any]) -> Iterator[Changes]:
-    """Yield the changes of each signal. Many are read at once, because reading one scans the whole FST."""
+    """Yield the changes of each signal.
+
+    Many signals are read at once, because each reading scans the whole FST file.
+    """
     if len(variables) <= FEW or str(wave.file_format) != "FST":
         for variable in variables:
             changes = Changes(variable.bitwidth)

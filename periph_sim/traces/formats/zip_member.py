@@ -1,9 +1,9 @@
-"""Zip archives of the session formats: members are read in blocks that fit a processor's cache.
+"""Reader of zip archives of session formats. Members are read in blocks that fit into the cache of a processor.
 
-    central directory | with salvage also: local headers, forward --> Archive.members --> blocks of unpacked bytes
+    central directory, or local headers if it is broken --> Archive.members --> blocks of unpacked bytes
 
-Each block is checked as it is read: sizes, CRC-32, end of the deflate stream. A mismatch is `Damage`,
-and the caller decides between an error and reading up to there.
+Sizes, CRC-32 and the end of the deflate stream are checked while blocks are read. A mismatch raises `Damage`. The
+caller makes it an error or uses the data before it.
 
 Source: APPNOTE 6.3 (PKWARE), sections 4.3 and 4.5.
 """
@@ -25,18 +25,19 @@ from ..capture.capture import BadCapture, rate_of
 from ..capture.size_limits import MOST_DIRECTORY, MOST_METADATA
 
 STORED, DEFLATED = 0, 8
-ENCRYPTED, SIZES_BEHIND = 1 << 0, 1 << 3  # flag bits of a header
+ENCRYPTED, SIZES_BEHIND = 1 << 0, 1 << 3  # flag bits of a header; SIZES_BEHIND: the sizes follow the data
 LOCAL = struct.Struct("<4s5H3I2H")
 LOCAL_MARK, BEHIND_MARK, END_MARK = b"PK\3\4", b"PK\7\x08", b"PK\5\6"
-END_REACH = 22 + 65535  # the end record and the longest comment after it
+END_REACH = 22 + 65535  # maximum length of the end record and the comment after it
 ZIP64 = 1  # tag of the extra field with 64-bit sizes
-PIECE = 1 << 16  # packed bytes read at once
-BrokenStream = cast(type[Exception], zlib_ng.error)  # its stub calls the class an instance
+PIECE = 1 << 16  # number of packed bytes that are read at once
+# The cast is needed since the stub declares this class as an instance.
+BrokenStream = cast(type[Exception], zlib_ng.error)
 BROKEN = (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError, ValueError, struct.error)
 
 
 class Damage(ValueError):
-    """Damage within a member. `cut`: the file ends there, and the data before it is intact."""
+    """A member is damaged. cut: True if only the file ends there, so that the data before it is intact."""
 
     def __init__(self, member: str, found: str, cut: bool = False) -> None:
         super().__init__(f"{member}: {found}")
@@ -47,10 +48,10 @@ class Damage(ValueError):
 
 @dataclass(frozen=True)
 class Member:
-    """One packed file. `size` and `crc` are None if a truncated archive does not state them."""
+    """One packed file of an archive. size, crc: None if a truncated archive does not state them."""
 
     name: str
-    at: int  # of its data, from the beginning of the archive
+    at: int  # place of its data, counted from the beginning of the archive
     packed: int
     method: int
     size: int | None
@@ -58,9 +59,13 @@ class Member:
 
 
 class Archive:
-    """The members of a zip by name; `notes` lists what salvaging found. BadCapture if it is no zip.
+    """An open zip archive; a context manager.
 
-    what: the kind of file, for messages. A context manager.
+    what: the kind of file, for messages.
+    members: the members, indexed by name.
+    notes: notes of a salvage.
+
+    Raise BadCapture if the file is no zip archive.
     """
 
     def __init__(self, path: Path, what: str, salvage: bool = False) -> None:
@@ -81,7 +86,10 @@ class Archive:
         self._file.close()
 
     def text(self, name: str) -> str:
-        """Read a member as UTF-8 text, invalid bytes replaced. BadCapture if it is missing, large or damaged."""
+        """Read a member as UTF-8 text, in which invalid bytes are replaced.
+
+        Raise BadCapture if it is missing, too large or damaged.
+        """
         if name not in self.members:
             raise BadCapture(self.path, "the archive", f"no member {name!r}", f"a {self.what}", "save it again")
         size = self.members[name].size
@@ -94,7 +102,7 @@ class Archive:
             raise BadCapture(self.path, name, damage.found, f"a whole {self.what}", "copy or save it again") from None
 
     def blocks(self, name: str, most: int) -> Iterator[bytes]:
-        """Yield the unpacked bytes of a member, at most `most` at a time. Damage where they are invalid."""
+        """Yield the unpacked bytes of a member in blocks of at most `most` bytes. Raise Damage at an invalid place."""
         member = self.members[name]
         total = crc = 0
         for block in self._unpacked(member, most):
@@ -156,7 +164,7 @@ class Archive:
             raise BadCapture(self.path, "the archive", found, f"a whole {self.what}", way_out) from None
 
     def _check_directory(self) -> None:
-        """Reject a directory whose entries alone would fill the memory."""
+        """Raise BadZipFile for a directory that is too large for the memory."""
         end = self._file.seek(0, 2)
         self._file.seek(max(0, end - END_REACH))
         tail = self._file.read()
@@ -171,7 +179,7 @@ class Archive:
         return self._file.read(4) == LOCAL_MARK
 
     def _listed(self, info: zipfile.ZipInfo) -> Member:
-        """Return a member of the directory; its local header states where the data begin."""
+        """Return a member of the directory. The place of its data is read from its local header."""
         self._file.seek(info.header_offset)
         head = self._file.read(LOCAL.size)
         if len(head) < LOCAL.size or head[:4] != LOCAL_MARK:
@@ -188,7 +196,7 @@ class Archive:
             raise zipfile.BadZipFile(f"member {name!r} is packed by method {method}, not by deflate")
 
     def _met(self) -> dict[str, Member]:
-        """Return the members found from the front, up to the first that cannot be followed."""
+        """Return the members that are found by following local headers, up to the first invalid one."""
         end = self._file.seek(0, 2)
         found: dict[str, Member] = {}
         at = 0
@@ -215,7 +223,10 @@ class Archive:
         return found
 
     def _measured(self, name: str, at: int, end: int) -> tuple[Member, int]:
-        """Return (a member whose sizes follow its data, the place of the next), unpacking it once to find its end."""
+        """Return a member whose sizes follow its data, and the place of the next member.
+
+        The member is unpacked to find its end.
+        """
         inflate = zlib_ng.decompressobj(-15)
         self._file.seek(at)
         packed = size = 0
@@ -240,14 +251,15 @@ class Archive:
         narrow = at + packed + extra + 12
         self._file.seek(narrow)
         follows = self._file.read(4)
-        following = narrow if follows.startswith(b"PK") or not follows else narrow + 8  # else 64-bit sizes
+        # Otherwise the sizes have 64 bits.
+        following = narrow if follows.startswith(b"PK") or not follows else narrow + 8
         return Member(name, at, packed, DEFLATED, size, crc), following
 
 
 def ini_keys(text: str, section: str) -> dict[str, str]:
-    """Return the keys of a section, the first of each name.
+    """Return the keys of a section of an INI text. If a key occurs twice, the first one counts.
 
-    configparser would read the indented keys of real files as continued values.
+    configparser is not used, because it would read the indented keys of real files as continued values.
     """
     keys: dict[str, str] = {}
     present = ""
@@ -261,7 +273,7 @@ def ini_keys(text: str, section: str) -> dict[str, str]:
 
 
 def samplerate_of(path: Path, place: str, text: str | None, rate: Fraction | None, notes: list[str]) -> Fraction | None:
-    """Return `rate`, else the samplerate that a session states, with a note if it states none."""
+    """Return `rate`, or else the samplerate that a session states, with a note if it states none."""
     if rate:
         return rate
     try:
@@ -274,7 +286,7 @@ def samplerate_of(path: Path, place: str, text: str | None, rate: Fraction | Non
 
 
 def _wide(extra: bytes, size: int, packed: int) -> tuple[int, int]:
-    """Return sizes, from the extra field if the header's 32 bits do not hold them."""
+    """Return both sizes of a member, from the extra field if they exceed the 32 bits of the header."""
     place = 0
     while place + 4 <= len(extra):
         tag, length = struct.unpack_from("<HH", extra, place)

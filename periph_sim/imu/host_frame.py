@@ -61,7 +61,7 @@ class Encoding:
     def counts(self, values: Floats) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """Return (counts, True where beyond 16 bits) of values in rad and g, both of shape (n, 6).
 
-        Rounded to nearest, halves to even. BadMotion for the first one beyond, if `beyond` is "refuse".
+        Rounded to nearest, halves to even. Raise BadMotion for the first one beyond, if `beyond` is "refuse".
         """
         import numpy as np
 
@@ -118,7 +118,10 @@ class MotionFrames:
         return self._encoding.byte_order
 
     def __call__(self, number: int) -> tuple[int, ...]:
-        """Return six counts. BadMotion if the motion is out of its range there, or beyond 16 bits with "refuse"."""
+        """Return six counts.
+
+        Raise BadMotion if the motion is out of its range there, or beyond 16 bits with "refuse".
+        """
         if number not in self._known:
             self._work_out(number)
         values, beyond = self._known[number]

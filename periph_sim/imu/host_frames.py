@@ -39,7 +39,7 @@ def ramp(number: int) -> tuple[int, ...]:
 
 
 def encode(values: tuple[int, ...], byte_order: ByteOrder = "little") -> bytes:
-    """Return the bytes of a frame. OverflowError for a value that does not fit 16 bits."""
+    """Return the bytes of a frame. Raise OverflowError for a value that does not fit 16 bits."""
     try:
         return PACKED[byte_order].pack(*values)
     except error:

@@ -36,7 +36,7 @@ OTHERS = "six doubles (48 bytes), six singles (24) or a frame as it is (12)"
 
 
 class FlightFrames:
-    """The frames of a flight in a CSV file. BadMotion or BadCapture if it contains none."""
+    """The frames of a flight in a CSV file. Raise BadMotion or BadCapture if it contains none."""
 
     def __init__(self, file: Path, encoding: Encoding, period: Fraction) -> None:
         flight = motion(Settings(file))
@@ -57,7 +57,7 @@ class UdpFrames:
     """The latest values received as a datagram: phi, theta, psi in rad, ax, ay, az in g; held until the next.
 
     order: byte order. refused: datagrams without such values. held: frames without new values.
-    OutsideError for a port that is taken.
+    Raise OutsideError for a port that is taken.
     """
 
     def __init__(self, address: str, port: int, encoding: Encoding, order: str, notify: Callable[[str], None]) -> None:

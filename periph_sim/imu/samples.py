@@ -74,7 +74,7 @@ def in_units(chip: ChipData, counts: ArrayLike) -> Floats:
 
 
 class SampleLog:
-    """Log of a head's readings from its creation on. start: the tick of time 0; ticks: ticks a second.
+    """Log of a head's readings from its creation on. start: the tick of time 0; ticks: ticks per second.
 
     chips: by name as in SENSORS, if their scale differs from their driver's.
     """

@@ -34,8 +34,8 @@ class Master:
         other.
     held: True if SCL is held low between two calls.
 
-    OutsideError if SDA and SCL do not lead outside, if a call comes in the wrong order, if others hold a line for more
-    than 25 ms, and if another controller wins the bus.
+    Raise OutsideError if SDA and SCL do not lead outside, if a call comes in the wrong order, if others hold a line for
+    more than 25 ms, and if another controller wins the bus.
     """
 
     _reads: bool  # True if the present transfer reads; set by `start`, before `held` becomes True

@@ -19,7 +19,7 @@ class LogWriter:
     """Writer of a log. Each line is written at once, so that the log is complete whatever ends the process.
 
     An existing file is replaced by `begin`, when time begins to pass: a session that fails before that leaves it as it
-    was. OutsideError for a file that cannot be written, and for one that the case is read from.
+    was. Raise OutsideError for a file that cannot be written, and for one that the case is read from.
     """
 
     def __init__(self, path: Path, case: Case, ticks_per_second: int, wires: tuple[str, ...]) -> None:

@@ -22,7 +22,7 @@ def replay(
     subscribe: Subscribe | None = None,
     programs: Mapping[str, Firmware] | None = None,
 ) -> Result:
-    """Run the case as the log's session drove it. OutsideError for a damaged log, or one with other clocks."""
+    """Run the case as the log's session drove it. Raise OutsideError for a damaged log, or one with other clocks."""
     case = case if isinstance(case, Case) else load(Path(case))
     try:
         return _replayed(case, LogReader(Path(log)), str(log), subscribe, programs)

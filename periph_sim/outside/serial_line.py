@@ -60,7 +60,7 @@ class SerialLine:
         reader.on_end.append(self._heard)
 
     def set(self, baud: int, form: str = "8n1") -> None:
-        """Set rate and format from the next frame on. OutsideError if they are invalid."""
+        """Set rate and format from the next frame on. Raise OutsideError if they are invalid."""
         free = self._free_at()
         self._bit, self._format = self.checked(baud, form)
         # Times are counted in parts of a tick, because a frame that follows the previous one may begin between ticks.
@@ -69,7 +69,7 @@ class SerialLine:
         self._free = free * self._parts
 
     def checked(self, baud: int, form: str) -> tuple[Fraction, UartFormat]:
-        """Return a bit in ticks, and the frame's format. OutsideError for an invalid rate or format."""
+        """Return a bit in ticks, and the frame's format. Raise OutsideError for an invalid rate or format."""
         bits, parity, stop = parts_of_format(form)
         if baud < 1 or baud > self._session.ticks_per_second:
             raise OutsideError(f"{baud} baud: expected 1 or more, and no bit shorter than a tick")
@@ -195,7 +195,7 @@ class SerialLine:
 
 
 def parts_of_format(form: str) -> tuple[int, str, int]:
-    """Return data bits, parity as a letter, and stop bits of "8n1". OutsideError for an invalid format."""
+    """Return data bits, parity as a letter, and stop bits of "8n1". Raise OutsideError for an invalid format."""
     match = re.fullmatch(r"([5-8])([noe])([12])", form.strip().lower())
     if match is None:
         raise OutsideError(f"format {form!r}: expected data bits 5 to 8, n, o or e, and 1 or 2 stop bits: 8n1")

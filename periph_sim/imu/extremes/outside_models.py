@@ -191,10 +191,10 @@ def _why(tried: Callable[[], object], error: type[Exception]) -> str:
 
 BRR = 40  # 114 329 bit/s
 SAMPLE = 4 * (BRR + 1)  # SYSCLKOUT cycles, with LSPCLK = SYSCLKOUT / 4
-NOMINAL = 8  # samples a bit
+NOMINAL = 8  # samples per bit
 PHASES = 16  # of a sample, at which the first start bit begins
 BYTES = b"\x55\x00\x7f" * 4  # 12, whose last data bit differs from a stop bit
-LIMITS = {"fast": Fraction(77, 10), "slow": Fraction(76, 9)}  # samples a bit
+LIMITS = {"fast": Fraction(77, 10), "slow": Fraction(76, 9)}  # samples per bit
 HALVINGS = 8  # of half a sample a bit
 START = 10_000  # cycles
 

@@ -39,7 +39,7 @@ class Series:
 
 
 def series(name: str, samples: ArrayLike, period: float) -> Series:
-    """Check samples. BadSeries if they are too few, not all finite, or not one-dimensional."""
+    """Check samples. Raise BadSeries if they are too few, not all finite, or not one-dimensional."""
     if not isfinite(period) or period <= 0:
         raise BadSeries(f"{name}: the sampling period is {period} s; expected a finite number above 0")
     values = np.asarray(samples, dtype=np.float64)
@@ -95,7 +95,7 @@ def octaves(length: int) -> list[int]:
 def allan(samples: Floats, period: float, counts: Sequence[int] | None = None) -> Allan:
     """Compute the overlapping Allan variance at m * period for each m of `counts` (octaves if None).
 
-    samples: finite, one dimension. BadSeries for an m beyond 1 to half the samples. Memory: one running sum.
+    samples: finite, one dimension. Raise BadSeries for an m beyond 1 to half the samples. Memory: one running sum.
     """
     length = len(samples)
     wanted = octaves(length) if counts is None else list(counts)

@@ -126,7 +126,7 @@ def identify(
     """Identify the parameters of one axis, recorded at rest every `period` seconds.
 
     expected: the true mean. undisturbed: samples without the disturbance, whose mean is used instead (hard iron).
-    BadSeries if nothing can be identified: too few samples, NaN, a constant.
+    Raise BadSeries if nothing can be identified: too few samples, NaN, a constant.
     """
     given = series(name, samples, period)
     found, noise, terms = _fitted(given, slow)

@@ -48,7 +48,7 @@ class Density:
 
 
 def density(name: str, found: Allan) -> Density:
-    """Return the density of white noise in a curve of octaves. BadSeries if its slope is not -1/2 about 1 s."""
+    """Return the density of white noise in a curve of octaves. Raise BadSeries if its slope is not -1/2 about 1 s."""
     relative = white_covariance(found.counts, found.length)
     known = int(np.count_nonzero(2 / np.diag(relative) >= LEAST_EDF_OF_SLOPE))
     relative = relative[:known, :known]

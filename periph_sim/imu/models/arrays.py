@@ -31,11 +31,14 @@ def codes_of(
 ) -> Codes[Int16s]:
     """Return nine arrays int16[n] of LSB.
 
-    attitude: roll, pitch, yaw, float64[n] in rad; acceleration: x, y, z, linear, float64[n] in g; noise: nine
-    float64[n] in deg/s, g and gauss, or none. The first sample has no attitude before it, so its rates are zero.
-    arithmetic: by default Float64Arrays; for Float32 all arrays are float32, for QArrays integers in its format.
-    ValueError if the arrays differ in length or their type is not the arithmetic's; NotFinite, naming axis and sample,
-    for a NaN or an infinity.
+    attitude: roll, pitch and yaw, float64[n] in rad. The rates of the first sample are zero, because there is no
+        attitude before it.
+    acceleration: linear acceleration along x, y and z, float64[n] in g.
+    noise: nine arrays float64[n] in deg/s, g and gauss, or none.
+    arithmetic: Float64Arrays by default. For Float32, all arrays are float32; for QArrays, integers in its format.
+
+    Raise ValueError if the arrays differ in length or their type is not that of the arithmetic. Raise NotFinite, with
+    axis and sample, for a NaN or an infinity.
     """
     length = len(attitude[0])
     model = Imu(arithmetic or Float64Arrays(), imu)

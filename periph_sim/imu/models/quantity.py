@@ -71,7 +71,7 @@ def parameters_of(kind: type[Checked]) -> tuple[Parameter, ...]:
 
 
 class Checked(Struct, frozen=True):
-    """A set of parameters that checks itself at construction. BadParameter for an invalid value."""
+    """A set of parameters that checks itself at construction. Raise BadParameter for an invalid value."""
 
     def __post_init__(self) -> None:
         for one in parameters_of(type(self)):

@@ -89,7 +89,7 @@ def kind_named(name: str) -> MotionKind | None:
 
 
 def sampled(motion: Motion, times: Floats) -> Floats:
-    """Return the six values at these times, shape (n, 6): rad and g. BadMotion for the first out of range."""
+    """Return the six values at these times, shape (n, 6): rad and g. Raise BadMotion for the first out of range."""
     import numpy as np
 
     values = np.hstack([motion.attitude(times), motion.acceleration(times)])

@@ -39,7 +39,7 @@ class Flight(Straight):
 
 
 def motion(settings: Settings) -> Flight:
-    """Read a flight. BadCapture or BadMotion with file and line for an invalid file."""
+    """Read a flight. Raise BadCapture or BadMotion with file and line for an invalid file."""
     path = settings.file
     columns = {column.name: column for column in read(path)}
     times = _values(path, columns, "time", TIME_UNITS)

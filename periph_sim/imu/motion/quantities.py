@@ -30,7 +30,7 @@ RATE_RANGE = 1000.0  # rad/s
 
 
 def quantity(units: Mapping[str, float], least: float, most: float, value: object) -> float:
-    """Parse a text such as "52.2 rpm" to the unit whose factor is 1. ValueError with a remedy."""
+    """Parse a text such as "52.2 rpm" to the unit whose factor is 1. Raise ValueError with a remedy."""
     example = " or ".join(units)
     if isinstance(value, float):  # a default, or from Settings built in Python
         number = value

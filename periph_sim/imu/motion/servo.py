@@ -107,7 +107,7 @@ class Servo:
 
 
 def motion(settings: Settings) -> Servo:
-    """Build the motion. BadMotion if the resolution is negative, or positions would be read too often."""
+    """Build the motion. Raise BadMotion if the resolution is negative, or positions would be read too often."""
     if settings.resolution < 0:
         raise BadMotion(f"resolution: it is {settings.resolution:g} rad; expected 0 rad or more")
     return Servo(settings)

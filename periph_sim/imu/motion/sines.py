@@ -81,7 +81,7 @@ class Sines(Motion):
 
 
 def motion(settings: Settings) -> Sines:
-    """Build the motion. BadMotion if there are no waves."""
+    """Build the motion. Raise BadMotion if there are no waves."""
     if not settings.angles and not settings.accelerations:
         raise BadMotion("it has no waves; give angles or accelerations, or use the motion static")
     return Sines(settings)

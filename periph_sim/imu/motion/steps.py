@@ -37,7 +37,7 @@ class Settings:
 
 
 def motion(settings: Settings) -> Held:
-    """Build the motion. BadMotion if the times do not rise."""
+    """Build the motion. Raise BadMotion if the times do not rise."""
     times, rows = [0.0], [row(settings.start)]
     for number, step in enumerate(settings.steps):
         if step.at <= times[-1] and number:

@@ -114,7 +114,7 @@ def _sizes(capture: formats.Capture) -> str:
 
 
 def _not_kept(ready: formats.Capture, out: Path) -> Iterator[str]:
-    """Yield a sentence for each loss in OUT, read again. BadCapture if it has other edges."""
+    """Yield a sentence for each loss in OUT, read again. Raise BadCapture if it has other edges."""
     if not any(
         out.name.casefold().endswith(suffix) for reader in formats.readers().values() for suffix in reader.SUFFIXES
     ):

@@ -134,7 +134,7 @@ def _uart(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
 def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: int, doubtful: bool = True) -> Bus:
     """Decode a serial line. given: its known settings. doubtful: True if an uncertain guess may be used.
 
-    ValueError if it cannot be guessed, or read at its rate.
+    Raise ValueError if it cannot be guessed, or read at its rate.
     """
     notes = gap_notes(capture, wire)
     if not len(wire.edges):

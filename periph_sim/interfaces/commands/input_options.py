@@ -51,7 +51,7 @@ def read_capture(path: Path, rate: str | None, salvage: bool = False, option: st
 
 
 def rate_given(option: str, text: str) -> Fraction:
-    """Parse a rate above 0 in samples a second."""
+    """Parse a rate above 0 in samples per second."""
     from ...traces.capture.capture import rate_of
 
     try:
@@ -83,7 +83,7 @@ def address_given(option: str, text: str) -> tuple[str, int]:
 
 
 def pace_given(text: str) -> Fraction:
-    """Parse --pace to simulated seconds a second."""
+    """Parse --pace to simulated seconds per second."""
     try:
         return exact_number(text)
     except ValueError:

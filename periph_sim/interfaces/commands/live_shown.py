@@ -28,7 +28,7 @@ WIRES = ("SCL", "SDA", "RX", "TX")
 class Shown:
     """The display, a context manager that ends it with the session's last snapshot. url: of its page, or "".
 
-    OutsideError for a used port.
+    Raise OutsideError for a used port.
     """
 
     def __init__(self, in_terminal: bool, address: tuple[str, int] | None) -> None:

@@ -91,7 +91,7 @@ def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
 
 
 def _write(folder: Path, found: dict[str, Explained]) -> None:
-    """Write a file for each budget, all of them or none. BadCapture if that is not possible."""
+    """Write a file for each budget, all of them or none. Raise BadCapture if that is not possible."""
     from ...traces.formats.atomic_write import atomic_write
     from ..reports.explain.picture import svg_picture
 

@@ -107,7 +107,7 @@ class Run:
 
     @property
     def transfers(self) -> list[Transfer]:
-        """The transfers of the case's controller, in order. LookupError if the case has no controller."""
+        """The transfers of the case's controller, in order. Raise LookupError if the case has no controller."""
         __tracebackhide__ = True
         if self.plan.case.controller is None:
             raise LookupError(
@@ -163,7 +163,7 @@ class Run:
         self._judge([verdict for verdict in self.result.budgets if verdict.name in names], guaranteed)
 
     def assert_all(self, *, guaranteed: bool = False) -> None:
-        """As `assert_budgets` for all budgets, and `assert_not_stuck`. ValueError if the case has no budgets."""
+        """As `assert_budgets` for all budgets, and `assert_not_stuck`. Raise ValueError if the case has no budgets."""
         __tracebackhide__ = True
         if not self.budgets:
             raise ValueError(f"case {self.result.case} has no budgets, so nothing would be judged; add some")

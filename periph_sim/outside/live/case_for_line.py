@@ -20,7 +20,7 @@ from ..serial_line import module_of
 
 
 def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) -> Case:
-    """Load a case for a party at an SCI. OutsideError or BadCase if the case has errors or no such SCI."""
+    """Load a case for a party at an SCI. Raise OutsideError or BadCase if the case has errors or no such SCI."""
     if not str(path):
         raise OutsideError("no case was given; f28335://PATH/OF/CASE.toml?port=scia")
     case = load(Path(path), list(changes))
@@ -32,7 +32,7 @@ def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) ->
 
 
 def case_for_bus(path: str | Path, changes: tuple[str, ...] = ()) -> Case:
-    """Load a case for a party at SDA and SCL. BadCase for errors; the session rejects a case without a bus."""
+    """Load a case for a party at SDA and SCL. Raise BadCase for errors; the session rejects a case without a bus."""
     return _driven(load(Path(path), list(changes)), *LINES)
 
 

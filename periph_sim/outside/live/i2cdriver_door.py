@@ -19,7 +19,7 @@ from .pseudo_terminal import PseudoTerminal
 
 
 class I2cDriverDoor:
-    """Connects a pseudo-terminal to an adapter. OutsideError if `link` exists, or the bus does not lead outside.
+    """Connects a pseudo-terminal to an adapter. Raise OutsideError if `link` exists, or the bus does not lead outside.
 
     pause: the simulated time that passes before each START.
     back: answers that the terminal has not accepted yet.

@@ -57,7 +57,10 @@ class Pacer:
         return max(0.0, self._origin + tick / self._per_second - now)
 
     def reached(self, tick: int) -> None:
-        """Record that the simulation is at this tick. OutsideError if it is too late and `when_late` is "stop"."""
+        """Record that the simulation is at this tick.
+
+        Raise OutsideError if it is too late and `when_late` is "stop".
+        """
         if not self._per_second or self._origin is None:
             return
         lateness = self._clock() - (self._origin + tick / self._per_second)

@@ -56,7 +56,7 @@ AGAIN = 1.0  # seconds between attempts to open the port
 
 
 class PortDoor:
-    """Passes bytes between a port and a line. OutsideError if the port cannot be opened, or is already open.
+    """Passes bytes between a port and a line. Raise OutsideError if the port cannot be opened, or is already open.
 
     notify: callback that receives a sentence if the port vanishes or returns.
     unread: number of received bytes that were not read when the door was closed.

@@ -89,7 +89,7 @@ class _Queue:
             return len(self._to_line) + (0 if self._line is None else self._line.waiting)
 
     def set(self, baud: int, form: str) -> None:
-        """Set rate and format from the next turn on. OutsideError if they are invalid."""
+        """Set rate and format from the next turn on. Raise OutsideError if they are invalid."""
         with self.changed:
             if self._line is not None:
                 self._line.checked(baud, form)

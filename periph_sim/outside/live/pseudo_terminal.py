@@ -65,7 +65,7 @@ class Openings:
 
 
 class PseudoTerminal:
-    """A new pseudo-terminal. OutsideError if `link` exists and is not left by an earlier session.
+    """A new pseudo-terminal. Raise OutsideError if `link` exists and is not left by an earlier session.
 
     path: the path that clients open.
     link: the path of a symbolic link to it, or None.
@@ -125,5 +125,5 @@ class PseudoTerminal:
         termios.tcflush(self.kept, termios.TCIFLUSH)
 
     def write(self, data: bytes) -> int:
-        """Write bytes and return the number accepted. BlockingIOError for none."""
+        """Write bytes and return the number accepted. Raise BlockingIOError for none."""
         return os.write(self.file, data)

@@ -21,7 +21,7 @@ RATES = {value: int(name[1:]) for name, value in vars(termios).items() if name[0
 
 
 class PtyDoor:
-    """Passes bytes between a pseudo-terminal and a line. OutsideError if `link` exists already.
+    """Passes bytes between a pseudo-terminal and a line. Raise OutsideError if `link` exists already.
 
     A client that is a megabyte ahead of the line waits, as at a port with flow control. Unsent bytes of a client that
     has left are discarded and reported when the next client comes, unless the line needs little time for them.

@@ -28,7 +28,7 @@ KEEPALIVE = {"TCP_KEEPIDLE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}  # a dead
 
 
 class Rfc2217Door:
-    """Server of one line. OutsideError if the port is in use or pyserial is missing.
+    """Server of one line. Raise OutsideError if the port is in use or pyserial is missing.
 
     port: the TCP port, or 0 for any free one.
     notify: callback that receives a sentence when a client comes or goes.

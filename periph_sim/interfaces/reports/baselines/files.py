@@ -3,7 +3,7 @@
     a run's measures --> Baseline <--> timing/baselines/NAME.json
 
 Figures are integers, so two runs can be compared for equality. Times are ticks; `ticks_per_cycle` of them are one cycle
-of SYSCLKOUT (of the case's first unit). Instants are counted from the begin of the run.
+of SYSCLKOUT (of the case's first unit). Instants are counted from the beginning of the run.
 
 A file is written completely or not at all; several files are written together once all are complete.
 """

@@ -64,7 +64,7 @@ def place_of(where: str) -> FirmwarePlace | None:
 
 @dataclass(frozen=True)
 class Step:
-    """One link of the chain. at: ticks from the begin of the occurrence. length: ticks; None for an instant."""
+    """One link of the chain. at: ticks from the beginning of the occurrence. length: ticks; None for an instant."""
 
     at: int
     what: str

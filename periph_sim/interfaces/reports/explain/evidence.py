@@ -106,7 +106,7 @@ class Evidence:
         return found
 
     def activity_at(self, tick: int) -> Record | None:
-        """Return the begin of the unit's innermost service routine, span or wait in progress at a tick."""
+        """Return the beginning of the unit's innermost service routine, span or wait in progress at a tick."""
         return next(reversed(open_at(self.window, self.unit, tick)), None)
 
     def doing_at(self, tick: int) -> str:

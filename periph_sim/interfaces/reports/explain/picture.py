@@ -4,7 +4,7 @@
     flags: those related to the measure, or named by it
     firmware of each unit: service routines, spans, waits
 
-Time 0 of the axis is the begin of the worst occurrence.
+Time 0 of the axis is the beginning of the worst occurrence.
 """
 
 from __future__ import annotations

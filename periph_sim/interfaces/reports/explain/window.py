@@ -114,7 +114,7 @@ def windows(
 def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict], start: int) -> list[Window]:
     """Return windows from a run that was recorded with every kind of record. start: the tick at which it began.
 
-    ValueError if the table's ticks are not a run's.
+    Raise ValueError if the table's ticks are not a run's.
     """
     if table.per_second is None or table.per_second.denominator != 1:
         raise ValueError(f"a table of {table.per_second} ticks a second is no recorded run")
@@ -148,7 +148,7 @@ class _Wanted:
 
 @dataclass(frozen=True)
 class _State:
-    """The state at the begin of a range."""
+    """The state at the beginning of a range."""
 
     last: dict[object, Record]
     edges: dict[str, tuple[Record, ...]]
@@ -210,7 +210,7 @@ class _Keeper:
             lead.append(record)
 
     def _enter(self) -> None:
-        """Store the state once, at the begin of a range."""
+        """Store the state once, at the beginning of a range."""
         if len(self._states) == self._place:
             edges = {wire: tuple(lead) for wire, lead in self._lead.items()}
             self._states.append(_State(dict(self._seen), edges))

@@ -20,7 +20,7 @@ LONGEST = 24  # bytes per row of characters
 
 @dataclass(frozen=True)
 class Row:
-    """at, end: ticks from the run's begin or another origin. bus: "I2C", or the wire of SCI characters.
+    """at, end: ticks from the beginning of the run or another origin. bus: "I2C", or the wire of SCI characters.
 
     start: "START", "Sr" (repeated), "" for characters. address: "0x68". way: "R" or "W". ack: "ACK", "NACK" or "".
     data: each byte in hex with "ACK", "NACK" or ""; "error" for an incomplete character.

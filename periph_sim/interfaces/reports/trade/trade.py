@@ -170,7 +170,10 @@ class _Runs:
         return [row for row in self.rows if row.name not in self.refused]
 
     def errors(self, length: Fraction, may_be_empty: bool = False) -> dict[str, Errors]:
-        """Return the errors of all rows without a recording, by name. BadCase if nothing occurs in the first one."""
+        """Return the errors of all rows without a recording, by name.
+
+        Raise BadCase if nothing occurs in the first one.
+        """
         found: dict[str, Errors] = {}
         reference: Observed | None = None
         for row in self.running:

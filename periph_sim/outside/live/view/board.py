@@ -48,7 +48,7 @@ EVERY = 0.25  # seconds between two snapshots
 
 
 class ViewDoor:
-    """The view as one of a session's doors: puts a snapshot on its board several times a second."""
+    """The view as one of a session's doors: puts a snapshot on its board several times per second."""
 
     def __init__(self, status: Status, board: Board, clock: Callable[[], float] = time.monotonic) -> None:
         self._status, self._board, self._clock = status, board, clock

@@ -29,7 +29,7 @@ RULES = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inlin
 
 
 class Browser:
-    """Server of the page, in a thread of its own. url: the page's address. OutsideError if the port is in use."""
+    """Server of the page, in a thread of its own. url: the page's address. Raise OutsideError if the port is in use."""
 
     def __init__(self, board: Board, port: int, address: str = LOOPBACK) -> None:
         try:

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 from periph_sim.timing.budget_plan import PER_MILLE, BadBudget
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge
-from periph_sim.timing.measures.load import Load
 from periph_sim.timing.measures.registry import MEASURES
 from tests.timing.events_by_hand import ONE, make, records, tell
 from tests.timing.judges import judge, judged
@@ -87,9 +86,7 @@ def test_one_number_a_run_has_no_percentiles(name: str):
 
 def test_a_part_of_the_time_is_judged_and_shown_in_percent():
     of = limit("bus load", max="40 %", min="12.5%")
-    assert isinstance(of.measure, Load)
-    of.measure.begins(0)
-    of.measure.ends(13)
+    tell(of.measure, records("0 bus c START 0\n13 bus c STOP 0"))
     of.measure.finish(100)
     v = of.verdict()
     assert (v.unit, v.worst, v.limit, v.margin, v.verdict, v.which) == ("%", 13.0, 12.5, 0.5, "pass", "min")

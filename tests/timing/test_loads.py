@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.timing.measures.factory import measure_named
-from periph_sim.timing.measures.load import MILLIONTHS, CpuLoad, Load
+from periph_sim.timing.measures.measure import MILLIONTHS, Measure
 from tests.scene.runs import run_file
 from tests.timing.events_by_hand import ONE, came, records, tell
 
@@ -23,9 +23,8 @@ class Second:
         return 1000
 
 
-def load(text: str, drawn: str, now: int) -> Load:
+def load(text: str, drawn: str, now: int) -> Measure:
     made = measure_named(text, ONE)
-    assert isinstance(made, Load)
     made.listen(Second())
     tell(made, records(drawn))
     made.finish(now)
@@ -43,6 +42,14 @@ def test_the_busiest_window_wherever_it_begins():
     assert came(load("bus load per 200 ms", STARTS, 1500)) == (500_000, 1000, 500_000, 1)
     assert came(load("bus load per 100 ms", STARTS, 1500)) == (MILLIONTHS, 1000, MILLIONTHS, 1)
     assert came(load("bus load per 400 ms", STARTS, 1500)) == (500_000 / 2, 1000, 250_000, 1)
+
+
+def test_a_share_of_a_span_that_may_be_misspelled_is_none():
+    text = "share of any 200 ms in model"
+    assert came(load(text, "1000 span dsp model 1\n1100 span dsp model 0", 1500)) == (500_000, 1000, 500_000, 1)
+    for other in (text, "share of time in model"):
+        never = load(other, "1000 span dsp modle 1", 1500)
+        assert never.silent and never.missing() == "no event matched 'span model begin'; did you mean modle?"
 
 
 def test_of_a_window_longer_than_the_run_nothing_is_known():
@@ -65,7 +72,9 @@ def test_a_cpu_is_busy_unless_it_waits_outside_of_service_routines_or_in_one():
     """Busy to 1010, in the routine but for its own wait, and from 1090 on."""
     told = load("cpu load of dsp", CPU, 1200)
     assert came(told) == ((10 + 10 + 10 + 110) * MILLIONTHS // 200, 1200, 700_000, 1)
-    assert isinstance(told, CpuLoad)
+    assert came(load("share of time in cpu idle", CPU, 1200)) == (300_000, 1200, 300_000, 1)
+    assert came(load("time in cpu idle of dsp", CPU, 1200)) == (60, 1010, 60, 3)
+    assert came(load("each time in cpu busy", CPU, 1200)) == (10, 1050, 10, 2)
 
 
 @given(st.lists(st.integers(1, 9), max_size=20), st.integers(1, 30), st.integers(0, 9))

@@ -16,6 +16,7 @@
             | "margin" "of" [ unit ":" ] "I2CDXR"
             | "SCL" "held" "per" "transfer" [ "by" unit ]
             | [ "each" ] "time" "in" state
+            | "share" "of" ( "time" | "any" duration ) "in" state
             | "cpu" "load" [ "of" unit ] [ "per" duration ]
             | "bus" "load" [ "per" duration ]
             | "slack"
@@ -25,7 +26,7 @@
             | [ "model" ] "age" [ "of" chip ]
             | "value" "error" [ "of" chip ] [ "at" ( "first" "bit" | "frame" ) ]
     state   = span | ( "flag" field | "variable" variable ) "=" number | "wire" wire ( "high" | "low" )
-            | "bus" ( "busy" | "free" ) | "interrupt" vector
+            | "bus" ( "busy" | "free" ) | "cpu" ( "busy" | "idle" ) [ "of" unit ] | "interrupt" vector
     pair    = "from" event "to" event { "," rule }
     rule    = "in" "order" | "next" | "last" | "same" ( "transfer" | "round" | "unit" )
     clause  = "," ( "for" "each" | "measured" "at" | "given" | "unless" | "unfinished" ) event
@@ -41,7 +42,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from difflib import get_close_matches
-from fractions import Fraction
 from functools import lru_cache
 
 from msgspec import Struct
@@ -61,14 +61,20 @@ CLAUSES = {
 }
 LEVELS = ("high", "low")
 BUS_STATES = ("busy", "free")
+CPU_STATES = ("busy", "idle")
 
 
 class During(Struct, frozen=True):
-    """A state: it begins with one of `enters` and is over with one of `leaves` that is none of `enters`."""
+    """A state: it begins with one of `enters` and is over with one of `leaves` that is none of `enters`.
+
+    cpu: one of CPU_STATES instead. unit: the one whose CPU is in it.
+    """
 
     text: str
-    enters: tuple[Event, ...]
-    leaves: tuple[Event, ...]
+    enters: tuple[Event, ...] = ()
+    leaves: tuple[Event, ...] = ()
+    cpu: str = ""
+    unit: str = ""
 
 
 @dataclass(frozen=True)
@@ -77,7 +83,8 @@ class Said:
 
     state: of times in one. clauses: what follows, each with its event.
     pairing: one of PAIRINGS, or empty. group: "transfer", "round" or "unit" that a pair lies in. instant: of values.
-    window: of a load, in seconds. of: what the jitter is of, if that is a measure. access: to the first one.
+    window: of a share, as a text; "" for the whole run. of: what the jitter is of, if that is a measure. access: to the
+    first one.
     """
 
     form: str
@@ -89,7 +96,7 @@ class Said:
     pairing: str = ""
     group: str = ""
     instant: str = ""
-    window: Fraction | None = None
+    window: str = ""
     of: Said | None = None
     access: bool = False
     clauses: tuple[tuple[str, Event], ...] = ()
@@ -200,13 +207,33 @@ def _time(form: str) -> Callable[[Words], Said]:
     def parse(words: Words) -> Said:
         if form == "each":
             words.one_of(["time"])
-        words.one_of(["in"])
-        begin = words.place
-        state = _STATES.get(words.next, _span_state)
-        enters, leaves = state(words)
-        return Said(form, state=During(words.between(begin), enters, leaves))
+        return Said(form, state=_during(words))
 
     return parse
+
+
+def _share(words: Words) -> Said:
+    words.one_of(["of"])
+    if words.one_of(["time", "any"]) == "time":
+        return Said("share", state=_during(words))
+    length = []
+    while words.next and words.next != "in":
+        length.append(words.take("the length of a window"))
+    window = _checked_window(words, " ".join(length))
+    return Said("share", state=_during(words), window=window)
+
+
+def _during(words: Words) -> During:
+    """Read "in" and a state."""
+    words.one_of(["in"])
+    begin = words.place
+    if words.next == "cpu" and words.following in CPU_STATES:
+        words.take("cpu")
+        cpu = words.one_of(list(CPU_STATES))
+        unit = words.take("a unit") if words.took("of") else ""
+        return During(words.between(begin), cpu=cpu, unit=unit)
+    enters, leaves = _STATES.get(words.next, _span_state)(words)
+    return During(words.between(begin), enters, leaves)
 
 
 States = tuple[tuple[Event, ...], tuple[Event, ...]]
@@ -283,24 +310,22 @@ def _load(form: str) -> Callable[[Words], Said]:
             raise BadEvent(f"{what}, the part of the time that it is busy")
         words.take("load")
         unit = words.take("a unit") if form == "cpu" and words.took("of") else ""
-        return Said(form, unit=unit, window=_window(words))
+        return Said(form, unit=unit, window=_checked_window(words, words.rest()) if words.took("per") else "")
 
     return parse
 
 
-def _window(words: Words) -> Fraction | None:
-    if not words.took("per"):
-        return None
-    given = words.rest()
+def _checked_window(words: Words, given: str) -> str:
+    """Return the length of a window. BadEvent if it is none."""
     if not given:
         raise BadEvent(f"{words.text!r} ends where the length of a window is expected; write for instance per 20 ms")
     try:
-        window = duration(given)
+        length = duration(given)
     except ValueError as error:
         raise BadEvent(f"{words.text!r}: {error}") from None
-    if not window:
+    if not length:
         raise BadEvent(f"{words.text!r}: a window is longer than 0")
-    return window
+    return given
 
 
 def _lost(words: Words) -> Said:
@@ -365,6 +390,7 @@ _MEASURES: dict[str, tuple[str, Callable[[Words], Said]]] = {
     "SCL": ("SCL held per transfer", _phrase("SCL", "held per transfer", unit="by")),
     "time": ("time in STATE", _time("time")),
     "each": ("each time in STATE", _time("each")),
+    "share": ("share of time in STATE", _share),
     "cpu": ("cpu load", _load("cpu")),
     "bus": ("bus load", _load("bus")),
     "slack": ("slack", _phrase("slack")),

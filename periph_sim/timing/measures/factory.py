@@ -13,15 +13,15 @@ from typing import TypeAlias
 from msgspec.structs import replace
 
 from ...core.records import Kind
+from ...core.settings import duration
 from ...core.suggest import did_you_mean
 from ...devices.sensor_rounds import known_sensors
 from ...f28335.pie.register_map import LINES
 from ..budget_schema import REPLY, SPAN, WATCH
-from ..language.events import OF_AGENT, Group, Matcher, matcher, name_text, stretch_of
+from ..language.events import ANYTHING, OF_AGENT, Group, Matcher, matcher, name_text, stretch_of
 from ..language.language import FORMS, Said, is_form, measure_of, near_form
 from ..language.scope import BadEvent, Scope
 from .event_pairing import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses, EventMeasure
-from .load import BusLoad, CpuLoad
 from .margin import HeldPerTransfer, Margin
 from .measure import Measure
 from .pair import Between
@@ -219,8 +219,22 @@ def _latency(said: Said, scope: Scope) -> Maker:
     return _of_sentence(PHRASES["first access"], scope, asked=asked, unit=unit, vector=vector)
 
 
+def _time(said: Said, scope: Scope) -> Maker:
+    return partial(TimeIn, _state(said, scope), said.form, duration(said.window) if said.window else None)
+
+
+def _load(said: Said, scope: Scope) -> Maker:
+    time = f"any {said.window}" if said.window else "time"
+    unit = scope.unit(said.unit) if said.form == "cpu" else ""
+    return _maker_of_events(measure_of(PHRASES[said.form].text.format(time=time, unit=unit)), scope)
+
+
 def _state(said: Said, scope: Scope) -> StateEvents:
     assert said.state is not None
+    if said.state.cpu:
+        unit = frozenset((scope.unit(said.state.unit),))
+        nests = (Matcher("wait", Kind.WAIT, unit, ANYTHING), Matcher("interrupt", Kind.IRQ, unit, ANYTHING))
+        return StateEvents(said.state.text, nests=nests, is_idle=said.state.cpu == "idle")
     both = [
         [event for event in events if scope.controller or event.name not in OF_AGENT]
         for events in (said.state.enters, said.state.leaves)
@@ -269,10 +283,11 @@ _MAKERS: dict[str, Callable[[Said, Scope], Maker]] = {
     "gap": _gap,
     "margin": lambda said, scope: partial(Margin, scope.owner(said.unit, "I2C-A")),
     "SCL": lambda said, scope: partial(HeldPerTransfer, scope.owner(said.unit, "I2C-A")),
-    "time": lambda said, scope: partial(TimeIn, _state(said, scope), False),
-    "each": lambda said, scope: partial(TimeIn, _state(said, scope), True),
-    "cpu": lambda said, scope: partial(CpuLoad, scope.unit(said.unit), said.window),
-    "bus": lambda said, scope: partial(BusLoad, said.window),
+    "time": _time,
+    "each": _time,
+    "share": _time,
+    "cpu": _load,
+    "bus": _load,
     "slack": lambda said, scope: _of_sentence(PHRASES["slack"], scope),
     "race": _of_a_race,
     "cleared": _of_a_race,

@@ -141,6 +141,8 @@ PHRASES = {
         cut_off="{event!r} did not come again before the run ended",
     ),
     "overflows": Sentence("count of note overflow", nothing=None),
+    "cpu": Sentence("share of {time} in cpu busy of {unit}", looks_back="the whole run"),
+    "bus": Sentence("share of {time} in bus busy", looks_back="the whole run"),
     "slack": Sentence(
         "from record round end to record round next, for each record round due",
         looks_back="this round",

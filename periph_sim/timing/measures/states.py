@@ -1,6 +1,7 @@
-"""Measures of the time in a state or a span: each time, or the sum of all.
+"""Measures of the time in a state: each time, the sum of all, or their share of the run or of its busiest window.
 
     wire SCL low   ──┐______┌──────┐___┌──     each: 6 and 3      time in: 9
+                       |--- W ---|             share of any W: of the window, wherever it begins, with the most in it
 
 A state that holds as the run begins belongs to the sum. It is no "each", since its
 begin is not known, unless it lasts to the end of the run.
@@ -10,30 +11,49 @@ begin is not known, unless it lasts to the end of the run.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections import deque
+from fractions import Fraction
+from typing import TYPE_CHECKING, final
 
 from msgspec import Struct
 
 from ...core.records import Kind
 from ...core.state import State
 from ...core.time import NO_TIME
+from ...form.c_types import BigInt
 from ..language.events import EVERYTHING, Matcher
 from .event_pairing import EventMeasure
+from .measure import MILLIONTHS
 from .measured_scene import MeasuredScene
 
 if TYPE_CHECKING:
     from .event_pairing import Hearing
 
+WAIT, ROUTINE = 0, 1  # places of what nests
+
 
 class StateEvents(Struct, frozen=True):
-    """A state by its events. enters: what begins it. leaves: what ends it, unless that is one of `enters`, too."""
+    """A state by its events. enters: what begins it. leaves: what ends it, unless that is one of `enters`, too.
+
+    nests: instead of these, the waits and the service routines of a CPU, whose records are 1 at the begin and 0 at the
+    end. The CPU is idle while the innermost one is a wait. is_idle: the state is this, not the opposite.
+    """
 
     text: str
-    enters: tuple[Matcher, ...]
-    leaves: tuple[Matcher, ...]
+    enters: tuple[Matcher, ...] = ()
+    leaves: tuple[Matcher, ...] = ()
+    nests: tuple[Matcher, ...] = ()
+    is_idle: bool = False
+
+    @property
+    def free(self) -> bool:
+        """True if it is a span, whose name is free text."""
+        return bool(self.enters) and self.enters[0].free
 
     def holds(self, scene: MeasuredScene) -> bool:
         """Return True if a scene in which nothing has happened yet is in this state."""
+        if self.nests:
+            return not self.is_idle
         first = self.enters[0]
         (place, *_) = first.where or ("",)
         if first.kind is Kind.EDGE:
@@ -43,30 +63,100 @@ class StateEvents(Struct, frozen=True):
         return first.kind is Kind.BUS and first.what == "STOP"  # no START yet: the bus is free
 
 
-class TimeIn(EventMeasure):
-    """Each time in a state, from its begin to its end, or the sum of all; of a span, service routines included.
+@final
+class BusiestWindow:
+    """The window of a length in which a state lasts longest. most: its share in millionths, -1 before one was over.
 
-    each: take each time, unless its begin was not seen, since the run began in the state.
+    It begins with a stretch of the state or ends with one, so only those windows are evaluated.
     """
 
-    STATE = State("_whole", ticks="_since")
+    STATE = State(ticks="_since _stretches _begins")
 
-    def __init__(self, state: StateEvents, each: bool) -> None:
-        super().__init__(*state.enters, *state.leaves)
+    def __init__(self, length: int, began: int) -> None:
+        self.length = length
+        self.most = -1
+        self.begin = NO_TIME
+        self._began = began
+        self._since = NO_TIME  # begin of the stretch under way
+        self._stretches: deque[tuple[int, int]] = deque()  # those that a later window may overlap
+        self._begins: deque[int] = deque([began])  # of windows that are not over yet
+
+    def begins(self, at: int) -> None:
+        self._pass(at)
+        self._begins.append(at)
+        self._since = at
+
+    def ends(self, at: int) -> None:
+        self._pass(at)
+        self._stretches.append((self._since, at))
+        self._since = NO_TIME
+        self._look(at - self.length)
+
+    def finish(self, now: int) -> None:
+        self._pass(now)
+        self._look(now - self.length)
+
+    def _pass(self, now: int) -> None:
+        """Evaluate the windows that are over by now."""
+        while self._begins and self._begins[0] + self.length <= now:
+            self._look(self._begins.popleft())
+        while self._stretches and self._stretches[0][1] <= now - self.length:
+            self._stretches.popleft()
+
+    def _look(self, begin: int) -> None:
+        """Evaluate the window that begins there, if it is inside the run."""
+        if begin < self._began:
+            return
+        end = begin + self.length
+        busy = 0
+        for began, ended in self._stretches:
+            busy += max(0, min(end, ended) - max(begin, began))
+        if self._since != NO_TIME:
+            busy += max(0, end - max(begin, self._since))
+        share = _millionths(busy, self.length)
+        if share > self.most:
+            self.most, self.begin = share, begin
+
+
+class TimeIn(EventMeasure):
+    """Time in a state, from its begin to its end; of a span, service routines included.
+
+    form: each   each time, unless its begin was not seen, since the run began in the state
+          time   the sum of all times
+          share  the sum as a part of the run, in millionths, or of the busiest window. window: its length in seconds
+    """
+
+    STATE = State("_whole _windows _under_way", ticks="_since")
+
+    def __init__(self, state: StateEvents, form: str, window: Fraction | None = None) -> None:
+        super().__init__(*state.enters, *state.leaves, *state.nests)
         self.state = state
-        self.series: bool = each
+        self.series: bool = form == "each"
+        self._is_share: bool = form == "share"
+        if self._is_share:
+            self.unit: str = "%"
+            self.looks_back: str = "the whole run"
+        self._nests = bool(state.nests)
+        self._is_idle: bool = state.is_idle
+        self._under_way: list[int] = []  # waits and service routines, the inner ones last
         self._enters = len(state.enters)  # the first ones of `matchers`
         self._since = NO_TIME
         self._whole = False  # the begin of the present time was seen
+        self._began = 0
+        self._seconds = window
+        self._windows: BusiestWindow | None = None
 
     @property
     def silent(self) -> bool:
         """True if a span was never entered: its name may be misspelled. Other states may have lasted no time at all."""
-        return not self.count and (self.series or self.state.enters[0].free)
+        return not self.count and (self.series or self._is_share or self.state.free)
 
     def listen(self, scene: MeasuredScene) -> None:
+        self._began = scene.began()
+        if self._seconds is not None:
+            self._windows = BusiestWindow(round(self._seconds * scene.ticks_per_second()), self._began)
         if self.state.holds(scene):
-            self._begins(scene.began(), False)
+            self._begins(self._began, False)
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
         """Follow the state. A record that both enters and leaves it enters it. Its events belong to no group."""
@@ -76,7 +166,10 @@ class TimeIn(EventMeasure):
         enters = leaves = False
         one: Hearing
         for one in plan:
-            if one.test is not None and one.test.fits(value):
+            if self._nests:
+                enters = self._is_idle == self._waits(one.place, value)
+                leaves = not enters
+            elif one.test is not None and one.test.fits(value):
                 if one.place < self._enters:
                     enters = True
                 else:
@@ -87,8 +180,21 @@ class TimeIn(EventMeasure):
         elif leaves and self._since != NO_TIME:
             self._ends(tick)
 
+    def _waits(self, place: int, value: int) -> bool:
+        """Return True if the CPU waits after the begin or the end of a wait or service routine."""
+        under_way = self._under_way
+        if value:
+            under_way.append(place)
+        elif under_way and under_way[-1] == place:
+            under_way.pop()
+        elif place in under_way:
+            del under_way[len(under_way) - 1 - under_way[::-1].index(place) :]
+        return bool(under_way) and under_way[-1] == WAIT
+
     def _begins(self, at: int, seen: bool) -> None:
         self._since, self._whole = at, seen
+        if self._windows is not None:
+            self._windows.begins(at)
         if not self.series:
             if not self.count:
                 self.worst_at = self.least_at = at
@@ -97,22 +203,44 @@ class TimeIn(EventMeasure):
     def _ends(self, at: int) -> None:
         """End a time in the state: it was left, or the run ended in it."""
         since, self._since = self._since, NO_TIME
+        if self._windows is not None:
+            self._windows.ends(at)
         if not self.series:
             self.worst = self.least = self.worst + at - since
         elif self._whole:
             self.take(at - since, since)
 
     def finish(self, now: int) -> None:
+        if self._windows is not None:
+            windows = self._windows
+            windows.finish(now)
+            self._be_share(windows.most, windows.begin)
+            return
         if self._since != NO_TIME and not self.series:
             self._ends(now)
+        if self._is_share:
+            whole = now - self._began
+            self._be_share(_millionths(self.worst, whole) if whole else -1, now)
+
+    def _be_share(self, share: int, at: int) -> None:
+        """Take the only value. share: -1 if there is none. A span that was never entered may be misspelled."""
+        self.count = int(share >= 0 and (self.count > 0 or not self.state.free))
+        self.worst = self.least = max(0, share)
+        self.worst_at = self.least_at = at
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
-        return [] if self._since == NO_TIME else [(now - self._since, self._since)]
+        return [] if self._since == NO_TIME or self._is_share else [(now - self._since, self._since)]
 
     def unfinished_text(self) -> str:
         return f"{self.state.text!r} still lasted when the run ended"
 
     def why_silent(self) -> str:
-        if self.state.enters[0].free:
+        if self._windows is not None and self._windows.most < 0:
+            return "the run is shorter than its window"
+        if self.state.free:
             return self.unmatched(list(self.state.enters[:1]))
-        return f"{self.state.text!r} was never entered and left"
+        return "" if self._is_share else f"{self.state.text!r} was never entered and left"
+
+
+def _millionths(busy: BigInt, whole: BigInt) -> BigInt:
+    return (2 * busy * MILLIONTHS + whole) // (2 * whole)

@@ -307,7 +307,7 @@ EXAMPLES += [
     "gap between rounds",
 ]
 EXAMPLES += ["margin of I2CDXR", "SCL held per transfer", "time in model"]
-EXAMPLES += ["each time in wire SCL low", "cpu load", "bus load", "slack"]
+EXAMPLES += ["each time in wire SCL low", "share of any 2 ms in cpu idle", "cpu load", "bus load", "slack"]
 EXAMPLES += ["race I2C-A.I2CSTR.XRDY", "lost flags", "cleared along I2C-A.I2CSTR.SDIR", "age of gyroscope"]
 EXAMPLES += ["model age of magnetometer", "value error of gyroscope"]
 

@@ -24,7 +24,7 @@ from ..core.time import NO_TIME, Clock
 from ..core.wire import Pin, Wire
 from ..f28335.gpio.module import Gpio
 from ..f28335.gpio.register_map import BIT
-from ..f28335.gpio.routes import OUTPUTS
+from ..f28335.gpio.settings import OUTPUTS
 from ..f28335.xint.module import Xint
 from ..form.c_types import BigInt
 

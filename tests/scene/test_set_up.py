@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.core.convert import keys_of
-from periph_sim.f28335.gpio.routes import routes_of
+from periph_sim.f28335.gpio.settings import pin_settings_of
 from periph_sim.imu import noise
 from periph_sim.imu.models import counts, sensed_motion
 from periph_sim.scene import firmware_loader
@@ -24,7 +24,7 @@ SHARED = {
     "TOML": toml_file._tables,
     "settings": keys_of,
     "measures": measure_of,
-    "routes": routes_of,
+    "routes": pin_settings_of,
     "noise": noise._block_of,
     "models": sensed_motion._model_of,
     "operations": counts._counted,

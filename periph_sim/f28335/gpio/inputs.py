@@ -33,8 +33,7 @@ from ...core.state import State
 from ...form.c_types import BigInt
 from . import register_map as at
 from .register_map import BIT
-from .routes import INPUTS, Routes
-from .settings import ALL, DIRECTIONS, PULL_UPS, GpioSettings
+from .settings import ALL, DIRECTIONS, INPUTS, PULL_UPS, GpioSettings, Routes
 
 DEPTH = 6  # the maximum number of samples that QSEL can require
 

@@ -1,6 +1,8 @@
 """Settings of the GPIO control registers: routes, samplers and notes derived from MUX, QSEL and CTRL.
 
-    stored --2 cycles--> active --activate--> routes, select, periods
+    stored --2 cycles--> active --activate--> routes, samplers, periods
+
+A route is the pin that feeds an input signal, or the pins that an output signal drives.
 
 Source: SPRUFB0D sections 6.4 to 6.6, Tables 42 to 49.
 """
@@ -9,14 +11,83 @@ Source: SPRUFB0D sections 6.4 to 6.6, Tables 42 to 49.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import lru_cache
 
 from ...core.chip import Chip, Note
 from ...core.state import State
 from ...form.c_types import BigInt
+from ..parts.f28335 import PART
 from . import register_map as at
-from .register_map import PINS
-from .routes import Routes, idle_level, note_for, routes_of
+from .pin_mux_table import FUNCTIONS, IDLE_LOW, MODULES
+from .register_map import BIT, PINS
+
+# Signals of the modules that are modelled.
+INPUTS = tuple(signal for module in PART.modules for signal in module.inputs or ())
+OUTPUTS = tuple(signal for module in PART.modules for signal in module.outputs)
+
+
+def function(pin: int, mux: int) -> str:
+    """Return the function of the pin with GPxMUX = `mux`: "GPIO", a signal, or "" for a reserved value."""
+    return FUNCTIONS[pin][mux - 1] if mux else "GPIO"
+
+
+def idle_level(signal: str) -> int:
+    """Return the level of an input when no pin, or more than one, is assigned to it (Table 46)."""
+    return 0 if signal in IDLE_LOW else 1
+
+
+class Routes:  # core: python
+    """Routes of all pins. mux: one value 0 to 3 for each of the 88 pins."""
+
+    def __init__(self, mux: Sequence[int]) -> None:
+        self.source: dict[str, int | None] = {}
+        self.sink: dict[str, tuple[int, ...]] = {}
+        self.signal_at: dict[int, str] = {}  # pin -> the input signal that it alone feeds
+        self.crowded: dict[str, tuple[int, ...]] = {}  # input signals with more than one pin
+        given: dict[str, list[int]] = {}
+        self.gpio = 0  # mask: pins that are general-purpose
+        for pin, value in enumerate(mux):
+            name = function(pin, value)
+            if name == "GPIO":
+                self.gpio |= BIT[pin]
+            else:
+                given.setdefault(name, []).append(pin)
+        for signal in INPUTS:
+            pins = given.get(signal, [])
+            self.source[signal] = pins[0] if len(pins) == 1 else None
+            if len(pins) == 1:
+                self.signal_at[pins[0]] = signal
+            elif pins:
+                self.crowded[signal] = tuple(pins)
+        for signal in OUTPUTS:
+            self.sink[signal] = tuple(given.get(signal, ()))
+        self.inputs = sum(BIT[pin] for pin in self.signal_at)  # mask: pins that feed a modelled input
+        self.outputs = sum(BIT[pin] for pins in self.sink.values() for pin in pins)  # mask: pins a module drives
+
+    def level(self, signal: str, shown: int) -> int:
+        """Return the level of an input signal for these levels of the pins, after their qualifiers."""
+        pin = self.source[signal]
+        return idle_level(signal) if pin is None else shown >> pin & 1
+
+
+def note_for(pin: int, mux: int) -> Note | None:
+    """Return a note if a pin is set to a reserved value or assigned to a module that is not modelled."""
+    name = function(pin, mux)
+    if name == "GPIO" or name in INPUTS or name in OUTPUTS:
+        return None
+    if not name:
+        text = f"GPIO{pin} is multiplexed to the reserved value {mux}; choose a value from the table"
+        return Note("duty", text, "SPRUFB0D section 6.5, note")
+    text = f"GPIO{pin} is assigned to {name}, which is not modelled: the pin stays high-impedance"
+    joint = f"pins are assigned to {module_of(name)}, which is not modelled, and stay high-impedance"
+    return Note("unknown", text, "SPRUFB0D Tables 47 to 49", joint, f"GPIO{pin} ({name})")
+
+
+def module_of(signal: str) -> str:
+    """Return the module of a signal of the pin table, with its name in the manual."""
+    return next(module for prefix, module in MODULES.items() if signal.startswith(prefix))
+
 
 ALL = (1 << PINS) - 1
 SYNCHRONISED_ONLY = 64  # this pin and all above: port C has no QSEL
@@ -60,7 +131,7 @@ class PinSettings:  # core: python
         value_at = dict(zip(CONFIGURED, values, strict=True))
         self.mux = tuple(value_at[offset] >> shift & 3 for offset, shift in MUX)
         select = [value_at[offset] >> shift & 3 for offset, shift in SELECT]
-        self.routes = routes_of(self.mux)
+        self.routes = Routes(self.mux)
         self.sampled = tuple((pin, SAMPLES[each]) for pin, each in enumerate(select) if each in SAMPLES)
         self.asynchronous = sum(1 << pin for pin, each in enumerate(select) if each == ASYNCHRONOUS)
         self._notes = [(pin, note) for pin, each in enumerate(self.mux) if (note := note_for(pin, each)) is not None]

@@ -11,9 +11,8 @@
 from __future__ import annotations
 
 from ...core.chip import NEVER
-from .clock import FALL, NO_STEP, RELEASE
-from .master_receiver import NO_BYTE, RECEIVE
-from .master_transmitter import I2cMasterTransmitter
+from .master_data import NO_BYTE, RECEIVE, I2cMasterData
+from .master_lines import FALL, NO_STEP, RELEASE
 from .register_map import SCL
 
 SKIPPED_BITS = 7  # of a byte; the eighth decides
@@ -21,7 +20,7 @@ NO_BIT = -1
 ONES = 0xFF
 
 
-class I2cMasterBitSkip(I2cMasterTransmitter):
+class I2cMasterBitSkip(I2cMasterData):
     """Adds the positions 0 and 7 of a byte to the master's states.
 
     skip_release: the cycle in which SCL was released for the first bit.

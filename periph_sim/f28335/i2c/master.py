@@ -2,7 +2,7 @@
 
     STT --> START --> [START byte] --> address --> data --> hold, repeated START, or STOP
 
-`I2cClock` generates SCL and `I2cConditions` START and STOP; `I2cMasterReceiver` and `I2cMasterTransmitter` handle data.
+`I2cMasterLines` generates SCL, START and STOP; `I2cMasterData` handles bytes.
 Bits are sampled after the noise filter (`rise`). Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
 
 Chosen:
@@ -21,12 +21,13 @@ from typing import final
 from ...core.chip import NEVER
 from ...core.state import State
 from .bit_skip import I2cMasterBitSkip
-from .clock import (
+from .limits import I2cLimits
+from .master_data import ADDRESS, NO_BYTE, RECEIVE, SEND, START_BYTE
+from .master_lines import (
     CONDITION,
     FALL,
     HELD_FOR_COMMAND,
     HELD_FOR_DATA,
-    HELD_FOR_NOTHING,
     LEFT_HIGH,
     NO_STEP,
     RELEASE,
@@ -36,8 +37,6 @@ from .clock import (
     STARTED,
     STOP,
 )
-from .limits import I2cLimits
-from .master_receiver import ADDRESS, NO_BYTE, RECEIVE, SEND, START_BYTE
 from .register_map import (
     MDR_DLB,
     MDR_MST,
@@ -50,7 +49,6 @@ from .register_map import (
     MDR_XA,
     SCL,
     STR_AL,
-    STR_ARDY,
     STR_BB,
     STR_NACK,
 )
@@ -223,12 +221,6 @@ class I2cMaster(I2cMasterBitSkip):
         self._kind = ADDRESS
         self._begin_byte(now, self._addresses.pop(0), 8)
 
-    def _begin_byte(self, now: int, byte: int, n: int) -> None:
-        self._byte, self._n, self._bit = byte, n, 0
-        self._answer_nack = self._nack_armed = False
-        self._holds = HELD_FOR_NOTHING
-        self._at(max(now, self._low_from + self.state.tm), SET_SDA)
-
     def _set_sda(self, now: int) -> None:
         """Put the next bit on SDA while SCL is low, and release SCL after the low time."""
         bit, n = self._bit, self._n
@@ -312,23 +304,6 @@ class I2cMaster(I2cMasterBitSkip):
             self._restart(now, True)
         else:
             self._next_data(now)
-
-    def _refused(self, now: int) -> None:
-        state = self.state
-        state.wanted = False
-        if state.options.ardy_on_nack.assume(state.touched):
-            state.str |= STR_ARDY
-        state.nack_received(
-            now, as_slave=False, refused=f"address 0x{state.sar:02X}" if self._kind == ADDRESS else "a byte"
-        )
-        self._addresses = []
-        self._restart_next = []
-        if state.options.hold_scl_after_nack.assume(state.touched):
-            self._holds = HELD_FOR_COMMAND
-        elif state.mdr & MDR_STP:
-            self._stop(now)
-        else:
-            self._holds = LEFT_HIGH
 
     def _leaves_scl_high(self) -> bool:
         """Return True if SCL stays high after a NACK until the next command, instead of being held low."""

@@ -18,7 +18,6 @@ from ...core.state import State
 from ...form.c_types import Text
 from ..interrupt_fifo import DEPTH, FLAG
 from . import register_map as i2c_map
-from .fifos import I2cFifos
 from .options import I2cOptions
 from .register_map import (
     I2C_MAP,
@@ -34,6 +33,7 @@ from .register_map import (
     STR_XRDY,
     STR_XSMT,
 )
+from .requests import I2cRequests
 
 COMMANDS = MDR_STT | MDR_STP | MDR_NACKMOD
 
@@ -41,36 +41,13 @@ RECEIVED, SENDING = 1 << i2c_map.DRR, 1 << i2c_map.DXR  # bits of `loaded`
 
 
 @final
-class I2cRegisters(I2cFifos):
+class I2cRegisters(I2cRequests):
     """State of the module apart from the bits on wires. Times are SYSCLKOUT cycles."""
 
     STATE = State(
         "bcm clkh clkl cnt drr drr_unread dxr dxr_behind dxr_full emdr_written filter_width loaded "
         "nack_of oar psc rsr sar tm xsr",
         cycles="nack_since",
-    )
-
-    __slots__ = (
-        "bcm",
-        "clkh",
-        "clkl",
-        "cnt",
-        "drr",
-        "drr_unread",
-        "dxr",
-        "dxr_behind",
-        "dxr_full",
-        "emdr_written",
-        "filter_width",
-        "loaded",
-        "nack_of",
-        "nack_since",
-        "oar",
-        "psc",
-        "rsr",
-        "sar",
-        "tm",
-        "xsr",
     )
 
     def __init__(self, options: I2cOptions) -> None:
@@ -80,8 +57,7 @@ class I2cRegisters(I2cFifos):
 
     def reset(self) -> None:
         """Reset by XRS."""
-        self.reset_flags()
-        self.reset_fifos()
+        self.reset_requests()
         self.oar = self.clkl = self.clkh = self.cnt = self.psc = 0
         self.sar: int = I2C_MAP["I2CSAR"].reset
         self.bcm = self.options.bcm_reset.unrecorded() if self.options.emdr_present.unrecorded() else 1

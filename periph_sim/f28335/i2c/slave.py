@@ -23,7 +23,6 @@ from ...core.chip import NEVER
 from .address import START_BYTE
 from .register_map import (
     MDR_FDF,
-    MDR_IRS,
     MDR_MST,
     MDR_NACKMOD,
     MDR_XA,
@@ -37,14 +36,13 @@ from .register_map import (
     STR_SDIR,
     STR_XRDY,
 )
-from .slave_receiver import I2cSlaveReceiver
-from .slave_transmitter import ADDRESS, ADDRESS_LOW, IGNORE, LISTENS, OFF, RECEIVE, TRANSMIT
+from .slave_data import ADDRESS, ADDRESS_LOW, IGNORE, LISTENS, OFF, RECEIVE, TRANSMIT, I2cSlaveData
 
 MANY = 1 << 30  # edges, for a bus whose bytes are for others
 
 
 @final
-class I2cSlave(I2cSlaveReceiver):
+class I2cSlave(I2cSlaveData):
     """Slave side of the module.
 
     pulls: mask of the lines held low.
@@ -231,7 +229,7 @@ class I2cSlave(I2cSlaveReceiver):
                 state.dxr_full = False
                 state.set(now, STR_XRDY)
             if state.bcm and self._copies_at("eager_reloaded_at_address"):
-                self._copy(now)
+                state.copy_to_xsr(now)
         if options.aas_sdir_point.assume(state.touched) == "fall8":
             self._address_flags(now)
         if self._ack:
@@ -274,7 +272,7 @@ class I2cSlave(I2cSlaveReceiver):
         if phase == RECEIVE:
             self._data_slot_ends(now)
         if self._ack and not self._address.read and state.bcm and state.tx_ready() and self._copies_at("any_ack_fall9"):
-            self._copy(now)
+            state.copy_to_xsr(now)
         self._next_byte(now)
 
     def _nack_was_sent(self, now: int) -> None:
@@ -302,24 +300,6 @@ class I2cSlave(I2cSlaveReceiver):
         self._n = 8 if self.phase == ADDRESS_LOW else state.bits()
         if self.phase != TRANSMIT and self._n == 8:
             self._shift = 0
-
-    # Reset and release ------------------------------------------------------------------------
-
-    def _release_lines(self) -> None:
-        self.pulls = 0
-        self._waits_for_data = self._waits_for_room = False
-        self._copy_at = self._release_at = self.due = NEVER
-        self._shifting = False
-        self._ack = False
-
-    def reset(self) -> None:
-        """Release the lines and drop the transfer, as with IRS = 0."""
-        self._release_lines()
-        self.phase = OFF
-        self.bit = 0
-        self._rsr_waits = self.own_transfer = self._address.selected = False
-        if self.state.mdr & MDR_IRS:
-            self._address.latch()
 
     def release_bus(self) -> None:
         """End a stretch, for a write of IRS = 1 over 1 that does so."""

@@ -34,11 +34,10 @@ from enum import Enum, auto
 from ...core.chip import ANY_CHANGED, NEVER, NO_CHANGE, WAKE_CHANGED, Chip, Note
 from ...core.options import TextOption
 from ...core.state import State
-from .buffers import ReceiveBuffer, TransmitBuffer
 from .clock import LspclkTimer
+from .data_path import ReceiveBuffer, SpiShifter, TransmitBuffer
 from .options import SpiOptions
 from .register_map import SPI_MAP
-from .shift_register import SpiShifter
 
 RXINT = 1
 TXINT = 2

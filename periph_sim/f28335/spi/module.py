@@ -12,7 +12,7 @@ Source: TI SPRUEU3 chapter 2; SPRUFB0D section 5.1 for the clock gate.
 
 from __future__ import annotations
 
-from .buffers import INT_FLAG, OVERRUN_FLAG
+from .data_path import INT_FLAG, OVERRUN_FLAG, SpiShifter
 from .lines import (
     CLK_PHASE,
     CLKPOLARITY,
@@ -25,7 +25,6 @@ from .lines import (
     SpiLines,
 )
 from .register_map import SPI_MAP
-from .shift_register import SpiShifter
 
 SPICHAR = SPICCR["SPICHAR"].mask
 OVERRUNINTENA = SPICTL["OVERRUNINTENA"].mask

@@ -13,9 +13,8 @@ from typing import Literal
 
 from msgspec import Struct
 
-from ...f28335.memory.address_space import Content, area_at
+from ...f28335.memory.address_space import Content, address_of, area_at, full_name
 from ...f28335.memory.memory_map import AddressMap
-from ...f28335.memory.register_names import address_of, full_name
 from ..image_files.model import BadImage, Image
 
 Boot = Literal["entry", "flash", "ram"]

@@ -21,8 +21,7 @@ from ...core.chip import Note
 from ...core.state import State
 from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.descriptor import FLASH, Part
-from ...f28335.memory.address_space import Area, Content, area_at
-from ...f28335.memory.register_names import full_name, is_protected, register_name
+from ...f28335.memory.address_space import Area, Content, area_at, full_name, is_protected, register_name
 from ...f28335.parts.f28335 import PART
 from ...form.c_types import UInt16
 from ..c28x.execution.registers import IllegalOperation

@@ -15,8 +15,7 @@ from ...core.records import Kind, Recorder
 from ...core.registers import Register
 from ...core.state import State
 from ...core.time import Clock
-from ...f28335.memory.address_space import Content, area_at
-from ...f28335.memory.register_names import full_name
+from ...f28335.memory.address_space import Content, area_at, full_name
 from ..c28x.decoder import Instruction, decode_at
 from ..image_files.constants import Known, accesses
 from ..image_files.model import Image

@@ -10,8 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from ...f28335.memory.address_space import Content, area_at
-from ...f28335.memory.register_names import register_name
+from ...f28335.memory.address_space import Content, area_at, register_name
 from ...f28335.pie.register_map import VECTOR_TABLE, VECTORS
 from ..c28x.decoder import Instruction, sweep
 from .constants import Access, accesses

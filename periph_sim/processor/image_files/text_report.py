@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from ...core.text_table import columns, paragraph, text_table
-from ...f28335.memory.register_names import NOT_MODELLED
+from ...f28335.memory.address_space import NOT_MODELLED
 from ..c28x.decoder import other_unit
 from .function_cycles import FunctionCycles
 from .functions import Function

@@ -14,8 +14,7 @@ from hypothesis import strategies as st
 from periph_sim.core.chip import NEVER
 from periph_sim.f28335.gpio.module import CONFIGURATION_DELAY, Gpio
 from periph_sim.f28335.gpio.register_map import BASE, GPIO, PORT_OF
-from periph_sim.f28335.gpio.routes import INPUTS, OUTPUTS
-from periph_sim.f28335.gpio.settings import ALL
+from periph_sim.f28335.gpio.settings import ALL, INPUTS, OUTPUTS
 from periph_sim.f28335.system_options import SystemOptions
 from tests.waves import play, tidy
 

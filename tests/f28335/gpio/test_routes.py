@@ -6,7 +6,7 @@ import pytest
 
 from periph_sim.core.chip import joined
 from periph_sim.f28335.gpio.pin_mux_table import FUNCTIONS
-from periph_sim.f28335.gpio.routes import INPUTS, OUTPUTS, module_of, note_for
+from periph_sim.f28335.gpio.settings import INPUTS, OUTPUTS, module_of, note_for
 from periph_sim.f28335.parts.f28335 import PART
 
 

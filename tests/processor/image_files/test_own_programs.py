@@ -13,7 +13,7 @@ import pytest
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.f28335.i2c.register_map import I2CMDR, I2CSTR
-from periph_sim.f28335.memory.register_names import register_name
+from periph_sim.f28335.memory.address_space import register_name
 from periph_sim.f28335.pie.register_map import LINES, VECTOR_TABLE
 from periph_sim.processor.image_files.assemble import SHIPPED
 from periph_sim.scene.case.load import load

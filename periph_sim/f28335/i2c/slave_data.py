@@ -1,9 +1,10 @@
-"""The I2C module as slave-transmitter: shifts I2CXSR out on SDA, stretches, and sets data flags.
+"""The data bytes of the I2C slave: sends I2CXSR, answers and stores received bytes, and stretches.
 
     I2CDXR --copy--> I2CXSR --_send--> bit after bit --> answer of the master --> next byte, or NACK
                         +--empty--> underflow: SCL held until I2CDXR is written (BCM = 1)
+    bits --> answer ACK or NACK --> I2CDRR, or I2CRSR if that is unread: SCL held until I2CDRR is read
 
-`slave` handles addresses and enters this state. Source: SPRUG03B sections 2 and 3, Tables 8, 10, Figure 17.
+`slave` handles addresses and enters these states. Source: SPRUG03B sections 2 and 3, Tables 1, 8, 10, Figure 17.
 
 Chosen:
 - In free data format a transmitter is loaded at the fall after START.
@@ -19,19 +20,20 @@ from typing import TYPE_CHECKING
 from ...core.chip import NEVER
 from ...core.state import State
 from .address import I2cAddress
-from .register_map import MDR_MST, SCL, SDA, STR_AAS, STR_NACK, STR_XRDY, STR_XSMT
+from .register_map import MDR_FDF, MDR_IRS, MDR_MST, SCL, SDA, STR_AAS, STR_NACK, STR_RSFULL, STR_XRDY, STR_XSMT
 from .registers import I2cRegisters
 
 if TYPE_CHECKING:
     from ...core.options import TextOption
+
 
 OFF, IGNORE, ADDRESS, ADDRESS_LOW, RECEIVE, TRANSMIT = range(6)
 LISTENS = ADDRESS  # in this phase and the following ones, bytes may be for this module
 ONES = 0xFF
 
 
-class I2cSlaveTransmitter:
-    """Transmitting half of the slave.
+class I2cSlaveData:
+    """Data bytes of the slave.
 
     pulls: mask of the lines held low.
     due: the cycle of the next call of `timer`, or NEVER.
@@ -46,28 +48,32 @@ class I2cSlaveTransmitter:
     def __init__(self, state: I2cRegisters) -> None:
         self.state = state
         self._copy_point: TextOption = state.options.dxr_to_xsr_copy_point
-        self.pulls = 0
-        self.due = NEVER
-        self.phase = OFF
-        self.bit = 0
         self.muted = False  # this module is master now: it receives, but does not answer
         self._n = 8
         self._shift = 0
-        self._ack = False
         self._nack_armed = False
         self._address = I2cAddress(state)
-        self.own_transfer = False  # this transfer was for us
-        self._waits_for_data = False  # SCL held: transmitter without data
-        self._waits_for_room = False  # SCL held: receiver with I2CDRR unread
-        self._rsr_waits = False
-        self._copy_at = NEVER
-        self._release_at = NEVER
         self._sent = 0
         self._first_byte = False
-        self._shifting = False
+        self.reset()
 
-    def _copy(self, now: int, xrdy: bool = True) -> bool:
-        return self.state.copy_to_xsr(now, xrdy)
+    def _release_lines(self) -> None:
+        self.pulls = 0
+        self._waits_for_data = self._waits_for_room = False
+        self._copy_at = self._release_at = self.due = NEVER
+        self._shifting = False
+        self._ack = False
+
+    def reset(self) -> None:
+        """Release the lines and drop the transfer, as with IRS = 0."""
+        self._release_lines()
+        self.phase = OFF
+        self.bit = 0
+        self._rsr_waits = self.own_transfer = self._address.selected = False
+        if self.state.mdr & MDR_IRS:
+            self._address.latch()
+
+    # Sending ------------------------------------------------------------------------
 
     def _copies_at(self, point: str) -> bool:
         """Return True if a byte in I2CDXR is copied to I2CXSR at this point."""
@@ -82,14 +88,14 @@ class I2cSlaveTransmitter:
     def _eager(self, now: int) -> None:
         state = self.state
         if not self._shifting and not state.xsr_full and state.tx_ready() and self._copies_at_once():
-            self._copy(now)
+            state.copy_to_xsr(now)
 
     def dxr_written(self, now: int) -> None:
         """Send or copy a byte that the CPU has written to I2CDXR."""
         state = self.state
         if self._waits_for_data:
             if state.bcm:
-                self._copy(now)
+                state.copy_to_xsr(now)
                 self._send(now)
                 self._waits_for_data = False
                 self._release(now)
@@ -112,7 +118,7 @@ class I2cSlaveTransmitter:
         if self._copy_at <= now:
             self._copy_at = NEVER
             self._waits_for_data = False
-            self._copy(now)
+            self.state.copy_to_xsr(now)
             self.state.set(now, STR_XSMT)
             self._send(now)
             self._release(now)
@@ -132,11 +138,11 @@ class I2cSlaveTransmitter:
             self._send(now)
             return
         if not state.bcm:
-            self._copy(now)
+            state.copy_to_xsr(now)
         elif state.tx_ready() or state.xsr_full:
             point = self._copy_point.assume(state.touched)
             if not state.xsr_full or point == "any_ack_fall9" or point == "ack_fall9":
-                self._copy(now)
+                state.copy_to_xsr(now)
             elif point == "ack_rise9" and not state.dxr_full:
                 state.set(now, STR_XRDY)
         if state.xsr_full:
@@ -202,4 +208,80 @@ class I2cSlaveTransmitter:
         """Copy to I2CXSR in the middle of the ACK slot, if so configured; XRDY may rise then or at the slot's end."""
         state = self.state
         if state.bcm and state.tx_ready() and self._copies_at("ack_rise9"):
-            self._copy(now, xrdy=state.options.xrdy_rise_point.assume(state.touched) == "at_copy")
+            state.copy_to_xsr(now, xrdy=state.options.xrdy_rise_point.assume(state.touched) == "at_copy")
+
+    # Receiving ----------------------------------------------------------------------
+
+    def _policy(self) -> str:
+        """Return the policy for a byte without room: "stretch", "nack" or "overwrite"."""
+        state = self.state
+        if state.fifo:
+            return state.options.fifo_17th_byte.assume(state.touched)
+        return state.options.rx_overrun_policy.assume(state.touched).partition("_")[0]
+
+    def _stretches(self, point: str) -> bool:
+        """Return True if the module begins to stretch here for a byte without room."""
+        return self.state.options.rsfull_stretch_point.assume(self.state.touched) == point
+
+    def _data_complete(self, now: int) -> None:
+        """Process fall 8 of a data byte."""
+        state = self.state
+        if (
+            self._first_byte
+            and state.mdr & MDR_FDF
+            and state.options.aas_fdf_point.assume(state.touched) == "end_of_byte"
+        ):
+            state.set(now, STR_AAS)
+        self._ack = not self._nack_armed
+        blocked = state.rx_blocked()
+        if blocked and self._policy() == "nack":
+            self._ack = False
+        if self._ack:
+            if blocked and self._policy() == "stretch" and self._stretches("before_ack"):
+                self.pulls |= SCL
+                self._waits_for_room = True
+            else:
+                self.pulls |= SDA
+        if state.rrdy_rises_at("fall8") or self._waits_for_room:
+            self._store_byte(now)
+
+    def _store_byte(self, now: int) -> None:
+        """Copy the complete I2CRSR, or let it wait for room."""
+        state = self.state
+        value = self._value()
+        if state.rx_blocked():
+            self._rsr_waits = True
+            state.rsr = value
+            state.overrun(now)
+        else:
+            state.received(now, value)
+
+    def _value(self) -> int:
+        if self._n == 8:
+            return self._shift & 0xFF
+        if self.state.options.bc_less_than_8_upper_bits.assume(self.state.touched) == "zeros":
+            return self._shift & (1 << self._n) - 1
+        return self._shift & 0xFF
+
+    def drr_read(self, now: int) -> None:
+        """Copy a waiting byte and end a stretch after the CPU has read I2CDRR."""
+        if not self._rsr_waits or self.state.rx_blocked():
+            return
+        self._rsr_waits = False
+        self.state.str &= ~STR_RSFULL
+        self.state.received(now, self.state.rsr)
+        if self._waits_for_room:
+            self._waits_for_room = False
+            if self.bit == self._n:
+                self.pulls |= SDA
+            self.pulls &= ~SCL
+
+    def _data_slot_ends(self, now: int) -> None:
+        state = self.state
+        if state.rrdy_rises_at("fall9") or (not self._ack and state.rrdy_rises_at("rise9")):
+            self._store_byte(now)
+        if self._first_byte and state.mdr & MDR_FDF:
+            state.set(now, STR_AAS)
+        if self._rsr_waits and self._ack and self._policy() == "stretch" and self._stretches("after_fall9"):
+            self.pulls |= SCL
+            self._waits_for_room = True

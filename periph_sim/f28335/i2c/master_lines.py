@@ -1,12 +1,16 @@
-"""The I2C master's clock generator: times falls and releases of SCL, synchronized with the actual level of the line.
+"""The I2C master on its lines: times falls and releases of SCL, START, repeated START and STOP.
 
     SCL low --low()--> released --others may hold it--> rises --high()--> `_after_high`: the next fall, or a condition
+    SDA falls while SCL is high: START      SDA rises while SCL is high: STOP
 
-The next action is a step with its cycle: RELEASE and CONDITION belong to the clock, the others to the master.
+The next action is a step with its cycle. `master` decides when conditions are due.
 
 A low phase that others lengthen delays the high phase; one that others begin starts ours at once (`fell`, in the
 master).
-Source: SPRUG03B sections 2.3, 5.7, Table 15.
+Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6, 15.
+
+Chosen:
+- START hold, repeated START setup and STOP setup last one high time of SCL.
 """
 
 # core: compiled
@@ -15,7 +19,8 @@ from __future__ import annotations
 
 from ...core.chip import NEVER
 from ...core.state import State
-from .register_map import SCL, SDA
+from .limits import I2cLimits
+from .register_map import MDR_DLB, MDR_FDF, MDR_TRX, MDR_XA, SCL, SDA, STR_ARDY
 from .registers import I2cRegisters
 
 # Steps: nothing; release SCL; set SDA for the next condition, or for a bit; SCL falls; a START and its end; a STOP; a
@@ -27,21 +32,24 @@ NO_STEP, RELEASE, CONDITION, SET_SDA, FALL, START, STARTED, STOP, RESTART = rang
 HELD_FOR_NOTHING, HELD_FOR_COMMAND, HELD_FOR_DATA, HELD_FOR_ROOM, LEFT_HIGH = range(5)
 
 
-class I2cClock:
-    """Clock generator of the master.
+class I2cMasterLines:
+    """Clock generator and conditions of the master.
 
+    counter: bytes left of the transfer.
     pulls: mask of the lines held low.
     due: the cycle of `_step`, or NEVER.
     lines: levels before the filter.
     """
 
     STATE = State(
-        "lines frozen halting active pulls _condition_sda _step _after_high _waits_for_rise _high_phase _holds _driven",
+        "lines frozen halting active pulls _condition_sda _step _after_high _waits_for_rise _high_phase _holds _driven "
+        "counter _addresses _starting _stopping _own_restart _restart_next",
         cycles="due _released_at _low_from _rose_at",
     )
 
-    def __init__(self, state: I2cRegisters) -> None:
+    def __init__(self, state: I2cRegisters, limits: I2cLimits) -> None:
         self.state = state
+        self.limits = limits
         self.lines = SCL | SDA
         self.frozen = False  # a debugger halt is in effect
         self.halting = False  # a debugger halt waits for SCL to be low
@@ -155,3 +163,74 @@ class I2cClock:
             self.frozen = False
             if self._step == NO_STEP and not self._holds and self.pulls & SCL:
                 self._at(now, RELEASE)
+
+    # Conditions --------------------------------------------------------------------------
+
+    def reset_conditions(self) -> None:
+        """Forget the transfer."""
+        self.counter = 0
+        self._addresses: list[int] = []
+        self._starting = False  # our START, or repeated START, has not been detected yet
+        self._stopping = False  # our STOP has not been detected yet
+        self._own_restart = False
+        self._restart_next: list[int] = []  # addresses after an automatic repeated START
+
+    def _latch_command(self) -> None:
+        """Latch the registers that apply to the whole transfer, at its START."""
+        state = self.state
+        if state.options.cnt_copy_point.assume(state.touched) == "start":
+            self.load_counter()
+        self._own_restart = False
+        self._restart_next = []
+        self._addresses = [] if state.mdr & MDR_FDF else self._address_bytes()
+        self.limits.scl(self.low(), self.high())
+
+    def load_counter(self) -> None:
+        self.counter = self.state.cnt or 65536
+
+    def _address_bytes(self) -> list[int]:
+        state = self.state
+        mdr = state.mdr
+        if not mdr & MDR_DLB:
+            self.limits.sent_address()
+        address = state.oar if mdr & MDR_DLB else state.sar
+        read = 0 if mdr & MDR_TRX else 1
+        if not mdr & MDR_XA:
+            return [(address & 0x7F) << 1 | read]
+        header = 0xF0 | address >> 7 & 6
+        if not read:
+            return [header, address & 0xFF]
+        if state.options.ten_bit_read.assume(state.touched) == "full_address_first" and not self.active:
+            self._restart_next = [header | 1]
+            return [header, address & 0xFF]
+        return [header | 1]
+
+    def _begin_start(self, now: int) -> None:
+        state = self.state
+        self.pulls |= SDA
+        self._starting = True
+        self._high_phase = False
+        state.wanted = state.trx()
+        state.clear(now, STR_ARDY)
+        self._at(now + self.high(), STARTED)
+
+    def _restart(self, now: int, own: bool) -> None:
+        """Begin a repeated START. own: it belongs to the command in progress."""
+        self._own_restart = own
+        if not own:
+            self._latch_command()
+        self._begin_condition(now, 1, RESTART)
+
+    def _restart_high(self, now: int) -> None:
+        self._after_high = FALL
+        self._begin_start(now)
+
+    def _stop(self, now: int) -> None:
+        self.state.clear(now, STR_ARDY)
+        self._begin_condition(now, 0, STOP)
+
+    def _stop_high(self) -> None:
+        self._stopping = True
+        self._after_high = FALL
+        self._high_phase = False
+        self.pulls &= ~SDA

@@ -1,8 +1,14 @@
-"""Buffers of the SPI besides SPIDAT: SPITXBUF, SPIRXBUF, their flags in SPISTS, and the selection of the FIFOs.
+"""The way of a word through the SPI: SPITXBUF, SPIDAT, SPIRXBUF, the FIFOs, and their flags.
 
     write --> SPITXBUF or transmit FIFO --pop--> SPIDAT --deliver--> SPIRXBUF or receive FIFO --read-->
                   |                                         |
                   +--> BUFFULL_FLAG, TXFFST, TXFFINT        +--> INT_FLAG, OVERRUN_FLAG, RXFFST, RXFFINT, RXFFOVF
+
+    SPIDAT: bit 15 --> data output        CLK_PHASE   leading edge   trailing edge
+    data input --> bit 0                  0           output         latch
+                                          1           latch          output (first bit: before, `present`)
+
+The leading edge leaves the idle level of SPICLK, the trailing edge returns to it.
 
 Chosen, where the manual is silent:
 - SPITXBUF reads as last written, even after the word has moved to SPIDAT.
@@ -12,7 +18,7 @@ Chosen, where the manual is silent:
 - Setting an enable while its flag is set requests at once.
 - Each overflow requests RXINT, if RXFFOVF requests it at all.
 
-Source: TI SPRUEU3 sections 1.3.2, 1.4, 1.5, 2.1.3, 2.1.6, 2.1.7 and 2.1.9 (SPIFFTX and SPIFFRX).
+Source: TI SPRUEU3 sections 1.3.2, 1.4, 1.5, 2.1.3, 2.1.6 to 2.1.8 and 2.1.9 (SPIFFTX and SPIFFRX).
 """
 
 from __future__ import annotations
@@ -237,3 +243,57 @@ class ReceiveBuffer:
         self.fifo.reset()
         self.rxbuf = self.status = self.enables = 0
         self.request = self.loaded = False
+
+
+class SpiShifter:
+    """Shift register of both directions.
+
+    dat: SPIDAT.
+    level: the serial data output.
+    bits: number of latched bits of the present character.
+    loaded: SPIDAT holds a character to send.
+    length: number of bits of a character.
+    delayed: CLK_PHASE.
+    """
+
+    STATE = State("dat level length delayed bits loaded")
+
+    def __init__(self) -> None:
+        self.dat = self.level = 0
+        self.length = 1
+        self.delayed = False
+        self.bits = 0
+        self.loaded = False
+
+    @property
+    def busy(self) -> bool:
+        """True if the next character has to wait for this one."""
+        return self.loaded or self.bits > 0
+
+    @property
+    def complete(self) -> bool:
+        """True if all bits of the character have been latched."""
+        return self.bits >= self.length
+
+    def load(self, word: int) -> None:
+        """Load a character to send."""
+        self.dat = word
+        self.loaded = True
+
+    def present(self) -> None:
+        """Put out the first bit before the first edge, if CLK_PHASE = 1."""
+        if self.delayed:
+            self.level = self.dat >> 15
+
+    def edge(self, leading: bool, data: int) -> None:
+        """Shift at an edge of SPICLK, with the level at the data input."""
+        if leading == self.delayed:
+            self.dat = (self.dat << 1 | data) & 0xFFFF
+            self.bits += 1
+        else:
+            self.level = self.dat >> 15
+
+    def finish(self) -> None:
+        """End the character; the bits shifted in stay in SPIDAT."""
+        self.bits = 0
+        self.loaded = False

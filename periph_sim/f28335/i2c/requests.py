@@ -1,11 +1,15 @@
-"""Interrupts of the I2C module: arbitration of the flags in I2CSTR, INTCODE, and requests on I2CINT1A.
+"""The flags of the I2C module and the levels of its FIFOs, with their requests on I2CINT1A and I2CINT2A.
 
     I2CSTR & I2CIER --> pending --event_to_isrc_delay, rank--> INTCODE, I2CINT1A --read of I2CISRC--> the next
+    I2CFFTX, I2CFFRX --> FIFOs, which both FFEN and IRS enable --> TXFFINT, RXFFINT --enabled--> I2CINT2A
 
-Source: SPRUG03B section 3, Tables 3, 9, 10, 11.
+Source: SPRUG03B sections 3, 5.11, 5.12, Tables 3, 9, 10, 11, 21, 22.
 
 Chosen:
 - A request dropped before its code was loaded (its flag was cleared) is forgotten.
+- In FIFO mode XRDY = 1 if the TX FIFO has room, RRDY = 1 if the RX FIFO is not empty.
+- A FIFO that a reset holds empty does not set its interrupt flag; the flag stays as it is.
+- Setting an enable while its flag is set requests at once, even with FFEN = 0; setting FFEN does not request.
 """
 
 # core: compiled
@@ -14,48 +18,38 @@ from __future__ import annotations
 
 from ...core.chip import NEVER, Note
 from ...core.state import State
+from ..interrupt_fifo import DEPTH, InterruptFifo
 from .options import I2cOptions
-from .register_map import I2C_MAP, STR_AAS
+from .register_map import I2C_MAP, MDR_IRS, STR_AAS, STR_XRDY
 
 SRC_AL, SRC_NACK, SRC_ARDY, SRC_RRDY, SRC_XRDY, SRC_SCD, SRC_AAS = (1 << n for n in range(7))
 CODE_CLEARS = {1: SRC_AL, 2: SRC_NACK, 6: SRC_SCD}  # I2CISRC code -> flag that its read clears (Table 11)
-INT1 = 1
+INT1, INT2 = 1, 2
+FFEN = I2C_MAP["I2CFFTX"]["I2CFFEN"].mask
 
 
-class I2cInterrupts:
-    """Flags and interrupt arbiter.
+class I2cRequests:
+    """Flags, interrupt arbiter, and FIFOs of both directions.
 
     str: I2CSTR.
+    fifo: both FIFOs are on.
     requests: lines requested since the owner last set this to 0.
     code_at: the cycle at which a code is loaded.
     """
 
-    STATE = State("str ier isrc_high requests held wanted nack_as_slave code _pending _active", cycles="code_at")
-
-    __slots__ = (
-        "_active",
-        "_pending",
-        "code",
-        "code_at",
-        "held",
-        "ier",
-        "isrc_high",
-        "nack_as_slave",
-        "notes",
-        "options",
-        "requests",
-        "str",
-        "touched",
-        "wanted",
+    STATE = State(
+        "str ier isrc_high requests held wanted nack_as_slave code _pending _active mdr xsr_full fifo tx_fifo rx_fifo",
+        cycles="code_at",
     )
 
     def __init__(self, options: I2cOptions) -> None:
         self.options = options
         self.notes: list[Note] = []
         self.touched: set[str] = set()
-        self.reset_flags()
+        self.tx_fifo = InterruptFifo(I2C_MAP["I2CFFTX"], False, options.fifo_int_mode, self.touched)
+        self.rx_fifo = InterruptFifo(I2C_MAP["I2CFFRX"], True, options.fifo_int_mode, self.touched)
 
-    def reset_flags(self) -> None:
+    def reset_requests(self) -> None:
         """Reset by XRS."""
         self.str: int = I2C_MAP["I2CSTR"].reset
         self.ier = self.isrc_high = self.requests = self.held = 0
@@ -65,6 +59,11 @@ class I2cInterrupts:
         self.code_at = NEVER
         self._pending = 0  # requests whose code has not been loaded yet
         self._active = 0
+        self.mdr = 0
+        self.xsr_full = False
+        self.fifo = False
+        self.tx_fifo.reset()
+        self.rx_fifo.reset()
 
     def duty(self, text: str, source: str) -> None:
         self.notes.append(Note("duty", text, source))
@@ -167,3 +166,36 @@ class I2cInterrupts:
             self._show(now, 0)
         self.code_at = NEVER
         self._pending = self._active = 0
+
+    # FIFOs -------------------------------------------------------------------
+
+    def fifo_levels(self, now: int) -> None:
+        """Update the level flags and their requests. Call after any change of a FIFO."""
+        on = self.fifo and self.mdr & MDR_IRS > 0
+        if self.tx_fifo.watch(on and self.tx_fifo.is_released()):
+            self.requests |= INT2
+        if self.rx_fifo.watch(on and self.rx_fifo.is_released()):
+            self.requests |= INT2
+        if self.fifo:
+            if len(self.tx_fifo) < DEPTH:
+                self.str |= STR_XRDY
+            else:
+                self.str &= ~STR_XRDY
+            self.update(now)
+
+    def write_fftx(self, now: int, value: int) -> None:
+        if self.tx_fifo.write(value):
+            self.requests |= INT2
+        self.fifo = self.tx_fifo.control & FFEN > 0
+        if (
+            self.xsr_full
+            and not self.tx_fifo.is_released()
+            and self.options.txfifo_reset_flushes_xsr.assume(self.touched)
+        ):
+            self.xsr_full = False
+        self.fifo_levels(now)
+
+    def write_ffrx(self, now: int, value: int) -> None:
+        if self.rx_fifo.write(value):
+            self.requests |= INT2
+        self.fifo_levels(now)

@@ -12,26 +12,10 @@ Source: data sheets of ADXL345, ITG-3200, HMC5883L, sections on the I2C interfac
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
 
 from ..bus.i2c.target_side import Stretches
 from ..core.state import State
-
-
-class Registers(Protocol):
-    """The interface of a chip; `now` in ticks, never falling from call to call."""
-
-    address: int
-
-    def begin(self, now: int) -> bool:
-        """Begin a burst when addressed. False if it does not acknowledge."""
-
-    def read(self, now: int, number: int) -> int: ...
-
-    def write(self, now: int, number: int, value: int) -> None: ...
-
-    def following(self, number: int) -> int:
-        """Return the pointer after an access to this register; called only when needed."""
+from .chips.register_chip import RegisterChip
 
 
 class RegisterPointer:
@@ -42,7 +26,7 @@ class RegisterPointer:
     ack = True
     stretches: Stretches = ()
 
-    def __init__(self, chip: Registers, now: Callable[[], int], touched: Callable[[], None] = lambda: None) -> None:
+    def __init__(self, chip: RegisterChip, now: Callable[[], int], touched: Callable[[], None] = lambda: None) -> None:
         self.chip = chip
         self._now = now
         self._touched = touched

@@ -10,8 +10,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from ..devices.device_bus import DeviceBus
-from ..devices.python_target import HOOKS, NEEDED, PythonTarget
+from ..devices.python_device import HOOKS, NEEDED, DeviceBus, PythonTarget
 from ..devices.targets import TargetContext
 from ..processor.user_code import PASSES, FirmwareStalled, UserCode, defined_at, flaw_of
 from .case.device_tables import DeviceTable

@@ -108,7 +108,7 @@ ROWS: dict[str, Row] = {
         ("devices.targets.", "scene.devices", "bus.i2c.target_side", "bus.i2c.disturbed_target"), present=("bus",)
     ),
     "device in Python": Row(
-        ("scene.device_file", "devices.python_target", "devices.device_bus"),
+        ("scene.device_file", "devices.python_device"),
         {"device": {"d": {"model": "mine.py", "address": 0x51}}, "controller": HEAD},
     ),
     "fault on a wire": Row(("bus.faults.", "scene.faults"), of_slave(fault=[SPIKE])),

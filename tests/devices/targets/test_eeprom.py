@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.devices.targets.eeprom import part_of
-from periph_sim.devices.targets.memory_image import image
+from periph_sim.devices.targets.eeprom import image, part_of
 from tests.devices.targets.bus_of import Bus
 
 MS = 10**6  # ticks

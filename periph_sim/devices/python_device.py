@@ -1,4 +1,4 @@
-"""The environment of a user's own device: time, the clock line, pins, notes and random numbers.
+"""A user's own device on the bus: a `Target` around an object with hooks, which is given a `DeviceBus`.
 
     class Device:                        a file beside the case, named by `model = "my_device.py"`
         def __init__(self, bus): ...     bus: a `DeviceBus`; (self, bus, settings) with a dataclass Settings in the file
@@ -7,7 +7,7 @@
         def on_read(self): ...           return the byte to send
         def on_stop(self): ...           STOP, or the START that ends the transfer
 
-Only on_write or on_read is mandatory.
+Only on_write or on_read is mandatory. A wrong value that a hook returns is reported with the hook's place.
 """
 
 from __future__ import annotations
@@ -16,10 +16,11 @@ from collections.abc import Callable
 from fractions import Fraction
 from random import Random
 
+from ..bus.i2c.target_side import Stretches
 from ..core.chip import Note
 from ..core.settings import duration
 from ..core.wire import Wire
-from ..processor.user_code import Misuse, UserCode
+from ..processor.user_code import FirmwareError, Misuse, UserCode, defined_at
 from .targets import TargetContext
 
 
@@ -45,7 +46,10 @@ class DevicePin:
 
 
 class DeviceBus:
-    """random: its own generator, equal in every run of one case."""
+    """The environment of the device: time, the clock line, pins, notes and random numbers.
+
+    random: its own generator, equal in every run of one case.
+    """
 
     def __init__(self, place: TargetContext, per_second: int, guard: UserCode) -> None:
         self.random: Random = place.random
@@ -87,3 +91,62 @@ class DeviceBus:
             return self._place.ticks(duration(length))
         except ValueError as error:
             raise Misuse(str(error)) from None
+
+
+HOOKS = {"on_address": 1, "on_write": 1, "on_read": 0, "on_stop": 0}  # and their arguments
+NEEDED = ("on_write", "on_read")  # at least one of them
+
+
+class PythonTarget:
+    """guard: calls the hooks. make: builds the user's object, again when power returns. It is its own reply."""
+
+    ack = True
+    stretches: Stretches = ()
+
+    def __init__(self, guard: UserCode, address: int, make: Callable[[], object]) -> None:
+        self.addresses = (address,)
+        self._guard = guard
+        self._make = make
+        self.power_on()
+
+    def power_on(self) -> None:
+        device = self._guard(self._make)
+        self._hooks: dict[str, Callable[..., object]] = {
+            name: getattr(device, name) for name in HOOKS if hasattr(device, name)
+        }
+
+    def answer(self, address_byte: int) -> PythonTarget | None:
+        if address_byte >> 1 not in self.addresses:
+            return None
+        read = bool(address_byte & 1)
+        hook = "on_read" if read else "on_write"
+        acked = self._acked("on_address", read) and hook in self._hooks
+        return self if acked else None
+
+    def receive_byte(self, byte: int, value: int) -> bool:
+        return self._acked("on_write", value)
+
+    def send_byte(self, byte: int) -> int:
+        value = self._call("on_read")
+        if not isinstance(value, int) or not 0 <= value <= 0xFF:
+            raise self._wrong("on_read", value, "a byte, 0 to 0xFF")
+        return int(value)
+
+    def on_end(self, stop: bool, whole: bool) -> None:
+        if stop:
+            self._call("on_stop")
+
+    def _acked(self, name: str, argument: object) -> bool:
+        """Call a hook. False means NACK; True, or None, ACK."""
+        value = self._call(name, argument)
+        if value is not None and not isinstance(value, bool):
+            raise self._wrong(name, value, "True or False")
+        return value is not False
+
+    def _call(self, name: str, *arguments: object) -> object:
+        hook = self._hooks.get(name)
+        return None if hook is None else self._guard(hook, *arguments)
+
+    def _wrong(self, name: str, value: object, expected: str) -> FirmwareError:
+        at = defined_at(getattr(self._hooks[name], "__func__", self._hooks[name]))
+        return FirmwareError(f"{self._guard.who}: {name}, {at}, returned {value!r}; expected {expected}")

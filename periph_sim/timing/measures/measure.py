@@ -167,7 +167,7 @@ class Measure(Listener):
             return "there was one value, which has none before it"
         return self.why_silent()
 
-    def why_silent(self) -> str:
+    def why_silent(self) -> str:  # core: python
         """Return the same if no value was taken that a jitter leaves out."""
         return ""
 

@@ -184,7 +184,7 @@ class Between(EventMeasure):
         return found
 
     def unfinished_text(self) -> str:
-        first, second = (self.matchers[place].text for place in (FIRST, SECOND))
+        first, second = self.matchers[FIRST].text, self.matchers[SECOND].text
         return self._clauses.said.cut_off or f"{first!r} still waited for {second!r} when the run ended"
 
     @property

@@ -1,1 +1,1 @@
-"""One file for each command, which takes parsed arguments, calls the library, and prints."""
+"""The commands, one file for each. A command receives parsed arguments, calls the library, and prints the result."""

@@ -1,6 +1,6 @@
 """Bulk formatting of columns of numbers and words as bytes, without a Python step for each line.
 
-    | digits | literal | words of a table | --> one array of characters, a row a line --> bytes
+    | digits | literal | words of a table | --> one array of characters with a row for each line --> bytes
 
 Values shorter than their column are padded with NUL, and all NULs are removed at the end; or with blanks, in columns
 that are aligned.
@@ -19,9 +19,9 @@ Numbers = NDArray[np.int64]
 
 AT_ONCE = 1 << 15  # number of lines formatted at a time, so that their characters stay in the processor's cache
 BLANK, NONE = b" ", b"\0"
-MAX_TABLE = 1 << 24  # codes up to this are numbered by a table, larger ones by sorting
+MAX_TABLE = 1 << 24  # codes up to this value are numbered by a table, larger ones by sorting
 
-# Four digits at a time, as one machine word: selecting many at once is ten times as fast as with rows of four bytes.
+# Four digits as one machine word: to select many of these is ten times as fast as to select rows of four bytes.
 _FOUR = (np.arange(10_000)[:, None] // (1000, 100, 10, 1) % 10 + ord("0")).astype(np.uint8).view(np.uint32)[:, 0]
 
 
@@ -59,7 +59,7 @@ class Digits:
         written[:, 0] = _FOUR[rest]
         digits = written.view(np.uint8)[:, 4 * groups - self._digits :]
         whole = self._digits - self._decimals
-        for place in range(whole - 1):  # leading zeros
+        for place in range(whole - 1):  # replace leading zeros
             np.copyto(digits[:, place], self._pad[0], where=values < 10 ** (self._digits - 1 - place))
         free = self.width - self._digits - (self._decimals > 0)
         into[:, :free] = self._pad[0]
@@ -120,7 +120,7 @@ def numbered(codes: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def text(columns: Sequence[Column], lines: int) -> Iterator[bytes]:
-    """Yield the lines in pieces."""
+    """Yield the lines as bytes in several pieces. lines: the number of lines."""
     bounds = np.cumsum([0, *(column.width for column in columns)]).tolist()
     for begin in range(0, lines, AT_ONCE):
         some = slice(begin, min(begin + AT_ONCE, lines))

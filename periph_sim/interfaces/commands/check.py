@@ -70,7 +70,8 @@ def check(
             from ..reports.baselines.check import case_files
 
             note_inputs(case_files(paths or project.cases()), but_baselines=update)
-        # Outputs are opened before the runs, so that none is in vain.
+        # Outputs are opened before the runs, so that a file that cannot be written is reported before the time is
+        # spent.
         unfinished, unfinished_html = (
             None if file is None else outputs.enter_context(atomic_write(file)) for file in (junit_file, html_file)
         )
@@ -139,7 +140,7 @@ def _object(checks: list[CaseCheck], refused: list[RejectedCase], passed: bool) 
 
 
 def _html(checks: list[CaseCheck], jobs: int | None) -> str:
-    """Return the report: each case is run again, for its timelines."""
+    """Return the HTML report. Each case is run again to get the timelines."""
     from ..reports.baselines.check import workers
     from ..reports.html.gather import report_of_file
     from ..reports.html.page import page

@@ -18,22 +18,22 @@ VERSION = 2  # incremented when a key is removed or changes its meaning, not for
 
 
 def print_json(command: str, answer: Mapping[str, object]) -> None:
-    """Print one object on standard output; `schema` names the command, `schema_version` the edition.
+    """Print one object on standard output. Its `schema` is the command, and its `schema_version` is VERSION.
 
-    `form` comes last: the form of the core that was used."""
+    Its last key, `form`, is the form of the core that was used."""
     answer_object = {"schema": f"periph-sim {command}", "schema_version": VERSION, **answer, "form": form.running}
     click.echo(json.dumps(answer_object, indent=2, ensure_ascii=False))
 
 
 def print_answer(command: str, answer: Mapping[str, object] | str) -> None:
-    """Print the text of an answer, or its object as JSON."""
+    """Print an answer, which is a text, or an object for JSON."""
     if isinstance(answer, str):
         click.echo(answer)
     else:
         print_json(command, answer)
 
 
-# Errors caused by input, by name: a command that cannot raise one need not import it.
+# Errors caused by input. They are given by name, so that a command that cannot raise an error need not import it.
 MISTAKES = {
     "periph_sim.interfaces.reports.baselines.files.BadCheck",
     "periph_sim.scene.case.model.BadCase",
@@ -54,7 +54,7 @@ MISTAKES = {
 
 @contextmanager
 def running_user_code() -> Iterator[None]:
-    """Apply `usage_errors_in_one_sentence`, and redirect user code's output to standard error."""
+    """Apply `usage_errors_in_one_sentence`, and redirect the output of user code to standard error."""
     from ...processor.user_code import output_aside
 
     with usage_errors_in_one_sentence(), output_aside():
@@ -72,13 +72,14 @@ def usage_errors_in_one_sentence() -> Iterator[None]:
         raise click.ClickException(str(error)) from None
 
 
-LONG = 5  # seconds from which an interpreted run gets the advice
-SHARE = "a fifth to a fourteenth"  # of the shipped cases' CPU time, by `python -m tests.bench.forms` in both forms
+LONG = 5  # an interpreted run of this many seconds or more gets the advice to compile the core
+# CPU time of the shipped cases compiled, relative to interpreted; measured with `python -m tests.bench.forms`.
+SHARE = "a fifth to a fourteenth"
 
 
 @contextmanager
 def progress(name: str) -> Iterator[Callable[[float], None] | None]:
-    """Yield a function that receives the part done, 0 to 1; None if the bar would not be visible."""
+    """Yield a function that displays the completed share, 0 to 1; None if the bar would not be visible."""
     if not sys.stderr.isatty():
         yield None
         return
@@ -100,7 +101,10 @@ def progress(name: str) -> Iterator[Callable[[float], None] | None]:
 
 
 def cost_of_form(seconds: float) -> str:
-    """Return advice after an interpreted run of `seconds`; "" if it is short, already noted, or was requested."""
+    """Return advice to compile the core after an interpreted run of `seconds`.
+
+    Return "" if the run was short, the user has already been told, or the interpreted form was requested.
+    """
     asked = os.environ.get(form.VARIABLE) == form.INTERPRETED
     if form.running != form.INTERPRETED or form.note or asked or seconds < LONG:
         return ""
@@ -108,5 +112,5 @@ def cost_of_form(seconds: float) -> str:
 
 
 def command_line() -> str:
-    """Return the command line, as "periph-sim run timing/imu_hil.toml --seconds 1", without the program's folder."""
+    """Return the command line without the program's folder: "periph-sim run timing/imu_hil.toml --seconds 1"."""
     return shlex.join(["periph-sim", *sys.argv[1:]])

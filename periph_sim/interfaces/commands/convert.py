@@ -1,6 +1,6 @@
 """`periph-sim convert IN OUT`: convert a capture or a recorded run to another format.
 
-The output is read again and compared with the input: each loss in OUT is reported in a note.
+The output is read again and compared with the input. Each loss in OUT is reported in a note.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ def convert(
 def _same_file(given: Path, out: Path) -> bool:
     try:
         return out.samefile(given)
-    except OSError:  # a missing file or invalid name; reading and writing report it
+    except OSError:  # a missing file or an invalid name, which reading or writing reports
         return False
 
 
@@ -114,7 +114,7 @@ def _sizes(capture: formats.Capture) -> str:
 
 
 def _not_kept(ready: formats.Capture, out: Path) -> Iterator[str]:
-    """Yield a sentence for each loss in OUT, read again. Raise BadCapture if it has other edges."""
+    """Read OUT again, and yield a sentence for each loss in it. Raise BadCapture if its edges differ."""
     if not any(
         out.name.casefold().endswith(suffix) for reader in formats.readers().values() for suffix in reader.SUFFIXES
     ):

@@ -3,7 +3,7 @@
 --i2c scl=0,sda=1          --> channels --> i2c_table  --> Bus: rows, and notes on their limitations
 --uart rx=2,baud=auto,...  --> channels --> uart_table -->
 --spi clk=3,mosi=4,...     --> channels --> spi        --> Bus of each data line
-nothing                    --> channels named scl and sda, rx and tx; doubtful guesses are reported, not used
+no option                  --> channels named scl and sda, rx and tx; doubtful guesses are reported, not used
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ from ...traces.decode.uart_line import line_of
 UART_LINES = ("rx", "tx")
 FLAGS = ("invert", "vote")  # settings without a value
 SPI_LINES = {"clk": "clk", "mosi": "mosi", "miso": "miso", "cs": "cs", "simo": "mosi", "somi": "miso", "ste": "cs"}
-SPI_MODES = {  # the names and values of sigrok's decoder, the first one unless another is given
+SPI_MODES = {  # names and values as in sigrok's decoder; the first one is the default
     "cpol": ("0", "1"),
     "cpha": ("0", "1"),
     "bitorder": ("msb-first", "lsb-first"),
     "cs_polarity": ("active-low", "active-high"),
 }
-MAX_WORD = 32  # maximum bits of an SPI word
-SURE = 0.5  # of 34 real lines with a stated rate, guesses above this are right, those below mostly wrong
+MAX_WORD = 32  # maximum number of bits of an SPI word
+SURE = 0.5  # for 34 real lines with a stated rate, guesses above this certainty were right, and most below it wrong
 
 
 class Bus(NamedTuple):
@@ -41,7 +41,7 @@ class Bus(NamedTuple):
 
     protocol: i2c, uart or spi.
     silence: positions without a frame or word that end a burst; None if transfers begin at STARTs or selections.
-    notes: a sentence each.
+    notes: sentences on the limitations of the decoding.
     lines: SCL and SDA, or the serial line.
     """
 
@@ -56,9 +56,11 @@ class Bus(NamedTuple):
 def asked_for(
     capture: Capture, i2cs: tuple[str, ...], uarts: tuple[str, ...], spis: tuple[str, ...], shortest: int
 ) -> list[Bus]:
-    """Decode the buses of the options; without any, those whose channels have usual names. shortest: positions.
+    """Decode the buses that the options name; without options, those whose channels have usual names.
 
-    ClickException if an option names no channels of the capture, or none has a usual name.
+    shortest: pulses of fewer positions are glitches.
+
+    Raise ClickException if an option names a channel that the capture lacks, or if no channel has a usual name.
     """
     if i2cs or uarts or spis:
         buses = [_i2c(capture, text, shortest) for text in i2cs]
@@ -132,9 +134,13 @@ def _uart(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
 
 
 def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: int, doubtful: bool = True) -> Bus:
-    """Decode a serial line. given: its known settings. doubtful: True if an uncertain guess may be used.
+    """Decode a serial line.
 
-    Raise ValueError if it cannot be guessed, or read at its rate.
+    given: the settings that the user states; the others are guessed.
+    shortest: pulses of fewer positions are glitches.
+    doubtful: True if an uncertain guess may be used.
+
+    Raise ValueError if the settings cannot be guessed, or the capture is too coarse for the rate.
     """
     notes = gap_notes(capture, wire)
     if not len(wire.edges):

@@ -30,7 +30,7 @@ from .bulk_text import NONE, Column, Digits, Literal, Numbers, Words, text
 from .decoded_text import Clock, events_column, in_transfer
 
 AGAIN, DATA = (EVENTS.index(name) for name in ("repeated start", "data"))
-DECIMALS = 9  # decimals of a second; Wireshark shows no more
+DECIMALS = 9  # number of decimals of a second; Wireshark does not show more
 PER_LINE = 16  # number of bytes in a line of a dump
 
 SIGROK = {
@@ -48,8 +48,8 @@ class Packet(NamedTuple):
     """One packet of an export.
 
     time: in units of 10**-DECIMALS s.
-    wire: the address byte and the data of a message, the bytes of a burst, or SPI words. Each word takes whole bytes,
-    the most significant one first.
+    wire: the address byte and the data of a message, the bytes of a burst, or SPI words. A word is a whole number of
+        bytes, the most significant one first.
     said: the packet in the notation of the I2C-bus specification, with ACKs and the final condition.
     """
 
@@ -91,9 +91,9 @@ def _dumped(found: Iterator[Packet]) -> Iterator[bytes]:
 
 
 def in_sigrok(rows: Rows, protocols: Sequence[str]) -> Iterator[bytes]:
-    """Export like `sigrok-cli --protocol-decoder-samplenum`; ends are those of the bits, not estimated.
+    """Export in the form of `sigrok-cli --protocol-decoder-samplenum`. The ends are those of the bits, not estimates.
 
-    Each SPI line has its own decoder, which prints words only: sigrok has no line for a selection.
+    Each SPI line has its own decoder, which prints only words: sigrok has no line for a selection.
     """
     rows = rows.select((rows.event != SELECT) & (rows.event != DESELECT))
     decoders: list[str] = []
@@ -126,9 +126,9 @@ def _as_sigrok_says(event: str, value: int | None, bits: int, detail: str) -> st
 
 
 def packets(rows: Rows, first: Numbers, clock: Clock) -> Iterator[Packet]:
-    """Yield the packets of groups that begin at rows `first`, in order of time: bursts, and messages of I2C transfers.
+    """Yield the packets in order of time. A packet is a burst, or a message of an I2C transfer.
 
-    A message without a whole address byte is omitted.
+    first: the rows with which transfers and bursts begin. A message without a complete address byte is left out.
     """
     conditions = np.flatnonzero((rows.event == START) | (rows.event == AGAIN))
     begins = np.union1d(first, conditions)

@@ -1,12 +1,13 @@
 """Decoded rows as text: a table, CSV or JSON lines.
 
-Transfers as JSON are one object per line. A message is from a START, or repeated START, to the next condition:
+In JSON, each transfer is an object on a line of its own. A message lasts from a START or repeated START to the next
+condition:
 
     I2C    {..., "messages": [{"address": 83, "direction": "write", "acked": true, "bytes": [...]}], "ended": "stop"}
     UART   {..., "frames": [{"value": 65, ...}]}
     SPI    {..., "words": [{"value": 159, "bits": 8, ...}], "cut": null}
 
-These lines are built as text: a dense capture has a hundred thousand bytes.
+These lines are built as text, because a dense capture has a hundred thousand bytes.
 """
 
 from __future__ import annotations
@@ -22,15 +23,15 @@ from ...traces.decode.event_rows import ADDRESS, ADDRESS_LOW, CUT, DETAILS, EVEN
 from ...traces.decode.scl_times import LongLows
 from .bulk_text import BLANK, NONE, Column, Digits, Literal, Numbers, Sparse, Words, numbered, text
 
-MOST_DECIMALS = 12  # if the sample period is no decimal fraction: picoseconds
+MOST_DECIMALS = 12  # number of decimals of a second if the sample period is no decimal fraction: picoseconds
 GAP = "  "
 
 
 class Clock(NamedTuple):
-    """Converts positions in a capture to seconds: one position is `up / down` units of 10**-decimals s.
+    """Converter of positions in a capture to seconds: one position is `up / down` units of 10**-decimals s.
 
-    Exact where the period is a decimal fraction of up to twelve digits, else rounded to picoseconds (coarser
-    in captures of over a hundred days).
+    It is exact if the sample period is a decimal fraction of up to twelve digits. Otherwise it rounds to picoseconds,
+    or to coarser units in captures of over a hundred days.
     """
 
     up: int
@@ -39,9 +40,9 @@ class Clock(NamedTuple):
 
     @staticmethod
     def for_rate(rate: Fraction, length: int = 0) -> Clock:
-        """Return the converter of positions to seconds.
+        """Return the converter for a sampling rate.
 
-        length: the largest position. The number of decimals is reduced until its time fits 63 bits.
+        length: the largest position. The number of decimals is reduced until the time of this position fits 63 bits.
         """
         period = 1 / rate
         decimals = next((n for n in range(MOST_DECIMALS) if (period * 10**n).denominator == 1), MOST_DECIMALS)
@@ -51,7 +52,7 @@ class Clock(NamedTuple):
         return Clock(scaled.numerator, scaled.denominator, decimals)
 
     def units(self, positions: Numbers) -> Numbers:
-        """Convert to the nearest number of units; values beyond 63 bits are computed one by one."""
+        """Convert positions to the nearest number of units. Values beyond 63 bits are calculated one by one."""
         if self.down == 1 and not self._large(positions):
             return positions * self.up
         if not self._large(positions):
@@ -81,7 +82,7 @@ def in_json(event: str, value: int | None, bits: int, detail: str) -> str:
 
 
 def in_transfer(event: str, value: int | None, bits: int, detail: str) -> str:
-    """Format as in the I2C-bus specification: S, address, W or R, A or N for the answer, Sr, P."""
+    """Format an event in the notation of the I2C-bus specification: S, address, W or R, A or N, Sr, P."""
     marks = {"start": "S", "repeated start": "Sr", "ack": "A", "nack": "N", "stop": "P"}
     if value is None:
         return marks.get(event, event)
@@ -96,7 +97,7 @@ def in_transfer(event: str, value: int | None, bits: int, detail: str) -> str:
 
 
 def _value(event: str, value: int | None, bits: int) -> str:
-    """Format a byte in hexadecimal, with a frame's printable character; an incomplete byte as bits."""
+    """Format a byte in hexadecimal, and an incomplete one as bits. A printable character of a frame is added."""
     if value is None:
         return ""
     if event == "cut":
@@ -111,9 +112,11 @@ CLOSED = {"table": "\n", "csv": "\n", "json": '"}\n'}  # the end of a transfer's
 
 
 def events(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, full: bool) -> Iterator[bytes]:
-    """Yield a line for each row. style: table or csv, after a line of titles; or json, an object for each line.
+    """Yield a line for each row.
 
-    full: also in a table, the end of each row and positions in addition to times. clock: None without a time base.
+    style: table or csv, with a line of titles first; or json, with an object on each line.
+    full: True to show also in a table the end of each row and, beside times, positions.
+    clock: None if the capture has no time base.
     """
     titles, head = _head(rows, buses, clock, style, full)
     yield (titles + TITLES[style]).encode()
@@ -123,7 +126,7 @@ def events(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, fu
 def transfers(
     rows: Rows, first: Numbers, buses: Sequence[str], clock: Clock | None, style: str, full: bool
 ) -> Iterator[bytes]:
-    """Yield a line for each group of rows, which begin at the rows `first`; arguments as for `events`."""
+    """Yield a line for each group of rows. first: the rows with which groups begin. For the others see `events`."""
     ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
     titles, head = _head(rows.select(first)._replace(end=ends), buses, clock, style, full)
     if style == "json":
@@ -146,7 +149,7 @@ def transfers(
 
 
 def _head(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, full: bool) -> tuple[str, list[Column]]:
-    """Return the columns of time and bus, and their part of the line of titles."""
+    """Return the part of the title line for time and bus, and the columns of these."""
     columns: list[Column] = []
     if style == "table":
         titles = ""
@@ -192,7 +195,7 @@ def _buses(rows: Rows, buses: Sequence[str], pad: bytes) -> Words:
 
 
 def events_column(rows: Rows, shown: Shown) -> Words:
-    """Return the column of events: few different texts, however many rows."""
+    """Return the column of events. It has few different texts, even if there are many rows."""
     held = rows.value >= 0
     bits = np.where(held, rows.bits, 0).astype(np.int64)
     values, value = numbered(np.where(held, (bits << 32 | rows.value) + 1, 0))
@@ -229,7 +232,11 @@ def transfer_lines(
     lows: Sequence[LongLows | None],
     clock: Clock | None,
 ) -> Iterator[bytes]:
-    """Yield a line for each transfer or burst, which begin at rows `first`. lows: of each I2C bus; None for others."""
+    """Yield a line for each transfer or burst.
+
+    first: the rows with which they begin.
+    lows: the long low phases of each I2C bus; None for other buses.
+    """
     table = _Table(rows, clock)
     ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
     bounds = [*first.tolist(), len(rows.at)]
@@ -254,14 +261,14 @@ def transfer_lines(
 
 
 class _Stretches:
-    """The long low phases of one bus as JSON, by the row of their byte.
+    """The long low phases of one bus as JSON, indexed by the row of the byte in which they occur.
 
     The number of the byte in its message is added later.
     """
 
     def __init__(self, rows: Rows, bus: int, lows: LongLows, clock: Clock | None) -> None:
         own = np.flatnonzero((rows.bus == bus) & (rows.value >= 0))
-        starts = np.searchsorted(lows.rises, rows.at[own])  # the rises of first bits
+        starts = np.searchsorted(lows.rises, rows.at[own])  # the index of the rise of each byte's first bit
         place = np.searchsorted(starts, lows.which, side="right") - 1
         bits = lows.which - np.append(starts, 0)[place] + 1
         within = (place >= 0) & (bits <= 9)
@@ -277,7 +284,7 @@ class _Stretches:
 
 
 def _times(positions: Numbers, clock: Clock | None) -> list[str]:
-    """Format seconds exactly; empty if positions have no time."""
+    """Format positions as exact seconds; as empty texts if positions have no time."""
     if clock is None:
         return [""] * len(positions)
     units = clock.units(positions).tolist()
@@ -288,7 +295,7 @@ def _times(positions: Numbers, clock: Clock | None) -> list[str]:
 
 
 class _Table:
-    """Columns as lists, with rows as JSON."""
+    """Columns of rows as lists, with methods that format a row as JSON."""
 
     def __init__(self, rows: Rows, clock: Clock | None) -> None:
         self._at = rows.at.tolist()
@@ -298,14 +305,15 @@ class _Table:
         self._value = rows.value.tolist()
         self._bits = rows.bits.tolist()
         self._detail = rows.detail.tolist()
-        self._said: dict[tuple[int, int, int, int], str] = {}  # cache: few different ones, however many rows
+        # Cache of the texts, of which there are few even if there are many rows.
+        self._said: dict[tuple[int, int, int, int], str] = {}
 
     def when(self, row: int) -> str:
         time = self._time[row]
         return f'"time_s": {time}, "position": {self._at[row]}' if time else f'"position": {self._at[row]}'
 
     def span(self, row: int, end_time: str, end: int) -> str:
-        """Format the keys of an event of `--format json`."""
+        """Format the keys of `--format json` for the times and positions of an event."""
         times = f'"time_s": {self._time[row]}, "end_s": {end_time}, ' if end_time else ""
         return f'{times}"position": {self._at[row]}, "end": {end}'
 

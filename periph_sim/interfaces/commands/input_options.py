@@ -44,7 +44,10 @@ SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, if RUN does n
 
 
 def read_capture(path: Path, rate: str | None, salvage: bool = False, option: str = "--rate") -> Capture:
-    """Read the capture in a file; BadCapture if it cannot be read. option: name of the rate's option, for messages."""
+    """Read the capture in a file. Raise BadCapture if it cannot be read.
+
+    option: the name of the option for the rate, for messages.
+    """
     from ...traces import formats
 
     return formats.read(path, None if rate is None else rate_given(option, rate), salvage=salvage)
@@ -64,7 +67,7 @@ def rate_given(option: str, text: str) -> Fraction:
 
 
 def time_given(option: str, text: str) -> Fraction:
-    """Parse a time to seconds, 0 or more."""
+    """Parse a time of 0 or more. Return seconds."""
     try:
         length = seconds(text)
     except TimeError as error:
@@ -75,7 +78,7 @@ def time_given(option: str, text: str) -> Fraction:
 
 
 def address_given(option: str, text: str) -> tuple[str, int]:
-    """Parse "[ADDRESS:]PORT" to (address, port); the default is this computer."""
+    """Parse "[ADDRESS:]PORT". Return (address, port); the default address is that of this computer."""
     address, _, port = text.rpartition(":")
     if not port.isdecimal() or int(port) > 65535:
         raise click.UsageError(f"{option} {text!r}: expected a port up to 65535, or ADDRESS:PORT; 0 is any free port")
@@ -83,7 +86,7 @@ def address_given(option: str, text: str) -> tuple[str, int]:
 
 
 def pace_given(text: str) -> Fraction:
-    """Parse --pace to simulated seconds per second."""
+    """Parse --pace. Return the number of simulated seconds per second."""
     try:
         return exact_number(text)
     except ValueError:
@@ -91,7 +94,7 @@ def pace_given(text: str) -> Fraction:
 
 
 def length_given(text: str) -> Fraction:
-    """Parse --seconds to 0 or more: 10 or '10 s'."""
+    """Parse the value of --seconds, such as 10 or '10 s'. Return seconds, 0 or more."""
     from ...core.settings import duration
 
     try:
@@ -101,7 +104,7 @@ def length_given(text: str) -> Fraction:
 
 
 def check_file_name(place: Path) -> None:
-    """Reject a name for files with characters that are hard to type or to import."""
+    """Reject a file name with characters that are difficult to type or to import."""
     if not FILE_NAME.fullmatch(place.name):
         raise click.ClickException(f"{place.name!r} is no name for files; expected letters, digits, '_' and '-'")
 
@@ -117,7 +120,10 @@ def apart(**outputs: Path | None) -> None:
 
 
 def _refuse_guaranteed(asked: bool | None) -> None:
-    """Reject --guaranteed, and `guaranteed = true` of the project. asked: None if the option is not given."""
+    """Reject --guaranteed, and `guaranteed = true` in the project's settings.
+
+    asked: the value of the option; None if it is not given.
+    """
     from ...scene.project import project_of
     from ...timing.verdict import NOTHING_PROVEN
 
@@ -130,7 +136,7 @@ def _refuse_guaranteed(asked: bool | None) -> None:
 
 
 def open_run(path: Path, sysclk: str | None) -> Run:
-    """Open a recorded run; BadCapture or NotInRun if the file contains none."""
+    """Open a recorded run. Raise BadCapture or NotInRun if the file does not contain one."""
     from ...records.run import Run
 
     return Run.read(path, None if sysclk is None else rate_given("--sysclk", sysclk))

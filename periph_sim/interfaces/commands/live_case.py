@@ -31,9 +31,11 @@ MEASURES = (  # measures that become budgets if a case has no budget
 
 
 def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
-    """Return the case's text by its path, and that path. given: its name; default: the live case's name and `_live`.
+    """Return the files to write, and the path of the case among them.
 
-    ClickException, or BadCase, for an invalid log, or one whose case has no file or a missing one.
+    given: the name of the new case; by default, it is that of the live case with `_live`.
+
+    Raise ClickException or BadCase if the log is invalid, or if its case has no file or the file is missing.
     """
     try:
         reader = LogReader(log)
@@ -69,7 +71,7 @@ def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
 
 
 def _moved(tree: Tree, before: Path, after: Path) -> None:
-    """Change texts that name files beside the case to paths relative to the new case."""
+    """Change texts that name files relative to the old case to paths relative to the new case."""
     named = {text for text in texts_in(tree) if 0 < len(text) < 200 and (before / text).is_file()}
 
     def moved(value: Any) -> Any:
@@ -84,7 +86,7 @@ def _moved(tree: Tree, before: Path, after: Path) -> None:
 
 @output_muted()
 def _as_seen(tree: Tree, target: Path) -> list[Tree]:
-    """Return a budget for each measure of the session, with the session's result as limit."""
+    """Return a budget for each measure of the session, with the session's result as its limit."""
     found: list[Tree] = []
     for measure in MEASURES:
         budget: Tree = {"name": measure, "measure": measure, "max": 0}

@@ -26,9 +26,11 @@ WIRES = ("SCL", "SDA", "RX", "TX")
 
 
 class Shown:
-    """The display, a context manager that ends it with the session's last snapshot. url: of its page, or "".
+    """The display of a session. As a context manager, it ends with the session's last snapshot.
 
-    Raise OutsideError for a used port.
+    url: the address of its page; "" in the terminal.
+
+    Raise OutsideError if the port of the page is in use.
     """
 
     def __init__(self, in_terminal: bool, address: tuple[str, int] | None) -> None:
@@ -64,12 +66,12 @@ class Shown:
                 part.close()
 
     def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
-        """Subscribe the wave; called by a Scene."""
+        """Subscribe the recorder of the waveform. A Scene calls this."""
         if self._wave is not None:
             self._wave.subscribe(recorder, timebase)
 
     def doors(self, session: Session, line: SerialLine | None, pacer: Pacer, where: str) -> Sequence[Door]:
-        """Return the doors for the session's loop."""
+        """Return the doors that the loop of the session serves for the display."""
         if self._board is None:
             return ()
         from ...outside.live.view.board import ViewDoor
@@ -80,7 +82,7 @@ class Shown:
         return (self._door,)
 
     def begin(self) -> None:
-        """Begin the display, after all output before the session."""
+        """Begin the display. Call this after all output that precedes the session."""
         if self._in_terminal:
             from .live_view import LiveView
 
@@ -88,7 +90,7 @@ class Shown:
             self._view = LiveView(self._board)
 
     def say(self, sentence: str) -> None:
-        """Display a door's sentence."""
+        """Display a sentence from a door."""
         if self._status is not None:
             self._status.say(sentence)
         if self._view is None:

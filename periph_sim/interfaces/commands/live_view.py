@@ -17,9 +17,9 @@ from ...outside.live.pacing import in_ms
 from ...outside.live.view.board import Board
 from ...outside.live.view.status import BudgetSoFar, Lateness, Snapshot
 
-PATIENCE = 1.0  # seconds without news, after which it checks for the end
-BAR = 30  # columns of the longest bar
-TURNS = 0.0005  # seconds after which the printing thread yields to the session
+PATIENCE = 1.0  # seconds without a new snapshot after which the printing thread checks for the end
+BAR = 30  # number of columns of the longest bar
+TURNS = 0.0005  # seconds after which the printing thread lets the session run
 
 
 class LiveView:
@@ -46,7 +46,7 @@ class LiveView:
 
 
 def screen(status: Snapshot, height: int = 100) -> RenderableType:
-    """Return the screen; budgets only as far as there are lines."""
+    """Return the content of the screen. Budgets that do not fit into its height are left out."""
     rates = status["rates"]
     pace = f", {rates['pace']:.2f} s a second" if "pace" in rates else ""
     over = "ended at" if status["over"] else ""

@@ -118,7 +118,7 @@ def _kinds() -> list[str]:
 
 
 def _cases() -> dict[str, Path]:
-    """Return the shipped cases by name."""
+    """Return the shipped cases, indexed by name."""
     return {file.stem: file for file in sorted((EXAMPLES / "timing").glob("*.toml"))}
 
 
@@ -153,7 +153,7 @@ def _go_on(files: Files, case: Path, following: str | None) -> list[str]:
 
 
 def _template(kind: str, place: Path) -> Files:
-    """Return the files of a template under another name. place: folder and name, without a suffix."""
+    """Return the files of a template with the user's name. place: the folder and the name without a suffix."""
     check_file_name(place)
     stem = kind.replace("-", "_")
     found = {}
@@ -166,7 +166,7 @@ def _template(kind: str, place: Path) -> Files:
 
 
 def _as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
-    """Return the files of a replay, for the target in a capture, without the template's own capture."""
+    """Return the files of a replay for the target in the user's capture, without the capture of the template."""
     from ...replay.channels import channel_map
     from ...replay.i2c_script import most_frequent, turns
     from ...traces.decode import i2c
@@ -197,7 +197,7 @@ def _as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
 
 
 def _example(name: str, folder: Path) -> Files:
-    """Return a shipped case, its firmware with all imports, and the files beside it that it names."""
+    """Return the files of a shipped case: itself, its firmware with all imports, and files beside it that it names."""
     cases = _cases()
     if name not in cases:
         raise click.ClickException(f"there is no example {name!r}; {did_you_mean(name, cases)}")
@@ -224,7 +224,7 @@ def _example(name: str, folder: Path) -> Files:
 
 
 def _with_headers(source: Path) -> list[Path]:
-    """Return a C file, and the headers beside it that it includes."""
+    """Return a C file and the headers in its folder that it includes."""
     found = [source]
     for file in found:
         names = re.findall(r'^#include "([^"/]+)"', file.read_text(encoding="utf-8"), re.M)
@@ -233,7 +233,7 @@ def _with_headers(source: Path) -> list[Path]:
 
 
 def _imported(program: str) -> list[str]:
-    """Return a shipped program, and those that it imports from its own folder."""
+    """Return a shipped program and the modules that it imports from its own folder."""
     found = [program]
     for name in found:
         for node in ast.walk(ast.parse((SHIPPED / f"{name}.py").read_text(encoding="utf-8"))):

@@ -34,7 +34,7 @@ FIRST = {
     "event": "first other divergence",
     "timing": "first difference in time",
 }
-BEFORE, AFTER = 14, 4  # changes shown around a divergence
+BEFORE, AFTER = 14, 4  # numbers of changes that are shown before and after a divergence
 
 SECTION = "traces"
 EXAMPLE = "periph-sim replay capture.sr --case timing/responder.toml"
@@ -204,7 +204,7 @@ def _serial(text: str, salvage: bool) -> tuple[Capture, str]:
 
 
 def _offset(text: str) -> Fraction:
-    """Parse --offset to seconds, also negative."""
+    """Parse --offset. Return seconds, which may be negative."""
     text = text.strip()
     return -time_given("--offset", text[1:].strip()) if text.startswith("-") else time_given("--offset", text)
 
@@ -252,7 +252,7 @@ def show(console: Screen, report: Report, case: Case, verbose: bool) -> None:
 
 
 def rows(report: Report) -> list[tuple[str, str]]:
-    """Return name and value of each line of the table."""
+    """Return the name and the value in each line of the table."""
     found = [("events as in the capture", f"{report.agreed} of {report.events}")]
     if report.ambiguous:
         found.append(("ambiguous", str(report.ambiguous)))
@@ -279,7 +279,7 @@ def rows(report: Report) -> list[tuple[str, str]]:
 
 
 def _times(report: Report) -> list[tuple[str, str]]:
-    """Return lines about times of an I2C replay, and about stretches in the capture, if any."""
+    """Return the lines with the times of an I2C replay, and with the stretches in the capture, if there are any."""
     captured = [("longest stretch or pause captured", f"{report.captured_stretch_us:.3f} us")]
     return _replayed_times(report) + (captured if report.captured_stretch_us else [])
 
@@ -303,7 +303,7 @@ def _replayed_times(report: Report) -> list[tuple[str, str]]:
 
 
 def show_history(console: Screen, divergence: Divergence) -> None:
-    """Show the chip's changes around a divergence: the last before it, and the first after it."""
+    """Print the changes of registers around a divergence: the last ones before it and the first ones after it."""
     if not divergence.history:
         return
     at = divergence.replay_s if divergence.replay_s is not None else divergence.history[-1].at_s
@@ -320,7 +320,7 @@ def show_history(console: Screen, divergence: Divergence) -> None:
 
 
 def _polls_as_one(changes: list[Change]) -> list[Change]:
-    """Leave out each read that has the same result as the read before it."""
+    """Return the changes without reads that have the same result as the read before."""
     return [
         change
         for before, change in zip([None, *changes], changes, strict=False)

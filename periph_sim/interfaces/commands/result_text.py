@@ -48,7 +48,7 @@ def show(console: Screen, result: Result, case: Case, verbose: bool = False) -> 
 
 
 def _sci_bytes(result: Result) -> str:
-    """Return "3 SCI bytes", or "3 SCI bytes to units and 100 from units" if units have sent any."""
+    """Format the count of SCI bytes: "3 SCI bytes", or if units sent any, "3 SCI bytes to units and 100 from units"."""
     to_units = counted(result.sci_bytes, "SCI byte")
     return f"{to_units} to units and {result.sci_bytes_sent} from units" if result.sci_bytes_sent else to_units
 
@@ -68,12 +68,12 @@ def _counts(result: Result, verbose: bool) -> list[str]:
 
 
 def _count(name: str, count: int) -> str:
-    """Return a count with its name: `2 resets`, `1 reset`; names that are no nouns have no plural: `2 missed`."""
+    """Format a count with its name: `2 resets`, `1 reset`. Names that are not nouns have no plural: `2 missed`."""
     return counted(count, THINGS[name]) if name in THINGS else f"{count} {name.replace('_', ' ')}"
 
 
 def rounded(count: int) -> str:
-    """Return a count rounded for reading: `142.7 M`, `28.2 k`, `999`."""
+    """Format a large count with few digits: `142.7 M`, `28.2 k`, `999`."""
     for size, letter in ((10**6, "M"), (10**3, "k")):
         if count >= size:
             return f"{count / size:.1f} {letter}"
@@ -85,12 +85,15 @@ def title(result: Result) -> str:
 
 
 def estimated(result: Result) -> str:
-    """Return a remark on estimated times, for code that is not the chip's."""
+    """Return a remark that the times of code which is not the chip's are estimates; "" if there is no such code."""
     return f"; cycles between accesses of {' and '.join(result.estimated)} are estimated" if result.estimated else ""
 
 
 def budget_table(budgets: Sequence[Verdict]) -> PlainTable:
-    """Return a table with a row for each budget; broken ones red, not judged yellow. Only names may take two lines."""
+    """Return a table with a row for each budget. Broken budgets are red, and those that are not judged are yellow.
+
+    Only names may take two lines.
+    """
     table = PlainTable(("budget", *FIGURES, ""), right=range(1, 5), whole=range(1, 6))
     for verdict in budgets:
         cells = row(verdict)
@@ -102,7 +105,7 @@ FIGURES = ("seen", "limit", "margin", "count")
 
 
 def row(verdict: Verdict) -> dict[str, str]:
-    """Return the figures of a verdict by column."""
+    """Return the cells of a verdict, indexed by the title of the column."""
     unit = verdict.unit
     return {
         "seen": figure(verdict.worst, unit),
@@ -113,12 +116,12 @@ def row(verdict: Verdict) -> dict[str, str]:
 
 
 def broken_lines(budgets: Sequence[Verdict]) -> list[str]:
-    """Return a line for each broken budget: why, and when if that is known."""
+    """Return a line for each broken budget with the reason and, if it is known, the instant."""
     return [f"{each.name}: {broken(each)}" for each in budgets if each.broken]
 
 
 def legend(budgets: Sequence[Verdict]) -> list[str]:
-    """Return lines on broken budgets with their instants, then the meaning of the table's words."""
+    """Return the lines below a table of budgets: broken budgets with their instants, and the meaning of its words."""
     lines = broken_lines(budgets)
     if not budgets:
         return []

@@ -94,7 +94,7 @@ def run(
 
 
 def _as_changes(disable: tuple[str, ...], fidelity: str | None) -> tuple[str, ...]:
-    """Return the options as changes of the case."""
+    """Return the changes of the case that correspond to these options."""
     names = ", ".join(f'"{name}"' for name in disable)
     changes = (f"disable=[{names}]",) if disable else ()
     return changes if fidelity is None else (*changes, f"fidelity={fidelity}")
@@ -108,7 +108,10 @@ def _chains(scene: Scene, result: Result, length: Fraction | None) -> dict[str, 
 
 
 def _object(result: Result, chains: dict[str, Chain] | None) -> dict[str, object]:
-    """Return the result as an object; with chains, `chain` in each budget, null without an instant."""
+    """Return the result as an object.
+
+    chains: if given, each budget has a key `chain`, which is null if its worst value has no instant.
+    """
     shown = dataclasses.asdict(result)
     if chains is not None:
         from ..reports.explain.chain import as_json

@@ -156,7 +156,7 @@ def serve(
 
 
 def _given(*names: str) -> list[str]:
-    """Return the options that were given on the command line, as spelled there."""
+    """Return those of the named options that were given on the command line, in the spelling of the user."""
     context = click.get_current_context()
     options = {one.name: one.opts[0] for one in context.command.params}
     return [options[one] for one in names if context.get_parameter_source(one) is ParameterSource.COMMANDLINE]
@@ -181,7 +181,7 @@ def _door(
 
 
 def _not_handed_over(line: SerialLine | None, door: PtyDoor | PortDoor | Rfc2217Door | I2cDriverDoor) -> Iterator[str]:
-    """Yield remarks on bytes that waited at the end, and on unread ones."""
+    """Yield remarks on bytes that were not sent, and on bytes that were not read, at the end of the session."""
     whose = "the I2CDriver" if line is None else "the SCI"
     waiting = door.unread + (0 if line is None else line.waiting)
     if waiting:
@@ -193,7 +193,7 @@ def _not_handed_over(line: SerialLine | None, door: PtyDoor | PortDoor | Rfc2217
 
 
 def _slower(case: Case, result: Result) -> str:
-    """Return why simulated time fell behind: the speed of the simulation."""
+    """Return a sentence that explains the lateness by the speed of the simulation."""
     takes = result.wall_s / result.simulated_s
     images = " and ".join(name for name, unit in case.unit.items() if unit.image)
     why = f": {images} runs an image, instruction by instruction, its polls included" if images else ""

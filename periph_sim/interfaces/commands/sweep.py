@@ -107,9 +107,9 @@ def _varied(vary: tuple[str, ...]) -> dict[str, list[str]]:
 
 
 def _as_varied(sentence: str, varied: Mapping[str, list[str]]) -> str:
-    """Return an error message that names --set with --vary instead, the option that the user gave.
+    """Return an error message about --set in terms of --vary, which is the option that the user gave.
 
-    If a range lacks its step, the message explains how to write one.
+    If a range lacks its step, the message explains how to write a range.
     """
     for key, values in varied.items():
         if f"--set '{key}=" in sentence:
@@ -120,7 +120,7 @@ def _as_varied(sentence: str, varied: Mapping[str, list[str]]) -> str:
 
 
 def _write_csv(came: Sweep, file: Path) -> None:
-    """Write a line for each run; missing values are empty."""
+    """Write a CSV file with a line for each run. Missing values are empty."""
     columns = came.columns()
     with file.open("w", encoding="utf-8", newline="") as out:
         writer = csv.writer(out, lineterminator="\n")
@@ -130,7 +130,10 @@ def _write_csv(came: Sweep, file: Path) -> None:
 
 
 def _object(came: Sweep, stopped: str) -> dict[str, object]:
-    """Return an object for each run, with figures as in `run --json`. stopped: why runs are missing, or ""."""
+    """Return the answer for JSON, with an object for each run, whose figures are those of `run --json`.
+
+    stopped: the reason why runs are missing, or "".
+    """
     return {
         "case": came.case,
         "runs": [
@@ -178,7 +181,7 @@ def _show(came: Sweep, varied: list[str], stopped: str) -> None:
 
 
 def _why(came: Sweep, row: int) -> str:
-    """Return why a run does not pass."""
+    """Return the reason why a run does not pass."""
     if came.error[row]:
         return f": error: {came.error[row]}"
     words = {name: str(budget.verdict[row]) for name, budget in came.budgets.items()}
@@ -186,7 +189,7 @@ def _why(came: Sweep, row: int) -> str:
 
 
 def _table(came: Sweep) -> tuple[PlainTable, list[int]]:
-    """Return a table with a row for each budget, and the runs that it names."""
+    """Return a table with a row for each budget, and the numbers of the runs that are in it."""
     import numpy as np
 
     from ...timing.verdict import figure, limit

@@ -1,7 +1,8 @@
-"""The common style of tables and lines of all commands, which fit 80 columns without losing words.
+"""The common style of the tables and lines of all commands, which fit 80 columns without losing words.
 
-Tables are those of `core.text_table`, as wide as the terminal, with a style for each row. In a pipe or a file, where
-styles are not visible, the same lines are printed without rich, whose import takes longer than printing them.
+Tables are formatted by `core.text_table` for the width of the terminal, with a style for each row. In a pipe or a file,
+where styles are not visible, the same lines are printed without rich, because its import takes longer than the
+printing.
 """
 
 from __future__ import annotations
@@ -22,12 +23,12 @@ if TYPE_CHECKING:
 __all__ = ["WIDTH", "Piped", "PlainTable", "Screen", "say", "terminal"]
 
 STYLED = ("FORCE_COLOR", "TTY_COMPATIBLE")  # variables that make rich use styles in a pipe
-UNSEEN = dict.fromkeys((7, 8, 11, 12, 13))  # control codes that rich removes
+UNSEEN = dict.fromkeys((7, 8, 11, 12, 13))  # control codes that rich removes, and so are removed from piped output too
 TAB = 8
 
 
 class Piped:
-    """Standard output other than a terminal."""
+    """Standard output that is not a terminal."""
 
     def __init__(self, width: int) -> None:
         self.width = width
@@ -38,14 +39,14 @@ class Piped:
 
     def say(self, text: str) -> None:
         for line in text.split("\n"):
-            click.echo(line.translate(UNSEEN).expandtabs(TAB), color=True)  # True: unchanged
+            click.echo(line.translate(UNSEEN).expandtabs(TAB), color=True)  # color=True leaves the line unchanged
 
 
 Screen: TypeAlias = "Console | Piped"
 
 
 def terminal() -> Screen:
-    """Return standard output. Below 80 columns the terminal may break lines, but no table loses words."""
+    """Return the standard output. A terminal with fewer than 80 columns may break lines, but no table loses words."""
     if not sys.stdout.isatty() and not any(name in os.environ for name in STYLED):
         return Piped(max(_columns(), WIDTH))
     from rich.console import Console
@@ -56,22 +57,23 @@ def terminal() -> Screen:
 
 
 def _columns() -> int:
-    """Return the width: that of COLUMNS, or of the command's terminal; 0 if there is none."""
+    """Return the number of columns, from the variable COLUMNS or from the terminal; 0 if there is none."""
     said = os.environ.get("COLUMNS", "")
     if said.isdecimal():
         return int(said)
     for stream in (sys.__stdin__, sys.__stdout__, sys.__stderr__):
         try:
             return 0 if stream is None else os.get_terminal_size(stream.fileno()).columns
-        except (ValueError, OSError):  # closed, or no terminal
+        except (ValueError, OSError):  # the stream is closed or no terminal
             pass
     return 0
 
 
 class PlainTable:
-    """A table with a line under its titles and none between its rows; for `Screen.print`.
+    """A table for `Screen.print`, with a line under its titles and no lines between its rows.
 
-    right: numbers of the columns that are aligned at the right. whole: of those whose cells are kept on one line.
+    right: the numbers of the columns that are aligned at the right.
+    whole: the numbers of the columns whose cells are kept on one line.
     """
 
     def __init__(self, titles: Sequence[str], right: Collection[int] = (), whole: Collection[int] = ()) -> None:
@@ -103,7 +105,7 @@ class PlainTable:
 
 
 def say(screen: Screen, line: str, style: str = "") -> None:
-    """Print one line unchanged: unbroken, so that it can be searched for, without own colours or markup."""
+    """Print one line without breaks, so that it can be searched for, and without colours or markup of its own."""
     if isinstance(screen, Piped):
         screen.say(line)
     else:

@@ -22,7 +22,7 @@ EXAMPLE = "periph-sim trade timing/imu_hil.toml --seconds 1"
 
 
 def _error_given(text: str) -> float:
-    """Return `--max-error` in seconds."""
+    """Parse `--max-error`. Return seconds."""
     try:
         return float(duration(text))
     except ValueError as error:

@@ -48,7 +48,7 @@ def watch(case: Path, changes: tuple[str, ...]) -> int:
 
 
 def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome | None:
-    """Print a run; return the outcome to compare the next one with."""
+    """Print a run. Return the outcome with which the next run is compared."""
     from ..reports.baselines.compare import compare
     from ..reports.baselines.files import BadCheck, path_for, read
     from ..reports.baselines.outcome import RejectedCase

@@ -14,7 +14,7 @@ Stamps = dict[Path, tuple[int, int]]
 
 
 def stamps(case: Path) -> Stamps:
-    """Return time and size of each existing file."""
+    """Return the time of the last change and the size of each file of a case that exists."""
     found: Stamps = {}
     for file in {*files_of(case)}:
         try:
@@ -26,7 +26,10 @@ def stamps(case: Path) -> Stamps:
 
 
 def note_inputs(cases: Iterable[Path], but_baselines: bool = False) -> None:
-    """Note the files of these cases as inputs, for commands whose other processes read them."""
+    """Register the files of these cases as inputs of the command, which must not write to them.
+
+    Commands call this if worker processes read the files, since this process then does not notice it.
+    """
     for case in cases:
         note_inputs_of(file for file in files_of(case) if not (but_baselines and file == path_for(case)))
 

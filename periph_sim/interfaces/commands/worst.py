@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ...timing.verdict import Verdict
     from ..reports.explain.explain import Explained
 
-MOST = 100  # columns of a picture
+MOST = 100  # maximum number of columns of a picture
 
 SECTION = "understand"
 EXAMPLE = "periph-sim worst timing/imu_hil.toml response"
@@ -78,7 +78,7 @@ def worst(
 
 
 def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
-    """Return chain and picture; one line if there is no instant."""
+    """Return the explanation and the picture of a worst occurrence, or one line if the verdict has no instant."""
     from ..reports.explain.chain import text
     from ..reports.explain.picture import text_picture
 
@@ -91,7 +91,7 @@ def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
 
 
 def _write(folder: Path, found: dict[str, Explained]) -> None:
-    """Write a file for each budget, all of them or none. Raise BadCapture if that is not possible."""
+    """Write a file for each budget. Raise BadCapture, and write none, if one of them cannot be written."""
     from ...traces.formats.atomic_write import atomic_write
     from ..reports.explain.picture import svg_picture
 

@@ -4,8 +4,8 @@
     scene(...), @mark.case     --> a run for a test (fixtures.py, runs.py)
     figures of judged budgets --> user_properties --> JUnit XML, terminal summary (figures.py)
 
-pytest loads this wherever periph_sim is installed, so only pytest is imported here: chips,
-boards and numpy are imported with the first case. `-p no:periph-sim` turns it off.
+pytest loads this module wherever periph_sim is installed, so it imports only pytest. Chips and numpy are imported with
+the first case. `-p no:periph-sim` turns the plugin off.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ MARKER = (
     "case(file, *changes, seconds=None, record=False): "
     "the case that fixture case_run runs, with KEY=VALUE changes as for periph-sim run --set"
 )
-_in_tests: list[pytest.Item] = []  # running now; several if a test runs its own session
-_completion: Completion | None = None  # of the session running in this process
+_in_tests: list[pytest.Item] = []  # the tests that are running; several if a test runs its own session
+_completion: Completion | None = None  # the completion report of the session in this process
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -49,7 +49,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]:
-    """Start the separate process of a session with cases before its conftest.py."""
+    """Start the separate process of a session with cases before its conftest.py is loaded."""
     if not _in_tests and early_config.getini(CASES) and "PYTEST_XDIST_WORKER" not in os.environ:
         _begin(early_config)
     return (yield)
@@ -57,7 +57,10 @@ def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, int | None]:
-    """Do the same if that was too early: pytest-xdist also starts sessions that are not workers."""
+    """Start the separate process of a session with cases if `pytest_load_initial_conftests` did not.
+
+    It does not in the environment of a pytest-xdist worker, in which sessions that are no workers can be started, too.
+    """
     if _in_tests:
         return (yield)
     if config.getini(CASES):
@@ -68,7 +71,7 @@ def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, in
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtestloop(session: pytest.Session) -> Iterator[None]:
-    """Start the session's separate process also if a collected test uses runs."""
+    """Start the separate process, if it is not running yet, if a collected test uses runs."""
     if not _in_tests and asks_for_runs(session.items):
         _begin(session.config)
     return (yield)
@@ -84,7 +87,10 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
-    """Record the test that gets figures meanwhile: runs may come from fixtures of any scope, and outlive a test."""
+    """Store which test is running, because it gets the figures of budgets that are judged during it.
+
+    The run itself is no indication: fixtures of any scope make runs, and a run may outlive a test.
+    """
     item.config.stash[current] = item
     _in_tests.append(item)
     try:
@@ -133,11 +139,11 @@ def asks_for_runs(items: Iterable[pytest.Item]) -> bool:
 
 
 def _begin(config: pytest.Config) -> None:
-    """Continue the session in a child process that this one waits for, unless already done.
+    """Continue the session in a child process, for which this process waits, unless this has been done already.
 
-    Firmware that ends its process, by `os._exit(0)` for instance, would end the session with status 0: all tests
-    passed. Such a session then has status 3, pytest's own for an internal error. A worker of pytest-xdist needs no
-    such process: its session fails if it ends.
+    Firmware that ends its process, for instance by `os._exit(0)`, would end the session with status 0, which means that
+    all tests passed. With the child process, such a session has status 3, which pytest uses for internal errors. A
+    worker of pytest-xdist needs no child process, because the session fails if a worker ends.
     """
     global _completion
     from ...supervisor import can_fork, split
@@ -147,7 +153,7 @@ def _begin(config: pytest.Config) -> None:
 
 
 def _end(completion: Completion, status: int) -> int:
-    """Report a session as complete and return its exit status; 3 instead of 0 if its output may be lost."""
+    """Report that a session is complete. Return its exit status, or 3 in place of 0 if its output may be lost."""
     global _completion
     from ...supervisor import NO_VERDICT
 

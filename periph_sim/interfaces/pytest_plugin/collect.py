@@ -1,10 +1,10 @@
 """Collect case files as tests: one test per budget of each TOML file in a folder of `periph_sim_cases`.
 
-    timing/mine.toml --> timing/mine.toml::hangs nowhere    nothing is stuck forever
-                         timing/mine.toml::response         the budget holds
+    timing/mine.toml --> timing/mine.toml::hangs nowhere    passes if nothing waits forever
+                         timing/mine.toml::response         passes if the budget holds
 
-The case runs once per process, with the first of its tests; the others use the same run. A budget that the case
-lists in `breaks` is a test expected to fail, by a broken limit: one that is not judged fails all the same.
+The case runs once per process, with the first of its tests; the others use the same run. A budget that the case lists
+in `breaks` is a test that is expected to fail by a broken limit. If such a budget is not judged, the test fails.
 """
 
 from __future__ import annotations
@@ -31,10 +31,10 @@ def case_file(path: Path, parent: pytest.Collector) -> CaseFile | None:
 
 
 class CaseFile(pytest.File):
-    """Collects a case's budgets, and runs it once."""
+    """Collector of a case file, which runs the case once for all its tests."""
 
     def collect(self) -> Iterable[pytest.Item]:
-        """Return the tests. Raise CollectError in one sentence if the case cannot be built."""
+        """Return the tests. Raise CollectError, with one sentence, if the case cannot be built."""
 
         try:
             self._plan = self._planned()
@@ -64,7 +64,7 @@ class CaseFile(pytest.File):
         return plan
 
     def run(self) -> Any:
-        """Run the case once and return the same run for all tests; or raise its error again."""
+        """Return the run of the case, which is made once for all tests. If it failed, raise its error each time."""
         from .runs import run_plan
 
         if self._failed is not None:
@@ -79,7 +79,7 @@ class CaseFile(pytest.File):
 
 
 class CaseItem(pytest.Item):
-    """One budget of a case; or, without a budget, that the case does not hang."""
+    """A test of one budget of a case; without a budget, a test that the case does not hang."""
 
     def __init__(self, number: int | None, line: int, **more: Any) -> None:
         super().__init__(**more)
@@ -101,7 +101,7 @@ class CaseItem(pytest.Item):
         run.assert_verdict(self._number)
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **more: Any) -> Any:
-        """Return what was broken, or one sentence; a traceback only for internal errors."""
+        """Return the broken budgets, or the sentence of a user's error. Only internal errors have a traceback."""
         if isinstance(excinfo.value, AssertionError) or of_the_user(excinfo.value):
             return f"{excinfo.value}\n\n{self.nodeid.partition('::')[0]}:{self._line}"
         return super().repr_failure(excinfo, *args, **more)

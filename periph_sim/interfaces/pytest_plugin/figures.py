@@ -1,10 +1,10 @@
-"""Figures of budgets as test properties, and back as a table.
+"""Figures of budgets as properties of tests, and the table that is made from these properties.
 
     Verdict --properties--> ("periph-sim/CASE/BUDGET/worst_us", 5.0) in user_properties --> JUnit XML
                                     |  (through pytest-xdist, too)
                                     '--table--> the terminal summary
 
-The code that runs cases is not imported: another process may have run them.
+The code that runs cases is not imported here, because another process may have run them.
 """
 
 from __future__ import annotations
@@ -20,15 +20,17 @@ if TYPE_CHECKING:
 
 HEAD = "periph-sim/"
 FIRST = "verdict"  # the first figure of each budget
-UNBROKEN = 10_000  # columns of a table with names of tests, so their paths can be copied
+UNBROKEN = 10_000  # number of columns of a table with names of tests: no name is broken, so that it can be copied
 VALUES = ("worst", "limit", "margin")
 
 Property = tuple[str, object]
 
 
 def properties(case: str, verdict: Verdict) -> list[Property]:
-    """Return verdict, unit, worst, limit, margin (with `_us` in their names for microseconds), which, count, measured,
-    occasions, at_s; "" for none.
+    """Return the figures of a verdict as properties of a test.
+
+    These are verdict, unit, worst, limit, margin, which, count, measured, occasions and at_s. The names of times in
+    microseconds end in `_us`. A missing figure is "".
     """
     tail = "_us" if verdict.unit == "us" else ""
     figures: dict[str, object] = {FIRST: verdict.verdict, "unit": verdict.unit}
@@ -46,9 +48,9 @@ def _plain(value: float | int | None) -> float | int | str:
 class Judged:
     """One budget that a test judged, read back from its properties."""
 
-    label: str  # case/budget
+    label: str  # the text "case/budget"
     test: str
-    expected: bool  # the test was expected to fail
+    expected: bool  # True if the test was expected to fail
     figures: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -65,9 +67,9 @@ class Judged:
 
 
 def judged(reports: Iterable[Any]) -> list[Judged]:
-    """Return the budgets in reports of tests, by test; a test's last report has all of its budgets.
+    """Return the budgets in the reports of tests, ordered by test. The last report of a test has all of its budgets.
 
-    Budgets judged several times with the same figures appear once.
+    A budget that a test judged several times with the same figures is returned once.
     """
     longest: dict[str, Sequence[Property]] = {}
     expected: set[str] = set()
@@ -91,7 +93,7 @@ def judged(reports: Iterable[Any]) -> list[Judged]:
 
 
 def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
-    """Return lines of the terminal summary, and whether each is good. Empty if no budget was judged."""
+    """Return the lines of the terminal summary, each with True if it is good. Empty if no budget was judged."""
     budgets = judged(reports)
     if not budgets:
         return []

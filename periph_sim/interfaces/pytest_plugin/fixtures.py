@@ -32,7 +32,7 @@ UNIT = "dsp"  # name of the unit of scenes given in Python
 
 
 class SceneFactory:
-    """Builds and runs cases for tests."""
+    """Factory that builds and runs cases for tests."""
 
     def __init__(self, config: pytest.Config) -> None:
         self._config = config
@@ -54,13 +54,14 @@ class SceneFactory:
         """Run a case and return its Run.
 
         what: a case file, relative to the test's file or pytest's rootdir; or firmware as a function (dsp, settings).
-        changes: KEY=VALUE, as for `periph-sim run --set`. seconds: instead of the case's own duration; a text
-        has a unit ("500 ms"). record: keep all records and edges.
+        changes: KEY=VALUE texts, as for `periph-sim run --set`.
+        seconds: the duration; by default that of the case. A text has a unit ("500 ms").
+        record: True to keep all records and edges.
 
-        For a function only: modules, pins and other keys of a unit (`unit`), settings, which it receives unchanged,
-        and the other tables of a case (controller, host, budget, ...) under their names.
+        For a function only: `modules`, `pins` and `unit` with other keys of a unit; `settings`, which the function
+        receives unchanged; and the other tables of a case (controller, host, budget, ...) under their names.
 
-        Raise BadCase in one sentence if the case cannot be run.
+        Raise BadCase, with one sentence, if the case cannot be run.
         """
         __tracebackhide__ = True
         try:
@@ -73,7 +74,7 @@ class SceneFactory:
                 plan = self._of_file(Path(what), changes, seconds, [name for name in given if given[name]])
             return run_plan(plan, self._add_properties, keep_edges=callable(what), record=record)
         except BadCase as error:
-            raise error.with_traceback(None) from None  # the message is enough; the traceback is internal
+            raise error.with_traceback(None) from None  # the message is sufficient, and the traceback is internal
 
     def _of_file(self, path: Path, changes: Sequence[str], seconds: Length, given: Sequence[str]) -> Plan:
         if given:
@@ -82,7 +83,7 @@ class SceneFactory:
         return Plan(load(found, list(changes)), _length(seconds))
 
     def _found(self, path: Path) -> Path:
-        """Return the case file, beside the test or under rootdir."""
+        """Return the path of a case file, which is relative to the test's file or to rootdir."""
         root = self._config.rootpath
         item = self._config.stash.get(current, None)
         folders = [root] if item is None else [item.path.parent, root]
@@ -99,7 +100,7 @@ class SceneFactory:
         )
 
     def _add_properties(self, run: Run, verdicts: Sequence[Verdict]) -> None:
-        """Add figures to the test that asserts now, which need not be the one that made the run."""
+        """Add figures to the test that is running, which may be another one than the test that made the run."""
         item = self._config.stash.get(current, None)
         if item is not None:
             for verdict in verdicts:
@@ -107,7 +108,7 @@ class SceneFactory:
 
 
 def _length(given: Length) -> Fraction | None:
-    """Parse a length in seconds, above 0."""
+    """Parse a duration. Return seconds above 0, or None for None."""
     if given is None:
         return None
     try:

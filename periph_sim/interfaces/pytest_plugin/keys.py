@@ -1,4 +1,4 @@
-"""Names that the plugin registers in pytest: an option of its settings, and the test that is running."""
+"""Keys that the plugin uses in pytest: the name of its ini option, and the stash key of the running test."""
 
 from __future__ import annotations
 

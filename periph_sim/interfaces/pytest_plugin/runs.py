@@ -4,7 +4,7 @@ Plan (case, programs, length) --run_plan--> Run: result, budgets, transfers, edg
                                              assert_budgets(...) --> nothing, or AssertionError with a text
 
 broken budgets --> budget, worst, limit, margin, when, why
-worst occurrences --> windows (of a second, short run, or of the run's own records) --> chain and diagram, in text
+worst occurrences --> windows, from a second run or the run's own records --> explanation and diagram as text
 """
 
 from __future__ import annotations
@@ -46,9 +46,10 @@ class NoSuchBudget(KeyError):
 
 @dataclass(frozen=True)
 class Plan:
-    """A case with its changes, to be run.
+    """A case with its changes, which has not been run yet.
 
-    seconds: None for the case's own duration. programs: firmware given as functions, by unit.
+    seconds: the duration; None for that of the case.
+    programs: firmware that is given as functions, indexed by unit.
     """
 
     case: Case
@@ -56,12 +57,12 @@ class Plan:
     programs: Mapping[str, Firmware] = field(default_factory=dict)
 
     def scene(self, subscribe: Callable[[Recorder, Timebase], None] | None = None) -> Scene:
-        """Return a new scene, not yet run. Raise BadCase if it cannot be built."""
+        """Return a new scene that has not been run yet. Raise BadCase if it cannot be built."""
         return self._prepared.scene((), subscribe, self.programs)
 
     @cached_property
     def _prepared(self) -> PreparedScene:
-        """The prepared case, shared by the run and a second one for the edges of its wires."""
+        """The prepared case. The run uses it, and so does a second run for the edges of the wires."""
         return PreparedScene(self.case)
 
     @property
@@ -71,7 +72,7 @@ class Plan:
 
 
 class Budgets(dict[str, Verdict]):
-    """Verdicts by budget name. An unknown name raises NoSuchBudget, a KeyError, with similar names."""
+    """Verdicts, indexed by the names of the budgets. An unknown name raises NoSuchBudget with similar names."""
 
     def __init__(self, case: str, verdicts: Sequence[Verdict]) -> None:
         super().__init__((verdict.name, verdict) for verdict in verdicts)
@@ -86,17 +87,18 @@ class Budgets(dict[str, Verdict]):
 class Run:
     """A finished run.
 
-    result: as shown by `periph-sim run`. budgets: verdicts by name. records: the table of all records if asked for
-    with `record=True`, else None.
+    result: the figures that `periph-sim run` shows.
+    budgets: the verdicts, indexed by name.
+    records: the table of all records if the run was made with `record=True`, else None.
     """
 
     plan: Plan
     result: Result
     budgets: Budgets
     timebase: Timebase
-    start: int  # tick
+    start: int  # the first tick
     records: RecordTable | None
-    hangs: tuple[str, ...]  # what is stuck forever, one sentence each
+    hangs: tuple[str, ...]  # sentences about lines and firmware that are stuck forever
     _transfers: list[Transfer]
     _edges: Capture | None
     _typical: list[Verdict]
@@ -117,9 +119,10 @@ class Run:
         return self._transfers
 
     def edges(self) -> Capture:
-        """Return the edges of all wires; positions are ticks. The first call runs the case a second time.
+        """Return the edges of all wires, whose positions are ticks.
 
-        Not if they were kept: with `record=True`, or if the firmware is a function of the test.
+        If they were not kept, the first call runs the case a second time. They are kept with `record=True`, and if the
+        firmware is a function of the test.
         """
         if self._edges is None:
             with output_muted():
@@ -131,14 +134,14 @@ class Run:
 
     @property
     def end(self) -> int:
-        """The tick at its end."""
+        """The tick at the end of the run."""
         return self.start + self.timebase.ticks(self.plan.length, "nearest")
 
     def explained(self, verdicts: Sequence[Verdict]) -> list[tuple[Window, Chain | None]]:
-        """Return window and explanation of each worst occurrence, for verdicts that have an instant.
+        """Return the window and the explanation of the worst occurrence, for each verdict that has an instant.
 
-        The case is run once more for them, except firmware given as a function: its records are used if they were
-        kept; else only its wires, without Chain.
+        The case is run once more for this. Firmware that is given as a function is not run again: the records are used
+        if they were kept, and otherwise only the edges of the wires, without an explanation.
         """
         case = self.plan.case
         if not self.plan.programs:
@@ -152,18 +155,19 @@ class Run:
     def assert_budgets(self, *names: str, guaranteed: bool = False) -> None:
         """Raise AssertionError, with a table and a diagram, if any of these budgets does not hold.
 
-        guaranteed: fails, since nothing is proven yet. NoSuchBudget if the case has no budget of a name; ValueError if
-        no name is given.
+        guaranteed: True always fails, since no proof is available yet.
+
+        Raise NoSuchBudget if the case has no budget with one of the names, and ValueError if no name is given.
         """
         __tracebackhide__ = True
         if not names:
             raise ValueError("assert_budgets: give at least one budget; assert_all() judges all budgets of the case")
         for name in names:
-            _ = self.budgets[name]  # NoSuchBudget if there is none
+            _ = self.budgets[name]  # raises NoSuchBudget if there is none
         self._judge([verdict for verdict in self.result.budgets if verdict.name in names], guaranteed)
 
     def assert_all(self, *, guaranteed: bool = False) -> None:
-        """As `assert_budgets` for all budgets, and `assert_not_stuck`. Raise ValueError if the case has no budgets."""
+        """Call `assert_budgets` for all budgets and `assert_not_stuck`. Raise ValueError if the case has no budgets."""
         __tracebackhide__ = True
         if not self.budgets:
             raise ValueError(f"case {self.result.case} has no budgets, so nothing would be judged; add some")
@@ -177,7 +181,7 @@ class Run:
             raise AssertionError("\n".join([f"{self.result.case} hangs:", *self.hangs]))
 
     def assert_verdict(self, number: int) -> None:
-        """As `assert_budgets` for the case's budget of this number, from 0."""
+        """Call `assert_budgets` for the budget of the case with this number, counted from 0."""
         __tracebackhide__ = True
         self._judge(self.result.budgets[number : number + 1])
 
@@ -192,7 +196,10 @@ class Run:
 
 
 def run_plan(plan: Plan, on_judged: OnJudged, *, keep_edges: bool = False, record: bool = False) -> Run:
-    """Build and run. on_judged: called with the verdicts that a test asserts. Raise BadCase if it cannot be built."""
+    """Build and run a case. Raise BadCase if it cannot be built.
+
+    on_judged: a function that is called with the verdicts that a test asserts.
+    """
     columns = Columns()
 
     def subscribe(recorder: Recorder, timebase: Timebase) -> None:
@@ -224,12 +231,15 @@ def _named(capture: Capture, case: str) -> Capture:
     return replace(capture, path=Path(case))
 
 
-WIDTH = 72  # pytest puts 8 columns before each line
-MOST_EXPLAINED = 3  # worst occurrences explained
+WIDTH = 72  # number of columns of a text; pytest adds 8 columns before each line
+MOST_EXPLAINED = 3  # maximum number of worst occurrences that are explained
 
 
 def failure_text(run: Run, broken: Sequence[Verdict], judged: int) -> str:
-    """Return several lines; the first names the budgets, and for a single one by how much."""
+    """Return the text of a failure.
+
+    Its first line names the budgets and, for a single one, the excess over the limit.
+    """
     head = f"{len(broken)} of {judged} budgets {_worst_word(broken)}: {', '.join(verdict.name for verdict in broken)}"
     if len(broken) == 1:
         one = broken[0]
@@ -258,7 +268,7 @@ def _worst_word(verdicts: Sequence[Verdict]) -> str:
 
 
 def _picture(window: Window, chain: Chain | None) -> list[str]:
-    from ..reports.explain.picture import text_picture  # which only a failure needs
+    from ..reports.explain.picture import text_picture  # imported here, because only a failure needs it
 
     verdict = window.verdict
     title = f"{verdict.name}, {figure(verdict.worst, verdict.unit)} at {instant(verdict.at_s)}:"

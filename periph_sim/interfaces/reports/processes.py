@@ -1,13 +1,12 @@
-"""Pools of worker processes that start fresh, with the package already imported.
+"""Pools of worker processes that have run no case, but have already imported the package.
 
-    first pool --> server, which imports the package and runs no case --fork--> fresh worker
+    first pool --> server, which imports the package and runs no case --fork--> new worker
 
-For many cases, importing takes as long as the run. This process cannot be forked, since it has run cases and may have
-threads.
-Without such a server, on Windows, workers import what they need.
+For many cases, importing the package takes as long as the run. This process cannot be forked, because it may have run
+cases and started threads. Windows has no such server; workers import what they need there.
 
-No worker outlives its use. An error or Ctrl-C in the block of a pool ends its workers at once, `end_workers` those of
-all pools; a worker ends itself when its parent process ends, and the server ends with the last worker.
+No worker outlives its pool. An error or Ctrl-C in the block of a pool ends its workers at once, and `end_workers` ends
+those of all pools. A worker ends itself when its parent process ends, and the server ends with the last worker.
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ def processes(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def end_workers() -> None:
-    """End the workers of all pools. Callers that wait for one of them get BrokenProcessPool."""
+    """End the workers of all pools. Callers that wait for a worker receive BrokenProcessPool."""
     for pool in list(_pools):
         _end(pool)
 
@@ -58,9 +57,9 @@ def _end(pool: ProcessPoolExecutor) -> None:
 
 
 def _begin(environment: Mapping[str, str]) -> None:
-    """Set up a worker: Ctrl-C ends it without a traceback; imported objects are excluded from garbage collection.
+    """Set up a worker. Ctrl-C ends it without a traceback, and garbage collection ignores the imported objects.
 
-    User code prints to standard error: standard output belongs to the command.
+    User code prints to standard error, because standard output is reserved for the output of the command.
     """
     signal(SIGINT, SIG_DFL)
     sys.stdout = sys.stderr

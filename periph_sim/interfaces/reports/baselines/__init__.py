@@ -1,5 +1,5 @@
 """Baselines: the exact figures of cases, kept in files beside them, compared with a run.
 
-case files --> check --> CaseCheck each: equal, changed (with why), missing, written; findings
+case files --> check --> a CaseCheck for each: equal, changed (with the reason), missing or written; findings
                          --> table, JSON, JUnit XML, annotations
 """

@@ -33,7 +33,7 @@ State = Literal["equal", "changed", "missing", "written"]
 
 @dataclass
 class Finding:
-    """One reason why `check` fails. line: the line in the case file, at least 1."""
+    """A reason why `check` fails. line: the line in the case file, 1 or more."""
 
     budget: str | None
     line: int
@@ -59,7 +59,7 @@ class CaseCheck:
 
     @property
     def broken(self) -> list[Verdict]:
-        """Budgets that broke unexpectedly."""
+        """The verdicts of budgets that broke unexpectedly."""
         outcome = self.outcome
         return [v for v in outcome.verdicts if v.broken and v.name not in outcome.breaks]
 
@@ -69,7 +69,7 @@ class CaseCheck:
 
 
 def judge(check: CaseCheck) -> list[Finding]:
-    """Return all findings, budgets first."""
+    """Return all findings of a check; those about budgets come first."""
     outcome = check.outcome
     top = outcome.name_line or 1
     findings = []
@@ -105,7 +105,10 @@ STOPPED = "it was not run to its end, because the check was stopped"
 
 
 def case_files(paths: Iterable[Path | str]) -> list[Path]:
-    """Return the case files of paths; for a folder all below it; each once. Raise BadCheck if there are none."""
+    """Return the case files at these paths, each once. A folder stands for all cases below it.
+
+    Raise BadCheck if there are none.
+    """
     found: dict[Path, None] = {}
     for path in map(Path, paths):
         if path.is_dir():
@@ -132,14 +135,19 @@ def check(
     on_progress: Callable[[float], None] | None = None,
     on_refused: Callable[[RejectedCase], None] | None = None,
 ) -> list[CaseCheck]:
-    """Run cases and compare them. jobs: processes, one per core if None; 1 runs all in this process.
+    """Run cases and compare them with their baselines.
 
-    tolerance: cycles by which times may differ. update: write the figures as new baselines, all or none.
-    changes: "key=value" texts applied to every case, to see their effect. keep_values: keep values in the outcomes.
-    on_progress: called with the part done, 0 to 1. on_refused: called with each case that cannot be run or compared, or
-    needs an outside party; the others continue.
-    Raise BadCheck for such cases if on_refused is None, and always if baselines are to be written: all or none. A
-    script that calls this with more than one process needs the usual `if __name__ == "__main__":`.
+    jobs: the number of processes; None for one per core. With 1, all cases run in this process.
+    tolerance: the number of cycles by which times may differ.
+    update: True to write the figures as new baselines, all or none.
+    changes: "key=value" texts that are applied to every case, to see their effect.
+    keep_values: True to keep the values of budgets in the outcomes.
+    on_progress: a function that is called with the completed share, 0 to 1.
+    on_refused: a function that is called with each case that cannot be run or compared, or that needs an outside party.
+        The other cases continue.
+
+    Raise BadCheck for such a case if `on_refused` is None or `update` is True. A script that calls this function with
+    more than one process needs the usual `if __name__ == "__main__":`.
     """
     files = case_files(paths)
     refused: list[RejectedCase] = []
@@ -178,9 +186,10 @@ def _run_each(
     *,
     keep_finished: bool,
 ) -> tuple[list[Outcome | RejectedCase], bool]:
-    """Run each case. Return the results and whether Ctrl-C or SIGTERM stopped it; unfinished cases are rejected.
+    """Run each case. Return the results, and True if Ctrl-C or SIGTERM stopped the runs.
 
-    keep_finished: False raises KeyboardInterrupt instead.
+    keep_finished: True to return the finished cases after a stop, with the others as rejected; False to raise
+        KeyboardInterrupt.
     """
     came: dict[Path, Outcome | RejectedCase] = {}
     try:
@@ -201,7 +210,7 @@ def _run_each(
 
 
 def _baselines(files: Iterable[Path], refused: list[RejectedCase]) -> dict[Path, Baseline | None]:
-    """Read the baseline of each case; add cases whose baseline cannot be read to `refused`."""
+    """Read the baseline of each case. Cases whose baseline cannot be read are added to `refused`."""
     found: dict[Path, Baseline | None] = {}
     for path in files:
         try:
@@ -224,7 +233,7 @@ def _state(changes: list[Change]) -> State:
 
 
 class Start(Protocol):
-    """Starts a call, perhaps in another process; returns a function that waits for its result."""
+    """A function that starts a call, possibly in another process, and returns a function that waits for its result."""
 
     def __call__(self, work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]: ...
 
@@ -258,7 +267,7 @@ def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start
 def _chains(
     outcome: Outcome, baseline: Baseline | None, names: set[str], start: Start
 ) -> Callable[[], dict[str, EventLine]] | None:
-    """Take the chains of an equal baseline, or start a run that finds those of some budgets."""
+    """Return the chains of an equal baseline, or start a run that finds the chains of some budgets."""
     kept = None if baseline is None else outcome.figures.chains_of(baseline)
     if kept is not None:
         outcome.figures = outcome.figures.with_chains(kept)
@@ -269,7 +278,7 @@ def _chains(
 
 
 def _find_causes(checks: list[CaseCheck], start: Start) -> None:
-    """Run cases with unexpectedly broken budgets again, to find the causes."""
+    """Run cases with unexpectedly broken budgets again and set their causes."""
     runs = []
     for one in checks:
         outcome = one.outcome
@@ -280,7 +289,7 @@ def _find_causes(checks: list[CaseCheck], start: Start) -> None:
 
 
 def _updated(outcomes: list[Outcome], start: Start) -> list[CaseCheck]:
-    """Write new baselines, once all are complete."""
+    """Write new baselines after all of them are complete. Return the checks of the cases."""
     olds = [_old(path_for(outcome.path)) for outcome in outcomes]
     runs = [
         _chains(outcome, old, set(outcome.figures.budgets), start) for outcome, old in zip(outcomes, olds, strict=True)
@@ -327,9 +336,10 @@ def _lines(chains: dict[str, EventLine]) -> dict[str, list[str]]:
 
 @contextmanager
 def workers(jobs: int | None, calls: int) -> Iterator[Start]:
-    """Yield a function that starts calls, `jobs` at a time (None: one per core), each in a process of its own.
+    """Yield a function that starts calls, each in a process of its own.
 
-    One job, or a single call: in this process.
+    jobs: the maximum number of calls at a time; None for one per core. With one job, or a single call, the calls run in
+        this process.
     """
     if jobs == 1 or calls == 1:
 
@@ -338,7 +348,7 @@ def workers(jobs: int | None, calls: int) -> Iterator[Start]:
 
         yield here
         return
-    gc.collect()  # firmware of earlier runs must be stopped by the thread that ran it, not by one of these
+    gc.collect()  # firmware of earlier runs must be stopped by the thread that ran it, and not by a thread of the pool
     with ThreadPoolExecutor(min(jobs or os.cpu_count() or 1, calls)) as threads:
 
         def there(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
@@ -346,7 +356,7 @@ def workers(jobs: int | None, calls: int) -> Iterator[Start]:
 
         try:
             yield there
-        except BaseException:  # a case that cannot be run, or Ctrl-C: cancel the rest
+        except BaseException:  # if a case cannot be run, or after Ctrl-C, the other calls are cancelled
             threads.shutdown(wait=False, cancel_futures=True)
             end_workers()
             raise

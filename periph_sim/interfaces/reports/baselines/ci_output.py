@@ -66,7 +66,7 @@ WHOLE = "the case"
 
 
 def junit(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> str:
-    """Return the XML, with its declaration. Characters not allowed in XML become U+FFFD.
+    """Return the XML with its declaration. Characters that XML does not allow become U+FFFD.
 
     refused: cases that could not be run; each is a suite with one test that is an error.
     """
@@ -100,7 +100,7 @@ def _suite(root: xml.Element, check: CaseCheck) -> None:
 
 
 def _test(suite: xml.Element, check: CaseCheck, budget: str | None, line: int, said: dict[str, str]) -> None:
-    """Add one test case; its findings are lines of one failure."""
+    """Add a test case. All its findings are lines of one failure."""
     where = _safe(check.outcome.path.as_posix())
     name = WHOLE if budget is None else _safe(budget)
     case = _safe(check.outcome.figures.case)
@@ -135,7 +135,7 @@ def _sums(parent: xml.Element, tests: list[xml.Element]) -> None:
 
 
 def _figures(figures: Baseline, budget: str) -> dict[str, str]:
-    """Return a budget's figures by name: times and instants in cycles of SYSCLKOUT, others as counts."""
+    """Return a budget's figures, indexed by name. Times and instants are in cycles of SYSCLKOUT; others are counts."""
     of = figures.budgets[budget]
     shown = {"measure": of.measure, "count": str(of.count)}
     for key, value, in_cycles in (

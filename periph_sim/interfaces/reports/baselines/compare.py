@@ -1,8 +1,8 @@
-"""Compare a baseline with a run: one change per figure.
+"""Comparison of a baseline with a run: one change per figure that differs.
 
-Exact unless a tolerance is given. With one, times may differ by that much, and instants, which move with them, are not
-compared. Counts of simulated events and of skipped polls describe the simulation, not the firmware: their changes
-are notes and cannot fail.
+The comparison is exact unless a tolerance is given. With a tolerance, times may differ by it, and instants, which move
+with the times, are not compared. Counts of simulated events and of skipped polls describe the simulation and not the
+firmware, so their changes are only notes.
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ EARLIER = ("byte_level", "sci_frames", "sci_frames_passed")  # counts of the sim
 NOT_EARLIER = ("SCI bytes from units",)  # counts that those versions did not write
 CHAIN = "chain"
 BUS_BYTES = "bus bytes"
-MOST_MOVED = 3  # moved accesses shown per case
-SAME = Fraction(1, 1000)  # seconds: an occurrence that moved by less is still the same one
+MOST_MOVED = 3  # maximum number of moved accesses that are shown for a case
+SAME = Fraction(1, 1000)  # in seconds; an occurrence that moved by less is still the same one
 VALUES = ("worst", "least")
 INSTANTS = ("worst_at", "least_at")
 
@@ -48,7 +48,10 @@ class Change:
 
 
 def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]:
-    """Return the changes in the order of the case's budgets, without chains. tolerance: cycles allowed for times."""
+    """Return the changes in the order of the case's budgets. Chains are not compared.
+
+    tolerance: the number of cycles by which times may differ.
+    """
     changes = []
     for figure in ("case", "simulated", "ticks_per_second", "ticks_per_cycle"):
         old, new = getattr(before, figure), getattr(now, figure)
@@ -75,7 +78,7 @@ def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]
 
 
 def _bus_bytes(before: list[str], now: list[str]) -> list[Change]:
-    """Return a change for the first bytes on the bus whose values or ACKs differ from the baseline."""
+    """Return a change for the first part of the bytes on the bus whose values or ACKs differ from the baseline."""
     if before == now:
         return []
     if not before:
@@ -150,7 +153,7 @@ def explain(changes: list[Change], before: Baseline, now: Baseline, first_wrong:
 def moved_accesses(
     before: Baseline, now: Baseline, chains: Mapping[str, EventLine], tolerance: int = 0
 ) -> list[Change]:
-    """Return accesses that moved in chains of unchanged budgets, each once. tolerance: in cycles."""
+    """Return descriptions of accesses that moved in chains of unchanged budgets, each once. tolerance: in cycles."""
     found: dict[str, Change] = {}
     for name, chain in chains.items():
         old, new = before.budgets.get(name), now.budgets.get(name)

@@ -1,10 +1,10 @@
-"""Digests of a run that a baseline keeps, so that runs can be compared without their records.
+"""Digests of a run that a baseline stores, so that runs can be compared without their records.
 
     BUS, ACCESS, IRQ, SPAN of a run --> "TICKS EVENT" lines, as in chains --> BLAKE2b, one digest
     BUS records of addresses and bytes, with their ACKs --> BLAKE2b, one digest per PART bytes
 
-Two runs with one digest of events have equal chains, so no second run is needed if nothing changed. Each digest of
-bytes covers all bytes up to its end, so the first different one shows where two runs first differ.
+Runs with the same digest of events have equal chains, so no second run is needed to find the chains. Each digest of
+bytes covers all bytes up to its end, so the first digest that differs shows where two runs begin to differ.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ BYTES = 16
 
 
 class EventDigest:
-    """Computes the digest of a run's events. start: the first tick of the run, from which times are counted."""
+    """Calculation of the digest of a run's events. start: the first tick of the run, from which times are counted."""
 
     def __init__(self, recorder: Recorder, start: int) -> None:
         self._start = start
@@ -40,7 +40,7 @@ DIGEST = 4  # length of a digest, in bytes
 
 
 class BusBytes:
-    """Computes digests of the bytes on the bus so far. The times of the bytes are not part of them."""
+    """Calculation of digests of the bytes on the bus. The times of the bytes are not part of the digests."""
 
     def __init__(self, recorder: Recorder) -> None:
         self._hash = blake2b(digest_size=DIGEST)

@@ -3,8 +3,8 @@
     case, wanted instants --> Scene, recorded --> records around each --> chain
     chain of the baseline, chain now --> the event that moved most, and the first difference
 
-Reads are left out: how often a flag is polled does not matter. So are values: a
-worst case that moves to another round has other data.
+Reads are left out, because it does not matter how often a flag is polled. Values are left out, because a worst case
+that moves to another round has other data.
 """
 
 from __future__ import annotations
@@ -22,16 +22,21 @@ from ....scene.case.model import Case
 from ....scene.scene import Scene
 from ..explain.chain import place_of
 
-LONGEST = 32  # events of a chain
-AROUND = Fraction(5, 1000)  # seconds searched for a START before and a STOP after
+LONGEST = 32  # maximum number of events of a chain
+AROUND = Fraction(5, 1000)  # seconds before and after an occurrence in which a START and a STOP are searched
 KINDS = (Kind.BUS, Kind.ACCESS, Kind.IRQ, Kind.SPAN)
-Times = dict[tuple[str, int], int]  # tick of each event by its text and number
+# The tick of each event, indexed by its text and its number among events with this text.
+Times = dict[tuple[str, int], int]
 COARSE = ("START", "repeated START", "STOP")
 
 
 @dataclass(frozen=True)
 class Wanted:
-    """An occurrence of a measure. at: ticks from the start of the run. length: duration in ticks, 0 for an instant."""
+    """An occurrence of a measure whose chain is needed.
+
+    at: ticks from the start of the run.
+    length: the duration in ticks; 0 for an instant.
+    """
 
     measure: str
     at: int
@@ -39,7 +44,7 @@ class Wanted:
 
 
 class EventLine(NamedTuple):
-    """The lines of a chain, and for each of them its location in the firmware; "" if that is unknown."""
+    """The lines of a chain, and the location of each in the firmware, which is "" if it is unknown."""
 
     lines: list[str]
     places: list[str]
@@ -47,9 +52,9 @@ class EventLine(NamedTuple):
 
 @output_muted()
 def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, EventLine]:
-    """Return the chain of events of each wanted occurrence, by the same names.
+    """Return the chain of events of each wanted occurrence, indexed by the same names.
 
-    The case is run again until the last of these occurrences is over.
+    The case is run again until the last of these occurrences has ended.
     """
     if not wanted:
         return {}
@@ -81,7 +86,7 @@ def _chain(records: list[Record], at: int, wanted: Wanted, margin: int) -> Event
     if wanted.measure == "response":
         starts = [r.tick for r in records if r.kind is Kind.BUS and r.what == "START" and at - margin <= r.tick <= at]
         begin = max(starts, default=at)
-    elif wanted.measure in ("age", "model age"):  # their instant is their end
+    elif wanted.measure in ("age", "model age"):  # the instant of an age is its end
         begin, end, coarse = at - wanted.length, at, True
     elif wanted.measure in ("fifo high-water", "overruns"):
         begin, end, coarse = at - margin, at, True
@@ -120,11 +125,13 @@ def description(record: Record) -> str:
 
 
 def first_divergence(before: list[str], now: list[str], cycles: Callable[[int], str]) -> str:
-    """Describe how two chains differ, as a phrase; "" if they do not. cycles: formats ticks as cycles.
+    """Describe the difference of two chains as a phrase; "" if they are equal.
 
-    First the event that moved most, then the first one that differs, if it is another: two
-    occurrences at different times may differ by a poll before they differ by what matters. The n-th
-    event of a name is compared with the n-th of that name, so an event that moves past another counts as late.
+    The phrase names the event that moved most and, if it is another one, the first event that differs. The first one
+    alone is not sufficient, because two occurrences may differ by a poll before they differ by something important. The
+    n-th event with a name is compared with the n-th event of that name, so an event that moves past another is late.
+
+    cycles: a function that formats ticks as cycles.
     """
     then_at, now_at = _times(before), _times(now)
     apart = _apart(then_at, now_at, 0)
@@ -138,9 +145,9 @@ def first_divergence(before: list[str], now: list[str], cycles: Callable[[int], 
 
 
 def first_moved(before: list[str], now: EventLine, cycles: Callable[[int], str], tolerance: int) -> str:
-    """Describe the first event of a chain that moved by more than `tolerance` ticks, with its place; "" if none.
+    """Describe the first event of a chain that moved by more than `tolerance` ticks, with its place.
 
-    A new or missing event counts as moved.
+    A new or missing event counts as moved. Return "" if no event moved.
     """
     then_at, now_at = _times(before), _times(now.lines)
     far = _apart(then_at, now_at, tolerance)
@@ -152,7 +159,7 @@ def first_moved(before: list[str], now: EventLine, cycles: Callable[[int], str],
 
 
 def _apart(then_at: Times, now_at: Times, tolerance: int) -> list[tuple[str, int]]:
-    """Return the events that one chain lacks, or whose times differ by more than a number of ticks."""
+    """Return the events that are missing in one of the chains, or whose times differ by more than `tolerance` ticks."""
     return [
         key
         for key in {**then_at, **now_at}
@@ -161,7 +168,7 @@ def _apart(then_at: Times, now_at: Times, tolerance: int) -> list[tuple[str, int
 
 
 def _first(events: list[tuple[str, int]], *chains: Times) -> tuple[str, int]:
-    """Return the event that is the earliest in one of the chains."""
+    """Return the event with the earliest time in any of the chains."""
     return min(events, key=lambda key: min(at[key] for at in chains if key in at))
 
 
@@ -174,7 +181,7 @@ def _moved(event: str, then: int | None, now: int | None, cycles: Callable[[int]
 
 
 def _times(chain: list[str]) -> Times:
-    """Return the tick of each event; the number counts events of the same name."""
+    """Return the tick of each event. Events with the same text are numbered."""
     times: Times = {}
     seen: Counter[str] = Counter()
     for line in chain:

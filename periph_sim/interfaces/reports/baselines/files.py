@@ -2,10 +2,10 @@
 
     a run's measures --> Baseline <--> timing/baselines/NAME.json
 
-Figures are integers, so two runs can be compared for equality. Times are ticks; `ticks_per_cycle` of them are one cycle
-of SYSCLKOUT (of the case's first unit). Instants are counted from the beginning of the run.
+Figures are integers, so two runs can be compared for equality. Times are ticks; `ticks_per_cycle` ticks are one cycle
+of SYSCLKOUT of the case's first unit. Instants are counted from the beginning of the run.
 
-A file is written completely or not at all; several files are written together once all are complete.
+A file is written completely or not at all. Several files are written together after all of them are complete.
 """
 
 from __future__ import annotations
@@ -31,9 +31,11 @@ SCHEMA: Literal[1] = 1  # version of the file format; other versions are refused
 
 
 class Figures(Table, frozen=True, kw_only=True):
-    """Figures of one budget. unit: "time" (ticks) or what is counted. None: not measured, or no instant.
+    """The figures of one budget. A figure is None if it was not measured, or if there is no instant.
 
-    chain: the worst occurrence, one event per line: "TICKS EVENT", TICKS from its begin (see `event_chain`).
+    unit: "time" for ticks, or the name of what is counted.
+    chain: the events of the worst occurrence as lines "TICKS EVENT" (see `event_chain`). TICKS are counted from the
+        beginning of the occurrence.
     """
 
     measure: str
@@ -48,9 +50,10 @@ class Figures(Table, frozen=True, kw_only=True):
 
 
 class Baseline(Table, frozen=True, kw_only=True):
-    """The baseline of one case. counts: all other counts of a run.
+    """The baseline of one case.
 
-    digest: of the times of all chain events (see `digests`); "" in files of an earlier version.
+    counts: the counts of a run that are not figures of a budget.
+    digest: the digest of the times of all events of chains (see `digests`); "" in files of an earlier version.
     bus_bytes: digests of the values of all bytes on the I2C bus (see `digests`); none in files of an earlier version.
     """
 
@@ -66,34 +69,35 @@ class Baseline(Table, frozen=True, kw_only=True):
     bus_bytes: list[str] = []
 
     def with_chains(self, lines: Mapping[str, list[str]]) -> Baseline:
-        """Return the same figures with these chains, by budget."""
+        """Return the baseline with chains. lines: the lines of the chains, indexed by budget."""
         budgets = {n: f.model_copy(update={"chain": lines.get(n, f.chain)}) for n, f in self.budgets.items()}
         return self.model_copy(update={"budgets": budgets})
 
     def chains_of(self, other: Baseline) -> dict[str, list[str]] | None:
-        """Return the other's chains if this run's must equal them: equal figures, and equal times of all events.
+        """Return the chains of another baseline if this run must have the same ones; None if a run is needed to find
+        them.
 
-        Return None if a run is needed to find the chains.
+        The chains are the same if the figures and the times of all events are equal.
         """
         chains = {name: one.chain for name, one in other.budgets.items()}
         same = self.digest and self.digest == other.digest and self.with_chains(chains).budgets == other.budgets
         return chains if same else None
 
     def cycles(self, ticks: int) -> str:
-        """Format ticks as cycles: exact if whole, else rounded to hundredths."""
+        """Format ticks as cycles: exactly if they are whole cycles, else rounded to hundredths."""
         value = Fraction(ticks, self.ticks_per_cycle)
         return f"{value.numerator}" if value.denominator == 1 else f"{float(value):.2f}"
 
 
 class BadCheck(ValueError):
-    """Cases or baselines cannot be checked; one sentence per line."""
+    """Cases or baselines cannot be checked. The message has one sentence per line."""
 
 
 FOLDER = "baselines"
 
 
 def path_for(case: Path) -> Path:
-    """Return the baseline's path: from the project's settings, else baselines/NAME.json beside the case."""
+    """Return the path of a case's baseline, from the project's settings or else baselines/NAME.json beside the case."""
     return project_of(case.parent).baseline(case) or case.parent / FOLDER / f"{case.stem}.json"
 
 
@@ -132,7 +136,7 @@ RENEW = "write it again with --update-baseline"
 
 
 def write_all(texts: Mapping[Path, str]) -> None:
-    """Write each text to its path, all or none. Raise BadCheck if that fails."""
+    """Write each text to its path. Raise BadCheck, and write none of them, if one cannot be written."""
     try:
         for folder in {path.parent for path in texts}:
             folder.mkdir(parents=True, exist_ok=True)

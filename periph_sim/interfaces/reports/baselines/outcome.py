@@ -1,6 +1,6 @@
-"""One run of a case, with an Outcome that can be sent between processes.
+"""Run of a case in a worker process, with an Outcome that can be sent between processes.
 
-It needs no terminal, command line or table: worker processes run this.
+This module uses no terminal, command line or table.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class Outcome:
     changes: the "key=value" texts applied to the case.
     typical: the least critical values of its budgets.
     trouble: sentences about firmware that waits forever.
-    values: the values of each budget, if they are kept.
+    values: the values of each budget, if they were kept.
     """
 
     path: Path
@@ -63,13 +63,17 @@ class Outcome:
 
     @property
     def not_passed(self) -> list[str]:
-        """Budgets that are broken or not judged."""
+        """The names of the budgets that are broken or not judged."""
         return [verdict.name for verdict in self.verdicts if not verdict.passed]
 
 
 @dataclass
 class RejectedCase:
-    """A case that cannot be run. why: one sentence. outside: True if it needs an outside party, which is no error."""
+    """A case that cannot be run.
+
+    why: the reason as one sentence.
+    outside: True if the reason is that the case needs an outside party, which is no error.
+    """
 
     path: Path
     why: str
@@ -77,7 +81,7 @@ class RejectedCase:
 
 
 def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = False) -> Outcome | RejectedCase:
-    """Run a case for its own duration."""
+    """Run a case for its own duration and return the outcome."""
     try:
         case = load(path, list(changes))
         if case.outside is not None and case.outside.log is None:
@@ -179,7 +183,7 @@ def _figures(limit: BudgetJudge, start: int) -> Figures:
 
 
 def occurrence(figures: Figures) -> Wanted | None:
-    """Return the occurrence that a budget's chain describes; None if there is none or its time is unknown."""
+    """Return the occurrence whose chain a budget has; None if there is none or its time is unknown."""
     least = figures.chain_of == "least"
     value, at = (figures.least, figures.least_at) if least else (figures.worst, figures.worst_at)
     if value is None or at is None:

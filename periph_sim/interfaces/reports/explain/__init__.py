@@ -1,21 +1,21 @@
-"""The worst occurrence of each budget: its surroundings, its causes, and its picture.
+"""Explanation of the worst occurrence of each budget: the records around it, its causes, and a picture.
 
 timing      verdict: the budget, its worst value and its instant
   |
-window      one more run, recorded: all records around that instant        (`windows`)
+window      a second run, recorded: all records around that instant                 (`windows`)
   |
-evidence    the same by subject: phases on the bus, accesses, flags, CPU activity   (`Evidence`)
+evidence    queries of these records: phases on the bus, accesses, flags, CPU activity   (`Evidence`)
   |
-findings    the records at the two ends, found by what the measure looks at (`Ends`); what those around an instant show
+findings    the records at both ends of the occurrence (`Ends`), and findings from the records around an instant
   |
-explain     the steps, with the causes of both ends, and the parts: the time from end to end by place: bus, party that
-            holds SCL, hardware, firmware
+explain     steps: events in order of time, with the causes of both ends
+            parts: the time between the ends, divided by place: bus, party that holds SCL, hardware, firmware
   |
 chain       the explanation as data, as text and as JSON                            (`Chain`)
 picture, reports/html    pictures of it
 
-No module here knows a kind of budget: a new measure is explained by the records that it looks at. Two expectations are
-in the case and not in a record: the text of a reply and the edges of a watched wire.
+No module here depends on the kinds of budgets: a new measure is explained by the records that it uses. Two expectations
+come from the case and not from a record: the text of a reply and the edges of a watched wire.
 """
 
 from __future__ import annotations

@@ -1,4 +1,5 @@
-"""The explanation of a worst occurrence: Steps in order of time, and Parts that add up to its length.
+"""The explanation of a worst occurrence: Steps in order of time, and Parts whose lengths add up to that of the
+occurrence.
 
 Window --explain--> Chain(steps, parts, more) --text--> lines, --as_json--> plain numbers in microseconds and cycles
 
@@ -27,9 +28,11 @@ from .cpu_activity import Doing, Stretch, phrase
 
 @dataclass(frozen=True)
 class FirmwarePlace:
-    """A place in the firmware. file: None if known from a recording only. line: from 1; 0 for an image without lines.
+    """A place in the firmware.
 
-    pc: of an instruction of an image.
+    file: None if the place is known only from a recording.
+    line: the number of the line, from 1; 0 for an image without lines.
+    pc: the address of the instruction, if the place is in an image.
     """
 
     function: str
@@ -38,14 +41,14 @@ class FirmwarePlace:
     pc: int | None = None
 
     def __str__(self) -> str:
-        """ "imu_hil.py:106 (batch_read)", "imu_hil.asm:77 (_serve, 0x009051)"."""
+        """Format the place: "imu_hil.py:106 (batch_read)", "imu_hil.asm:77 (_serve, 0x009051)"."""
         pc = [] if self.pc is None else [f"{self.pc:#08x}"]
         inside = [self.function] if self.file else []
         return f"{self.spot} ({', '.join([*inside, *pc])})" if inside or pc else self.spot
 
     @property
     def spot(self) -> str:
-        """ "imu_hil.py:106"; with the function if the file is not known."""
+        """The place without its function, "imu_hil.py:106"; with the function if the file is not known."""
         name = self.file.name if self.file else self.function
         return f"{name}:{self.line}" if self.line else name
 
@@ -64,7 +67,11 @@ def place_of(where: str) -> FirmwarePlace | None:
 
 @dataclass(frozen=True)
 class Step:
-    """One link of the chain. at: ticks from the beginning of the occurrence. length: ticks; None for an instant."""
+    """One event of an explanation.
+
+    at: ticks from the beginning of the occurrence.
+    length: the duration in ticks; None for an instant.
+    """
 
     at: int
     what: str
@@ -74,7 +81,11 @@ class Step:
 
 @dataclass(frozen=True)
 class Part:
-    """A part of the occurrence's time, by activity. count: number of stretches. place: of the longest."""
+    """The part of the occurrence's time that one activity takes.
+
+    count: the number of stretches of this activity.
+    place: the place of the longest stretch.
+    """
 
     doing: Doing
     what: str
@@ -88,11 +99,14 @@ class Part:
 
 @dataclass(frozen=True)
 class Chain:
-    """steps: in order of time. parts: the longest first; if there are any, their lengths add up to `length`.
+    """The explanation of an occurrence. Lengths are in ticks.
 
-    length: of the occurrence, ticks. typical: the length of the least critical occurrence, None if unknown.
-    typical_holds: that occurrence keeps the limit, so the difference to it explains why this one does not.
-    more: difference of each part's length from that occurrence (ticks, signed), the largest first.
+    length: the length of the occurrence.
+    steps: the events, in order of time.
+    parts: the parts of the time, the longest first. If there are any, their lengths add up to `length`.
+    typical: the length of the least critical occurrence; None if unknown.
+    typical_holds: True if that occurrence keeps the limit, so that the difference explains why this one does not.
+    more: the amount by which each part is longer than in that occurrence, the largest first; negative if it is shorter.
     """
 
     verdict: Verdict
@@ -103,14 +117,14 @@ class Chain:
     typical: int | None = None
     typical_holds: bool = True
     more: tuple[Part, ...] = ()
-    blame: Part | None = None  # for an occurrence without length: its cause, an activity, access or note
+    blame: Part | None = None  # the cause of an occurrence without length: an activity, an access or a note
 
     @property
     def blamed(self) -> Part | None:
-        """The part with a place in the firmware that explains the length best.
+        """The part that explains the length best and has a place in the firmware.
 
-        If the typical occurrence keeps the limit, it is the part that differs most from it, in the direction in which
-        this one exceeds the limit; else the longest part.
+        If the typical occurrence keeps the limit, it is the part that differs most from the typical occurrence in the
+        direction in which the limit is exceeded. Otherwise it is the longest part.
         """
         if self.blame is not None:
             return self.blame
@@ -124,12 +138,12 @@ class Chain:
         return Fraction(ticks * 1_000_000, self.timebase.per_second)
 
     def figure(self, ticks: int) -> str:
-        """Return a length as text, as `timing.verdict.figure` does."""
+        """Format a length in the same way as `timing.verdict.figure`."""
         return figure(float(self.us(ticks)), "us")
 
 
 def parts_of(stretches: Iterable[Stretch]) -> tuple[Part, ...]:
-    """Sum stretches by activity, the longest sum first."""
+    """Return the total time of each activity as a part, the longest first."""
     sums: dict[tuple[Doing, str], list[Stretch]] = {}
     for one in stretches:
         sums.setdefault((one.doing, one.what), []).append(one)
@@ -142,7 +156,7 @@ def parts_of(stretches: Iterable[Stretch]) -> tuple[Part, ...]:
 
 
 def difference(here: Iterable[Part], there: Iterable[Part]) -> tuple[Part, ...]:
-    """Return by how much each part is longer here, the largest first, without parts of equal length."""
+    """Return the amounts by which parts are longer here than there, the largest first. Equal parts are left out."""
     before = {(part.doing, part.what): part for part in there}
     found = []
     for part in here:
@@ -156,7 +170,7 @@ MOST_PARTS = 6
 
 
 def text(chain: Chain) -> list[str]:
-    """Return the lines; the first one has the budget, its figure and the instant."""
+    """Return the explanation as lines. The first line has the budget, its figure and the instant."""
     lines = [_head(chain.verdict)]
     rows = []
     for step in chain.steps:
@@ -185,7 +199,7 @@ def _head(verdict: Verdict) -> str:
 
 
 def bound(which: str) -> str:
-    """Return the words for a limit's key: "at most", "p99 at most"."""
+    """Return the words for the key of a limit: "at most", "p99 at most"."""
     words = {"max": "at most", "min": "at least", "exactly": "exactly"}
     return words.get(which) or f"{percentile(which)} at most"
 
@@ -206,7 +220,7 @@ def _counted(part: Part) -> str:
 
 
 def _bracketed(place: FirmwarePlace | None) -> str:
-    """Format a place in brackets after a blank, not to be broken into lines."""
+    """Format a place in brackets after a blank, without spaces at which a line could be broken."""
     return "" if place is None else f" {together(f'[{place}]')}"
 
 
@@ -215,7 +229,10 @@ def _table(rows: list[tuple[str, str, str]]) -> list[str]:
 
 
 def as_json(chain: Chain) -> dict[str, object]:
-    """Convert to JSON, in us. steps: at, what, length, file, line, function; parts: what, length, count, place."""
+    """Convert to JSON, with times in us.
+
+    Steps have the keys at, what, length, file, line and function; parts have what, length, count and place.
+    """
     return {
         "steps": [
             {"at_us": _number(chain, step.at), "what": step.what}

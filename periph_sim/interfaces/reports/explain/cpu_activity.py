@@ -1,9 +1,9 @@
-"""Activities of a CPU from its records: stretches of time without gap or overlap, by the innermost activity.
+"""Activities of a CPU from its records: the time is divided into stretches by the innermost activity.
 
     SPAN, IRQ, WAIT begin and end --> a stack --> Stretch, Stretch, ...     model |SCIRXINTA| model | wait for AAS
 
-At each instant the top of the stack counts: a service routine in a span, a wait in the routine. If the stack is empty
-the firmware runs other code, between two accesses.
+The top of the stack is the activity at an instant: for example a service routine within a span, or a wait within the
+routine. If the stack is empty, the firmware executes other code.
 """
 
 from __future__ import annotations
@@ -20,14 +20,15 @@ CODE: Doing = "code"
 UNKNOWN: Doing = "unknown"
 NOT_KEPT = "the middle, for which no records were kept"
 DOING: dict[Kind, Doing] = {Kind.IRQ: "interrupt", Kind.SPAN: "span", Kind.WAIT: "wait"}
-IN_FIRMWARE = (Kind.ACCESS, *DOING)  # kinds of records of what firmware does
+IN_FIRMWARE = (Kind.ACCESS, *DOING)  # kinds of records of the firmware's actions
 
 
 @dataclass(frozen=True)
 class Stretch:
-    """An activity from `begin` to `end` (ticks). where: the place in the firmware, "" if unknown.
+    """The time from tick `begin` to `end` in which an activity is the innermost one.
 
-    since: its begin, at `begin` or before.
+    where: the place in the firmware; "" if unknown.
+    since: the tick at which the activity began, which is `begin` or before.
     """
 
     begin: int
@@ -52,7 +53,10 @@ def phrase(doing: Doing, what: str) -> str:
 
 
 def polled(what: str) -> str:
-    """ "I2C-A.I2CSTR.XRDY and I2C-A.I2CSTR.SCD" as "I2C-A.I2CSTR.XRDY or SCD": any of them ends the wait."""
+    """Format the fields of a wait, any of which ends it.
+
+    "I2C-A.I2CSTR.XRDY and I2C-A.I2CSTR.SCD" becomes "I2C-A.I2CSTR.XRDY or SCD".
+    """
     first, *others = what.split(" and ")
     register = first.rpartition(".")[0]
     return " or ".join([first, *(other.removeprefix(f"{register}.") for other in others)])
@@ -71,7 +75,7 @@ def timeline(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
             stack, at, hole, bottom = [], hole.begin, None, UNKNOWN
         found.append(_top(stack, at, record.tick, bottom))
         if record.value and record.kind is not Kind.IRQ and not stack:
-            bottom = CODE  # assumed outermost: the firmware's activity is known again
+            bottom = CODE  # the outermost activity is assumed to be other code until the records show one
         at = max(at, record.tick)
         _move(stack, record)
     found.append(_top(stack, at, end, bottom))
@@ -79,7 +83,7 @@ def timeline(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
 
 
 def units(window: Window) -> list[str]:
-    """Return the units with firmware activity in or before the window, by name."""
+    """Return the names of the units with firmware activity in or before the window, sorted."""
     return sorted({r.where for r in window.all_records if r.kind in IN_FIRMWARE})
 
 
@@ -104,11 +108,11 @@ def _move(stack: list[Record], record: Record) -> None:
         return
     place = _begin_of(stack, record)
     if place is not None:
-        del stack[place:]  # all above it is over, too
+        del stack[place:]  # activities above it have ended, too
 
 
 def _begin_of(stack: Sequence[Record], end: Record) -> int | None:
-    """Return the place of the record that began what this one ends; None if it is not in progress."""
+    """Return the index of the record that began the activity which `end` ends; None if it is not in progress."""
     alike = (place for place, one in enumerate(stack) if one.kind is end.kind and one.what == end.what)
     return max(alike, default=None)
 
@@ -122,8 +126,9 @@ def _top(stack: Sequence[Record], begin: int, end: int, bottom: Doing) -> Stretc
 
 @dataclass(frozen=True)
 class Episode:
-    """A service routine, span or wait. end: None if it was not over when the window ends.
+    """A service routine, span or wait.
 
+    end: None if it had not ended at the end of the window.
     within: the enclosing activities, outermost first.
     """
 
@@ -139,10 +144,11 @@ class Episode:
 
 
 def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
-    """Return service routines, spans and waits of a unit that overlap the time between two ticks, in order of begin.
+    """Return service routines, spans and waits of a unit that overlap the time between two ticks.
 
-    Of spans in progress at the first tick only the innermost: each function of an image is one, including `main`. A
-    span that is a service routine from its begin to its end is returned as the service routine.
+    They are in the order in which they begin. Of the spans in progress at the first tick, only the innermost is
+    returned, because each function of an image is a span, including `main`. A span that coincides with a service
+    routine is returned as the service routine.
     """
     stack: list[Record] = []
     over: list[Episode] = []
@@ -163,7 +169,10 @@ def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
 
 
 def innermost(nested: Iterable[Episode], begin: int, end: int) -> list[Episode]:
-    """Return the stretches between two ticks in which each was the innermost. nested: ordered by begin."""
+    """Return the stretches between two ticks in which each episode was the innermost.
+
+    nested: the episodes in the order in which they begin.
+    """
     found: list[Episode] = []
     stack: list[Episode] = []
     at = begin

@@ -1,6 +1,6 @@
-"""Queries of a Window that all explanations use: events of the bus, a unit's firmware and its flags.
+"""Queries of a Window that all explanations use: events on the bus, actions of a unit's firmware, and its flags.
 
-Window, case --> Evidence: phases on the bus, lows of SCL, accesses, flags with their readers, Steps of these
+Window, case --> Evidence: phases on the bus, low phases of SCL, accesses, changes of flags, and Steps for these
 """
 
 from __future__ import annotations
@@ -24,18 +24,18 @@ from .chain import Chain, FirmwarePlace, Part, Step, place_of
 from .cpu_activity import CODE, DOING, IN_FIRMWARE, Episode, Stretch, episodes, open_at, phrase, timeline, units
 from .window import Window
 
-SMALL = Fraction(1, 100)  # part of an occurrence: shorter waits are omitted
-LONG = Fraction(1, 10**6)  # seconds: longer code without a name and an access is listed separately
-BACK = 16  # causes walked back from an end
-MOST = 12  # service routines, spans and waits listed for an occurrence: the longest
+SMALL = Fraction(1, 100)  # waits that take a smaller share of an occurrence are left out
+LONG = Fraction(1, 10**6)  # in seconds; longer code without a name or an access is listed separately
+BACK = 16  # maximum number of causes that are followed back from an end
+MOST = 12  # maximum number of service routines, spans and waits listed for an occurrence, which are the longest ones
 
 
 @dataclass(frozen=True)
 class RecordedPhase:
-    """Activity of the controller from a START or repeated START to the next one or the STOP.
+    """A phase of a transfer, from a START or repeated START to the next one or the STOP, according to the records.
 
     start: "START" or "repeated START".
-    answered: the tick of the SCL fall after the address's ACK slot; None if the record ends before.
+    answered: the tick at which SCL falls after the ACK of the address; None if the records end before.
     """
 
     name: str
@@ -49,13 +49,17 @@ class RecordedPhase:
     data: tuple[Record, ...]
 
     def __str__(self) -> str:
-        """ "gyroscope (0x68 R)", or "0x68 R" if no name is known."""
+        """Format the phase: "gyroscope (0x68 R)", or "0x68 R" if no name is known."""
         asked = f"0x{self.address:02X} {'R' if self.read else 'W'}"
         return f"{self.name} ({asked})" if self.name else asked
 
 
 class Evidence:
-    """window: of the occurrence. unit: the unit whose firmware is examined."""
+    """Queries of the records around an occurrence.
+
+    window: the window of the occurrence.
+    unit: the unit whose firmware and flags the queries are about.
+    """
 
     def __init__(self, window: Window, case: Case, unit: str | None = None) -> None:
         self.window = window
@@ -73,7 +77,7 @@ class Evidence:
         return [part for one in timeline(self.window, self.unit, begin, end) for part in self._between_accesses(one)]
 
     def _between_accesses(self, one: Stretch) -> list[Stretch]:
-        """Divide code without a name: long parts without a record are named by the firmware's next activity."""
+        """Divide a stretch of code without a name. Long parts without a record are named after the next activity."""
         if one.doing != CODE or one.where:
             return [one]
         least = self.window.timebase.ticks(LONG, "nearest")
@@ -95,7 +99,7 @@ class Evidence:
 
     @cached_property
     def _done(self) -> list[Record]:
-        """Accesses, spans and waits of the firmware with their places, except those of service routines."""
+        """The accesses, spans and waits of the firmware that have a place, without those of service routines."""
         records = [r for r in self.window.all_records if r.where == self.unit and r.kind in IN_FIRMWARE]
         found, routines = [], 0
         for record in sorted(records, key=in_time):
@@ -106,21 +110,21 @@ class Evidence:
         return found
 
     def activity_at(self, tick: int) -> Record | None:
-        """Return the beginning of the unit's innermost service routine, span or wait in progress at a tick."""
+        """Return the record that began the innermost service routine, span or wait in progress at a tick."""
         return next(reversed(open_at(self.window, self.unit, tick)), None)
 
     def doing_at(self, tick: int) -> str:
-        """Return the firmware's activity at a tick as a phrase with its begin."""
+        """Return a phrase with the firmware's activity at a tick and the time since it began."""
         part = self.blame_at(tick)
         return "other code" if part is None else f"{part}, begun {self.span(part.length)} before"
 
     def doing_step(self, tick: int) -> Step:
-        """Return a step of the firmware's activity at a tick."""
+        """Return a step for the firmware's activity at a tick."""
         part = self.blame_at(tick)
         return self.say(tick, f"{self.unit}: {self.doing_at(tick)}", None, None if part is None else part.place)
 
     def blame_at(self, tick: int) -> Part | None:
-        """Return the firmware's activity at a tick, if any, as the cause."""
+        """Return the firmware's activity at a tick as a cause; None if none is in progress."""
         top = self.activity_at(tick)
         return None if top is None else Part(DOING[top.kind], top.what, tick - top.tick, 1, place_of(top.text))
 
@@ -142,7 +146,7 @@ class Evidence:
 
     @cached_property
     def phases(self) -> list[RecordedPhase]:
-        """All phases that begin in the window."""
+        """All phases of transfers that begin in the window."""
         found: list[RecordedPhase] = []
         records = [r for r in self.window.records if r.kind is Kind.BUS]
         starts = [i for i, r in enumerate(records) if r.what in ("START", "repeated START")]
@@ -168,12 +172,15 @@ class Evidence:
         return found
 
     def phase_at(self, tick: int) -> RecordedPhase | None:
-        """Return the phase on the bus at a tick."""
+        """Return the phase that is in progress on the bus at a tick; None if there is none."""
         return next((p for p in reversed(self.phases) if p.begin <= tick <= p.end), None)
 
     @cached_property
     def _devices(self) -> dict[int, str]:
-        """The names of the case's devices, by address; a memory may have more than the configured one."""
+        """The names of the case's devices, indexed by address.
+
+        A memory may have addresses beside the configured one.
+        """
         tables = self.case.device.items()
         names = {table.address: name for name, table in tables if table.address is not None}
         for name, table in tables:
@@ -186,9 +193,9 @@ class Evidence:
         return self._devices.get(address, "")
 
     def holder_at(self, tick: int) -> str:
-        """Return the unit or device that holds SCL low for the controller, as recorded.
+        """Return the unit or device that holds SCL low at a tick.
 
-        If the record does not name it: the addressed device, else the unit.
+        If the records do not name it, it is the addressed device, or else the unit.
         """
         held = [
             r
@@ -202,9 +209,9 @@ class Evidence:
 
     @cached_property
     def low(self) -> int:
-        """The controller's low time of SCL for a bit, in ticks; for a unit, the shortest low in the window.
+        """The low time of SCL for a bit without stretching, in ticks; 0 if there is no SCL.
 
-        0 if there is no SCL.
+        If a unit is the controller, it is the shortest low phase in the window.
         """
         table = self.case.controller
         if table is None:
@@ -219,7 +226,7 @@ class Evidence:
         return 0 if table is None else self.window.timebase.ticks(table.period, "nearest")
 
     def stretches(self, begin: int, end: int) -> list[tuple[int, int]]:
-        """Return where SCL was held low beyond the controller's own low time, between two ticks: up to its rise."""
+        """Return the stretches of SCL between two ticks: from the end of the controller's own low time to the rise."""
         return [
             (max(fall + self.low, begin), min(rise, end))
             for fall, rise in self._lows
@@ -228,7 +235,7 @@ class Evidence:
 
     @cached_property
     def _lows(self) -> list[tuple[int, int]]:
-        """The falls of SCL in the window, each with the rise that follows, or the end of the window."""
+        """The low phases of SCL in the window as (fall, rise). The last one may end with the window."""
         scl = self.channel("SCL")
         if scl is None:
             return []
@@ -236,27 +243,31 @@ class Evidence:
         return [(fall, rise) for (fall, down), (rise, _) in pairwise(moves) if not down]
 
     def low_since(self, wire: str, tick: int) -> int | None:
-        """Return when a wire fell that is low at a tick; None if it is high, or if there is no such wire."""
+        """Return the tick at which a wire fell that is low at a tick; None if it is high or does not exist."""
         channel = self.channel(wire)
         falls = [] if channel is None else channel.edges[channel.edges <= tick].tolist()
         return falls[-1] if falls and channel is not None and not channel.initial ^ (len(falls) & 1) else None
 
     def channel(self, name: str) -> Channel | None:
-        """Return a wire of the scene; None if it has none of this name."""
+        """Return the edges of a wire; None if the scene has no wire with this name."""
         return next((channel for channel in self.window.edges.channels if channel.name == name), None)
 
     # Causes -----------------------------------------------------------------------
 
     def walk(self, record: Record, depth: int = BACK) -> Iterator[tuple[Record, CauseStep]]:
-        """Yield a record and its causes, back in time, with the links beside them (see `records.cause_trace`)."""
+        """Yield a record and its causes, going back in time, each with its link (see `records.cause_trace`).
+
+        A link that is `aside` belongs to the effect before it and is not followed further.
+        """
         run, rows, kept = _run_of(self.window, self.case.name, tuple((n, u.modules) for n, u in self.case.unit.items()))
         for step in walk_back(run, rows[record.number], depth):
             yield kept[step.record.number], step
 
     def causes(self, record: Record, since: int) -> list[Step]:
-        """Return steps of a record's causes: the last two with the links beside them, and others back to a tick.
+        """Return steps for the causes of a record.
 
-        Of a row of edges and events of the bus only the first counts.
+        The last two causes are included with the links beside them, and earlier causes only from tick `since` on. Of
+        consecutive edges and events of the bus, only the last one is included.
         """
         steps, number, effect = [], 0, record
         for cause, link in islice(self.walk(record), 1, None):
@@ -269,7 +280,7 @@ class Evidence:
     # Steps ------------------------------------------------------------------------
 
     def chain(self, steps: tuple[Step, ...], parts: tuple[Part, ...] = (), blame: Part | None = None) -> Chain:
-        """Build the explanation of this occurrence. parts: none if nothing has a length."""
+        """Build the explanation of this occurrence. parts: empty if the occurrence has no length."""
         window = self.window
         return Chain(window.verdict, window.timebase, window.end - window.begin, steps, parts, blame=blame)
 
@@ -279,7 +290,7 @@ class Evidence:
         return self.say(record.tick, what or happened(record), length, place)
 
     def named(self, record: Record) -> str:
-        """Return the text of a record without its details; for a START that of its phase."""
+        """Return the text of a record without details. For a START, it is the text of the phase that it begins."""
         phase = next((p for p in self.phases if (p.begin, p.start) == (record.tick, record.what)), None)
         return happened(record).partition(",")[0] if phase is None else f"{phase.start}, {phase}"
 
@@ -289,11 +300,11 @@ class Evidence:
 
     @property
     def slip(self) -> int:
-        """The error of an instant that a verdict gives, which is rounded to 0.1 ns, in ticks."""
+        """The maximum error, in ticks, of an instant in a verdict, which is rounded to 0.1 ns."""
         return self.window.timebase.per_second // 10**10 + 1
 
     def episode_step(self, one: Episode, end: int) -> Step:
-        """Convert a service routine, span or wait to a Step, marked if it is not over at `end`."""
+        """Convert a service routine, span or wait to a Step, which says so if it has not ended at `end`."""
         what = str(one)
         if one.doing == "interrupt":
             below = f", preempting {_of(one.within[-1])}" if one.within else ""
@@ -303,9 +314,10 @@ class Evidence:
         return self.say(one.begin, what, one.end - one.begin, place_of(one.where))
 
     def story(self, begin: int, end: int, waits: bool = True) -> list[Step]:
-        """Return steps of spans, service routines and long waits between two ticks; of short routines only the first.
+        """Return steps for the firmware's activities between two ticks.
 
-        The first routine comes with the flag that requested it.
+        These are spans, the first service routine with the flag that requested it, other long service routines and, if
+        `waits` is True, long waits.
         """
         least = (end - begin) * SMALL
         found = [one for one in episodes(self.window, self.unit, begin, end) if waits or one.doing != "wait"]
@@ -317,14 +329,14 @@ class Evidence:
         return [*requests, *(self.episode_step(one, end) for one in shown if one in longest)]
 
     def _request(self, tick: int) -> list[Step]:
-        """Return a step of the module's flag that requested the interrupt that is entered at a tick."""
+        """Return a step for the flag of a module that requested the interrupt which is entered at a tick."""
         walks = [self.walk(r, 2) for r in self.window.between(tick, tick, Kind.IRQ) if r.where == self.unit]
         asked = ((cause, link) for walk in walks for cause, link in walk if cause.kind is Kind.FLAG and not link.aside)
         of_module = ((cause, link) for cause, link in asked if not cause.where.endswith(".PIE"))
         return [self.step(cause, f"{happened(cause)} ({link.because})") for cause, link in of_module]
 
     def span(self, ticks: int) -> str:
-        """Format a length."""
+        """Format a length in ticks."""
         return self.window.timebase.show(ticks)
 
 
@@ -332,9 +344,9 @@ class Evidence:
 def _run_of(
     window: Window, name: str, modules: tuple[tuple[str, tuple[str, ...]], ...]
 ) -> tuple[Run, dict[int, int], dict[int, Record]]:
-    """Return the records of a window as a run, the row of each by its number, and the records by number.
+    """Return the records of a window as a run, the row of each record by its number, and the records by number.
 
-    Records of the table have no place in the firmware with a file; those by number do.
+    The records by number know the files of their places in the firmware; those in the table of the run do not.
     """
     columns = Columns()
     kept = {one.number: one for one in window.all_records}
@@ -346,7 +358,7 @@ def _run_of(
 
 
 def in_time(record: Record) -> tuple[int, int]:
-    """Sort key for the order of time, and of creation within a tick."""
+    """Return the sort key for the order of time, and within a tick for the order of creation."""
     return record.tick, record.number
 
 
@@ -366,9 +378,10 @@ def _inside(one: Episode, begin: int, end: int) -> int:
 
 
 def in_order(*steps: Iterable[Step]) -> tuple[Step, ...]:
-    """Return steps of several sources in order of time, each once.
+    """Return the steps of several sources in order of time, each once.
 
-    Of several steps at the same place and tick whose texts begin with the shortest of them, the longest is kept.
+    If the text of one step is the beginning of the texts of other steps at the same place and tick, only the step with
+    the longest text is kept.
     """
     together: list[Step] = []
     for step in (step for some in steps for step in some):

@@ -1,15 +1,15 @@
-"""The explanation of each budget's worst occurrence: from its Window to a Chain.
+"""Explanation of the worst occurrence of each budget: makes a Chain from its Window.
 
-case, verdicts, typical ones --> windows --> a Chain each, beside that of the typical one
+case, verdicts, typical occurrences --> windows --> a Chain for each, with the difference from the typical occurrence
 
 A Chain follows from the records of a window and not from the kind of the budget:
 
-end record --causes--> ... --> begin record                    steps
-begin |-- firmware --|-- SCL held --|-- hardware --| end       parts, which add up to its length
-an instant                                                     what the records around it show (`findings`)
+steps of an interval    the causes of the record at its end, back to the record at its begin
+parts of an interval    begin |-- firmware --|-- SCL held --|-- hardware --| end; they add up to its length
+steps of an instant     findings from the records around it (`findings`)
 
-parts if both ends are on the bus     bits of each transfer | SCL held low by a party | bus free
-else, from the end back               module or line | the firmware, from the access that caused it to the begin
+If both ends are on the bus, the parts are bits of each transfer, SCL held low by a party, and bus free. Otherwise, they
+are the firmware, up to the access that caused the end, and from there the module or the line.
 
 The firmware's part is divided by its activity (`cpu_activity`): spans, service routines, waits, other code.
 """
@@ -38,7 +38,7 @@ from .window import BIT, Window, is_late, windows
 
 
 def places(evidence: Evidence, ends: Ends) -> list[Stretch]:
-    """Return the stretches of an occurrence, which add up to its length."""
+    """Return the stretches of an occurrence. Their lengths add up to its length."""
     begin, end = evidence.window.begin, evidence.window.end
     if ends.on_the_bus:
         return _of_bus(evidence, begin, end)
@@ -53,9 +53,9 @@ def places(evidence: Evidence, ends: Ends) -> list[Stretch]:
 
 
 def reached(evidence: Evidence, record: Record) -> Record | None:
-    """Return the first record of the firmware, or at or before the begin, among a record and its causes.
+    """Return the first of a record and its causes that is an action of the firmware or not later than the begin.
 
-    None if the causes lead to neither.
+    Return None if there is no such cause.
     """
     for cause, link in evidence.walk(record):
         if not link.aside and (cause.kind in IN_FIRMWARE or cause.tick <= evidence.window.begin):
@@ -64,7 +64,7 @@ def reached(evidence: Evidence, record: Record) -> Record | None:
 
 
 def _of_bus(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
-    """Divide a time of the bus into bits of each transfer, holds of SCL, and the times between transfers."""
+    """Divide a time on the bus into the bits of each transfer, holds of SCL, and the times between transfers."""
     found: list[Stretch] = []
     at = begin
     for phase in evidence.phases:
@@ -87,7 +87,7 @@ def _bus_stretch(begin: int, end: int, what: str, since: int) -> list[Stretch]:
 
 
 def _held_for(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
-    """Return the activity of the unit that holds SCL low, or the device that does."""
+    """Return the activities of the unit that holds SCL low. For a device, return one stretch with its name."""
     holder = evidence.holder_at(end - 1)
     if holder in evidence.case.unit:
         return evidence.for_unit(holder).timeline(begin, end)
@@ -95,17 +95,17 @@ def _held_for(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
 
 
 def _free(evidence: Evidence, begin: int, end: int, what: str) -> list[Stretch]:
-    """Return the time of a free bus: the activity of the unit that is its master, if one is."""
+    """Return a time in which the bus is free. If the unit is the master, return the activities of its firmware."""
     if begin < end and is_master(evidence, end):
         return evidence.timeline(begin, end)
     return _bus_stretch(begin, end, what, begin)
 
 
-WRITES = 6  # writes in between that are listed
+WRITES = 6  # maximum number of writes between both ends that are listed
 
 
 def chain_of(case: Case, window: Window) -> Chain:
-    """Return the Chain of a window."""
+    """Return the explanation of the occurrence in a window."""
     evidence = Evidence(window, case)
     ends = Ends.of(evidence)
     evidence = evidence.for_unit(ends.unit(case) or evidence.unit)
@@ -123,7 +123,7 @@ def chain_of(case: Case, window: Window) -> Chain:
 
 
 def _between(evidence: Evidence, ends: Ends) -> list[Step]:
-    """Return steps of both ends with their causes, and of the firmware's activity between them.
+    """Return steps for both ends with their causes, and for the firmware's activities between them.
 
     If the causes of the end do not lead to the firmware, its writes and waits are left out.
     """
@@ -144,7 +144,10 @@ def _between(evidence: Evidence, ends: Ends) -> list[Step]:
 
 
 def _older(evidence: Evidence, ends: Ends) -> list[Step]:
-    """Return steps of earlier reads of the device whose read ends the time, if that is the age of its data."""
+    """Return steps for earlier reads of a device within the age of its data, which a read of this device ends.
+
+    Return none if the occurrence is not the age of data.
+    """
     begin, end = evidence.window.begin, evidence.window.end
     read = next((p for p in evidence.phases if p.begin == end), None)
     if read is None or Kind.DATA not in ends.kinds:
@@ -154,13 +157,13 @@ def _older(evidence: Evidence, ends: Ends) -> list[Step]:
 
 
 def _writes(evidence: Evidence) -> list[Step]:
-    """Return steps of the first writes between the ends."""
+    """Return steps for the first writes of the firmware between both ends."""
     found = evidence.window.between(evidence.window.begin, evidence.window.end - 1, Kind.ACCESS)
     return [evidence.step(r) for r in found if r.where == evidence.unit and r.what[0] == "W"][:WRITES]
 
 
 def _blocked(evidence: Evidence, ends: Ends) -> list[Step]:
-    """Return a step for an interrupt that was not served at once though no other routine was."""
+    """Return a step for an interrupt that was not served at once, although no other service routine was running."""
     begin, end = evidence.window.begin, evidence.window.end
     kinds = [None if record is None else record.kind for record in (ends.begin, ends.end)]
     prompt = end - begin < evidence.window.timebase.ticks(PROMPT, "nearest")
@@ -171,9 +174,10 @@ def _blocked(evidence: Evidence, ends: Ends) -> list[Step]:
 
 
 def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
-    """Return steps of the transfers of a time of the bus, and of holds of SCL with what ended the last one.
+    """Return steps for an occurrence on the bus: the transfers, the holds of SCL, and the access that ended the last
+    one.
 
-    A time between rounds that is too short is explained by the round before it.
+    If the time between two rounds is too short, the steps describe the first of these rounds.
     """
     begin, end = evidence.window.begin, evidence.window.end
     between = _between_rounds(evidence, ends)
@@ -201,7 +205,7 @@ def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
 
 
 def _stopped(evidence: Evidence, end: int) -> list[Step]:
-    """Return steps of a wait that goes on, of the firmware's last access before it, and of what that saw."""
+    """Return steps for a wait that does not end, and for the firmware's last access before it with its causes."""
     wait = waited_for(evidence, end)
     since = evidence.window.begin + wait[0].at if wait else end
     accesses = [r for r in evidence.window.records if r.kind is Kind.ACCESS and r.where == evidence.unit]
@@ -214,9 +218,10 @@ def _between_rounds(evidence: Evidence, ends: Ends) -> bool:
 
 
 def _of_firmware(evidence: Evidence, record: Record, since: int) -> list[Step]:
-    """Return the causes of a record of the bus, back to the phase of a tick, if an access of the firmware made it.
+    """Return steps for the causes of a record of the bus; none if the firmware did not cause it by an access.
 
-    If SCL was held low until the record, the step of the access says for how long.
+    The causes begin with the phase at tick `since`. If SCL was held low until the record, the step for the access says
+    for how long.
     """
     made_by = next((cause for cause, _ in evidence.walk(record) if cause.kind not in ON_WIRES), None)
     if made_by is None or made_by.kind is not Kind.ACCESS:
@@ -232,7 +237,7 @@ def _of_firmware(evidence: Evidence, record: Record, since: int) -> list[Step]:
 
 
 def _instant(evidence: Evidence, ends: Ends) -> Chain:
-    """Explain an instant by what the records around it show, its causes, and the firmware's activity."""
+    """Explain an instant by findings from the records around it, its causes, and the firmware's activity."""
     at = evidence.window.begin
     found = [finding(evidence, ends) for finding in FINDINGS]
     now = evidence.doing_step(at)
@@ -252,7 +257,10 @@ def _instant(evidence: Evidence, ends: Ends) -> Chain:
 
 
 def _share(evidence: Evidence) -> Chain:
-    """Explain a share of the time, a property of the whole run, by the firmware's activity in its last part."""
+    """Explain a share of time by the firmware's activities in the last part of the run.
+
+    A share is a property of the whole run, so it has no occurrence.
+    """
     span = evidence.window.kept[-1]
     parts = parts_of(evidence.timeline(span.begin, span.end - 1))
     shares = f"the last {evidence.span(span.end - 1 - span.begin)} of the run: " + ", ".join(
@@ -262,7 +270,7 @@ def _share(evidence: Evidence) -> Chain:
     return evidence.chain((evidence.say(span.begin, shares, span.end - 1 - span.begin),), (), blame)
 
 
-REACH = 70  # bits: maximum extension of a picture towards the evidence, so that bytes remain distinguishable
+REACH = 70  # maximum extension of a picture towards the evidence, in bits, so that bytes remain distinguishable
 
 
 @dataclass(frozen=True, eq=False)
@@ -280,10 +288,12 @@ def explain(
     length: Fraction | None = None,
     programs: Mapping[str, Firmware] | None = None,
 ) -> dict[str, Explained]:
-    """Return, by the name of its budget, the explanation of each worst occurrence that has an instant.
+    """Return the explanation of each worst occurrence that has an instant, indexed by the name of its budget.
 
-    typical: for budgets of these names, the least critical occurrence, for comparison. All data comes from one more run
-    of the case; the other arguments are those of `windows`.
+    All data comes from one more run of the case.
+
+    typical: the least critical occurrences, with which the worst occurrences of the same budgets are compared.
+    length, programs: as for `windows`.
     """
     return {one.window.verdict.name: one for one in explain_each(case, verdicts, typical, length, programs)}
 
@@ -295,7 +305,7 @@ def explain_each(
     length: Fraction | None = None,
     programs: Mapping[str, Firmware] | None = None,
 ) -> list[Explained]:
-    """Return explanations in the order of the verdicts, several of which may be of one budget."""
+    """Return the explanations in the order of the verdicts. Several verdicts may be of the same budget."""
     worst = [verdict for verdict in verdicts if verdict.at_s is not None]
     names = {verdict.name for verdict in worst}
     usual = [verdict for verdict in typical if verdict.at_s is not None and verdict.name in names]
@@ -315,7 +325,7 @@ def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
 
 
 def _reaching(window: Window, chain: Chain) -> Window:
-    """Return the window with a picture extended to the evidence of an instant's chain, if that is near."""
+    """Return the window with its picture extended to the evidence of an instant, if the evidence is near."""
     texts = tuple(step.what for step in chain.steps)
     if window.verdict.measure.startswith(REPLY) and chain.steps:
         begin = max(min(window.drawn.begin, window.begin + chain.steps[0].at), window.kept[0].begin)

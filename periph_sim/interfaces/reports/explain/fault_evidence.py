@@ -1,14 +1,14 @@
 """Causes of a wrong byte, a NACK or a hang: Steps with the write or read that caused it.
 
-byte on the bus --> the write of I2CDXR it came from, possibly for another read; FF --> why SDA is not driven
-NACK of an address --> the write of I2COAR, the IRS = 0, or the missing write; of a byte --> the NACKMOD = 1
-wait ended in a transfer by a flag from before it --> the flag's rise
-RSFULL --> I2CDRR that was not read
-read of a memory --> each byte's word address, and the last write to it among the transfers kept
-notes of the device, broken duties --> the last one before the end of the read; it is the cause if it
+byte on the bus --> the write of I2CDXR from which it came, possibly for another read; FF --> why SDA is not driven
+NACK of an address --> the write of I2COAR, IRS = 0, or the missing write; NACK of a byte --> NACKMOD = 1
+wait that ended at once in a transfer, by a flag that was set before the transfer --> the rise of the flag
+RSFULL --> I2CDRR was not read
+read of a memory --> the word address of each byte, and the last write to it among the recorded transfers
+notes of a device on broken duties --> the last one before the end of the read; it is the cause if it
                                        names a word of the read, or if the words are unknown
-reply on the serial line --> its request, and the writes of characters that are not the expected ones
-                             (the expected text is in the case, not recorded)
+reply on the serial line --> its request, and the writes of characters that differ from the expected ones
+                             (the expected text comes from the case and not from a record)
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from .cpu_activity import phrase
 from .evidence import Evidence, RecordedPhase, in_time
 
 I2C = I2C_A.name
-ONES = 0xFF  # read when no party drives SDA
+ONES = 0xFF  # the byte that is read when no party drives SDA
 LETS_GO = "the module releases SDA"
 NEEDED = (  # fields that must be 1 for the module to answer, and the effect of 0
     ("SYS", f"PCLKCR0.{I2C_A.gate}", "the module has no clock"),
@@ -43,7 +43,7 @@ WAITED = ("SCD", "RRDY", "NACK")  # flags that firmware waits for and that remai
 
 
 def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Record, Record | None, str]]:
-    """Yield each byte of a read with the write that it came from, if known, and a description."""
+    """Yield each byte of a read with the write from which it came, if it is known, and a description."""
     writes = evidence.accesses(0, phase.end, "W", I2C, "I2CDXR")
     before = phase.begin if phase.answered is None else phase.answered
     for number, byte in enumerate(phase.data, 1):
@@ -62,7 +62,7 @@ def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Recor
 
 
 def _first_rise(evidence: Evidence, after: int, before: int) -> int:
-    """Return when SCL rises for the first bit of a byte, which must be driven by then."""
+    """Return the tick at which SCL rises for the first bit of a byte, by which the bit must be driven."""
     scl = evidence.channel("SCL")
     if scl is None:
         return before
@@ -71,8 +71,10 @@ def _first_rise(evidence: Evidence, after: int, before: int) -> int:
 
 
 def missing_condition(evidence: Evidence, tick: int) -> list[Step]:
-    """Return a step of the first condition for receiving that the module lacks at a tick: cleared by a write, or
-    never set."""
+    """Return a step for the first condition for receiving that is not met at a tick; an empty list if all are met.
+
+    The step names the write that cleared the field, or says that it was never set.
+    """
     unit = evidence.case.unit.get(evidence.unit)
     there = ("SYS", *(unit.modules if unit is not None else ()))
     for module, field, so in NEEDED:
@@ -88,7 +90,10 @@ def missing_condition(evidence: Evidence, tick: int) -> list[Step]:
 
 
 def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step], Step | None]:
-    """Return writes of the own address around a tick at which another one was requested; and the cause, if any."""
+    """Return steps for the writes of the own address around a tick at which `address` was not acknowledged.
+
+    The second result is the step that is the cause; None if the own address was right.
+    """
     writes = evidence.accesses(0, evidence.window.kept[-1].end, "W", I2C, "I2COAR")
     last = max((r for r in writes if r.tick <= tick), key=lambda r: r.tick, default=None)
     right = min((r for r in writes if r.tick > tick and r.value == address), key=lambda r: r.tick, default=None)
@@ -108,7 +113,7 @@ def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step]
 
 
 def refusing(evidence: Evidence, tick: int) -> list[Step]:
-    """Return a step of the write because of which a receiver does not acknowledge a byte at a tick."""
+    """Return a step for the write because of which a receiver does not acknowledge a byte at a tick."""
     last = last_change(evidence, "I2CMDR.NACKMOD", tick)
     if last is None or not last.value:
         return missing_condition(evidence, tick)
@@ -117,13 +122,13 @@ def refusing(evidence: Evidence, tick: int) -> list[Step]:
 
 
 def is_master(evidence: Evidence, tick: int) -> bool:
-    """True if the unit's module is the master at a tick, so that a NACK is another party's."""
+    """Return True if the unit's module is the master at a tick, so that another party sent a NACK."""
     last = last_change(evidence, "I2CMDR.MST", tick)
     return last is not None and last.value == 1
 
 
 def stale(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
-    """Return steps of reads, in a transfer, of a flag that rose before it and ended a wait at once."""
+    """Return steps for waits in a transfer that ended at once, because their flag was set before the transfer."""
     steps = []
     for look_at in evidence.accesses(phase.begin, phase.end, "R", I2C, "I2CSTR"):
         if look_at.field not in WAITED:
@@ -140,7 +145,7 @@ def stale(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
 
 
 def unread(evidence: Evidence, tick: int) -> list[Step]:
-    """Return steps of a receiver with an unread byte (RSFULL): since when, and when I2CDRR was read last."""
+    """Return steps for an unread byte in the receiver (RSFULL): when it was received, and the last read of I2CDRR."""
     full = last_change(evidence, "I2CSTR.RSFULL", tick)
     if full is None or not full.value:
         return []
@@ -155,7 +160,7 @@ def unread(evidence: Evidence, tick: int) -> list[Step]:
 
 
 def waited_for(evidence: Evidence, tick: int) -> list[Step]:
-    """Return steps of a wait in progress at a tick: its place, and the last changes of the polled fields."""
+    """Return steps for a wait that is in progress at a tick: its place, and the last changes of the polled fields."""
     wait = evidence.activity_at(tick)
     if wait is None or wait.kind is not Kind.WAIT:
         return []
@@ -181,7 +186,7 @@ def last_change(evidence: Evidence, field: str, tick: int, module: str = I2C) ->
 
 
 def maker(evidence: Evidence, change: Record) -> Record | None:
-    """Return the access that made a change in its cycle."""
+    """Return the access that caused a change in the same cycle; None if there is none."""
     return next(
         (
             r
@@ -219,7 +224,10 @@ def _answers(evidence: Evidence, phase: RecordedPhase) -> Iterator[Evidence]:
 
 
 def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
-    """Return a step for each byte of a read of a device: the memory's word, and when it was written, if known."""
+    """Return a step for each byte of a read of a device.
+
+    For a memory, the step states the word, and when it was written if that is known.
+    """
     who = sender(evidence, phase)
     first = first_word(evidence, phase)
     memory = _part(evidence, phase)
@@ -238,7 +246,10 @@ def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
 
 
 def note_of_device(evidence: Evidence, phase: RecordedPhase) -> tuple[list[Step], Part | None]:
-    """Return the last duty noted as broken by a read's device up to its end, and the cause, if it is one."""
+    """Return a step for the last broken duty that the device of a read noted before the end of the read.
+
+    The second result is this duty as the cause; None if it is not the cause.
+    """
     who = sender(evidence, phase)
     notes = [
         r
@@ -256,7 +267,7 @@ def note_of_device(evidence: Evidence, phase: RecordedPhase) -> tuple[list[Step]
 
 
 def _part(evidence: Evidence, phase: RecordedPhase) -> eeprom.Part | None:
-    """Return the memory that is read; None for another device."""
+    """Return the type of the memory that is read; None for another device."""
     table = evidence.case.device.get(evidence.device_at(phase.address))
     if table is None or table.model not in eeprom.MODELS:
         return None
@@ -265,7 +276,7 @@ def _part(evidence: Evidence, phase: RecordedPhase) -> eeprom.Part | None:
 
 
 def first_word(evidence: Evidence, phase: RecordedPhase) -> int | None:
-    """Return the word address of a read's first byte, if the write before it set it; else None."""
+    """Return the word address of the first byte of a read; None if the write before it did not set the address."""
     memory = _part(evidence, phase)
     before = max((p for p in evidence.phases if p.end <= phase.begin), key=lambda p: p.begin, default=None)
     if memory is None or before is None or before.read or before.address != phase.address:
@@ -280,7 +291,10 @@ def _pointer(memory: eeprom.Part, phase: RecordedPhase) -> int:
 
 
 def _writes(evidence: Evidence, read: RecordedPhase) -> Iterator[tuple[int, Record]]:
-    """Yield (word, byte on the bus) of every write to a memory before a read, wrapping at the end of a page."""
+    """Yield the word address and the record of each byte that was written to a memory before a read.
+
+    The word address wraps at the end of a page.
+    """
     memory = _part(evidence, read)
     if memory is None:
         return
@@ -295,11 +309,11 @@ def _writes(evidence: Evidence, read: RecordedPhase) -> Iterator[tuple[int, Reco
             yield page | first + number & memory.page - 1, byte
 
 
-MOST_CHARACTERS = 8  # wrong characters listed
+MOST_CHARACTERS = 8  # maximum number of wrong characters that are listed
 
 
 def wrong_characters(evidence: Evidence) -> tuple[list[Step], list[Step]]:
-    """Return steps of what asks for a reply, and of the writes of the reply's wrong characters."""
+    """Return a step for the request of a reply, and steps for the writes of the reply's wrong characters."""
     window = evidence.window
     if not window.verdict.measure.startswith(REPLY):
         return [], []
@@ -309,7 +323,10 @@ def wrong_characters(evidence: Evidence) -> tuple[list[Step], list[Step]]:
 
 
 def _asked(evidence: Evidence) -> list[Record]:
-    """Return the begins of frames on the request's line, up to the one that ended when the reply's time began."""
+    """Return the records of the frames of the request: their beginnings on its line.
+
+    The last one ended when the time of the reply began.
+    """
     window = evidence.window
     slip = window.timebase.per_second // 10**7
     frames = [r for r in window.records if r.kind is Kind.FRAME]
@@ -320,7 +337,10 @@ def _asked(evidence: Evidence) -> list[Record]:
 
 
 def _wrong(evidence: Evidence, asked: list[Record]) -> list[Step]:
-    """Return the writes of characters other than expected at their places; none if their places are unknown."""
+    """Return steps for the writes of characters that differ from the expected ones at their places.
+
+    Return none if the places of the characters are unknown.
+    """
     serial = evidence.case.serial
     assert serial is not None
     name = evidence.window.verdict.measure.removeprefix(REPLY)

@@ -1,11 +1,11 @@
 """Findings from the records at the ends of an occurrence and around an instant, for budgets of every kind.
 
-ends of a measure of events                  --> the records that it takes there
-ends of others                               --> the records of the bus, a line or a module that it is derived from
+ends of a measure of events                  --> the records that the measure uses there
+ends of other measures                       --> the records of the bus, a line or a module from which they are derived
 
-an address or byte that was not acknowledged --> the write of I2COAR, IRS or NACKMOD, or the missing one
-bytes of a read                              --> the write of I2CDXR of each, or the device's memory
-a round that is due, a line held low         --> the transfers before, the wait that goes on, the unread byte
+an address or byte that was not acknowledged --> the write of I2COAR, IRS or NACKMOD, or the missing write
+bytes of a read                              --> the write of I2CDXR for each byte, or the device's memory
+a round that is due, a line held low         --> the transfers before, the wait that does not end, the unread byte
 words in the FIFO                            --> the last read before, the next one, and the firmware in between
 """
 
@@ -57,10 +57,12 @@ ON_THE_BUS = frozenset({Kind.TRANSFER, Kind.ROUND})
 
 @dataclass(frozen=True)
 class Ends:
-    """begin, end: the records there; None if there is none, as at the end of the run.
+    """The records at both ends of an occurrence.
 
-    kinds: of the records that the measure looks at. thing: the name of those that it takes, "" for events.
-    jitter: the value is the difference between two values of the measure.
+    begin, end: the record at this end; None if there is none, as at the end of the run.
+    kinds: the kinds of records that the measure uses.
+    thing: the name of the records at the end; "" if the measure does not name them.
+    jitter: True if the value is the difference between two values of the measure.
     """
 
     begin: Record | None
@@ -81,19 +83,19 @@ class Ends:
 
     @property
     def on_the_bus(self) -> bool:
-        """True if the time between them is one of the bus alone."""
+        """True if only the bus determines the time between both ends."""
         there = [r for r in (self.begin, self.end) if r is not None]
         of_bus = [r for r in there if r.kind is Kind.BUS or (r.kind is Kind.EDGE and r.where in ("SCL", "SDA"))]
         return bool(self.kinds & ON_THE_BUS) or len(of_bus) == 2
 
     def unit(self, case: Case) -> str:
-        """Return the unit of the end, or of the begin; "" if both are of a wire, the bus or the host."""
+        """Return the unit of the record at the end, or else at the begin; "" if no unit made these records."""
         units = (r.where.partition(".")[0] for r in (self.end, self.begin) if r is not None)
         return next((unit for unit in units if unit in case.unit), "")
 
 
 def looks_at(measure: Measure, record: Record) -> bool:
-    """Return True if a measure looks at a record."""
+    """Return True if a measure uses a record."""
     if hasattr(measure, "matchers"):
         return any(matcher.fits(record) for matcher in measure.matchers)
     if hasattr(measure, "watched"):
@@ -102,7 +104,7 @@ def looks_at(measure: Measure, record: Record) -> bool:
 
 
 def _at(evidence: Evidence, measure: Measure, tick: int) -> Record | None:
-    """Return the record of an end that is nearest to a tick, within the error of rounding to 0.1 ns."""
+    """Return the record of an end that is nearest to a tick, within the rounding error of 0.1 ns; else None."""
     window = evidence.window
     near = [r for r in window.records if abs(r.tick - tick) <= evidence.slip]
     named = [r for r in near if looks_at(measure, r)]
@@ -121,18 +123,22 @@ FIFO = ("SCIFFRX.RXFFINT", "SCIFFRX.RXFFOVF", "SCIRXST.OE")  # flags that reques
 WORDS = "SCIFFRX.RXFFST"
 
 
-PROMPT = Fraction(1, 10**6)  # seconds: accesses and changes this near are beside each other
+PROMPT = Fraction(1, 10**6)  # in seconds; accesses and changes within this time are shown together
 
 
 class Finding(NamedTuple):
-    """steps: unordered. blame: the cause, if it is known; it counts before what the firmware does at the instant."""
+    """A finding about an instant.
+
+    steps: the steps, in any order.
+    blame: the cause, if it is known. It has priority over the firmware's activity at the instant.
+    """
 
     steps: Iterable[Step] = ()
     blame: Part | None = None
 
 
 def asked(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
-    """Return steps of the controller's request, and the bytes up to a tick."""
+    """Return steps for the controller's request in a phase: START, address, and the bytes up to a tick."""
     steps = [evidence.say(phase.begin, f"{phase.start}, {phase}")]
     if phase.answered is not None:
         which = "address" if phase.acked else f"address 0x{phase.address:02X} not"
@@ -145,7 +151,10 @@ def asked(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
 
 
 def transfers(evidence: Evidence, begin: int, end: int) -> list[Step]:
-    """Return a step for each phase that begins between two ticks; for several that are refused alike, one."""
+    """Return a step for each phase that begins between two ticks.
+
+    Consecutive phases with the same NACK share a step.
+    """
     steps = []
     inside = [phase for phase in evidence.phases if begin <= phase.begin < end]
     for (acked, name), alike in groupby(inside, key=lambda phase: (phase.acked, str(phase))):
@@ -158,7 +167,10 @@ def transfers(evidence: Evidence, begin: int, end: int) -> list[Step]:
 
 
 def held(evidence: Evidence, begin: int, end: int) -> list[Step]:
-    """Return a step for each time that SCL was held low between two ticks: by whom, and what that unit did."""
+    """Return a step for each time that SCL was held low between two ticks.
+
+    It names the party that held SCL and, for a unit, the activity of its firmware.
+    """
     steps = []
     for let_go, rise in evidence.stretches(begin, end):
         holder = evidence.holder_at(rise - 1)
@@ -168,7 +180,10 @@ def held(evidence: Evidence, begin: int, end: int) -> list[Step]:
 
 
 def answered(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
-    """Return a step of the last access to the data of a phase up to a tick: what the bus waited for, or had in time."""
+    """Return a step for the last access to the data of a phase up to a tick; an empty list if there is none.
+
+    The step says how long SCL was held for the access, or how early the access was.
+    """
     accesses = [
         *evidence.accesses(phase.begin, until, "W", I2C, "I2CDXR"),
         *evidence.accesses(phase.begin, until, "R", I2C, "I2CDRR"),
@@ -183,12 +198,18 @@ def answered(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]
 
 
 def awaited(evidence: Evidence, access: Record, let_go: int) -> Step:
-    """Return a step of the access for which SCL was held low from the tick at which the controller released it."""
+    """Return a step for the access for which SCL was held low.
+
+    let_go: the tick at which the controller released SCL.
+    """
     return evidence.step(access, f"{happened(access)}, for which SCL was held {evidence.span(access.tick - let_go)}")
 
 
 def _refused(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the refused address at an instant, or the first one after it if the instant is its round's or transfer's."""
+    """Find the address that was not acknowledged at an instant.
+
+    If the instant is that of a round or a transfer, it is the first such address after it.
+    """
     at = evidence.window.begin
     if not ends.kinds & {Kind.BUS, Kind.TRANSFER, Kind.ROUND} or ends.thing in LATE:
         return Finding()
@@ -218,7 +239,7 @@ def _transfer(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _refused_byte(evidence: Evidence, ends: Ends) -> Finding:
-    """Find why a byte was not acknowledged."""
+    """Find the reason why a byte was not acknowledged."""
     at, record = evidence.window.begin, ends.begin
     carried = None if record is None or record.kind is not Kind.BUS or record.what == "address" else bus_byte(record)
     phase = evidence.phase_at(at)
@@ -230,15 +251,16 @@ def _refused_byte(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _blamed(steps: list[Step]) -> Part | None:
-    """Return the first step with a place as the cause."""
+    """Return the first step that has a place as the cause; None if no step has one."""
     step = next((step for step in steps if step.place is not None), None)
     return None if step is None else Part("code", step.what.partition(",")[0], 0, 1, step.place)
 
 
 def _bytes(evidence: Evidence, ends: Ends) -> Finding:
-    """Find for each byte of a read the write of I2CDXR it came from, possibly for another read; or the device.
+    """Find for each byte of a read the write of I2CDXR from which it came, possibly for another read.
 
-    If every byte was written in time, the firmware computed the value before: its spans and service routines follow.
+    For a device, find the origin of the bytes in it. If every byte was written in time, the firmware calculated a wrong
+    value earlier, so its spans and service routines are listed, too.
     """
     at = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin >= at), None)
@@ -271,7 +293,7 @@ def _bytes(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _round_before(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the transfers of the period before a round that is due, and an old flag that ended a wait in them."""
+    """Find the transfers in the period before a round that is due, and a wait in them that an old flag ended."""
     due = evidence.window.begin
     before = max(due - evidence.period, evidence.window.kept[0].begin)
     if Kind.ROUND not in ends.kinds or ends.thing == "refused":
@@ -288,7 +310,7 @@ def _round_before(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _hung(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the lines that are low, the wait that goes on, and the byte that was not read."""
+    """Find the lines that are low, the wait that does not end, and the byte that was not read."""
     at = evidence.window.begin
     if ends.thing not in LATE or any(phase.begin == at for phase in evidence.phases):
         return Finding()
@@ -299,7 +321,7 @@ def _hung(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _fifo(evidence: Evidence, ends: Ends) -> Finding:
-    """Find since when the firmware did not read the words in the FIFO, and what it did meanwhile."""
+    """Find the time since which the firmware has not read the FIFO, and its activities in this time."""
     at = evidence.window.begin
     if Kind.RECEIVER not in ends.kinds and (ends.begin is None or ends.begin.what not in (*FIFO, WORDS)):
         return Finding()
@@ -324,7 +346,7 @@ def _fifo(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _beside(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the accesses and changes of a register beside the one at an instant, if the measure compares them."""
+    """Find the accesses and changes of a register around an instant, if the measure compares these."""
     at, near = evidence.window.begin, evidence.window.timebase.ticks(PROMPT, "nearest")
     if ends.kinds != {Kind.ACCESS, Kind.FLAG}:
         return Finding()

@@ -1,7 +1,7 @@
 """A window as a small timing diagram, in characters or SVG.
 
-    wires: SCL, SDA, bytes, pins that move
-    flags: those related to the measure, or named by it
+    wires: SCL, SDA, bytes, pins that change
+    flags: those that are related to the measure or named by it
     firmware of each unit: service routines, spans, waits
 
 Time 0 of the axis is the beginning of the worst occurrence.
@@ -23,7 +23,8 @@ from .window import Window, event_of
 
 ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
 RECEIVED = ("SCIFFRX.RXFFINT",)
-FLAGS: dict[str, tuple[str, ...]] = {  # related to the records of a measure whose name does not contain them
+# For kinds of records, the related flags if the name of the measure contains none.
+FLAGS: dict[str, tuple[str, ...]] = {
     "answer": ANSWER,
     "stretch": ANSWER,
     "wrong bytes": (*ANSWER, "I2CDXR.DATA"),
@@ -33,12 +34,12 @@ FLAGS: dict[str, tuple[str, ...]] = {  # related to the records of a measure who
     "words": RECEIVED,
     "lost": RECEIVED,
 }
-COLUMNS_SVG = 160  # distinguishable bytes side by side in an SVG
-LEAST_BOX = 400  # a shorter episode is drawn as this part of the picture
+COLUMNS_SVG = 160  # number of bytes that can be distinguished side by side in an SVG
+LEAST_BOX = 400  # minimum width of the box of an episode, as the divisor of the width of the picture
 
 
 def text_picture(window: Window, width: int) -> list[str]:
-    """Return the lines of the diagram, none longer than `width`; none if there is nothing to draw."""
+    """Return the lines of the diagram, at most `width` characters long; no lines if there is nothing to draw."""
     lanes = _lanes(window, width)
     if not lanes:
         return []
@@ -46,7 +47,7 @@ def text_picture(window: Window, width: int) -> list[str]:
 
 
 def svg_picture(window: Window) -> str:
-    """Return SVG text; with one empty lane if there is nothing to draw."""
+    """Return the diagram as SVG text. It has one empty lane if there is nothing to draw."""
     lanes = _lanes(window, COLUMNS_SVG) or [Lane("nothing", "", GREY)]
     verdict = window.verdict
     title = f"{verdict.name}: worst{'' if verdict.worst is None else ' ' + _figure(window)} at {_at(window)}"
@@ -63,7 +64,7 @@ def _lanes(window: Window, columns: int) -> list[Lane]:
 
 
 def _firmware(window: Window, unit: str, group: str) -> list[Lane]:
-    """Return a lane each for service routines, spans and waits, if any."""
+    """Return a lane for each of service routines, spans and waits that the window contains."""
     of = episodes(window, unit, window.drawn.begin, window.drawn.end)
     lanes = []
     for doing, name, colour in (("interrupt", "irq", ORANGE), ("span", "span", BLUE), ("wait", "wait", GREY)):
@@ -91,8 +92,10 @@ def _flag_lanes(window: Window) -> list[Lane]:
 
 
 def flags_shown(window: Window) -> list[tuple[str, str]]:
-    """Return place and field of the flags that changed within the picture and are related to the measure; and of all
-    that the chain names, changed or not."""
+    """Return the place and the name of each field that is shown.
+
+    These are fields that are related to the measure and changed within the picture, and all fields that the explanation
+    names."""
     changed = {(r.where, r.what) for r in window.between(*window.drawn, Kind.FLAG)}
     known = {(r.where, r.what) for r in window.all_records if r.kind is Kind.FLAG}
     changed |= {(where, what) for where, what in known if _is_named(window, where, what)}
@@ -108,13 +111,13 @@ def flags_shown(window: Window) -> list[tuple[str, str]]:
 
 
 def _is_named(window: Window, where: str, what: str) -> bool:
-    """True if the chain names a field, or the register that consists of it."""
+    """Return True if the explanation names a field, or the register that consists of this field alone."""
     name = _shown(where, what)
     return any(re.search(rf"\b{name}\b(?!\.)", text) for text in window.chain_texts)
 
 
 def _shown(where: str, what: str) -> str:
-    """ "I2CSTR.SDIR"; the register alone if it consists of the field: "I2COAR"."""
+    """Format a field as "I2CSTR.SDIR", or as the register, "I2COAR", if the register consists of this field alone."""
     name, _, _ = what.partition(".")
     register = register_of(where.partition(".")[2], name)
     return name if register is not None and len(register.fields) == 1 else what
@@ -126,7 +129,8 @@ def _flag_lane(window: Window, where: str, what: str) -> list[Lane]:
     inside = [r for r in changes if window.drawn.begin <= r.tick < window.drawn.end]
     register, name = what.partition(".")[0], _shown(where, what).rpartition(".")[2]
     if name != register and all(r.value in (0, 1) for r in changes):
-        initial = earlier[-1].value if earlier else 1 - changes[0].value  # the first change may be after the picture
+        # Also if the first change is after the picture.
+        initial = earlier[-1].value if earlier else 1 - changes[0].value
         edges = tuple((_seconds(window, r.tick), r.value) for r in inside)
         return [Lane(name, "flags", BLACK, initial=initial, edges=edges)]
     return [Lane(name, "flags", BLACK, boxes=_values(window, earlier[-1:], inside))]

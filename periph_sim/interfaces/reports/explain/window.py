@@ -1,11 +1,11 @@
 """Windows: all records around the worst occurrence of each budget.
 
-    case, verdicts --> ranges of ticks --> one more run, everything recorded --> kept records --> Window each
+    case, verdicts --> ranges of ticks --> one more run, everything recorded --> kept records --> a Window for each
     recorded run, verdicts ------------------------------------------------------^
 
-A run is deterministic, so a second one has the same occurrence. It ends after the last range. Only records in the
-ranges are kept, plus the last record of each kind, place and thing before, which defines the state: memory does not
-grow with the run.
+Runs are deterministic, so the second run has the same occurrences. It ends after the last range. Only the records in
+the ranges are kept, and before each range the last record of each kind, place and thing, which are the state at its
+beginning. So memory does not grow with the length of the run.
 """
 
 from __future__ import annotations
@@ -31,28 +31,29 @@ from ....traces.capture.capture import Capture, Channel, Span, channel_of
 from ....traces.drawing.capture_lanes import bit_of
 from ....traces.formats.record_table import RecordTable
 
-AROUND = Fraction(5, 1000)  # seconds kept before and after an occurrence: a transfer, a frame of the host
-WIDE = Fraction(25, 1000)  # the same if the instant alone is not sufficient: a period before and one after
-LATE = ("missed", "stuck")  # records whose instant is the end of too long a wait
-LONGEST = Fraction(1, 10)  # seconds kept of each end of a long occurrence
-LEAD = 4096  # edges of a wire kept before a range, so that a transfer in progress can be decoded
-BITS = 18  # drawn at least: two bytes with their ACKs
-BIT = Fraction(1, 100_000)  # seconds, without SCL
+AROUND = Fraction(5, 1000)  # seconds that are kept before and after an interval: a transfer, a frame of the host
+WIDE = Fraction(25, 1000)  # seconds that are kept before and after an instant: a period of rounds
+LATE = ("missed", "stuck")  # records whose instant is the end of a wait that is too long
+LONGEST = Fraction(1, 10)  # seconds that are kept at each end of a long occurrence
+LEAD = 4096  # number of edges of a wire that are kept before a range, so that a transfer in progress can be decoded
+BITS = 18  # minimum extent of a picture in bits: two bytes with their ACKs
+BIT = Fraction(1, 100_000)  # length of a bit in seconds if there is no SCL
 
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """The worst occurrence of a verdict, with all that was recorded around it. Times are ticks.
+    """The worst occurrence of a verdict, with everything that was recorded around it. Times are ticks.
 
-    begin, end: of the occurrence; equal if it is an instant.
-    drawn: the extent of a picture: the occurrence with some room on both sides.
+    begin, end: the ends of the occurrence; equal if it is an instant.
+    drawn: the extent of a picture, which is the occurrence with some room on both sides.
     kept: the ranges of `records`: one, or two if the middle of a long occurrence was not kept.
-    records: every record of these ranges, of all kinds, in order of time.
-    before: the last record of each kind, place and thing before the first range, in order of time: wire levels,
-    field values, spans and service routines (value 1: not over yet), last accesses.
-    edges: every wire of the scene; positions are ticks. Known (`Capture.known`) in `kept` and some way before it.
-    start: the tick at which the run began; `verdict.at_s` counts from there.
-    chain_texts: the steps of its chain, if there is one: a picture shows the fields that they name.
+    records: all records in these ranges, in order of time.
+    before: the last record of each kind, place and thing before the first range, in order of time. These are levels of
+        wires, values of fields, spans and service routines (value 1 if they have not ended), and accesses.
+    edges: the edges of all wires of the scene; positions are ticks. Levels are known in `kept` and for some time before
+        each range.
+    start: the tick at which the run began, from which `verdict.at_s` counts.
+    chain_texts: the texts of the steps of the explanation, if there is one. A picture shows the fields that they name.
     """
 
     verdict: Verdict
@@ -69,16 +70,16 @@ class Window:
 
     @cached_property
     def all_records(self) -> tuple[Record, ...]:
-        """The last records before the first range, and those of the ranges."""
+        """The last records before the first range, followed by those of the ranges."""
         return (*self.before, *self.records)
 
     @property
     def hole(self) -> Span | None:
-        """The middle of a long occurrence, for which no record was kept."""
+        """The middle of a long occurrence, for which no records were kept; None if all were kept."""
         return Span(self.kept[0].end, self.kept[1].begin) if len(self.kept) > 1 else None
 
     def between(self, begin: int, end: int, *kinds: Kind) -> list[Record]:
-        """Return the records between two ticks, inclusive; of these kinds, or of all."""
+        """Return the records between two ticks, inclusive. kinds: the kinds to return; all if none is given."""
         return [r for r in self.records if begin <= r.tick <= end and (not kinds or r.kind in kinds)]
 
 
@@ -89,10 +90,12 @@ def windows(
     length: Fraction | None = None,
     programs: Mapping[str, Firmware] | None = None,
 ) -> list[Window]:
-    """Return a Window for each verdict that has an instant, in their order, from one more run of the case.
+    """Run the case once more. Return a Window for each verdict that has an instant, in the order of the verdicts.
 
-    length: of the original run, in seconds; None: the case's duration. programs: as for the Scene of that run. Raises
-    the errors of a Scene and its run.
+    length: the duration of the original run in seconds; None for that of the case.
+    programs: as for the Scene of the original run.
+
+    Raise the errors of a Scene and its run.
     """
     wanted = [verdict for verdict in verdicts if verdict.at_s is not None]
     if not wanted:
@@ -112,9 +115,11 @@ def windows(
 
 
 def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict], start: int) -> list[Window]:
-    """Return windows from a run that was recorded with every kind of record. start: the tick at which it began.
+    """Return windows from a run that was recorded with all kinds of records.
 
-    Raise ValueError if the table's ticks are not a run's.
+    start: the tick at which the run began.
+
+    Raise ValueError if the table is not that of a run.
     """
     if table.per_second is None or table.per_second.denominator != 1:
         raise ValueError(f"a table of {table.per_second} ticks a second is no recorded run")
@@ -126,7 +131,7 @@ def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict],
 
 
 def windows_of_edges(edges: Capture, timebase: Timebase, verdicts: Iterable[Verdict], start: int) -> list[Window]:
-    """Return windows from the wires of a run only, whose positions are ticks: their only records are edges."""
+    """Return windows from the wires of a run alone; their only records are edges. Positions of `edges` are ticks."""
     keeper = _Keeper(verdicts, timebase, start, edges.length - 1)
     moves = [
         (at, c.name, to) for c in edges.channels for at, to in zip(c.edges.tolist(), c.levels.tolist(), strict=True)
@@ -138,7 +143,7 @@ def windows_of_edges(edges: Capture, timebase: Timebase, verdicts: Iterable[Verd
 
 @dataclass(frozen=True)
 class _Wanted:
-    """The place of a verdict's occurrence, and the ranges to keep."""
+    """The begin and end of a verdict's occurrence, and the ranges to keep."""
 
     verdict: Verdict
     begin: int
@@ -148,14 +153,14 @@ class _Wanted:
 
 @dataclass(frozen=True)
 class _State:
-    """The state at the beginning of a range."""
+    """The state at the beginning of a range: the last records, and the last edges of each wire."""
 
     last: dict[object, Record]
     edges: dict[str, tuple[Record, ...]]
 
 
 class _Keeper:
-    """Receiver of all records of a run in order of creation, which keeps those around some verdicts."""
+    """Receiver of all records of a run in order of creation. It keeps the records around some occurrences."""
 
     def __init__(self, verdicts: Iterable[Verdict], timebase: Timebase, start: int, end: int) -> None:
         self._timebase = timebase
@@ -179,7 +184,7 @@ class _Keeper:
         length = round((verdict.worst or 0) * per_second / 1_000_000) if _is_length(verdict) else 0
         if verdict.until_s is not None:
             length = round(verdict.until_s * per_second) - (at - self._start)
-        event = event_of(verdict)  # the instant of data is the read, at the end of their age
+        event = event_of(verdict)  # the instant of an age of data is the read at its end
         of_data = event is not None and event.name == Kind.DATA.value
         begin, end = sorted((at - length, at) if of_data else (at, at + length))
         around = self._timebase.ticks(AROUND if _is_length(verdict) else WIDE, "nearest")
@@ -191,7 +196,7 @@ class _Keeper:
         return _Wanted(verdict, begin, end, kept)
 
     def add(self, record: Record) -> None:
-        """Add a record. They are in order of time, except that a CPU may be ahead by a few cycles."""
+        """Add a record. Records come in order of time, except that a CPU may be ahead by a few cycles."""
         tick = record.tick
         while self._place < len(self._ranges) and tick >= self._ranges[self._place].end:
             self._enter()
@@ -200,7 +205,7 @@ class _Keeper:
             if tick >= self._ranges[self._place].begin:
                 self._enter()
                 self._records[self._place].append(record)
-            elif len(self._states) > self._place:  # late: the range has begun
+            elif len(self._states) > self._place:  # a record from before the range that comes late
                 self._states[self._place].last[record[2:5]] = record
         self._seen[record[2:5]] = record
         if record.kind is Kind.EDGE:
@@ -210,13 +215,13 @@ class _Keeper:
             lead.append(record)
 
     def _enter(self) -> None:
-        """Store the state once, at the beginning of a range."""
+        """Store the state at the beginning of a range, unless it has been stored."""
         if len(self._states) == self._place:
             edges = {wire: tuple(lead) for wire, lead in self._lead.items()}
             self._states.append(_State(dict(self._seen), edges))
 
     def windows(self, name: str, wires: Iterable[str]) -> list[Window]:
-        while self._place < len(self._ranges):  # no further records
+        while self._place < len(self._ranges):  # the remaining ranges have no records
             self._enter()
             self._place += 1
         names = list(wires)
@@ -247,7 +252,11 @@ class _Keeper:
         )
 
     def _drawn(self, one: _Wanted, bit: int) -> Span:
-        """Return the extent of a picture: the occurrence in the middle; an instant at the first sixth, or late."""
+        """Return the extent of a picture.
+
+        An interval is in its middle, and an instant at its first sixth. If the instant is the end of a wait that is too
+        long, the picture begins with the kept records.
+        """
         begin = one.kept[0].begin if is_late(one.verdict) else one.begin
         end = one.end
         least, long = BITS * bit, end - begin
@@ -275,7 +284,8 @@ class _Keeper:
         for place, span, since in zip(places, one.kept, known, strict=True):
             earlier = max(states, default=-1)
             edges = [*self._states[place].edges.get(wire, ()), *_edges_of(self._records[place], wire)]
-            if since > earlier + 1 or not states:  # else the lead reaches back to the range before
+            # Otherwise the edges before this range reach back to the range before.
+            if since > earlier + 1 or not states:
                 if states:
                     states[one.kept[0].end] = None
                 before = [r for r in edges if r.tick <= since]
@@ -285,19 +295,19 @@ class _Keeper:
 
 
 def event_of(verdict: Verdict) -> Event | None:
-    """Return the event that a shipped measure takes its values of; None for other measures."""
+    """Return the event at which a shipped measure takes its values; None for other measures."""
     sentence = MEASURES.get(verdict.measure.partition(" of ")[0])
     return None if sentence is None else measure_of(sentence.text.format(of="")).events[-1]
 
 
 def is_late(verdict: Verdict) -> bool:
-    """Return True if the instant is the end of too long a wait."""
+    """Return True if the instant is the end of a wait that is too long."""
     event = event_of(verdict)
     return event is not None and event.how in LATE
 
 
 def _is_length(verdict: Verdict) -> bool:
-    """True if the value is the length of the occurrence, between two instants."""
+    """Return True if the value is the length of the occurrence, which then is an interval."""
     return verdict.unit == "us" and not verdict.measure.startswith(("jitter of", "time in"))
 
 
@@ -306,7 +316,7 @@ def _edges_of(records: Iterable[Record], wire: str) -> list[Record]:
 
 
 def _merged(spans: list[Span]) -> list[Span]:
-    """Merge spans that touch, in order."""
+    """Return the spans in order, with those that touch or overlap merged."""
     merged: list[Span] = []
     for span in sorted(spans):
         if merged and span.begin <= merged[-1].end:
@@ -321,7 +331,7 @@ def _place(ranges: list[Span], inside: Span) -> int:
 
 
 def _with_stretch(window: Window) -> Window:
-    """Narrow a stretch's window, given for its phase, to the longest low of SCL there."""
+    """Narrow the occurrence of a stretch, which is given as a whole phase, to the longest low phase of SCL in it."""
     event = event_of(window.verdict)
     if event is None or event.how != "stretch" or window.begin == window.end:
         return window

@@ -4,5 +4,5 @@
                      +--case_report--> CaseReport --page--> HTML that needs no network and no other file
     case --windows---+
 
-Equal runs give equal text, except the wall time in elements of class `wall`.
+Equal runs give equal text, except for the wall time in elements of class `wall`.
 """

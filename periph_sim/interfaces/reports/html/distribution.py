@@ -5,7 +5,7 @@ Bins have equal width and begin at whole multiples of it, so the bins of two run
     counts   |    _        :            :
     (log)    |  _| |_      :      //    :
              |_|_____|_____v______//____:__
-              least ... worst         limit far off, after a break of the axis
+              least ... worst         a distant limit, after a break of the axis
 
 Counts are drawn on a logarithmic scale, so a single outlier is visible.
 """
@@ -29,7 +29,7 @@ UNITS = (("ns", 1), ("us", 10**3), ("ms", 10**6), ("s", 10**9))
 
 @dataclass(frozen=True)
 class Bin:
-    """Values from begin up to but excluding end."""
+    """The values from `begin` up to, but not including, `end`."""
 
     begin: float
     end: float
@@ -81,7 +81,7 @@ def distribution(values: Values, per_ns: int) -> Distribution:
 
 
 def _width(spread: int, grain: int) -> int:
-    """Return 1, 2 or 5 times a power of ten of grains, so at most MOST bins are needed."""
+    """Return the width of a bin: 1, 2 or 5 times a power of ten of grains, with which at most MOST bins are needed."""
     return grain * max(1, round(nice_step(spread / grain, MOST - 1))) if spread > grain else grain
 
 
@@ -95,17 +95,17 @@ def scale_of(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
 
 
 def _unit_for(largest: int, per_ns: int) -> tuple[str, int]:
-    """Return the unit in which `largest` ticks are below 1000, and its ticks."""
+    """Return the unit in which `largest` ticks are below 1000, and its length in ticks."""
     return next(((unit, ns * per_ns) for unit, ns in UNITS if largest < 1000 * ns * per_ns), ("s", 10**9 * per_ns))
 
 
 WIDTH, HEIGHT = 560, 244
 LEFT, RIGHT, TOP, BOTTOM = 46, 18, 58, 40
-BREAK = 78  # width of the part after a break
-REACH = 1.5  # a limit is on scale up to this many widths of the values
+BREAK = 78  # width of the part of the axis after a break, in units of the drawing
+REACH = 1.5  # a limit is on scale if its distance is at most this multiple of the range of the values
 ROWS = 2  # number of rows for the texts of limits
 CHARACTER = 6.6  # width of a character, in units of the drawing
-LEAST = 24  # minimum bins of the axis, so a single value is a narrow bar
+LEAST = 24  # minimum number of bins of the axis, so that a single value is a narrow bar
 
 
 @dataclass(frozen=True)
@@ -119,7 +119,11 @@ class Bar:
 
 @dataclass(frozen=True)
 class Rule:
-    """A vertical line with its text. anchor: alignment of the text at the line. row: row of the text, from below."""
+    """A vertical line with its text.
+
+    anchor: the alignment of the text at the line.
+    row: the row of the text, counted from below.
+    """
 
     x: float
     text: str
@@ -152,7 +156,10 @@ class Plot:
 
 
 def plot(spread: Distribution, least_is_worst: bool = False) -> Plot:
-    """Lay out a distribution. least_is_worst: the nearest limit is a `min`, so the least value is marked."""
+    """Lay out the plot of a distribution.
+
+    least_is_worst: True if the nearest limit is a `min`, so that the least value is marked.
+    """
     scale = _Scale(spread)
     bottom = HEIGHT - BOTTOM
     most = max(max(one.count for one in spread.bins), 9)
@@ -197,7 +204,7 @@ class _Scale:
         )
 
     def place(self, value: float) -> float:
-        """Return the x position; off-scale values are after the break."""
+        """Return the x position of a value. Values that are off scale are after the break."""
         if value < self.begin:
             return LEFT + BREAK / 3
         if value > self.end:
@@ -219,13 +226,13 @@ class _Scale:
 
 
 def _rises(most: int) -> list[int]:
-    """Return counts that get a grid line: powers of ten, and 2 and 5 times them if there is room."""
+    """Return the counts that have a grid line: powers of ten, and 2 and 5 times these if there is room."""
     factors = (1, 2, 5) if most < 100 else (1,)
     return [f * 10**n for n in range(floor(log10(most)) + 1) for f in factors if f * 10**n <= most]
 
 
 def _rules(spread: Distribution, scale: _Scale) -> tuple[Rule, ...]:
-    """Return the limits from left to right; texts that would overlap are stacked."""
+    """Return the lines of the limits from left to right. Texts that would overlap are in different rows."""
     rules: list[Rule] = []
     free = [float("-inf")] * ROWS
     for key, value in sorted(spread.limits, key=lambda one: one[1]):
@@ -242,7 +249,7 @@ def _with_unit(name: str, value: float, unit: str) -> str:
 
 
 def number(value: float, step: float | None = None) -> str:
-    """Format with at most three decimals, or as many as a step of the axis needs; no trailing zeros."""
+    """Format a number with at most three decimals, or with those of a step of the axis, and without trailing zeros."""
     decimals = 3 if step is None else max(0, -floor(log10(step) + 1e-9))
     text = f"{value:.{decimals}f}"
     text = text.rstrip("0").rstrip(".") if "." in text and step is None else text

@@ -1,4 +1,4 @@
-"""The failure of a budget in sentences: the broken limit and its cause, from a Verdict, its Chain and its values.
+"""The failure of a budget in sentences: the broken limit and its cause.
 
 response is broken: 97.953 us, at most 50.000 us allowed (47.953 us too much), at 0.105195 s.
 3 of 1500 occurrences are beyond the limit, the first at 0.055195 s.
@@ -17,7 +17,7 @@ from .over_time import OverTime
 
 @dataclass(frozen=True)
 class Failure:
-    """Sentences, or "". place: the firmware location at the end of `why`."""
+    """The sentences about a failure, which may be "". place: the location in the firmware at the end of `why`."""
 
     what: str
     count: str = ""
@@ -28,7 +28,7 @@ class Failure:
 def failure(
     verdict: Verdict, must_break: bool, chain: Chain | None, over: OverTime | None, per_second: int
 ) -> Failure | None:
-    """Describe a budget's failure; None if it is as expected."""
+    """Describe the failure of a budget. Return None if the budget is as expected."""
     if must_break and verdict.passed:
         return Failure(f"holds ({in_words(verdict.worst or 0, verdict.unit)}), but the case says that it must break")
     if must_break and verdict.broken:
@@ -82,7 +82,7 @@ def _why(verdict: Verdict, chain: Chain) -> tuple[str, str]:
 
 
 def _blame(part: Part, chain: Chain) -> str:
-    """Describe the part as the cause, with its time if it has one."""
+    """Describe a part of the explanation as the cause, with its time if it has one."""
     if not part.length or part is chain.blame:
         return f"Cause: {part}"
     length = chain.figure(abs(part.length))

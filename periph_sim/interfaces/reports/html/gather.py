@@ -42,8 +42,8 @@ class BudgetReport:
     timeline: the timeline around the worst value; None if that has no instant.
     explanation: how the worst value came about.
     failure: what failed, and why.
-    others: more occurrences beyond a limit, in order of time: the instant, in ticks from the start of the run, and the
-    timeline.
+    others: more occurrences beyond a limit, in order of time. Each is the instant, in ticks from the start of the run,
+        and the timeline.
     """
 
     verdict: Verdict
@@ -65,11 +65,14 @@ class BudgetReport:
 
 @dataclass(frozen=True)
 class CaseReport:
-    """One case. standing: "known" is a failure that the case expects.
+    """The report of one case.
 
-    commit: of its repository, "" if there is none.
-    clocks: unit and its SYSCLKOUT as text. findings: what is wrong beyond the verdicts. options: options for
-    undocumented behaviour that the run used, UNIT.GROUP.NAME. counts: all other counts.
+    standing: the result; "known" is a failure that the case expects.
+    commit: the commit of the case's repository; "" if there is none.
+    clocks: each unit and its SYSCLKOUT as text.
+    findings: errors that are not in a verdict of a budget.
+    options: the options for undocumented behaviour that the run used, as UNIT.GROUP.NAME.
+    counts: all other counts of the run.
     """
 
     name: str
@@ -93,9 +96,9 @@ class CaseReport:
         return sorted(enumerate(self.budgets, 1), key=lambda one: (one[1].as_it_should_be, one[1].verdict.passed))
 
 
-MOST_OF_PASSED = 3_000  # events in the timeline of a budget without failure
-GIT_SECONDS = 5  # that git may take
-MOST_OF_OTHERS = 1_500  # for each further occurrence beyond a limit
+MOST_OF_PASSED = 3_000  # maximum number of events in the timeline of a budget without failure
+GIT_SECONDS = 5  # maximum time in seconds that git may take
+MOST_OF_OTHERS = 1_500  # maximum number of events in the timeline of a further occurrence beyond a limit
 
 
 def case_report(
@@ -108,12 +111,17 @@ def case_report(
     changes: Sequence[str] = (),
     findings: Sequence[str] | None = None,
 ) -> CaseReport:
-    """Return the report of a case that was run for `length` seconds (None: its own duration).
+    """Return the report of a case that has been run.
 
-    result, values, typical: of that run; values in the order of its budgets, typical as `Scene.typical` gives it.
-    per_second: ticks. changes: "key=value" texts that the case was read with. findings: everything wrong,
-    if it was judged: the case passes if there are none. None uses the run's own verdict. Raises what a Scene
-    and its run may raise.
+    result: the result of the run.
+    values: the values of each budget, in the order of the budgets.
+    typical: the result of `Scene.typical`.
+    per_second: the number of ticks per second.
+    length: the duration of the run in seconds; None for that of the case.
+    changes: the "key=value" texts with which the case was read.
+    findings: the findings of `check`; the case passes if there are none. None: the verdict is that of the run.
+
+    Raise the errors of a Scene and its run.
     """
     run = _Run(case, per_second, _ticks(result.simulated_s, per_second))
     overs = [
@@ -154,7 +162,7 @@ def report_of_file(
     per_second: int,
     findings: Sequence[str],
 ) -> CaseReport:
-    """Return the report of a case file run for its own duration; can be called in another process."""
+    """Return the report of a case file that was run for its own duration. It can be called in another process."""
     return case_report(load(path, list(changes)), result, values, typical, per_second, None, changes, findings)
 
 
@@ -175,7 +183,7 @@ def _standing(case: Case, result: Result, findings: Sequence[str] | None) -> Sta
 
 @dataclass(frozen=True)
 class _Run:
-    """One run of a case. end: its length in ticks."""
+    """A run of a case. end: the length of the run in ticks."""
 
     case: Case
     per_second: int
@@ -198,7 +206,7 @@ class _Run:
     def budget(
         self, budget: Budget, verdict: Verdict, values: Values | None, over: OverTime | None, found: list[Explained]
     ) -> BudgetReport:
-        """Return a budget's report. found: the worst occurrence, then others."""
+        """Return the report of a budget. found: the explanations of the worst occurrence and then of others."""
         must_break = verdict.name in self.case.breaks
         worst, others = (found[0] if found else None), found[1:]
         wrong = failure(verdict, must_break, None if worst is None else worst.chain, over, self.per_second)
@@ -232,7 +240,11 @@ def _ticks(seconds: float | None, per_second: int) -> int:
 
 
 def _limits(budget: Budget, verdict: Verdict) -> list[tuple[str, str]]:
-    """Return each limit as in the case, with the measure for joined conditions; the nearest one as compared."""
+    """Return the key and the text of each limit.
+
+    The text is that of the case, with the measure for joined conditions. The limit that the verdict names has the value
+    that was compared.
+    """
     found = []
     parts: list[Budget | Condition] = [budget, *budget.also]
     for part in parts:
@@ -255,14 +267,14 @@ def _found(result: Result) -> list[str]:
 
 
 def _beside_failures(findings: Sequence[str], budgets: Sequence[BudgetReport]) -> list[str]:
-    """Return the findings not covered by a budget's `failure`."""
+    """Return the findings that are not contained in the `failure` of a budget."""
     names = [one.verdict.name for one in budgets if one.failure is not None]
     known = tuple(f"{name}{rest}" for name in names for rest in (" breaks: ", " is not judged: ", " holds, but ", ": "))
     return [text for text in findings if not text.startswith(known)]
 
 
 def _devices_first(case: Case, notes: Sequence[str]) -> list[str]:
-    """Return the notes, those of chips and devices before those of units: the page shows only the first few."""
+    """Return the notes of chips and devices before those of units, because the page shows only the first few."""
     devices = tuple(f"{name}, " for name in (*case.chip, *case.device))
     return sorted(notes, key=lambda note: not note.startswith(devices))
 
@@ -272,8 +284,10 @@ def _sysclk(unit: Unit) -> Fraction:
 
 
 def commit_of(folder: Path) -> str:
-    """ "1a2b3c4d5e6f", with ", and uncommitted changes" if tracked files differ; "" without a repository,
-    commit or git."""
+    """Return the commit of a folder, such as "1a2b3c4d5e6f"; "" if there is no repository, commit or git.
+
+    If tracked files differ from the commit, the text ends in ", and uncommitted changes".
+    """
     commit = _git(folder, "rev-parse", "--short=12", "HEAD")
     if not commit:
         return ""

@@ -6,9 +6,9 @@ FLAG      -----------> one lane per register field that changed
 SPAN, WAIT, IRQ ------> spans of firmware, its waits with the polled field, service routines
 ACCESS    -----------> one lane per register: reads and writes with their firmware location
 
-Lanes are chosen, and so drawn at first, if the explanation is about them: wires and registers named by the chain, wires
-of the bus it mentions (SCL and SDA for an address, RX for a frame), fields named by the chain or measured, and service
-routines, spans and waits within the picture.
+Lanes are chosen, and so drawn at first, if the explanation is about them. These are wires and registers that the chain
+names, the wires of the bus that it mentions (SCL and SDA for an address, RX for a frame), fields that are named by the
+chain or measured, and service routines, spans and waits within the picture.
 """
 
 from __future__ import annotations
@@ -33,8 +33,8 @@ SERIAL_WORDS = re.compile(r"\b(RX|TX|SCI\w*|frames?|host|FIFO)\b")
 
 BUS = ("SCL", "SDA")
 SERIAL = ("RX", "TX")
-MOST = 24_000  # events of a timeline; events farther from the occurrence are left out
-FRAME_BITS = 10  # of the host's characters: start, 8 data, stop
+MOST = 24_000  # maximum number of events of a timeline; events farther from the occurrence are left out
+FRAME_BITS = 10  # number of bits of the host's characters: start, 8 data, stop
 STRETCHES = (
     (Kind.SPAN, "span", "span"),
     (Kind.WAIT, "wait", "waits for"),
@@ -43,8 +43,11 @@ STRETCHES = (
 
 
 def timeline(window: Window, cycles: dict[str, float], frame_bit: int = 0, most: int = MOST) -> Timeline:
-    """Build the timeline. cycles: ticks per SYSCLKOUT cycle, by unit. frame_bit: ticks per host bit, 0 without host.
-    most: maximum number of events."""
+    """Build the timeline.
+
+    cycles: the number of ticks per cycle of SYSCLKOUT for each unit.
+    frame_bit: the number of ticks per bit of the host; 0 if there is no host.
+    most: the maximum number of events."""
     return _Lanes(window, cycles, frame_bit, most).timeline()
 
 
@@ -122,7 +125,7 @@ class _Lanes:
         return [*wires, bytes_, *self._transfers()]
 
     def _transfers(self) -> list[Lane]:
-        """Return the controller's transfers, by the name of its request."""
+        """Return lanes with the controller's transfers, one for each name of a request."""
         lane = Boxes("transfer", "", chosen=self.about_bus)
         open_: Record | None = None
         for record in [*sorted(self.before.values(), key=lambda r: r.tick), *self.records]:
@@ -197,7 +200,10 @@ class _Lanes:
         return boxes
 
     def _because(self, record: Record) -> str:
-        """Describe the record that caused a change in the same cycle; earlier causes are uncertain and left out."""
+        """Describe the record that caused a change in the same cycle.
+
+        Earlier causes are uncertain, so they are omitted.
+        """
         cause = self.by_number.get(record.cause)
         unit = record.where.partition(".")[0]
         if cause is None or record.tick - cause.tick > self.cycles.get(unit, 0):
@@ -227,7 +233,7 @@ class _Lanes:
         return lanes
 
     def _stretches(self, kind: Kind, unit: str) -> Iterator[tuple[int, int, Record]]:
-        """Yield begin and end of spans, including those that begin before or end after the records."""
+        """Yield the begin and end of each activity of a kind, including those that are cut off by the window."""
         open_: dict[str, Record] = {
             r.what: r for r in self.before.values() if r.kind is kind and r.where == unit and r.value
         }

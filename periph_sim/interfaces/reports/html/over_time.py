@@ -1,12 +1,12 @@
 """The values of a budget over the run, reduced to the resolution of a screen, and their plot.
 
-5.1 us |- - - - - - - - - - - -  max      each column is a dot or a stroke with the least and the greatest value of its
+5.1 us |- - - - - - - - - - - -  max      each column is a dot or a stroke from the least to the greatest value of its
        |  .  .  | .  .   . |              part of the run, so a single outlier is visible; limits are horizontal lines;
-   0 us |__________________________       values beyond a limit are drawn a second time, on top
+   0 us |__________________________       values beyond a limit are drawn a second time on top
        0 s         5 s         10 s
 
-Up to MOST values beyond a limit are kept with their instants. The field is the area that the axes enclose. Positions
-are in percent of the field, so they fit any page width.
+Up to MOST values beyond a limit are stored with their instants. The field is the area between the axes. Positions are
+in percent of the field, so they fit pages of any width.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .distribution import number, scale_of
 
 COLUMNS = 240
 MOST = 2_000  # maximum number of violations that are kept with their instants
-SHOWN = 6  # violations besides the worst that get waves
+SHOWN = 6  # number of violations, besides the worst one, that are shown with waves
 PARTS = SHOWN - SHOWN // 2
 
 
@@ -83,7 +83,7 @@ def over_time(values: Values, verdict: Verdict, end: int) -> OverTime:
 
 
 def _beyond(data: NDArray[np.int64], verdict: Verdict, limits: Mapping[str, int]) -> NDArray[np.bool_]:
-    """Mark values beyond a limit; for a percentile's limit only if it is broken."""
+    """Return True for values beyond a limit. The limit of a percentile counts only if it is broken."""
     found = np.zeros(len(data), bool)
     for key, limit in limits.items():
         if key == "min":
@@ -108,8 +108,10 @@ def _columns(at: NDArray[np.int64], data: NDArray[np.int64], beyond: NDArray[np.
 
 
 def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ...]:
-    """Choose the violations besides the worst to show with waves: the first ones, then the worst of each part of the
-    rest, SHOWN in all, in order of time."""
+    """Return the violations, besides the worst one, that are shown with waves, in order of time.
+
+    These are the first ones, and the worst one of each part of the others; SHOWN in total.
+    """
     others = [one for one in over.violations if one[0] != worst_at]
     first, rest = others[: SHOWN // 2], others[SHOWN // 2 :]
     parts = [rest[n * len(rest) // PARTS : (n + 1) * len(rest) // PARTS] for n in range(PARTS)]
@@ -127,7 +129,7 @@ Place = Callable[[float], float]
 
 @dataclass(frozen=True)
 class Line:
-    """A limit across the field. y: percent from the top; None if it is off scale."""
+    """A limit as a line across the field. y: the position in percent from the top; None if it is off scale."""
 
     text: str
     y: float | None
@@ -136,7 +138,12 @@ class Line:
 
 @dataclass(frozen=True)
 class TimePlot:
-    """up, across: positions in percent with texts. values, broken: SVG paths. summary: for screen readers."""
+    """The layout of a plot.
+
+    up, across: the labels of the axes as positions in percent and texts.
+    values, broken: SVG paths of all values and of those beyond a limit.
+    summary: a text for screen readers.
+    """
 
     up: tuple[tuple[float, str], ...]
     across: tuple[tuple[float, str], ...]
@@ -154,7 +161,7 @@ def shown_unit(over: OverTime, per_second: int) -> tuple[str, int]:
 
 
 def time_plot(over: OverTime, per_second: int) -> TimePlot:
-    """Lay out the plot. per_second: ticks."""
+    """Lay out the plot. per_second: the number of ticks per second."""
     unit, size = shown_unit(over, per_second)
     seen = [*(c.low for c in over.columns), *(c.high for c in over.columns)]
     lines = [(key.replace("_", "."), value) for key, value in over.limits]

@@ -25,7 +25,7 @@ from .gather import BudgetReport, CaseReport
 from .over_time import shown_unit, time_plot
 
 STYLES = ("report.css", "budget.css", "timeline.css")
-SCRIPTS = (  # in order of dependency
+SCRIPTS = (  # in the order of their dependencies
     "times.js",
     "lanes.js",
     "tooltip.js",
@@ -37,15 +37,16 @@ SCRIPTS = (  # in order of dependency
     "folds.js",
 )
 STANDINGS = ("bad", "known", "good")  # in the order on the page
-MOST_FAILURES = 5  # shown at the head of the page
+MOST_FAILURES = 5  # maximum number of failures that the head of the page shows
 
 Row = tuple[int, CaseReport, int, BudgetReport]
 
 
 def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
-    """Return HTML without references to other files. title: title of the page and of the overview of several cases.
+    """Return the page as HTML without references to other files.
 
-    command: the command line that made it."""
+    title: the title of the page, and of the overview if there are several cases.
+    command: the command line that made the page."""
     rows = _worst_first(cases)
     return _template().render(
         cases=cases,
@@ -93,7 +94,7 @@ def _joined(names: Sequence[str]) -> Markup:
 
 
 def _data(value: object) -> Markup:
-    """Return compact JSON for a script element: `<` is escaped, so it cannot end the element."""
+    """Return compact JSON for a script element. `<` is escaped, so that no text can end the element."""
     return Markup(json.dumps(value, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c"))
 
 
@@ -113,7 +114,7 @@ def _share(one: BudgetReport) -> float | None:
 
 
 def _instants(one: BudgetReport) -> dict[str, object]:
-    """Return instants in seconds for the script: worst value, values beyond a limit, values with waves."""
+    """Return the instants that the script needs, in seconds: worst value, values beyond a limit, values with waves."""
     over, rate = one.over_time, one.per_second
     assert over is not None
     unit, size = shown_unit(over, rate)
@@ -129,7 +130,10 @@ def _instants(one: BudgetReport) -> dict[str, object]:
 
 
 def _parts(chain: Chain) -> list[tuple[Part, float, str]]:
-    """Return the largest parts, each with its percentage, and with its excess over the typical occurrence or ""."""
+    """Return the largest parts, each with its percentage and its excess over the typical occurrence.
+
+    The excess is "" if there is none.
+    """
     more = {(part.doing, part.what): part.length for part in chain.more}
     rows = []
     for part in largest(chain.parts):
@@ -141,7 +145,7 @@ def _parts(chain: Chain) -> list[tuple[Part, float, str]]:
 
 
 def _gist(case: CaseReport) -> str:
-    """ "9 of 11 budgets hold; 1 must break and does"."""
+    """Return a summary of a case: "9 of 11 budgets hold; 1 must break and does"."""
     hold = sum(one.verdict.passed and not one.must_break for one in case.budgets)
     known = sum(one.must_break and one.as_it_should_be for one in case.budgets)
     said = f"{hold} of {len(case.budgets)} budgets hold"
@@ -149,13 +153,16 @@ def _gist(case: CaseReport) -> str:
 
 
 def _allowed(verdict: Verdict) -> str:
-    """ "at most 60 us", "p99 at most 3.4 us"."""
+    """Format the limit of a verdict: "at most 60 us", "p99 at most 3.4 us"."""
     text = limit(verdict.limit, verdict.unit, "")
     return f"{bound(verdict.which)} {text if text != f'{verdict.limit}' else in_words(verdict.limit, verdict.unit)}"
 
 
 def _worst_first(cases: Sequence[CaseReport]) -> list[Row]:
-    """Return all budgets with the numbers of case and budget: failed ones first, then others that broke."""
+    """Return all budgets with the numbers of their case and of themselves.
+
+    Failed budgets come first, then other budgets that broke.
+    """
     rows = [
         (place, case, number, one) for place, case in enumerate(cases, 1) for number, one in enumerate(case.budgets, 1)
     ]

@@ -15,15 +15,18 @@ from ....core.records import Kind, Record
 from ....traces.decode import i2c
 from ..explain.window import Window
 
-LONGEST = 24  # bytes per row of characters
+LONGEST = 24  # maximum number of bytes in a row of characters
 
 
 @dataclass(frozen=True)
 class Row:
-    """at, end: ticks from the beginning of the run or another origin. bus: "I2C", or the wire of SCI characters.
+    """A row of the protocol table.
 
-    start: "START", "Sr" (repeated), "" for characters. address: "0x68". way: "R" or "W". ack: "ACK", "NACK" or "".
-    data: each byte in hex with "ACK", "NACK" or ""; "error" for an incomplete character.
+    at, end: ticks from the beginning of the run or another origin.
+    bus: "I2C", or the wire of SCI characters.
+    start: "START", "Sr" for a repeated START, or "" for characters.
+    address, way, ack: "0x68"; "R" or "W"; "ACK", "NACK" or "".
+    data: each byte in hexadecimal with "ACK", "NACK" or ""; "error" for an incomplete character.
     """
 
     at: int
@@ -42,9 +45,9 @@ class Row:
 
 
 def rows(window: Window, seen: Callable[[int, int], bool], zero: int) -> list[Row]:
-    """Return the rows in time order.
+    """Return the rows in order of time.
 
-    seen: returns True if a range of ticks (begin, end) is shown.
+    seen: a function that returns True if a range of ticks (begin, end) is shown.
     zero: the tick from which the times of rows are counted.
     """
     names = {channel.name for channel in window.edges.channels}
@@ -82,7 +85,7 @@ def _ack(acked: bool | None) -> str:
 
 
 def _frame_rows(window: Window) -> list[Row]:
-    """Return rows of characters of each wire; gaps shorter than a character do not start a new row."""
+    """Return rows of characters for each wire. A gap of a character or more starts a new row."""
     found: list[Row] = []
     begun: dict[str, int] = {}
     for record in window.records:
@@ -106,11 +109,11 @@ def _add(found: list[Row], frame: Record, begin: int) -> None:
     found.append(Row(begin, frame.tick, frame.where, "", "", "", "", (byte,), False))
 
 
-Box = tuple[int, int, str, str]  # begin, end (positions of the transfers), label, text
+Box = tuple[int, int, str, str]  # begin and end as positions of the transfers, label, text
 
 
 def bytes_of(transfers: Iterable[i2c.Transfer], end: int) -> Iterator[Box]:
-    """Yield each condition, byte and ACK slot. end: end position for incomplete ones."""
+    """Yield a box for each condition, byte and ACK. end: the position at which incomplete boxes end."""
     for transfer in transfers:
         for number, phase in enumerate(transfer.phases):
             start = phase.start

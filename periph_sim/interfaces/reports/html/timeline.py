@@ -1,8 +1,8 @@
-"""A timeline for the page's script: lanes with events in ticks, as compact JSON.
+"""A timeline for the script of the page: lanes with events in ticks, as compact JSON.
 
-Times are ticks from `origin` on, each as the distance to the one before, so most are short numbers.
-A lane is `chosen` if the explanation is about it: only these are drawn at first.
-Texts of events are indices into `says`, since many events share a text.
+Times are ticks from `origin` on. In JSON, each is the distance from the one before, so most are short numbers. A lane
+is `chosen` if the explanation is about it; only these lanes are drawn at first. Texts of events are indices into
+`says`, because many events share a text.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ Ticks = list[int]
 
 
 class Texts(dict[str, int]):
-    """Texts, each once, with its index. A text's first line is its title."""
+    """Texts with their indices; each text is stored once. The first line of a text is its title."""
 
     def place(self, text: str) -> int:
         return self.setdefault(text, len(self))
@@ -26,7 +26,7 @@ class Texts(dict[str, int]):
 
 @dataclass
 class Lane:
-    """at: the ticks of the events. says: for each event, the index of its text."""
+    """A lane of events. at: the ticks of the events. says: for each event, the index of its text."""
 
     name: str
     unit: str
@@ -40,7 +40,7 @@ class Lane:
 
 @dataclass
 class Wave(Lane):
-    """A binary signal; its events are edges. initial: the level before the first one."""
+    """A binary signal, whose events are edges. initial: the level before the first edge."""
 
     initial: int = 0
 
@@ -51,7 +51,7 @@ class Wave(Lane):
 
 @dataclass
 class Boxes(Lane):
-    """Time ranges with labels, in order of begin."""
+    """Time ranges with labels, in the order in which they begin."""
 
     end: Ticks = field(default_factory=list)
     labels: list[int] = field(default_factory=list)
@@ -70,9 +70,10 @@ class Boxes(Lane):
 
 @dataclass
 class Marks(Lane):
-    """Labelled instants. strong: drawn as more important than the others (a write among reads).
+    """Instants with labels.
 
-    places: the firmware location of each, or empty if unknown.
+    strong: True for each instant that is drawn as more important, such as a write among reads.
+    places: the location of each in the firmware; empty if unknown.
     """
 
     labels: list[int] = field(default_factory=list)
@@ -126,7 +127,7 @@ class Timeline:
 
 
 def only_chosen(timeline: Timeline) -> Timeline:
-    """Return the timeline with chosen lanes only, and only their texts."""
+    """Return the timeline with only the chosen lanes and their texts."""
     says = Texts()
 
     def again(lane: Lane) -> Lane:

@@ -12,12 +12,12 @@ from ....processor.image.call_stack import Profile
 from ....processor.source_location import parsed
 
 LONGEST_TEXT = 20  # number of functions that are shown without -v
-FINE = 1000  # us: shorter times are shown to the nanosecond
-PlaceOf = Callable[[str, str], str]  # location of the first instruction of a unit's function
+FINE = 1000  # in us; shorter times are shown with three decimals
+PlaceOf = Callable[[str, str], str]  # returns the location of the first instruction of a unit's function
 
 
 def text(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: PlaceOf, every: bool = False) -> str:
-    """Format a table of 80 columns for each unit. every: show all functions called."""
+    """Format a table of 80 columns for each unit. every: True to show all functions that were called."""
     lines: list[str] = []
     for unit, profile in profiles.items():
         found = profile.functions()
@@ -47,12 +47,12 @@ def text(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: Place
 
 
 def _us(time: float) -> str:
-    """Format with about six digits."""
+    """Format a time in us with about six digits."""
     return f"{time:.3f}" if time < FINE else f"{time:.1f}"
 
 
 def _begins_at(place: str) -> str:
-    """Return file and line; the address if they are unknown."""
+    """Return the file and line of a place, or its address if they are unknown."""
     at = parsed(place)
     if at is None:
         return ""
@@ -68,7 +68,7 @@ def _json_place(place: str) -> dict[str, object]:
 
 
 def as_json(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: PlaceOf) -> dict[str, object]:
-    """Return the profile as a dictionary; times in seconds."""
+    """Return the profile as a dictionary with times in seconds."""
     return {
         "units": {
             unit: [
@@ -90,15 +90,15 @@ def as_json(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: Pl
 SCHEMA = "https://www.speedscope.app/file-format-schema.json"
 
 
-Frame = tuple[str, str, int]  # function, file, line; "" and 0 if unknown
+Frame = tuple[str, str, int]  # function, file and line, which are "" and 0 if unknown
 
 
 def speedscope(
     profiles: Mapping[str, Profile], ticks_per_second: int, name: str, place_of: Callable[[str, str], str]
 ) -> dict[str, object]:
-    """Return the file's JSON: each unit's stacks in alphabetical order, weighted with their seconds.
+    """Return the flame graph as JSON: the stacks of each unit in alphabetical order, weighted with their seconds.
 
-    place_of: returns the location of the first instruction of a unit's function.
+    place_of: a function that returns the location of the first instruction of a unit's function.
     """
     frames: dict[Frame, int] = {}
 

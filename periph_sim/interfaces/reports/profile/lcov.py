@@ -18,7 +18,11 @@ from ....processor.image_files.model import Image
 
 
 class FileCoverage:
-    """lines: number -> count. branches: (line, address) -> not taken, taken. functions: name -> line, count."""
+    """The coverage of one source file.
+
+    lines: the count of each line.
+    branches: for each (line, address), how often the branch was not taken and taken.
+    functions: the line and the count of each function."""
 
     def __init__(self) -> None:
         self.lines: dict[int, int] = {}
@@ -40,7 +44,7 @@ Covered = tuple[Image, FunctionMap, Coverage]
 
 
 def covered_files(programs: Iterable[Covered]) -> dict[str, FileCoverage]:
-    """Return coverage by source file, for all lines with code; counts of units are added."""
+    """Return the coverage of each source file, for all lines with code. Counts of several units are added."""
     found: dict[str, FileCoverage] = defaultdict(FileCoverage)
     for image, functions, counts in programs:
         for file, of_file in _files(image, functions, counts).items():

@@ -1,4 +1,4 @@
-"""Sweeps: run one case many times with different values; one column per figure.
+"""Sweeps: runs of one case with many different values, whose figures are columns of a table.
 
 case, {key: values} --plan--> changes of each run --workers--> Row each --columns--> Sweep
 

@@ -1,7 +1,4 @@
-"""One run of a sweep, for worker processes: its figures, or why it could not be run.
-
-Job and Row can be sent between processes.
-"""
+"""Execution of single runs of a sweep in worker processes. Job and Row can be sent between processes."""
 
 from __future__ import annotations
 
@@ -22,14 +19,15 @@ from ....scene.prepared import PreparedScene
 from ....timing.verdict import Verdict
 
 REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
-ERROR = "error"  # verdict of a run that failed
+ERROR = "error"  # the verdict of a run that could not be made
 
 
 @dataclass(frozen=True)
 class Job:
-    """Common data of all runs of a sweep. shown: the file as the caller named it, for messages.
+    """The data that all runs of a sweep share.
 
-    length: the duration of each run in seconds, instead of that of the case.
+    shown: the path of the file as the caller wrote it, for messages.
+    length: the duration of each run in seconds, in place of that of the case.
     """
 
     file: str
@@ -83,6 +81,6 @@ def _row(job: Job, changes: Sequence[str]) -> Row:
 
 
 def _as_named(job: Job, text: str) -> str:
-    """Return the message with paths as the caller wrote them."""
+    """Return a message with the path of the case as the caller wrote it."""
     folder, shown = (str(Path(path).parent) for path in (job.file, job.shown))
     return text.replace(job.file, job.shown).replace(f"{folder}{os.sep}", "" if shown == "." else f"{shown}{os.sep}")

@@ -1,8 +1,8 @@
 """The values of each run of a sweep, as `key=value` texts.
 
-{"seed": (1, 2), "host.jitter": ("0 us", "50 us")}  --> every combination, the last key changing first
-[{"seed": 1}, {"seed": 2, "start": "1 ms"}]         --> unchanged
-["seed=1", ["seed=2", "start=1 ms"]]                --> as for `--set`
+{"seed": (1, 2), "host.jitter": ("0 us", "50 us")}  --> a run for each combination; the last key changes fastest
+[{"seed": 1}, {"seed": 2, "start": "1 ms"}]         --> two runs with these values
+["seed=1", ["seed=2", "start=1 ms"]]                --> the same two runs, in the form of `--set`
 
 The values of a key can be one text: "1, 2, 5" or "0 ms to 20 ms step 10 us". A range ends with its last value if a
 step falls on it. Its values are exact, in the unit of the step.
@@ -21,13 +21,13 @@ from ....core.settings import HERTZ
 from ....core.time import UNITS
 from ....scene.case.model import BadCase
 
-Value: TypeAlias = object  # a number, a truth value, a text as for `--set` after "=", a list or a table of those
+Value: TypeAlias = object  # a number, a boolean, a text as after "=" in `--set`, or a list or table of these
 Run: TypeAlias = Mapping[str, Value]
 Changes: TypeAlias = Mapping[str, Iterable[Value]] | Iterable[Run | str | Sequence[str]]
 
 
 def runs_of(changes: Changes) -> list[dict[str, Value]]:
-    """Return the values of each run, by key. Raise BadCase if a change is invalid or there is no run."""
+    """Return the values of each run, indexed by key. Raise BadCase if a change is invalid or there is no run."""
     if isinstance(changes, str):
         raise BadCase(f"changes={changes!r}: give a list of runs, or a table of keys and their values")
     if isinstance(changes, Mapping):
@@ -69,7 +69,7 @@ def _text(key: str, value: Value) -> str:
     """Format a value as TOML, or return its text."""
     if isinstance(value, str):
         return value
-    plain = value.item() if hasattr(value, "item") else value  # for numpy's numbers
+    plain = value.item() if hasattr(value, "item") else value  # converts numbers of numpy to those of Python
     if isinstance(plain, bool | int | float | str | list | tuple):
         try:
             return json.dumps(plain)
@@ -86,7 +86,7 @@ MOST = 1_000_000  # maximum number of values of a range; more of them suggest a 
 
 
 def values_of(key: str, text: str) -> list[str]:
-    """Return the values. Raise BadCase if there are none, or for an invalid range."""
+    """Return the values that a text lists. Raise BadCase if there are none, or if a range is invalid."""
     found = RANGE.fullmatch(text.strip())
     if found is not None:
         return _range(key, *found.group("first", "last", "step"))
@@ -122,7 +122,7 @@ def _number(key: str, text: str, shown: str) -> tuple[Fraction, str]:
 
 
 def _scales(unit: str) -> dict[str, Fraction]:
-    """Return the units related to this one by powers of ten, with their sizes."""
+    """Return the units that differ from this one by a power of ten, with their sizes."""
     for units in ({name: UNITS[name] for name in ("ns", "us", "ms", "s")}, HERTZ):
         if unit in units:
             return {name: Fraction(size) for name, size in units.items()}
@@ -130,7 +130,7 @@ def _scales(unit: str) -> dict[str, Fraction]:
 
 
 def _decimal(value: Fraction) -> str:
-    """Format exactly as a decimal number; it always exists, as numbers and units are decimal."""
+    """Format a value exactly as a decimal number, which is always possible because numbers and units are decimal."""
     digits = 0
     while value.denominator != 1:
         value, digits = value * 10, digits + 1

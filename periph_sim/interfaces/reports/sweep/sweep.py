@@ -35,9 +35,12 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class BudgetColumns:
-    """A budget's figures, one entry per run, as in a `Verdict`. If a run has none: NaN, "", and -1 for the count.
+    """The figures of a budget as in a `Verdict`, with one entry per run.
 
-    unit: of worst, limit and margin: "us", "%", "LSB", or what is counted. verdict: "pass", "broken", "not judged".
+    If a run has no figure, the entry is NaN, "", or -1 for the count.
+
+    unit: the unit of worst, limit and margin: "us", "%", "LSB", or the name of what is counted.
+    verdict: "pass", "broken" or "not judged".
     """
 
     measure: str
@@ -54,10 +57,12 @@ class BudgetColumns:
 class Sweep:
     """The result of a sweep: arrays with one entry per run, in the order of the changes.
 
-    changes: by key, the value set in each run; "" if unchanged. verdict: "pass", "fail", "not judged", or
-    "error" if a run failed, with the reason in `error`.
-    wire_bytes: on the I2C bus. sci_bytes: sent to SCIs of units; sci_bytes_sent: sent by them.
-    budgets: by name. counts: by name, -1 in runs without it.
+    changes: for each key the value in each run; "" if it is unchanged.
+    verdict: "pass", "fail", "not judged", or "error" if the run could not be made, with the reason in `error`.
+    wire_bytes: the number of bytes on the I2C bus.
+    sci_bytes, sci_bytes_sent: the numbers of bytes that were sent to SCIs of units and by them.
+    budgets: the figures of each budget, indexed by name.
+    counts: other counts, indexed by name; -1 for a run without this count.
     """
 
     case: str
@@ -77,11 +82,11 @@ class Sweep:
 
     @property
     def worst(self) -> dict[str, Floats]:
-        """The worst value of each budget, by its name."""
+        """The worst values of each budget, indexed by name."""
         return {name: budget.worst for name, budget in self.budgets.items()}
 
     def columns(self) -> dict[str, Column]:
-        """Return one table by column name, for example for pandas.DataFrame or a CSV file."""
+        """Return all columns in one table, indexed by their names, for example for pandas.DataFrame or a CSV file."""
         table: dict[str, Column] = {**self.changes, "verdict": self.verdict, "error": self.error}
         for name, budget in self.budgets.items():
             figures = {one.name: getattr(budget, one.name) for one in fields(budget)[2:]}
@@ -144,7 +149,7 @@ def _whole(values: Any) -> NDArray[np.int64]:
 
 
 def _numbers_or_texts(values: list[object]) -> Column:
-    """Return numbers if all values are numbers, else texts."""
+    """Return a column of numbers if all values are numbers; otherwise a column of texts."""
     plain = [value.item() if hasattr(value, "item") else value for value in values]
     kinds = {type(value) for value in plain}
     if kinds <= {int, float} or kinds == {bool}:
@@ -152,14 +157,14 @@ def _numbers_or_texts(values: list[object]) -> Column:
     return _texts(str(value) for value in plain)
 
 
-AT_A_TIME = 8  # runs sent to a worker together: sending costs as much as a short run
-FEW = 64  # up to this many runs are sent one by one, so all workers get some
+AT_A_TIME = 8  # number of runs that are sent to a worker together, because sending costs as much as a short run
+FEW = 64  # up to this number, runs are sent one by one, so that all workers receive some
 
 Program = Callable[[Any, Any], None]
 
 
 class SweepStopped(KeyboardInterrupt):
-    """A sweep was stopped by Ctrl-C or SIGTERM. finished: the completed runs, of `runs` in all."""
+    """Ctrl-C or SIGTERM stopped a sweep. finished: the completed runs. runs: the number of all runs."""
 
     def __init__(self, finished: Sweep, runs: int) -> None:
         super().__init__(f"the sweep was stopped after {len(finished)} of {runs} runs")
@@ -180,19 +185,22 @@ def sweep(
     executor: Executor | None = None,
     on_progress: Callable[[float], None] | None = None,
 ) -> Sweep:
-    """Run a case once for each change. Return one column per figure, one entry per run.
+    """Run a case once for each change. Return a column for each figure, with one entry per run.
 
-    case: its file. changes: `{key: values}` for every combination, or a list of runs: `{key: value}` or "key=value"
-    texts as for `--set`. seconds: instead of the case's own duration. programs: firmware given as functions, by
-    unit; workers import them by name, so they must be in a module.
+    case: the case file.
+    changes: `{key: values}` for all combinations, or a list of runs. A run is `{key: value}`, or "key=value" texts as
+        for `--set`.
+    seconds: the duration of each run, in place of that of the case.
+    programs: firmware that is given as functions, indexed by unit. Workers import the functions by name, so they must
+        be in a module.
+    jobs: the number of worker processes; None for one per core. With 1, all runs are made in this process.
+    executor: an executor of `concurrent.futures` that is used in place of own workers and is not closed. Its workers
+        must find the case under the same path. The result is the same for any `jobs` or `executor`.
+    on_progress: a function that is called with the completed share, 0 to 1, in this thread.
 
-    jobs: processes of our own, one per core if None; 1: all in this process. executor: any of
-    `concurrent.futures` instead, which stays open; its workers see the case under the same path. Rows, their order and
-    their figures are the same for any choice. on_progress: called with the part done, 0 to 1, in this thread.
-
-    Raise BadCase for a change that names no key, and if no run succeeded; else the row of a failed run says
-    why. SweepStopped, a KeyboardInterrupt, has the runs completed before Ctrl-C or SIGTERM. A script
-    that calls this with more than one process needs the usual `if __name__ == "__main__":`.
+    Raise BadCase if a change names no key of the case, or if no run could be made. The row of a run that could not be
+    made has the reason. After Ctrl-C or SIGTERM, raise SweepStopped, a KeyboardInterrupt, with the completed runs. A
+    script that calls this function with more than one process needs the usual `if __name__ == "__main__":`.
     """
     if isinstance(case, Case):
         raise BadCase("a sweep changes keys of a file; give the path of the case, or write one")
@@ -228,7 +236,7 @@ def sweep(
 
 
 def _check(file: Path, texts: Texts, programs: Iterable[str]) -> str:
-    """Return the case's name. Raise BadCase for an unknown key or unit; a wrong value is reported in its row."""
+    """Return the name of the case. Raise BadCase for an unknown key or unit. A wrong value is reported in its row."""
     case = load(file)
     for unit in programs:
         if unit not in case.unit:
@@ -258,7 +266,7 @@ def _check_sent(firmware: Mapping[str, Firmware]) -> None:
 
 
 def _made(job: Job, texts: Texts, executor: Executor | None, jobs: int) -> Iterator[list[Row]]:
-    """Yield the rows, several at a time, in the order of the texts."""
+    """Yield the rows in lists, in the order of the texts."""
     size = AT_A_TIME if len(texts) > FEW else 1
     parts = [texts[first : first + size] for first in range(0, len(texts), size)]
     if executor is not None:
@@ -275,7 +283,7 @@ def _by(executor: Executor, job: Job, parts: Sequence[Texts]) -> Iterator[list[R
     try:
         for future in waiting:
             yield future.result()
-    except BaseException:  # Ctrl-C, or a worker that died: cancel the rest
+    except BaseException:  # after Ctrl-C, or if a worker has died, the other runs are cancelled
         for future in waiting:
             future.cancel()
         raise
@@ -307,7 +315,10 @@ def _apart(job: Job, text: list[str]) -> list[Row]:
 
 
 def _begins() -> bool:
-    """Return True if a process can start: it imports the running script, which may start itself again."""
+    """Return True if a worker process can start.
+
+    It cannot if the running script, which the worker imports, starts workers itself when it is imported.
+    """
     with processes(1) as pool:
         try:
             return pool.submit(os.getpid).result() > 0

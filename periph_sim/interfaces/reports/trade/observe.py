@@ -1,4 +1,7 @@
-"""One run of a row, and its errors: verdicts and occurrences of budgets, and data read on the I2C bus."""
+"""Observation of one run of a row, and its errors in comparison with another run.
+
+Compared are verdicts and occurrences of budgets, and the data that is read on the I2C bus.
+"""
 
 from __future__ import annotations
 
@@ -22,9 +25,9 @@ from ....scene.scene import Scene
 from ....timing.budget_schema import Budget
 from ....timing.verdict import NOT_JUDGED
 
-SAMPLE = 6  # bytes of a read that carries a whole sample
+SAMPLE = 6  # number of bytes of a read that contains a whole sample
 UNITS = ("s", 1), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)
-DIGITS = 13  # digits of a time in seconds; further digits come from the rounding to ticks
+DIGITS = 13  # number of significant digits of a time in seconds; further digits are rounding errors of ticks
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,14 +47,18 @@ class Observed:
 
     @property
     def is_empty(self) -> bool:
-        """True if there is nothing to compare two runs by."""
+        """Return True if there is nothing in which two runs could be compared."""
         occurred = [*self.times.values(), *self.samples.values(), *self.others.values()]
         return not any(map(len, occurred)) and set(self.verdicts.values()) <= {NOT_JUDGED}
 
 
 @dataclass(frozen=True, order=True)
 class Error:
-    """The largest of several differences. amount: infinite if the counts differ. place: a budget or chip."""
+    """The largest of several differences.
+
+    amount: the difference; infinite if the numbers of occurrences differ.
+    place: the budget or chip that has it.
+    """
 
     amount: float
     unit: str
@@ -72,8 +79,10 @@ class Error:
 
 @dataclass(frozen=True)
 class Errors:
-    """Errors of a run against the reference. differ: budgets judged by the reference that have another
-    verdict. value: in LSB of the chips' data; in bytes that differ if only other reads do.
+    """The errors of a run in comparison with the reference.
+
+    differ: the budgets that the reference judges and that have another verdict.
+    value: the error of the chips' data in LSB; if only other reads differ, the number of bytes that differ.
     """
 
     judged: int
@@ -83,15 +92,15 @@ class Errors:
 
     @property
     def cells(self) -> tuple[str, str, str]:
-        """Return the cells of a table: `20 of 21`, the error of times and that of values."""
+        """Return the cells of a table: equal verdicts as `20 of 21`, the error of times and the error of values."""
         return f"{self.judged - len(self.differ)} of {self.judged}", self.time.text, self.value.text
 
 
 @contextmanager
 def built(case: Case, record: str = "", *, keep_values: bool = False) -> Iterator[Scene]:
-    """Yield a new scene of the case; when the context ends, finish its recording and delete the file.
+    """Yield a new scene of the case. When the context ends, the recording is completed and its file is deleted.
 
-    record: suffix of the temporary file that is recorded to, or "" for no recording.
+    record: the suffix of the temporary file to which the run is recorded; "" for no recording.
     """
     with TemporaryDirectory() as folder:
         path = Path(folder, f"run{record}") if record else None
@@ -130,7 +139,10 @@ def observe(case: Case, length: Fraction, record: str = "") -> Observed:
 
 
 def compare(reference: Observed, run: Observed) -> Errors:
-    """Compare a run with the reference: the n-th occurrence of each budget, sample and byte with the n-th."""
+    """Compare a run with the reference.
+
+    The n-th occurrence of each budget, the n-th sample and the n-th byte are compared with the n-th of the reference.
+    """
     judged = {name: verdict for name, verdict in reference.verdicts.items() if verdict != NOT_JUDGED}
     differ = tuple(name for name, verdict in judged.items() if run.verdicts.get(name) != verdict)
     measured = {name: times for name, times in reference.times.items() if name in run.times}
@@ -160,7 +172,7 @@ def _largest(
 
 
 def _measurable(case: Case) -> Case:
-    """Return the case with the budgets that its units can have; others belong to other firmware."""
+    """Return the case without budgets that its units cannot have, because they belong to other firmware."""
     try:
         Scene(case)
     except BadCase:

@@ -1,7 +1,7 @@
-"""The choices for a scene, one row each, the most accurate first.
+"""The choices for a scene. Each is a row, and the most accurate row is the first.
 
-firmware     an image, C sources or Python with stated costs: from other cases, used in this scene
-arithmetic   number format of sensor models in Python firmware, at the cost stated in the case
+firmware     an image, C sources, or Python with stated costs, from other cases
+arithmetic   the number format of sensor models in Python firmware, at the cost that the case states
 recording    none, .psr or .vcd
 """
 
@@ -15,10 +15,11 @@ from ....scene.case.model import BadCase, Case
 from ....scene.case.unit_table import Unit
 from ....scene.firmware_loader import BadFirmware, BadSetting, load_firmware, settings_for
 
-KINDS = ("image", "C", "Python")  # of firmware: cycles of instructions, cycles estimated from C, stated cycles
+# Kinds of firmware: with cycles of instructions, with cycles estimated from C, and with stated cycles.
+KINDS = ("image", "C", "Python")
 ARITHMETICS = ("float64", "float32", "q16")
 RECORDINGS = (".psr", ".vcd")
-BYTES = "bytes"  # firmware without models
+BYTES = "bytes"  # the name of the arithmetic of firmware without models
 AS_GIVEN = "as given"
 Make = Callable[[Sequence[str]], Case]
 
@@ -44,7 +45,7 @@ class Row:
 
 
 def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
-    """Return all rows of a case. others: cases whose units give rows, too."""
+    """Return all rows of a case. others: other cases, whose units are rows, too."""
     case = make(())
     given = Row(AS_GIVEN)
     firmware = [(kind_of(case), [*_arithmetics(case, given)])]
@@ -54,9 +55,9 @@ def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
 
 
 def chosen(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
-    """Return the most accurate row, the case as given and the rows of these names; all if none is named.
+    """Return the most accurate row, the case as given, and the rows with these names; all rows if no name is given.
 
-    Raise BadCase for a name that no row has.
+    Raise BadCase if no row has a name.
     """
     known = [row.name for row in rows]
     for name in names:
@@ -66,7 +67,7 @@ def chosen(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
 
 
 def kind_of(case: Case) -> str:
-    """Return the kind of a case's firmware, the least accurate one of several units."""
+    """Return the kind of a case's firmware. If there are several units, it is the least accurate kind."""
     kinds = ["image" if unit.image else "C" if unit.sources else "Python" for unit in case.unit.values()]
     return max(kinds, key=KINDS.index, default="Python")
 
@@ -88,7 +89,7 @@ def _arithmetics(case: Case, given: Row) -> Iterator[Row]:
 
 
 def _settings(unit: Unit) -> object:
-    """Return the settings of a unit's firmware; None if they are wrong, which its run reports."""
+    """Return the settings of a unit's firmware; None if they are wrong, which will be reported by the run."""
     try:
         return settings_for(load_firmware(unit.firmware), unit.settings)
     except (BadFirmware, BadSetting):
@@ -96,7 +97,7 @@ def _settings(unit: Unit) -> object:
 
 
 def _computed_in(arithmetic: str, unit: str, settings: object) -> Iterator[str]:
-    """Yield the changes that replace a unit's number format but keep its models' time."""
+    """Yield the changes that replace a unit's number format, but do not change the time that its models take."""
     yield f"unit.{unit}.settings.arithmetic={arithmetic}"
     if getattr(settings, "model_cost", None) == "estimate":
         yield f"unit.{unit}.settings.model_cost={getattr(settings, 'run_cost', '')}"

@@ -1,6 +1,6 @@
-"""All rows of one scene: their errors against the most accurate one, CPU time, and the recommended row.
+"""Comparison of all rows of one scene: errors in comparison with the most accurate row, CPU time, recommended row.
 
-CPU time is measured after the start of the scenes, and repeated until the rows differ significantly.
+CPU time is measured after the start of the scenes. The measurement is repeated until the rows differ significantly.
 """
 
 from __future__ import annotations
@@ -42,15 +42,18 @@ class Cost:
     runs: int
 
     def is_below(self, other: Cost) -> bool:
-        """True if this one is cheaper by more than both spreads."""
+        """Return True if this cost is lower by more than both spreads."""
         return other.cpu_s - self.cpu_s > self.spread_s + other.spread_s
 
 
 def costs_of(rows: Mapping[str, tuple[Case, str]], start: Fraction, length: Fraction) -> dict[str, Cost]:
-    """Return the cost of each row, by name. Each pass runs every row once, so that changes of load affect all rows.
+    """Return the cost of each row, indexed by name.
 
-    rows: the case of each row, and the suffix of its recording or "".
-    start: simulated seconds that are not counted. length: the simulated seconds after them, which are counted.
+    Each pass runs every row once, so that changes of the computer's load affect all rows.
+
+    rows: for each name the case of the row, and the suffix of its recording or "".
+    start: the number of simulated seconds that are not measured.
+    length: the number of simulated seconds after them that are measured.
     """
     seconds: dict[str, list[float]] = {name: [] for name in rows}
     began = process_time()
@@ -65,7 +68,7 @@ def costs_of(rows: Mapping[str, tuple[Case, str]], start: Fraction, length: Frac
 
 
 def are_apart(costs: Sequence[Cost]) -> bool:
-    """Return True if any two differ by more than their spreads."""
+    """Return True if every two of the costs differ by more than their spreads."""
     return all(one.is_below(other) for one, other in pairwise(sorted(costs, key=lambda cost: cost.cpu_s)))
 
 
@@ -84,7 +87,7 @@ def _cost(seconds: Sequence[float]) -> Cost:
 
 
 REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
-START, TIMED = Fraction(1, 10), Fraction(1)  # seconds of the scene excluded from and included in CPU time
+START, TIMED = Fraction(1, 10), Fraction(1)  # simulated seconds that are excluded from CPU time, and included in it
 
 
 @dataclass(frozen=True)
@@ -96,18 +99,21 @@ class Outcome:
     cost: Cost
 
     def fits(self, max_error_s: float) -> bool:
-        """True if the row's verdicts equal the reference's and its errors are within the limit."""
+        """Return True if the verdicts are those of the reference and the errors of times are within the limit."""
         within = self.errors.time.amount <= max_error_s and (isinf(max_error_s) or not self.errors.value.amount)
         return not self.row.record and not self.errors.differ and within
 
 
 @dataclass(frozen=True)
 class Trade:
-    """Outcomes of all rows that ran, the reference first. refused: why the others cannot be run, by name.
+    """The outcomes of all rows that were run, the reference first.
 
-    ran_s: seconds of the scene over which errors are measured; half of them gives the same rows except `changed`.
-    start_s, timed_s: seconds of the scene excluded from CPU times, and those after them included.
-    best: the recommended row; why: the reason, as a phrase.
+    refused: the reasons why other rows cannot be run, indexed by name.
+    ran_s: the simulated seconds over which errors are measured. Half of this time gives the same errors, except for the
+        rows in `changed`.
+    start_s, timed_s: the simulated seconds that are excluded from CPU times, and those after them that are included.
+    best: the recommended row.
+    why: the reason for the recommendation, as a phrase.
     """
 
     case: str
@@ -128,10 +134,11 @@ def trade(
     max_error_s: float = inf,
     on_progress: Callable[[float], None] | None = None,
 ) -> Trade:
-    """Run all rows for half of `length` seconds, for `length` and, if that changes a row, for twice as long.
+    """Run all rows for half of `length` seconds, for `length` and, if the errors of a row differ, for twice `length`.
 
-    max_error_s: maximum error of the recommended row's times. Raise BadCase or one of REFUSED if the most accurate
-    row cannot be run, or nothing occurs in it.
+    max_error_s: the maximum error of times in the recommended row.
+
+    Raise BadCase or one of REFUSED if the most accurate row cannot be run, or nothing occurs in it.
     """
     runs = _Runs(make, rows)
     changed: list[str] = []
@@ -155,7 +162,7 @@ def trade(
 
 
 class _Runs:
-    """The cases of all rows. refused: why a row cannot be run, by name."""
+    """The cases of all rows. refused: the reasons why rows cannot be run, indexed by name."""
 
     def __init__(self, make: Make, rows: Sequence[Row]) -> None:
         self.rows = rows
@@ -170,7 +177,7 @@ class _Runs:
         return [row for row in self.rows if row.name not in self.refused]
 
     def errors(self, length: Fraction, may_be_empty: bool = False) -> dict[str, Errors]:
-        """Return the errors of all rows without a recording, by name.
+        """Return the errors of all rows without a recording, indexed by name.
 
         Raise BadCase if nothing occurs in the first one.
         """
@@ -185,9 +192,10 @@ class _Runs:
         return found
 
     def errors_of_recorded(self, length: Fraction, unrecorded: Errors) -> dict[str, Errors]:
-        """Return the errors of each row with a recording, by name.
+        """Return the errors of all rows with a recording, indexed by name.
 
-        They are `unrecorded` if recording changes nothing in `length` seconds, else the differences that it causes.
+        They are `unrecorded`, the errors of the case as given, if recording changes nothing in a run of `length`
+        seconds. Otherwise they are the differences that recording causes.
         """
         found: dict[str, Errors] = {}
         for row in self.running:
@@ -210,7 +218,7 @@ class _Runs:
 
     @contextmanager
     def _refusing(self, row: Row) -> Iterator[None]:
-        """Record why a row cannot be run; raise for the most accurate row and the case as given."""
+        """Store the reason if a row cannot be run. For the most accurate row and the case as given, raise the error."""
         try:
             yield
         except REFUSED as error:
@@ -220,7 +228,10 @@ class _Runs:
 
 
 def _best(outcomes: Sequence[Outcome], max_error_s: float) -> tuple[Outcome, str]:
-    """Return the cheapest row that fits (of equal cost: the most accurate), and the reason."""
+    """Return the row with the lowest cost that fits, and the reason.
+
+    Of equal costs, the most accurate row is chosen.
+    """
     reference = outcomes[0]
     fitting = [one for one in outcomes if one.fits(max_error_s)]
     cheapest = min(fitting, key=lambda one: one.cost.cpu_s)
@@ -237,7 +248,7 @@ TITLES = ("row", "budgets agree", "time error", "value error", "CPU s/s", "sprea
 
 
 def text(found: Trade) -> str:
-    """Return the header, the table, notes, and the recommended row."""
+    """Format the comparison as a header, a table, notes, and the recommended row."""
     return "\n".join(_lines(found))
 
 
@@ -281,7 +292,7 @@ def _table_row(outcome: Outcome, is_reference: bool) -> tuple[str, ...]:
 
 
 def as_json(found: Trade) -> dict[str, object]:
-    """Return the whole trade. Infinite errors are the text "infinite"."""
+    """Return the whole comparison for JSON. Infinite errors are the text "infinite"."""
     return {
         "case": found.case,
         "ran_s": found.ran_s,

@@ -17,6 +17,7 @@ from ..core.records import Kind, Recorder
 if TYPE_CHECKING:
     from ..timing.derived.age_records import AgeRecords
     from ..timing.derived.byte_records import ByteRecords
+    from ..timing.derived.held_records import HeldRecords
     from ..timing.derived.origins import Origins
     from ..timing.derived.transfer_records import TransferRecords
     from .case.model import BadCase, Case
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 
 
 KINDS = (Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA, Kind.BUS)
+OF_UNITS = {"held alone", "unfinished"}
 OF_BYTES = {"wrong bytes", "bytes compared"}
 OF_MODELS = {"model age", "model run"}
 
@@ -37,6 +39,7 @@ class DerivedRecords:
         self._named = {kind: recorder.named_things(kind) for kind in KINDS}
         self._transfers: TransferRecords | None = None
         self._ages: AgeRecords | None = None
+        self._held: list[HeldRecords] = []
         self.bytes: ByteRecords | None = None
         if self._named[Kind.DATA] & OF_MODELS:
             recorder.subscribe((Kind.SPAN,), self._age_records())
@@ -46,7 +49,9 @@ class DerivedRecords:
         named = self._named
         if named[Kind.DATA]:
             self._attach_data(scene, named[Kind.DATA])
-        if named[Kind.TRANSFER]:
+        if named[Kind.TRANSFER] & OF_UNITS:
+            self._attach_holds(scene)
+        if named[Kind.TRANSFER] - OF_UNITS:
             from ..timing.derived.transfer_records import TransferRecords
 
             self._transfers = TransferRecords(self._recorder)
@@ -59,6 +64,14 @@ class DerivedRecords:
             scene.uart.record_receivers()
         if "stuck" in named[Kind.BUS]:
             self._watch_for_stuck_lines(scene)
+
+    def _attach_holds(self, scene: Scene) -> None:
+        from ..timing.derived.held_records import HELD_ALONE, HeldRecords
+
+        for unit in scene.units:
+            if self._recorder.topic(Kind.TRANSFER, unit, HELD_ALONE).has_subscribers:
+                self._held.append(HeldRecords(self._recorder, unit))
+                self._held[-1].attach(scene.wires["SCL"], scene.wires["SDA"])
 
     def _watch_for_stuck_lines(self, scene: Scene) -> None:
         """Report lines that stay low, as a controller agent does where there is one."""
@@ -76,6 +89,8 @@ class DerivedRecords:
         if self._transfers is not None and monitor is not None:
             unfinished = None if scene.case.controller is not None else monitor.open_transfer
             self._transfers.finish(now, unfinished, monitor.held_since)
+        for held in self._held:
+            held.finish(now)
         if self.bytes is not None:
             self.bytes.finish(now)
 

@@ -15,7 +15,7 @@ from tests.timing.events_by_hand import ONE
 from tests.timing.measures.hand_made_run import GYRO, HandMadeRun, gyro_bytes, read, wrote
 from tests.timing.measures.test_event import EXAMPLES, IMAGE
 
-NOT_PLAIN = ("margin", "SCL", "race")  # they read the wires by an object of their own, or keep records
+NOT_PLAIN = ("margin", "race")  # they read the wires by an object of their own, or keep records
 
 
 def memory(measure: Measure, now: int) -> dict[str, object]:

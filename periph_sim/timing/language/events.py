@@ -12,14 +12,14 @@
             | "frame" [ line ] [ number ] [ "begin" | "end" | "error" | "cut" | "collision" ]
             | "variable" variable ( "change" | "=" number )
             | "note" ( "duty" | "lost" | "unknown" | "overflow" )
-            | "record" ( "transfer" | "round" | "receiver" | "data" | "bus" ) thing [ "of" chip ]      see `derived`
+            | "record" ( "transfer" | "round" | "receiver" | "data" | "bus" ) thing [ "of" ( chip | unit ) ]
 
     Event + Scope --> Matcher(kind, where, what, mask, want)
                         |-- may_be(kind, where, what), value & mask == want   as the run goes on
                         '-- fits(record)                                      for one record
 
-Both agree on every record: kind, place and thing are equal, and `value & mask == want`. `EVENTS` lists the kinds
-of events.
+The things of records are in `timing/derived`. Both tests agree on every record: kind, place and thing are equal, and
+`value & mask == want`. `EVENTS` lists the kinds of events.
 """
 
 from __future__ import annotations
@@ -297,8 +297,10 @@ def _read_note(words: Words) -> Parts:
 def _read_record(words: Words) -> Parts:
     kind = words.one_of(list(RECORDS))
     thing = words.phrase(list(RECORDS[kind]))
-    of_chip = kind == "data" and words.took("of")
-    return words.one_of(list(known_sensors())) if of_chip else "", kind, thing, None
+    whose = ""
+    if kind in ("data", "transfer") and words.took("of"):
+        whose = words.one_of(list(known_sensors())) if kind == "data" else words.take("a unit")
+    return whose, kind, thing, None
 
 
 def _match_edge(event: Event, scope: Scope) -> Matcher:

@@ -46,6 +46,7 @@ RECORDS: dict[str, dict[str, Thing]] = {
         **dict.fromkeys(("phase", "read", "acknowledge", "answer", "refused"), ON_BUS),
         "stretch": Thing("I2C-A", "time", by_read=True),
         "held": Thing("I2C-A", "time"),
+        **dict.fromkeys(("held alone", "unfinished"), Thing("", "time")),
     },
     "round": dict.fromkeys(("due", "missed", "begin", "end", "next", "refused"), IN_ROUND),
     "receiver": {**dict.fromkeys(("character", "received", "lost"), AT_SCI), "words": Thing("SCI", "words")},

@@ -22,7 +22,7 @@ from ..language.events import ANYTHING, OF_AGENT, Group, Matcher, matcher, name_
 from ..language.language import FORMS, Said, is_form, measure_of, near_form
 from ..language.scope import BadEvent, Scope
 from .event_pairing import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses, EventMeasure
-from .margin import HeldPerTransfer, Margin
+from .margin import Margin
 from .measure import Measure
 from .pair import Between
 from .registry import MEASURES, PHRASES, UNNAMED, Sentence
@@ -282,7 +282,7 @@ _MAKERS: dict[str, Callable[[Said, Scope], Maker]] = {
     "reaction": _reaction,
     "gap": _gap,
     "margin": lambda said, scope: partial(Margin, scope.owner(said.unit, "I2C-A")),
-    "SCL": lambda said, scope: partial(HeldPerTransfer, scope.owner(said.unit, "I2C-A")),
+    "SCL": lambda said, scope: _of_sentence(PHRASES["SCL"], scope, unit=scope.owner(said.unit, "I2C-A")),
     "time": _time,
     "each": _time,
     "share": _time,

@@ -1,4 +1,4 @@
-"""Measures of the margin of writes to I2CDXR and of the time for which a unit holds SCL.
+"""Measure of the margin of writes to I2CDXR.
 
     SCL    ─┐___________┌─┐_        the controller releases SCL at g, when the first bit must be ready
     ACK end             g
@@ -105,57 +105,3 @@ class Margin(Measure):
 
     def why_silent(self) -> str:
         return f"{self._unit} sent no byte as a slave whose write of I2CDXR is known"
-
-
-class _Lows(BusFromWires):
-    def __init__(self, unit: str, measure: HeldPerTransfer) -> None:
-        super().__init__(unit)
-        self._measure = measure
-
-    def started(self, now: int) -> None:
-        self._measure.begins(now)
-
-    def stopped(self, now: int) -> None:
-        self._measure.over()
-
-    def held(self, let_go: int, rose: int) -> None:
-        self._measure.add(rose - let_go)
-
-
-class HeldPerTransfer(Measure):
-    """Sum of all the time in a transfer for which a unit alone holds SCL low."""
-
-    STATE = State("bus _sum", ticks="_began")
-    looks_back = "this transfer"
-
-    def __init__(self, unit: str) -> None:
-        super().__init__()
-        self.bus = _Lows(unit, self)
-        self._began = NO_TIME
-        self._sum = 0
-
-    def listen(self, scene: MeasuredScene) -> None:
-        self.bus.attach(scene.wire("SCL"), scene.wire("SDA"))
-
-    def begins(self, at: int) -> None:
-        self._began, self._sum = at, 0
-
-    def add(self, ticks: int) -> None:
-        self._sum += ticks
-
-    def over(self) -> None:
-        if self._began != NO_TIME:
-            self.take(self._sum, self._began)
-        self._began = NO_TIME
-
-    def finish(self, now: int) -> None:
-        self.bus.settle()
-
-    def unfinished(self, now: int) -> list[tuple[int, int]]:
-        if self._began == NO_TIME:
-            return []
-        held = now - self.bus.others_held_until if self.bus.held_by_us_alone() else 0
-        return [(self._sum + held, self._began)]
-
-    def unfinished_text(self) -> str:
-        return "a transfer was not over when the run ended"

@@ -143,6 +143,11 @@ PHRASES = {
     "overflows": Sentence("count of note overflow", nothing=None),
     "cpu": Sentence("share of {time} in cpu busy of {unit}", looks_back="the whole run"),
     "bus": Sentence("share of {time} in bus busy", looks_back="the whole run"),
+    "SCL": Sentence(
+        "value of record transfer held alone of {unit}, unfinished record transfer unfinished of {unit}",
+        looks_back="this transfer",
+        cut_off="a transfer was not over when the run ended",
+    ),
     "slack": Sentence(
         "from record round end to record round next, for each record round due",
         looks_back="this round",

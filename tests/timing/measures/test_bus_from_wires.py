@@ -8,9 +8,12 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import NO_TIME
 from periph_sim.core.wire import Pin, Wire
+from periph_sim.timing.derived.held_records import HeldRecords
 from periph_sim.timing.measures.bus_from_wires import BusFromWires
-from periph_sim.timing.measures.margin import HeldPerTransfer, Margin
+from periph_sim.timing.measures.factory import measure_named
+from periph_sim.timing.measures.margin import Margin
 from periph_sim.timing.measures.measure import Measure
+from tests.timing.events_by_hand import ONE
 
 HEAD, DSP = "controller", "dsp.GPIO33"
 LOW, HIGH = 10, 10  # ticks of SCL
@@ -401,9 +404,15 @@ def test_scl_held_to_the_end_of_the_run_counts():
     assert found == [(-500, bus.now)] and measure.occasions == 1
 
 
-def held(bus: Drawn, end: int) -> HeldPerTransfer:
-    measure = HeldPerTransfer("dsp")
-    Scene().run(measure, bus.records)
+def held(bus: Drawn, end: int) -> Measure:
+    measure, scene, recorder = measure_named("SCL held per transfer", ONE), Played(), Recorder()
+    measure.keep()
+    measure.subscribe(recorder)
+    found = HeldRecords(recorder, "dsp")
+    found.attach(scene.wire("SCL"), scene.wire("SDA"))
+    for record in bus.records:
+        scene.play(record)
+    found.finish(end)
     measure.finish(end)
     return measure
 

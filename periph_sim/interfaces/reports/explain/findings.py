@@ -228,10 +228,10 @@ def _refused(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _transfer(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the acknowledged phase that begins at an instant."""
+    """Find the phase that begins at an instant, unless `_refused` finds it."""
     at = evidence.window.begin
-    phase = next((p for p in evidence.phases if p.begin == at and p.acked), None)
-    if Kind.TRANSFER not in ends.kinds or phase is None:
+    phase = next((p for p in evidence.phases if p.begin == at), None)
+    if Kind.TRANSFER not in ends.kinds or phase is None or ends.thing == "refused":
         return Finding()
     prompt = "SCL rises as soon as the controller releases it, everywhere in this phase"
     free = [] if evidence.stretches(phase.begin, phase.end) else [evidence.say(at, prompt)]

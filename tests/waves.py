@@ -8,13 +8,13 @@ played into the rig; `<` rows are what it must show at the end of each column:
 
 0..f are levels or hexadecimal digits, `.` is "as before", blanks are for the eye.
 `play` hands back the diagram as it came out, so that a test is the one line
-`assert play(diagram, rig, BIT) == tidy(diagram)`; its failure shows the two diagrams,
+`assert play(diagram, rig, BIT) == tidy(diagram)`, or `rig.check(diagram)`; its failure shows the two diagrams,
 the columns that differ marked (see conftest.py).
 """
 
 from __future__ import annotations
 
-from typing import Protocol
+from typing import Protocol, Self
 
 
 class Rig(Protocol):
@@ -59,3 +59,17 @@ def play(diagram: str, rig: Rig, column: int, start: int = 0) -> Diagram:
             shown = iter(came[k])
             lines[k] = lines[k].removesuffix(text) + "".join(c if c == " " else next(shown) for c in text)
     return Diagram("\n".join(lines))
+
+
+class DiagramRig(Rig):
+    """Base of rigs into which many diagrams are played."""
+
+    def columns(self) -> tuple[int, int]:
+        """Return the cycles of a column, and the cycle in which the first one begins."""
+        return 1, 0
+
+    def check(self, diagram: str, column: int = 0, start: int | None = None) -> Self:
+        """Fail unless the rig shows this diagram; return the rig. column, start: as `columns` says if not given."""
+        usual, begin = self.columns()
+        assert play(diagram, self, column or usual, begin if start is None else start) == tidy(diagram)
+        return self

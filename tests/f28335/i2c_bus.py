@@ -23,6 +23,7 @@ from periph_sim.core.options import Value, options_from
 from periph_sim.f28335.i2c.module import I2c
 from periph_sim.f28335.i2c.options import I2cOptions
 
+from ..waves import DiagramRig
 from .i2c_registers import FLAGS, MDR, OFFSET
 
 SCL, SDA = 0, 1
@@ -387,7 +388,7 @@ class Hand:
 # ---- the bus --------------------------------------------------------------------------------------
 
 
-class Bus:
+class Bus(DiagramRig):
     """Two wires. rise: cycles that a line needs to become high after the last driver let go."""
 
     def __init__(self, chips: Iterable[I2c], partners: Iterable[Party] = (), rise: int = 0) -> None:
@@ -556,8 +557,10 @@ class Bench(Bus):
     def peek(self, register: str, chip: I2c | None = None) -> int:
         return (chip or self.m).peek(self.now, OFFSET[register])
 
-    def mode(self, names: str, bc: int = 0, chip: I2c | None = None) -> None:
-        """Writes I2CMDR with these bits set, IRS always among them."""
+    def mode(self, names: str, bc: int = 0, chip: I2c | None = None, count: int | None = None) -> None:
+        """Writes I2CMDR with these bits set, IRS always among them. count: of I2CCNT, written before."""
+        if count is not None:
+            self.w("I2CCNT", count, chip)
         self.w("I2CMDR", mdr(names, bc), chip)
 
     def set(self, names: str, chip: I2c | None = None) -> None:
@@ -606,6 +609,16 @@ class Bench(Bus):
     def stopped(self, cycles: int = 400 * SLOT) -> int:
         """Runs until the module has sent its STOP and the bus is free; the cycle."""
         return self.until(lambda: self.level == [1, 1] and not self.flag("BB") and not self.flag("STP"), cycles)
+
+    def stop(self) -> None:
+        """Sets STP, and runs until the STOP was sent."""
+        self.set("STP")
+        self.stopped()
+
+    def after(self, flag: str) -> None:
+        """Runs until a flag is 1, and one clock of SCL more."""
+        self.until(lambda: self.flag(flag))
+        self.run(SLOT)
 
     def write_all(self, data: Iterable[int], extra: str = "STP", bc: int = 0) -> str:
         """A whole transfer; what was said."""

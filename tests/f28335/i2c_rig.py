@@ -10,6 +10,7 @@ for timing diagrams the rig has drive, run_until and show (tests/waves.py).
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Self
 
 from periph_sim.core.options import Value, options_from
 from periph_sim.f28335.i2c.module import I2c
@@ -62,10 +63,26 @@ class Rig(Bus):
     def peek(self, name: str) -> int:
         return self.chip.peek(self.now, OFFSET[name])
 
-    def begin(self, mode: int = 0, oar: int = OWN) -> None:
+    def begin(self, mode: int = 0, oar: int = OWN) -> Self:
         """Own address and mode, then IRS = 1."""
         self.write("I2COAR", oar)
         self.write("I2CMDR", mode | IRS)
+        return self
+
+    def begin_again(self, mode: int = 0) -> None:
+        """IRS = 0, then 1."""
+        self.write("I2CMDR", 0)
+        self.write("I2CMDR", mode | IRS)
+
+    def reset(self) -> None:
+        """XRS, and the module's clock on again."""
+        self.chip.reset(self.now)
+        self.chip.gate(self.now, True)
+
+    def set_fifos(self, tx: int, rx: int) -> None:
+        """Writes I2CFFTX and I2CFFRX."""
+        self.write("I2CFFTX", tx)
+        self.write("I2CFFRX", rx)
 
     def status(self, bits: int = 0xFFFF) -> int:
         """I2CSTR, cut to `bits`, as a debugger sees it."""
@@ -215,6 +232,11 @@ class Rig(Bus):
         """START and the address byte; whether it was acknowledged. Ends at fall 9."""
         self.start()
         return self.send(address << 1 | read)
+
+    def ask(self) -> None:
+        """START and the address byte of a read, but for its ninth pulse."""
+        self.start()
+        self.send_bits(OWN << 1 | 1)
 
     # Timing diagrams
 

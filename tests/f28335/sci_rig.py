@@ -13,11 +13,13 @@ SCICLK off the ticks: column n of a diagram in SCICLK holds exactly sample n.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Self
 
 from periph_sim.core.options import options_from
 from periph_sim.f28335.sci.module import Sci
 from periph_sim.f28335.sci.options import SciOptions
 from periph_sim.f28335.sci.register_map import SCI_MAP
+from tests.f28335.module_rig import ModuleRig
 
 START = 4000  # cycles from switching on to the first column, so that nothing of the set-up is left under way
 
@@ -46,7 +48,51 @@ def frame(
     return "".join(str(b) for b in [0, *body, *[0 if bad == "stop" and i == 0 else 1 for i in range(stops)]])
 
 
-class SciRig:
+class Module(Sci):
+    """A class of Python, compiled or not: tests put calls of their own in the place of its methods."""
+
+
+class _Line(ModuleRig):
+    """The chip and its line RXD. level: of RXD."""
+
+    register_of = REGISTER_OF
+
+    def __init__(self, options: SciOptions) -> None:
+        super().__init__(Module(options=options))
+        self.level = 1
+
+    def set_up(self, brr: int | None, fields: dict[str, int]) -> Self:
+        if brr is not None:
+            self.write("SCIHBAUD", brr >> 8)
+            self.write("SCILBAUD", brr & 0xFF)
+        last = {"SCICTL1": 1, "SCICTL2": 2, "SCIFFCT": 3}
+        for name in sorted(fields, key=lambda n: last.get(REGISTER_OF[n].name, 0)):
+            if REGISTER_OF[name].name not in last:
+                self.set(**{name: fields[name]})
+        for register in last:
+            group = {n: v for n, v in fields.items() if REGISTER_OF[n].name == register}
+            if group:
+                self.set(**group)
+        self.run_until(START)
+        return self
+
+    def start_of_a_frame(self) -> int:
+        self.write("SCITXBUF", 0)
+        while not self.edges:
+            self.run_until(self.now + 16)
+        return self.edges[0][0]
+
+    def rxd(self, now: int, level: int) -> None:
+        self.run_until(now - 1)
+        self.now = now
+        if level != self.level:
+            self.level = level
+            self.chip.pins(now, level)
+            self.look()
+        self.run_until(now)
+
+
+class SciRig(_Line):
     """options: open questions by name. fields: register fields by name, beside 8-N-1 with both directions on.
 
     fifo=True switches the FIFOs on; raw=True leaves every register at its reset value.
@@ -67,34 +113,30 @@ class SciRig:
         self.bit = 8 * self.sciclk
         setting = {} if raw else {**RUNNING, **(FIFO if fifo else {}), **fields}
         grid = _Line(SciOptions()).set_up(brr, {**RUNNING}).start_of_a_frame() % self.sciclk
-        self.line = _Line(options_from(SciOptions, options or {})).set_up(None if raw else brr, setting)
-        self.chip = self.line.chip
+        super().__init__(options_from(SciOptions, options or {}))
+        self.set_up(None if raw else brr, setting)
         self._half = (grid + self.sciclk // 2) % self.sciclk
         self.align()
 
     # Time.
-
-    @property
-    def now(self) -> int:
-        return self.line.now
 
     def align(self) -> int:
         """Now is the next cycle that lies half an SCICLK off the ticks."""
         self.run_until(self.now + (self._half - self.now) % self.sciclk)
         return self.now
 
-    def run_until(self, time: int) -> None:
-        self.line.run_until(time)
-
     def wait(self, bits: float = 0, *, sciclk: float = 0, cycles: int = 0) -> None:
         self.run_until(self.now + round(bits * self.bit + sciclk * self.sciclk) + cycles)
 
     # Signals of a diagram.
 
+    def columns(self) -> tuple[int, int]:
+        return self.bit, self.now
+
     def drive(self, now: int, signal: str, level: int) -> None:
         """RXD; a register (written); a field (read-modify-write); "READ" (SCIRXBUF); "SUSPEND"; "GATE"."""
         if signal == "RXD":
-            self.line.rxd(now, level)
+            self.rxd(now, level)
             return
         self.run_until(now)
         if signal == "READ":
@@ -107,53 +149,24 @@ class SciRig:
             self.write(signal, level)
         else:
             self.set(**{signal: level})
-        self.line.look()
+        self.look()
 
     def show(self, signal: str) -> int:
         """RXD, TXD, a field, a whole register, or how often RXINT or TXINT was asked for (last hex digit)."""
         if signal in ("RXINT", "TXINT"):
-            return len(self.line.asked[signal]) % 16
+            return self.count(signal) % 16
         if signal == "TXD":
-            return self.line.txd
+            return self.chip.out
         if signal == "RXD":
-            return self.line.level
+            return self.level
         return self.get(signal)
-
-    # Registers.
-
-    def write(self, register: str, value: int) -> None:
-        self.line.write(register, value)
-
-    def read(self, register: str) -> int:
-        return self.line.read(register)
-
-    def peek(self, register: str) -> int:
-        return self.line.peek(register)
-
-    def set(self, **fields: int) -> None:
-        self.line.set(fields)
-
-    def get(self, name: str) -> int:
-        """A field or a whole register, looked at without side effects."""
-        if name in SCI_MAP:
-            return self.peek(name)
-        register = REGISTER_OF[name]
-        return register[name].extract(self.peek(register.name))
-
-    def status(self, name: str) -> int:
-        """A field as the CPU reads it."""
-        register = REGISTER_OF[name]
-        return register[name].extract(self.read(register.name))
-
-    def flags(self, *names: str) -> dict[str, int]:
-        return {name: self.get(name) for name in names}
 
     def reset(self) -> None:
         """System reset, and the module's clock switched on again, which the reset had switched off."""
         self.chip.reset(self.now)
-        self.line.look()
+        self.look()
         self.chip.gate(self.now, True)
-        self.line.look()
+        self.look()
 
     def set_brr(self, brr: int) -> None:
         """Writes both halves; `sciclk` and `bit` follow. The ticks lie anywhere afterwards."""
@@ -181,7 +194,7 @@ class SciRig:
             after = begin + round((place + sub / 8) * length)
             changes.setdefault(after, level)
         for time in sorted(changes):
-            self.line.rxd(time, changes[time])
+            self.rxd(time, changes[time])
         self.run_until(begin + round(len(levels(text)) * length))
         return begin
 
@@ -194,11 +207,6 @@ class SciRig:
         return [self.read("SCIRXBUF") for _ in range(self.get("RXFFST"))]
 
     # TXD.
-
-    @property
-    def edges(self) -> list[tuple[int, int]]:
-        """(time, new level) of TXD since switching on."""
-        return self.line.edges
 
     def falls(self) -> list[int]:
         return [time for time, level in self.edges if level == 0]
@@ -215,6 +223,11 @@ class SciRig:
         """The levels in the middle of `count` bits of TXD from `start` on; the rig runs on until they are over."""
         self.run_until(max(self.now, start + count * self.bit))
         return "".join(str(self.txd_at(start + i * self.bit + self.bit // 2)) for i in range(count))
+
+    def put(self, word: int, bits: float = 0, *, sciclk: float = 0, cycles: int = 0) -> None:
+        """Write SCITXBUF, and wait."""
+        self.write("SCITXBUF", word)
+        self.wait(bits, sciclk=sciclk, cycles=cycles)
 
     def transmit(self, word: int, count: int) -> str:
         """Writes `word` to SCITXBUF of an idle transmitter: the first `count` bits from its start bit on."""
@@ -237,18 +250,6 @@ class SciRig:
         """The data of every frame on TXD so far; extra: bits between data and the single stop bit."""
         return [int(text[1 : 1 + bits][::-1], 2) for _, text in self.frames(bits + 2 + extra)]
 
-    # Requests and notes.
-
-    def asked(self, line: str) -> list[int]:
-        """When RXINT or TXINT was asked for."""
-        return self.line.asked[line]
-
-    def count(self, line: str) -> int:
-        return len(self.line.asked[line])
-
-    def notes(self, code: str = "duty") -> list[str]:
-        return [note.text for note in self.chip.notes if note.code == code]
-
     def changes(self, signal: str, cycles: int) -> Iterator[tuple[int, int]]:
         """(time, new value) whenever `signal` changes within the next `cycles`, looked at in every cycle."""
         before = self.show(signal)
@@ -257,95 +258,3 @@ class SciRig:
             if self.show(signal) != before:
                 before = self.show(signal)
                 yield time, before
-
-
-class Module(Sci):
-    """A class of Python, compiled or not: tests put calls of their own in the place of its methods."""
-
-
-class _Line:
-    """The chip as its owner drives it: pins first, then wake-ups, then the CPU; outputs looked at after every call."""
-
-    def __init__(self, options: SciOptions) -> None:
-        self.chip = Module(options=options)
-        self.now = 0
-        self.level = 1
-        self.txd = 1
-        self.edges: list[tuple[int, int]] = []
-        self.asked: dict[str, list[int]] = {"RXINT": [], "TXINT": []}
-
-    def set_up(self, brr: int | None, fields: dict[str, int]) -> _Line:
-        self.chip.gate(0, True)
-        self.look()
-        if brr is not None:
-            self.write("SCIHBAUD", brr >> 8)
-            self.write("SCILBAUD", brr & 0xFF)
-        last = {"SCICTL1": 1, "SCICTL2": 2, "SCIFFCT": 3}
-        for name in sorted(fields, key=lambda n: last.get(REGISTER_OF[n].name, 0)):
-            if REGISTER_OF[name].name not in last:
-                self.set({name: fields[name]})
-        for register in last:
-            group = {n: v for n, v in fields.items() if REGISTER_OF[n].name == register}
-            if group:
-                self.set(group)
-        self.run_until(START)
-        return self
-
-    def start_of_a_frame(self) -> int:
-        self.write("SCITXBUF", 0)
-        while not self.edges:
-            self.run_until(self.now + 16)
-        return self.edges[0][0]
-
-    def run_until(self, time: int) -> None:
-        chip = self.chip
-        while chip.next_wake <= time:
-            due = chip.next_wake
-            assert due >= self.now, f"asks to be woken at {due}, but it is already {self.now}"
-            self.now = due
-            chip.wake(due)
-            self.look()
-            assert chip.next_wake > due, f"asks to be woken again in cycle {due}"
-        self.now = max(self.now, time)
-
-    def rxd(self, now: int, level: int) -> None:
-        self.run_until(now - 1)
-        self.now = now
-        if level != self.level:
-            self.level = level
-            self.chip.pins(now, level)
-            self.look()
-        self.run_until(now)
-
-    def write(self, register: str, value: int) -> None:
-        self.run_until(self.now)
-        self.chip.write(self.now, SCI_MAP[register].offset, value)
-        self.look()
-
-    def read(self, register: str) -> int:
-        self.run_until(self.now)
-        value = self.chip.read(self.now, SCI_MAP[register].offset)
-        self.look()
-        return value
-
-    def peek(self, register: str) -> int:
-        return self.chip.peek(self.now, SCI_MAP[register].offset)
-
-    def set(self, fields: dict[str, int]) -> None:
-        """One read-modify-write for each register the fields are in."""
-        for register in SCI_MAP:
-            names = [n for n in fields if n in REGISTER_OF and REGISTER_OF[n] is register]
-            if names:
-                value = self.peek(register.name)
-                for name in names:
-                    value = register[name].put(value, fields[name])
-                self.write(register.name, value)
-
-    def look(self) -> None:
-        if self.chip.out != self.txd:
-            self.txd = self.chip.out
-            self.edges.append((self.now, self.txd))
-        for i, line in enumerate(("RXINT", "TXINT")):
-            if self.chip.requests >> i & 1:
-                self.asked[line].append(self.now)
-        self.chip.requests = 0

@@ -8,11 +8,13 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
+from typing import Self
 
 from periph_sim.core.options import options_from
 from periph_sim.f28335.spi.module import Spi
 from periph_sim.f28335.spi.options import SpiOptions
 from periph_sim.f28335.spi.register_map import SPI_MAP
+from tests.f28335.module_rig import ModuleRig
 
 LSPCLK = 4  # SYSCLKOUT cycles
 BIT = 4 * LSPCLK  # at SPIBRR = 3
@@ -29,11 +31,14 @@ FIFO = {"SPIRST": 1, "SPIFFENA": 1, "TXFIFO": 1, "RXFIFORESET": 1}
 SCHEMES = [(polarity, phase) for polarity in (0, 1) for phase in (0, 1)]
 
 
-class SpiRig:
+class SpiRig(ModuleRig):
     """options: open questions by name. setting: MASTER or SLAVE. fields: fields or whole registers, beside these.
 
     The rig begins one cycle before an LSPCLK edge, so that a transfer begins in the column of its write.
     """
+
+    chip: Spi
+    register_of = REGISTER_OF
 
     def __init__(
         self,
@@ -44,13 +49,8 @@ class SpiRig:
         fifo: bool = False,
         **fields: int,
     ) -> None:
-        self.chip = Spi(options=options_from(SpiOptions, options or {}))
+        super().__init__(Spi(options=options_from(SpiOptions, options or {})))
         self.levels = HIGH
-        self.now = 0
-        self.asked: dict[str, list[int]] = {"RXINT": [], "TXINT": []}
-        self.edges: list[tuple[int, int]] = [(0, self.chip.out)]  # (time, levels of the outputs) after the set-up
-        self.chip.gate(0, True)
-        self.look()
         together = {**setting, **(FIFO if fifo else {}), **fields}
         released = together.pop("SPISWRESET", 0)
         if together.pop("CLKPOLARITY", 0):
@@ -62,35 +62,17 @@ class SpiRig:
                 self.set(**{name: value})
         self.set(SPISWRESET=released)
         self.run_until(8 * LSPCLK - 1)
-        self.edges = [(self.now, self.chip.out)]
+        self.edges = [(self.now, self.chip.out)]  # after the set-up
 
     # Time.
-
-    def run_until(self, time: int) -> None:
-        chip = self.chip
-        while chip.next_wake <= time:
-            due = chip.next_wake
-            assert due >= self.now, f"asks to be woken at {due}, but it is already {self.now}"
-            self.now = due
-            chip.wake(due)
-            self.look()
-            assert chip.next_wake > due, f"asks to be woken again in cycle {due}"
-        self.now = max(self.now, time)
 
     def wait(self, bits: float = 0, *, cycles: int = 0) -> None:
         self.run_until(self.now + round(bits * BIT) + cycles)
 
-    def look(self) -> None:
-        """Do what the owner of a chip does after each call."""
-        chip = self.chip
-        for i, line in enumerate(chip.LINES):
-            if chip.requests >> i & 1:
-                self.asked[line].append(self.now)
-        chip.requests = 0
-        if chip.out != self.edges[-1][1]:
-            self.edges.append((self.now, chip.out))
-
     # Signals of a diagram.
+
+    def columns(self) -> tuple[int, int]:
+        return HALF, self.now
 
     def drive(self, now: int, signal: str, level: int) -> None:
         """A pin; a register (written); a field (read-modify-write); "READ" (SPIRXBUF); "SUSPEND"; "GATE".
@@ -138,47 +120,25 @@ class SpiRig:
             return len(self.asked[signal]) % 16
         return self.get(signal) & 0xF
 
-    # Registers.
-
-    def write(self, register: str, value: int) -> None:
-        self.chip.write(self.now, SPI_MAP[register].offset, value)
-        self.look()
-
-    def read(self, register: str) -> int:
-        value = self.chip.read(self.now, SPI_MAP[register].offset)
-        self.look()
-        return value
-
-    def peek(self, register: str) -> int:
-        return self.chip.peek(self.now, SPI_MAP[register].offset)
-
-    def set(self, **fields: int) -> None:
-        """Read-modify-write of each field."""
-        for name, value in fields.items():
-            register = REGISTER_OF[name]
-            self.write(register.name, register[name].put(self.peek(register.name), value))
-
-    def get(self, name: str) -> int:
-        """A field or a whole register, looked at without side effects."""
-        if name in SPI_MAP:
-            return self.peek(name)
-        register = REGISTER_OF[name]
-        return register[name].extract(self.peek(register.name))
-
-    def flags(self, *names: str) -> dict[str, int]:
-        return {name: self.get(name) for name in names}
-
     def received(self) -> list[int]:
         """All words in the receive FIFO, taken out, oldest first."""
         return [self.read("SPIRXBUF") for _ in range(self.get("RXFFST"))]
 
-    def notes(self, code: str) -> list[str]:
-        return [note.text for note in self.chip.notes if note.code == code]
+    def send(self, word: int, bits: float) -> None:
+        """Write SPITXBUF, and wait for so many bits."""
+        self.write("SPITXBUF", word)
+        self.wait(bits)
 
     # A master that is no module, for a slave.
 
     def select(self, low: bool = True) -> None:
         self.pin(self.now + HALF, STE=0 if low else 1)
+
+    def select_idle(self) -> Self:
+        """SPICLK goes to 0, its idle level with CLKPOLARITY = 0; then SPISTE falls."""
+        self.pin(self.now, CLK=0)
+        self.select()
+        return self
 
     def clock(self, bits: str, half: int = HALF) -> list[int]:
         """Make a period of SPICLK for each bit, which SPISIMO has; return SPISOMI as a master would latch it.

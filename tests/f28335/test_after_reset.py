@@ -39,8 +39,7 @@ def two_bytes_unread(rig: Rig) -> None:
 
 
 def fifos_in_use(rig: Rig) -> None:
-    rig.write("I2CFFTX", FFEN | FFRST | FFIENA | 4)
-    rig.write("I2CFFRX", FFRST | FFIENA | 1)
+    rig.set_fifos(FFEN | FFRST | FFIENA | 4, FFRST | FFIENA | 1)
     rig.begin()
     for byte in range(5):
         rig.write("I2CDXR", byte)
@@ -259,18 +258,18 @@ def sci_story(rig: SciRig) -> None:
 
 def sci_seen(rig: SciRig) -> list[tuple[object, ...]]:
     begin, found = rig.now, []
-    edges, asked = len(rig.edges), {line: len(rig.asked(line)) for line in ("RXINT", "TXINT")}
+    edges, asked = len(rig.edges), {line: len(rig.asked[line]) for line in ("RXINT", "TXINT")}
     rig.chip.notes.clear()
-    look = rig.line.look
+    look = rig.look
 
     def looking() -> None:
         look()
         found.append((rig.now - begin, *(rig.peek(register.name) for register in SCI_MAP)))
 
-    rig.line.look = looking  # type: ignore[method-assign]
+    rig.look = looking  # type: ignore[method-assign]
     sci_story(rig)
     found += [(time - begin, level) for time, level in rig.edges[edges:]]
-    found += [(line, time - begin) for line, before in asked.items() for time in rig.asked(line)[before:]]
+    found += [(line, time - begin) for line, before in asked.items() for time in rig.asked[line][before:]]
     return [*found, *rig.chip.notes]
 
 
@@ -290,15 +289,15 @@ def sci_seen(rig: SciRig) -> list[tuple[object, ...]]:
 )
 def test_sci(use: Callable[[SciRig], None]):
     used, fresh = SciRig(fifo=True, RXFFIENA=1), SciRig(raw=True)
-    fresh.chip = fresh.line.chip = Sci()  # that nobody has touched
+    fresh.chip = Sci()  # that nobody has touched
     use(used)
-    used.line.rxd(used.now + 1, 1)
+    used.rxd(used.now + 1, 1)
     used.run_until(used.now + 4 - used.now % 4)  # on an edge of LSPCLK
-    asked = {line: used.count(line) for line in used.line.asked}
+    asked = {line: used.count(line) for line in used.asked}
     used.chip.reset(used.now)
-    used.line.look()
+    used.look()
     assert used.chip.out == 1
-    assert {line: used.count(line) for line in used.line.asked} == asked
+    assert {line: used.count(line) for line in used.asked} == asked
     for rig in (used, fresh):
         rig.run_until(rig.now + 1600 - rig.now % 4)
         rig.chip.gate(rig.now, True)

@@ -108,8 +108,7 @@ def test_spi_that_is_woken_late_has_done_at_a_pin_what_was_due_before_it():
 @pytest.mark.parametrize(("address", "read", "said"), [(OTHER, 0, (46, 2)), (OTHER, 1, (46, 2)), (OWN, 0, (50, 4))])
 def test_i2c_edges_without_a_flag_move_outputs_alone(address: int, read: int, said: tuple[int, int]):
     """Flags rise with START and STOP, and with the address (AAS) and the byte (RRDY) that are for us."""
-    rig = Rig(noise_filter_cycles=1)
-    rig.begin()
+    rig = Rig(noise_filter_cycles=1).begin()
     found = counted(rig.chip)
     rig.address(address, read)
     rig.send(0xFF if address == OTHER else 0x35)
@@ -121,11 +120,9 @@ def test_i2c_edges_without_a_flag_move_outputs_alone(address: int, read: int, sa
 
 def test_i2c_byte_read_moves_outputs_alone():
     """But for BB, SDIR with AAS, XRDY, NACK and SCD."""
-    rig = Rig(noise_filter_cycles=1)
-    rig.begin()
+    rig = Rig(noise_filter_cycles=1).begin()
     said = counted(rig.chip)
-    rig.start()
-    rig.send_bits(OWN << 1 | 1)
+    rig.ask()
     rig.write("I2CDXR", 0x35)
     rig.acked()
     rig.take(ack=False)
@@ -136,8 +133,7 @@ def test_i2c_byte_read_moves_outputs_alone():
 
 def test_i2c_master_is_looked_at_where_a_flag_moves():
     """BB, with the START, XRDY, and NACK with ARDY of an address without an answer; STT falls with the START's end."""
-    rig = Rig(noise_filter_cycles=1)
-    rig.begin()
+    rig = Rig(noise_filter_cycles=1).begin()
     said = counted(rig.chip)
     rig.write("I2CSAR", OTHER)
     rig.write("I2CCNT", 1)
@@ -151,8 +147,7 @@ def test_i2c_master_is_looked_at_where_a_flag_moves():
 @pytest.mark.parametrize("late", [0, 1, 40])
 def test_i2c_edge_told_after_something_was_due_brings_that_first(late: int):
     """The filter holds a START back for 15 cycles; SCL's fall comes when it is due, or later, and nobody woke it."""
-    rig = Rig(noise_filter_cycles=1)
-    rig.begin()
+    rig = Rig(noise_filter_cycles=1).begin()
     rig.wait(100)
     rig.chip.pins(rig.now, 0b01)
     due = rig.chip.next_wake
@@ -164,8 +159,7 @@ def test_i2c_edge_told_after_something_was_due_brings_that_first(late: int):
 @pytest.mark.parametrize("look", ["peek", "read"])
 def test_i2c_register_shows_what_is_due_in_that_cycle(look: str):
     """The START that the filter held back; nobody woke the module for it."""
-    rig = Rig(noise_filter_cycles=1)
-    rig.begin()
+    rig = Rig(noise_filter_cycles=1).begin()
     rig.wait(100)
     rig.chip.pins(rig.now, 0b01)
     due = rig.chip.next_wake
@@ -186,10 +180,8 @@ def test_sci_edge_told_after_something_was_due_brings_that_first(late: int):
 
 def test_i2c_is_looked_at_as_bytes_come_into_its_fifo():
     """BB, AAS, two bytes, of which the second reaches RXFFIL, and SCD: the FIFO's level is all that the first moves."""
-    rig = Rig(noise_filter_cycles=1)
-    rig.begin()
-    rig.write("I2CFFTX", 0x4000)
-    rig.write("I2CFFRX", 0x2002)
+    rig = Rig(noise_filter_cycles=1).begin()
+    rig.set_fifos(0x4000, 0x2002)
     said = counted(rig.chip)
     rig.start()
     rig.address(OWN, 0)
@@ -203,8 +195,7 @@ def test_i2c_is_looked_at_as_bytes_come_into_its_fifo():
 
 def test_i2c_is_looked_at_also_where_an_edge_brings_back_what_it_showed_before_an_access():
     """Two equal bytes: RRDY rises with the first, the CPU's read clears it, and the second shows the same again."""
-    rig = Rig(noise_filter_cycles=1)
-    rig.begin()
+    rig = Rig(noise_filter_cycles=1).begin()
     said = counted(rig.chip)
     rig.start()
     rig.address(OWN, 0)

@@ -52,8 +52,7 @@ def written_to(rig: Rig) -> None:
 
 
 def read_and_refused(rig: Rig) -> None:
-    rig.start()
-    rig.send_bits(OWN << 1 | 1)
+    rig.ask()
     rig.write("I2CDXR", 0x5A)
     rig.acked()
     rig.take(ack=False)
@@ -120,10 +119,8 @@ def test_without_an_enable_no_flag_asks(story: Callable[[Rig], None]):
 @pytest.mark.parametrize(("tx", "rx"), [(0, 0), (FFIENA, 0), (0, FFIENA), (FFIENA, FFIENA)])
 @pytest.mark.parametrize(("tx_level", "rx_level"), [(0, 1), (4, 2), (16, 16)])
 def test_a_fifo_asks_where_its_flag_is_1_and_enabled(tx: int, rx: int, tx_level: int, rx_level: int):
-    rig = Rig()
-    rig.begin()
-    rig.write("I2CFFTX", FFEN | FFRST | tx | tx_level)
-    rig.write("I2CFFRX", FFRST | rx | rx_level)
+    rig = Rig().begin()
+    rig.set_fifos(FFEN | FFRST | tx | tx_level, FFRST | rx | rx_level)
     rig.address(OWN)
     for byte in (1, 2, 3):
         rig.send(byte)

@@ -34,7 +34,7 @@ from periph_sim.f28335.pie.module import Pie
 from periph_sim.f28335.pie.register_map import PIEACK, PIECTRL, PIEIER, PIEIFR, line_vector
 from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.c28x.encodings import by_id
-from tests.waves import play, tidy
+from tests.waves import DiagramRig
 
 IFR_DELAY = 4
 
@@ -80,7 +80,7 @@ def in_isr(number: int = 9, **options: str) -> tuple[Core, int]:
     return core, core.ready
 
 
-class Rig:
+class Rig(DiagramRig):
     """PIE and CPU as a board joins them, running code whose every cycle is an instruction boundary.
 
     REQ requests lines of group 9, REQ8 of group 8. ISR is 1 while a routine runs (from its first
@@ -143,24 +143,22 @@ class Rig:
 
 @pytest.mark.rule("SYS-127", "SYS-132", "SYS-138", "SYS-139")
 def test_14_cycles_from_the_request_to_the_first_instruction():
-    diagram = """
+    Rig().check("""
         > REQ    .1.. .... .... .... ..
         < IFR9   0... .... .... .... ..
         < TAKEN  0... .9.. .... .... ..
         < LINE   0... ..1. .... .... ..
         < ISR    0... .... .... ...1 ..
-    """
-    assert play(diagram, Rig(), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-127")
 def test_the_ifr_bit_rises_4_cycles_after_the_request_and_stays():
-    diagram = """
+    Rig(ier=0).check("""
         > REQ    .1.. .... .... ....
         < IFR9   0... .1.. .... ....
         < TAKEN  0... .... .... ....
-    """
-    assert play(diagram, Rig(ier=0), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-127")
@@ -206,13 +204,12 @@ def test_open_int_latency(latency):
 )
 def test_open_vector_fetch_waits(waits, isr):
     """The vector is chosen when its fetch begins; what the fetch takes longer comes behind that."""
-    diagram = f"""
+    Rig(vector_fetch_waits=waits).check(f"""
         > REQ    .1.. .... .... .... ...
         < TAKEN  0... .9.. .... .... ...
         < LINE   0... ..1. .... .... ...
         < ISR    {isr}
-    """
-    assert play(diagram, Rig(vector_fetch_waits=waits), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-138")
@@ -247,41 +244,37 @@ def test_every_cycle_is_sampled(at):
 @pytest.mark.rule("SYS-106", "SYS-107")
 def test_the_vector_is_chosen_one_cycle_after_the_entry_began():
     """Line 2 comes in the last cycle in which it can still overtake line 4; a cycle later it has to wait."""
-    overtakes = """
+    Rig().check("""
         > REQ   4... .2.. ....
         < LINE  0... .2.. ....
-    """
-    waits = """
+    """)
+    Rig().check("""
         > REQ   4... ..2. ....
         < LINE  0... .4.. ....
-    """
-    assert play(overtakes, Rig(), 1) == tidy(overtakes)
-    assert play(waits, Rig(), 1) == tidy(waits)
+    """)
 
 
 @pytest.mark.rule("SYS-112")
 def test_of_two_groups_the_lower_is_served_first():
-    diagram = """
+    # A routine of two instructions; the second entry begins when IRET is over.
+    Rig().check("""
         > REQ    1... .... .... .... .... .... .... .... ....
         > REQ8   2... .... .... .... .... .... .... .... ....
         > IRET   .... .... .... .... 1... .... .... .... ....
         < TAKEN  0... 8... .... .... .... .... 9... .... ....
         < LINE   0... .2.. .... .... .... .... .1.. .... ....
         < ISR    0... .... .... ..1. 0... .... .... .... ..1.
-    """
-    # A routine of two instructions; the second entry begins when IRET is over.
-    assert play(diagram, Rig(), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-108", "SYS-125")
 def test_pieier_cleared_on_the_way_runs_line_1():
-    diagram = """
+    Rig().check("""
         > REQ      3... .... .... ....
         > PIEIER9  .... 0... .... ....
         < TAKEN    0... 9... .... ....
         < LINE     0... .1.. .... ....
-    """
-    assert play(diagram, Rig(), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-110", "SYS-137")

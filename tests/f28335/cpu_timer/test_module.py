@@ -26,7 +26,7 @@ from periph_sim.f28335.cpu_timer.register_map import (
 )
 from periph_sim.f28335.pie.register_map import CPU_VECTORS, LINES
 from periph_sim.f28335.system_options import SystemOptions
-from tests.waves import play, tidy
+from tests.waves import DiagramRig
 
 TIF, TIE, TRB, TSS = 0x8000, 0x4000, 0x20, 0x10
 
@@ -55,7 +55,7 @@ def prescale(chip: CpuTimer, now: int) -> int:
     return chip.peek(now, TPRH.offset) & 0xFF00 | chip.peek(now, TPR.offset) >> 8
 
 
-class TimerRig:
+class TimerRig(DiagramRig):
     """A running timer: TIM, PSC, TIF as a debugger sees them; TINT is 1 in the cycle of a request."""
 
     def __init__(self, chip: CpuTimer) -> None:
@@ -113,65 +113,59 @@ def test_reset_state_and_that_it_runs():
 
 @pytest.mark.rule("SYS-084", "SYS-085", "SYS-087", "SYS-089")
 def test_counts_down_asks_at_zero_and_reloads():
-    diagram = """
+    TimerRig(started(3, 0, TIE)).check("""
         < TIM   3 2 1 0 3 2 1 0 3 2
         < TIF   0 . . 1 . . . . . .
         < TINT  0 . . 1 0 . . 1 0 .
-    """
-    assert play(diagram, TimerRig(started(3, 0, TIE)), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-084", "SYS-085", "SYS-086", "SYS-087", "SYS-089")
 def test_the_prescaler_steps_the_count():
-    diagram = """
+    TimerRig(started(2, 2, TIE)).check("""
         < PSC   210 210 210 210 210 210
         < TIM   2.. 1.. 0.. 2.. 1.. 0..
         < TIF   0.. ... 1.. ... ... ...
         < TINT  0.. ... 10. ... ... 10.
-    """
-    assert play(diagram, TimerRig(started(2, 2, TIE)), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-087")
 def test_open_timer_tif_point_on_zero():
-    diagram = """
+    chip = started(2, 2, timer_tif_point="on_zero")
+    TimerRig(chip).check("""
         < TIM  2.. 1.. 0.. 2..
         < TIF  0.. ... 1.. ...
-    """
-    chip = started(2, 2, timer_tif_point="on_zero")
-    assert play(diagram, TimerRig(chip), 1) == tidy(diagram)
+    """)
     assert chip.touched == {"timer_tif_point"}
 
 
 @pytest.mark.rule("SYS-087")
 def test_open_timer_tif_point_on_reload():
-    diagram = """
+    chip = started(2, 2, timer_tif_point="on_reload")
+    TimerRig(chip).check("""
         < TIM  2.. 1.. 0.. 2..
         < TIF  0.. ... ... 1..
-    """
-    chip = started(2, 2, timer_tif_point="on_reload")
-    assert play(diagram, TimerRig(chip), 1) == tidy(diagram)
+    """)
     assert chip.touched == {"timer_tif_point"}
 
 
 @pytest.mark.rule("SYS-088")
 def test_writing_1_clears_tif_and_0_does_not():
-    diagram = """
+    TimerRig(started(2, 0)).check("""
         < TIM    2 1 0 2 1 0 2 1 0
         > W1TIF  . . . . 0 . 1 . .
         < TIF    0 . 1 . . . 0 . 1
-    """
-    assert play(diagram, TimerRig(started(2, 0)), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-089")
 def test_without_tie_zero_only_sets_tif():
-    diagram = """
+    TimerRig(started(2, 0)).check("""
         < TIM   2 1 0 2 1 0
         < TIF   0 . 1 . . .
         < TINT  0 . . . . .
-    """
-    assert play(diagram, TimerRig(started(2, 0)), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-097")
@@ -194,32 +188,29 @@ def test_enabling_in_the_write_that_clears_tif_does_not_ask():
 
 @pytest.mark.rule("SYS-090")
 def test_trb_reloads_count_and_prescaler_and_reads_0():
-    diagram = """
+    chip = started(3, 2)
+    TimerRig(chip).check("""
         > TRB  ... . 1 . ... ...
         < PSC  210 2 . 1 021 021
         < TIM  3.. 2 3 . .2. .1.
-    """
-    chip = started(3, 2)
-    assert play(diagram, TimerRig(chip), 1) == tidy(diagram)
+    """)
     assert not chip.peek(20, TCR.offset) & TRB
 
 
 @pytest.mark.rule("SYS-091")
 def test_tss_stops_and_starts_again_where_it_stood():
-    diagram = """
+    TimerRig(started(3, 2)).check("""
         > TSS  ... . . 1 ... 0 . ...
         < PSC  210 2 1 0 ... . 2 102
         < TIM  3.. 2 . . ... . 1 ..0
-    """
-    assert play(diagram, TimerRig(started(3, 2)), 1) == tidy(diagram)
+    """)
 
 
 def test_without_its_clock_it_stands_still():
-    diagram = """
+    TimerRig(started(6, 0)).check("""
         > CLOCK  . . . 0 . . 1 . .
         < TIM    6 5 4 3 . . . 2 1
-    """
-    assert play(diagram, TimerRig(started(6, 0)), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-092")

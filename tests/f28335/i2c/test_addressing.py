@@ -14,9 +14,7 @@ HEAD = 0xF0 | TEN >> 8 << 1  # 11110 10 0
 
 
 def ten_bit(address: int = TEN, **options) -> Rig:
-    rig = Rig(**options)
-    rig.begin(XA, oar=address)
-    return rig
+    return Rig(**options).begin(XA, oar=address)
 
 
 # 7-bit
@@ -26,8 +24,7 @@ def ten_bit(address: int = TEN, **options) -> Rig:
 @settings(max_examples=60, deadline=None)
 @given(own=st.integers(1, 0x7F), sent=st.integers(1, 0x7F), read=st.integers(0, 1))
 def test_a_7_bit_slave_acknowledges_its_own_address_and_no_other(own, sent, read):
-    rig = Rig(bit=120)
-    rig.begin(oar=own)
+    rig = Rig(bit=120).begin(oar=own)
     assert rig.address(sent, read) == (own == sent)
     assert rig.flag("AAS") == (own == sent)
     assert rig.flag("SDIR") == (own == sent and read)
@@ -37,8 +34,7 @@ def test_a_7_bit_slave_acknowledges_its_own_address_and_no_other(own, sent, read
 @pytest.mark.rule("I2C-074", "I2C-077")
 def test_the_address_is_the_first_seven_bits_and_comes_most_significant_bit_first():
     """0x43 = 100 0011 is its own mirror image but for one bit; 110 0001 must not match."""
-    rig = Rig()
-    rig.begin(oar=0x43)
+    rig = Rig().begin(oar=0x43)
     assert not rig.address(0x61)
     rig.stop()
     assert rig.address(0x43)
@@ -47,11 +43,9 @@ def test_the_address_is_the_first_seven_bits_and_comes_most_significant_bit_firs
 @pytest.mark.rule("I2C-082")
 def test_in_7_bit_mode_ones_above_bit_6_of_oar_break_a_duty():
     """And the comparison is with bits 6 to 0."""
-    rig = Rig()
-    rig.begin(oar=OWN)
+    rig = Rig().begin(oar=OWN)
     assert rig.duties() == []
-    rig = Rig()
-    rig.begin(oar=0x380 | OWN)
+    rig = Rig().begin(oar=0x380 | OWN)
     assert rig.duties() == ["I2COAR = 0x3c8 has bits 9 to 7 set with XA = 0; expected 0 there"]
     assert rig.address(OWN)
     assert rig.duties() == []
@@ -71,8 +65,7 @@ def test_a_10_bit_address_may_be_written_before_xa(xa_first):
 
 @pytest.mark.rule("I2C-082")
 def test_an_own_address_written_with_irs_1_is_checked_at_once():
-    rig = Rig()
-    rig.begin(oar=OWN)
+    rig = Rig().begin(oar=OWN)
     rig.write("I2COAR", 0x2C8)
     assert rig.duties() == [
         "I2COAR was written with IRS = 1; write configuration while IRS = 0",
@@ -82,8 +75,7 @@ def test_an_own_address_written_with_irs_1_is_checked_at_once():
 
 @pytest.mark.rule("I2C-093")
 def test_after_a_foreign_address_data_are_not_acknowledged_either():
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     assert not rig.address(OTHER)
     assert not rig.send(0x12)
     assert not rig.send(OWN << 1)
@@ -92,8 +84,7 @@ def test_after_a_foreign_address_data_are_not_acknowledged_either():
 
 @pytest.mark.rule("I2C-075", "I2C-085", "I2C-093")
 def test_the_acknowledge_is_pulled_for_the_ninth_pulse_alone():
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.start()
     for n in reversed(range(1, 8)):
         rig.clock((OWN << 1) >> n & 1)
@@ -113,8 +104,7 @@ def test_the_acknowledge_is_pulled_for_the_ninth_pulse_alone():
 
 @pytest.mark.rule("I2C-042", "I2C-099")
 def test_a_slave_lets_the_bus_alone_and_takes_its_clock():
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.wait(100_000)
     assert rig.chip.out == 3
     rig.address()
@@ -126,8 +116,7 @@ def test_a_slave_lets_the_bus_alone_and_takes_its_clock():
 @pytest.mark.rule("I2C-035", "I2C-036")
 @pytest.mark.parametrize("bits", [STT, STP, STT | STP])
 def test_start_and_stop_bits_do_nothing_in_a_slave(bits):
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.write("I2CMDR", IRS | bits)
     rig.wait(100_000)
     assert rig.chip.out == 3
@@ -156,8 +145,7 @@ def test_the_direction_of_a_slave_is_the_masters_choice(trx):
 @pytest.mark.parametrize("stb", [0, STB])
 @pytest.mark.parametrize("oar", [0, 1, OWN])
 def test_a_slave_ignores_a_start_byte(stb, oar):
-    rig = Rig()
-    rig.begin(stb, oar)
+    rig = Rig().begin(stb, oar)
     rig.start()
     assert not rig.send(0x01)
     assert rig.status(AAS | SDIR | RRDY) == 0
@@ -182,8 +170,7 @@ def test_stb_changes_nothing_in_a_slave():
 @pytest.mark.rule("I2C-090", "I2C-217", "I2C-226")
 @pytest.mark.parametrize("mode, oar", [(0, OWN), (0, 0x7F), (XA, TEN)])
 def test_the_general_call_is_answered(mode, oar):
-    rig = Rig()
-    rig.begin(mode, oar)
+    rig = Rig().begin(mode, oar)
     assert rig.address(0)
     assert rig.status(AAS | AD0 | SDIR) == AAS | AD0
     assert rig.send(0x06)
@@ -215,8 +202,7 @@ def test_a_10_bit_slave_acknowledges_both_address_bytes():
 @settings(max_examples=60, deadline=None)
 @given(own=st.integers(1, 0x3FF), flips=st.sampled_from([0, *(1 << n for n in range(10))]))
 def test_a_10_bit_slave_compares_all_ten_bits(own, flips):
-    rig = Rig(bit=120)
-    rig.begin(XA, own)
+    rig = Rig(bit=120).begin(XA, own)
     rig.start()
     sent = own ^ flips
     first = rig.send(0xF0 | sent >> 8 << 1)
@@ -272,16 +258,14 @@ def test_10_bit_read_after_another_slave_was_addressed_is_not_answered(foreign):
 
 @pytest.mark.rule("I2C-087")
 def test_a_10_bit_slave_does_not_answer_by_seven_bits():
-    rig = Rig()
-    rig.begin(XA, OWN)
+    rig = Rig().begin(XA, OWN)
     assert not rig.address(OWN)
 
 
 @pytest.mark.rule("I2C-087")
 def test_a_7_bit_slave_does_not_answer_by_ten_bits():
     """0x78 is what the 10-bit head 1111 000 looks like to seven bits; 0x2C5's head is 0x7A."""
-    rig = Rig()
-    rig.begin(0, TEN & 0x7F)
+    rig = Rig().begin(0, TEN & 0x7F)
     rig.start()
     assert not rig.send(HEAD)
     assert not rig.send(TEN & 0xFF)
@@ -294,8 +278,7 @@ def test_a_7_bit_slave_does_not_answer_by_ten_bits():
 @pytest.mark.rule("I2C-054", "I2C-315", "I2C-316", "I2C-317", "I2C-319", "I2C-218", "I2C-320")
 @pytest.mark.parametrize("oar", [0, OWN, 0x7F])
 def test_free_data_format_the_first_byte_is_data_whatever_it_is(oar):
-    rig = Rig()
-    rig.begin(FDF, oar)
+    rig = Rig().begin(FDF, oar)
     rig.start()
     assert rig.send(0xB1)
     assert rig.status(AAS | RRDY | SDIR) == AAS | RRDY
@@ -307,8 +290,7 @@ def test_free_data_format_the_first_byte_is_data_whatever_it_is(oar):
 
 @pytest.mark.rule("I2C-054", "I2C-317", "I2C-315")
 def test_free_data_format_with_trx_the_slave_sends_from_the_first_bit_on():
-    rig = Rig()
-    rig.begin(FDF | TRX)
+    rig = Rig().begin(FDF | TRX)
     rig.write("I2CDXR", 0x9D)
     rig.start()
     assert rig.take() == 0x9D
@@ -321,8 +303,7 @@ def test_free_data_format_with_trx_the_slave_sends_from_the_first_bit_on():
 @pytest.mark.rule("I2C-315")
 @pytest.mark.parametrize("bits", [2, 4, 7])
 def test_free_data_format_the_first_byte_has_bc_bits(bits):
-    rig = Rig()
-    rig.begin(FDF | bits)
+    rig = Rig().begin(FDF | bits)
     rig.start()
     value = 0b1011011 >> 7 - bits
     assert rig.send(value, bits)
@@ -332,15 +313,13 @@ def test_free_data_format_the_first_byte_has_bc_bits(bits):
 @pytest.mark.rule("I2C-320")
 @pytest.mark.parametrize("xa, answered", [(0, True), (XA, False)])
 def test_without_free_data_format_xa_selects_the_format(xa, answered):
-    rig = Rig()
-    rig.begin(xa)
+    rig = Rig().begin(xa)
     assert rig.address() == answered
 
 
 @pytest.mark.rule("I2C-246", "I2C-175")
 def test_a_high_speed_master_code_is_just_a_foreign_address():
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     assert not rig.address(0x08 >> 1)
     assert rig.status(AAS | ARDY) == 0
     rig.stop()

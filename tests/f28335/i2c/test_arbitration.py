@@ -64,8 +64,7 @@ def test_with_equal_addresses_the_lower_data_byte_wins(mine: int, other: int):
     foreign = Foreign(f"S 50W 33 {other:02x} P", at=None)
     target = Target(0x50)
     b = Bench(target, foreign)
-    b.w("I2CCNT", 2)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=2)
     b.w("I2CDXR", 0x33)
     b.until(lambda: b.flag("XRDY"))
     b.w("I2CDXR", mine)
@@ -97,8 +96,7 @@ def test_of_two_modules_the_lower_address_wins(first: int, second: int):
 def test_a_write_wins_over_a_read_of_the_same_address():
     foreign = Foreign("S 50W 12 P", at=None)
     b = Bench(Target(0x50, [0x99]), foreign)
-    b.w("I2CCNT", 1)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=1)
     b.run(40 * SLOT)
     assert b.said() == "S 50W A 12 A P"
     assert b.flags("AL MST") == "AL"

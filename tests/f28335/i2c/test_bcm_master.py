@@ -14,8 +14,7 @@ def seen(bcm: int, mode: str, data: list[int]) -> list[tuple[int, ...]]:
     b = Bench(Target(gives=[0x12, 0x34]))
     b.w("I2CEMDR", bcm)
     b.w("I2CIER", 0x7F)
-    b.w("I2CCNT", 2)
-    b.mode(mode)
+    b.mode(mode, count=2)
     waiting = list(data)
     found = []
     for _ in range(45 * PROBES):

@@ -26,8 +26,7 @@ def lows_and_highs(b: Bench) -> tuple[set[int], set[int]]:
 
 def one_byte(b: Bench) -> None:
     b.w("I2CDXR", 0x5A)
-    b.w("I2CCNT", 1)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1)
     b.stopped()
     assert b.said() == "S 50W A 5a A P"
 
@@ -52,8 +51,7 @@ def one_byte(b: Bench) -> None:
 def test_low_and_high_time(psc: int, clkl: int, clkh: int, low: int, high: int):
     b = Bench(Target(), psc=psc, clkl=clkl, clkh=clkh)
     b.w("I2CDXR", 0x5A)
-    b.w("I2CCNT", 1)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1)
     b.until(lambda: b.flag("SCD"), 100 * (low + high))
     lows, highs = lows_and_highs(b)
     assert (lows, highs) == ({low}, {high})
@@ -67,8 +65,7 @@ def test_low_and_high_time(psc: int, clkl: int, clkh: int, low: int, high: int):
 def test_low_and_high_time_of_any_divisors(clkl: int, clkh: int, psc: int):
     b = Bench(Target(), psc=psc, clkl=clkl, clkh=clkh)
     b.w("I2CDXR", 0x00)
-    b.w("I2CCNT", 1)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1)
     b.until(lambda: b.flag("SCD"), 10**7)
     assert lows_and_highs(b) == ({(psc + 1) * (clkl + 5)}, {(psc + 1) * (clkh + 5)})
 
@@ -241,8 +238,7 @@ def test_a_stretch_shorter_than_the_own_low_period_changes_nothing():
 def test_a_fall_of_scl_made_by_another_device_starts_the_low_period(after: int):
     b = Bench(Target())
     b.w("I2CDXR", 0x5A)
-    b.w("I2CCNT", 1)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1)
     rise = b.edge(SCL, 1, 3)
     b.run(after)
     b.pulse(SCL, 60)
@@ -260,8 +256,7 @@ def test_two_generators_longest_low_shortest_high(low: int, high: int, seen_low:
     foreign = Foreign("S 50W 5A P", at=None, low=low, high=high)
     b = Bench(Target(), foreign)
     b.w("I2CDXR", 0x5A)
-    b.w("I2CCNT", 1)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1)
     first = b.edge(SCL, 0)
     b.edge(SCL, 0, 17)
     edges = [e for e in b.edges if e.line == SCL and e.time >= first]
@@ -288,8 +283,7 @@ def test_a_spike_on_sda_shorter_than_the_filter_is_no_start(cycles: int, seen: b
 @pytest.mark.parametrize("cycles", [1, 8, 14])
 def test_spikes_on_scl_and_sda_do_not_disturb_a_transfer(cycles: int):
     b = Bench(Target(gives=[0xFF]))
-    b.w("I2CCNT", 1)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=1)
     rise = b.edge(SCL, 1, 11)
     b.run(50)
     b.m.pins(b.now, RELEASED & ~(1 << SCL))  # only at the module's own pins: the target has no filter
@@ -310,8 +304,7 @@ def test_spikes_on_scl_and_sda_do_not_disturb_a_transfer(cycles: int):
 def test_a_spike_on_a_stretched_scl_is_not_its_end(width: int, said: str):
     """A filter of 20 module clocks, longer than a low or high time of SCL, lets no acknowledge through either."""
     b = Bench(Target(), options=with_(noise_filter_cycles=width))
-    b.w("I2CCNT", 1)
-    b.mode("MST TRX STT")
+    b.mode("MST TRX STT", count=1)
     b.edge(SCL, 0, 3)
     b.pull(SCL)
     b.run(LOW + 20)

@@ -103,8 +103,7 @@ def test_with_free_a_slave_goes_on():
 @rule("I2C-326")
 def test_a_debugger_read_of_i2cdrr_leaves_rrdy_and_rsfull():
     b = Bench(Target(gives=[1, 2, 3]))
-    b.w("I2CCNT", 3)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=3)
     b.until(lambda: b.flag("RSFULL"))
     assert b.peek("I2CDRR") == 1
     assert b.peek("I2CDRR") == 1

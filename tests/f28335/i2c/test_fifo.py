@@ -15,8 +15,7 @@ SOON = 20
 def fifos(tx: int = 0, rx: int = 0, *, begin: bool = True, **options) -> Rig:
     """FIFO mode; tx and rx are further bits of I2CFFTX and I2CFFRX, levels and enables."""
     rig = Rig(**options)
-    rig.write("I2CFFTX", FFEN | FFRST | tx)
-    rig.write("I2CFFRX", FFRST | rx)
+    rig.set_fifos(FFEN | FFRST | tx, FFRST | rx)
     if begin:
         rig.begin()
     return rig
@@ -84,8 +83,7 @@ def test_what_goes_in_comes_out_in_order(data):
 def test_without_fifo_mode_the_registers_are_single():
     """Reset bits and levels are set, I2CFFEN is not: nothing is counted, no flag comes, the third byte waits."""
     rig = Rig()
-    rig.write("I2CFFTX", FFRST | FFIENA | 4)
-    rig.write("I2CFFRX", FFRST | FFIENA)
+    rig.set_fifos(FFRST | FFIENA | 4, FFRST | FFIENA)
     rig.begin()
     rig.write("I2CDXR", 0x11)
     rig.write("I2CDXR", 0x22)
@@ -158,8 +156,7 @@ def test_txffint_comes_as_soon_as_the_fifo_is_enabled_and_irs_is_1(level):
     rig.begin()
     rig.wait(SOON)
     assert raised(rig, "TX")
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.write("I2CFFTX", FFEN | level)
     assert raised(rig, "TX") == 0
     rig.write("I2CFFTX", FFEN | FFRST | level)
@@ -213,10 +210,8 @@ def test_rxffint_with_level_0_comes_with_enable_and_irs():
     rig.begin()
     rig.wait(SOON)
     assert raised(rig, "RX")
-    rig = Rig()
-    rig.begin()
-    rig.write("I2CFFTX", FFEN)
-    rig.write("I2CFFRX", FFRST)
+    rig = Rig().begin()
+    rig.set_fifos(FFEN, FFRST)
     rig.wait(SOON)
     assert raised(rig, "RX")
 
@@ -338,8 +333,7 @@ def test_after_xrs_the_transmit_flag_comes_anew(mode):
     rig = fifos(fifo_int_mode=mode)
     rig.wait(SOON)
     assert raised(rig, "TX")
-    rig.chip.reset(rig.now)
-    rig.chip.gate(rig.now, True)
+    rig.reset()
     rig.begin()
     rig.write("I2CFFTX", FFEN | FFRST)
     assert raised(rig, "TX")

@@ -63,8 +63,7 @@ def refused_and_stopped() -> Rig:
 
 def ten_bit() -> Rig:
     """A 10-bit slave just addressed; SCL has just fallen."""
-    rig = Rig()
-    rig.begin(XA, TEN)
+    rig = Rig().begin(XA, TEN)
     rig.start()
     rig.send(0xF0 | TEN >> 8 << 1)
     rig.send(TEN & 0xFF)
@@ -72,8 +71,7 @@ def ten_bit() -> Rig:
 
 
 def general_call() -> Rig:
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.address(0)
     return rig
 
@@ -158,8 +156,7 @@ def test_irs_0_and_xrs_bring_the_default_values(make, ones):
     rig.write("I2CMDR", 0)
     assert rig.status() & ~BB == STR_RESET
     rig = make()
-    rig.chip.reset(rig.now)
-    rig.chip.gate(rig.now, True)
+    rig.reset()
     assert rig.status() == STR_RESET
 
 
@@ -169,8 +166,7 @@ def test_reset_sets_xsmt_and_xrdy():
     assert rig.flag("XSMT") == 0
     rig.write("I2CMDR", 0)
     assert rig.status(XSMT) == XSMT
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.write("I2CDXR", 1)
     assert rig.flag("XRDY") == 0
     rig.write("I2CMDR", 0)
@@ -244,8 +240,7 @@ def test_nacksnt_is_set_by_a_nack_that_was_sent_and_not_by_a_foreign_transfer():
     assert rig.flag("NACKSNT") == 0
     rig.send(0x11)
     assert rig.flag("NACKSNT")
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.address(OTHER)
     rig.send(0x11)
     assert rig.flag("NACKSNT") == 0
@@ -276,8 +271,7 @@ def test_nacksnt_survives_start_stop_and_a_read_of_isrc():
 @pytest.mark.rule("I2C-205", "I2C-207", "I2C-340")
 @pytest.mark.parametrize("address", [OWN, OTHER])
 def test_bb_lasts_from_start_to_stop_whoever_is_addressed(address):
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.wait(100)
     rig.put(sda=0)
     assert rig.flag("BB")
@@ -298,8 +292,7 @@ def test_bb_lasts_from_start_to_stop_whoever_is_addressed(address):
 
 @pytest.mark.rule("I2C-205")
 def test_a_clock_edge_without_a_start_leaves_bb_alone():
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.put(scl=0)
     rig.put(sda=0)
     rig.wait(100)
@@ -337,8 +330,7 @@ def test_a_debugger_changes_nothing():
 
 @pytest.mark.rule("I2C-239")
 def test_rrdy_comes_with_a_data_byte_and_with_no_address():
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.address(OTHER)
     rig.send(0x11)
     rig.stop()
@@ -369,8 +361,7 @@ def test_xrdy_and_xsmt_follow_dxr():
 
 @pytest.mark.rule("I2C-238")
 def test_xrdy_is_not_cleared_by_writing_1():
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.write("I2CSTR", XRDY)
     assert rig.flag("XRDY")
 
@@ -380,8 +371,7 @@ def test_xrdy_is_not_cleared_by_writing_1():
 
 @pytest.mark.rule("I2C-216", "I2C-093")
 def test_aas_is_for_the_own_address():
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.address(OTHER)
     assert rig.flag("AAS") == 0
     rig.restart()
@@ -391,8 +381,7 @@ def test_aas_is_for_the_own_address():
 
 @pytest.mark.rule("I2C-217", "I2C-226")
 def test_aas_and_ad0_are_for_the_general_call():
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.start()
     rig.send_bits(0, 7)
     assert rig.status(AAS | AD0) == 0
@@ -403,8 +392,7 @@ def test_aas_and_ad0_are_for_the_general_call():
 
 @pytest.mark.rule("I2C-218")
 def test_aas_in_free_data_format_comes_with_the_first_byte():
-    rig = Rig()
-    rig.begin(FDF)
+    rig = Rig().begin(FDF)
     rig.start()
     rig.send_bits(0x33, 7)
     assert rig.flag("AAS") == 0

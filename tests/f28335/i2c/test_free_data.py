@@ -72,8 +72,7 @@ def test_two_modules_one_as_receiver_one_as_transmitter():
     b = Bench(second=I2cOptions())
     b.mode("FDF TRX", chip=b.s)
     b.w("I2CDXR", 0x93, b.s)
-    b.w("I2CCNT", 2)
-    b.mode("MST STT STP FDF")
+    b.mode("MST STT STP FDF", count=2)
     got = []
     while len(got) < 2:
         b.until(lambda: b.flag("RRDY") or b.flag("XRDY", b.s))

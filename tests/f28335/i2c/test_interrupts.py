@@ -39,8 +39,7 @@ SOON = 20  # cycles in which a request must have come
 
 def lose(ie: int = 0) -> Rig:
     """AL = 1: the chip was told to start while another master held the bus."""
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.write("I2CIER", ie)
     rig.address(OTHER)
     rig.write("I2CSAR", OTHER)
@@ -61,8 +60,7 @@ def refuse(ie: int = 0) -> Rig:
 
 def master_done(ie: int = 0) -> Rig:
     """ARDY = 1: the chip, as master, has sent its one byte and waits for the next command."""
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.write("I2CIER", ie)
     rig.write("I2CSAR", OTHER)
     rig.write("I2CCNT", 1)
@@ -106,8 +104,7 @@ def stopped(ie: int = 0) -> Rig:
 
 def called(ie: int = 0) -> Rig:
     """AAS = 1."""
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.write("I2CIER", ie)
     rig.address()
     return rig
@@ -186,8 +183,7 @@ def test_the_other_flags_ask_for_nothing():
             rig.wait(SOON)
             codes.append(rig.read("I2CISRC"))
 
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.write("I2CIER", 0x7F & ~IE_XRDY & ~IE_AAS & ~IE_RRDY & ~IE_SCD)
     rig.address(0)  # BB, AD0
     drain(rig)
@@ -299,8 +295,7 @@ def test_in_fifo_mode_the_byte_enables_must_be_0(enable, broken, enable_first):
 @pytest.mark.rule("I2C-286")
 def test_in_fifo_mode_the_other_requests_stay_usable():
     rig = Rig()
-    rig.write("I2CFFTX", FFEN | FFRST)
-    rig.write("I2CFFRX", FFRST | 1)
+    rig.set_fifos(FFEN | FFRST, FFRST | 1)
     rig.begin()
     for enable, code in ((IE_AAS, 7), (IE_SCD, 6)):
         rig.write("I2CIER", enable)

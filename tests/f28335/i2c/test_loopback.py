@@ -189,8 +189,7 @@ def test_out_of_loopback_a_start_waits_for_a_clock_that_others_hold(way: str):
 def test_a_receiver_takes_its_count_though_the_filter_hides_every_bit():
     """20 module clocks are more than SCL is high."""
     b = Bench(options=with_(noise_filter_cycles=20))
-    b.w("I2CCNT", 3)
-    b.mode("FREE MST STT STP DLB")
+    b.mode("FREE MST STT STP DLB", count=3)
     b.drain(2)
     assert not b.flag("NACKSNT")
     b.drain(1)
@@ -207,8 +206,7 @@ def test_a_byte_written_just_before_the_stop_comes_back_at_its_time_and_not_in_t
     whole, b = (Bench(options=with_(dlb_delay="after_dxr_write"), psc=14) for _ in range(2))
     for bench in (whole, b):
         bench.w("I2COAR", OWN)
-        bench.w("I2CCNT", 1)
-        bench.mode("FREE MST TRX STT STP DLB")
+        bench.mode("FREE MST TRX STT STP DLB", count=1)
         bench.until(partial(_waits_for_data, bench))
         bench.w("I2CDXR", 0x5C)
     stop = whole.until(lambda: not whole.flag("STP"))

@@ -30,8 +30,7 @@ def test_any_bytes_from_any_address(address: int, data: list[int]):
 @rule("I2C-138", "I2C-139")
 def test_nothing_is_received_when_the_read_address_is_refused():
     b = Bench()
-    b.w("I2CCNT", 2)
-    b.mode("MST STT")
+    b.mode("MST STT", count=2)
     b.until(lambda: b.flag("NACK"))
     b.run(20 * SLOT)
     assert b.said() == "S 50R N"
@@ -41,8 +40,7 @@ def test_nothing_is_received_when_the_read_address_is_refused():
 @rule("I2C-140", "I2C-239", "I2C-240")
 def test_rrdy_tells_of_each_byte_and_falls_when_it_is_read():
     b = Bench(Target(gives=[0x81, 0x42]))
-    b.w("I2CCNT", 2)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=2)
     b.edge(SCL, 0, 10 + 7)
     assert b.flags("RRDY") == ""
     b.until(lambda: b.flag("RRDY"), 3 * SLOT)
@@ -55,8 +53,7 @@ def test_rrdy_tells_of_each_byte_and_falls_when_it_is_read():
 def test_two_unread_bytes_stop_the_clock_low_until_i2cdrr_is_read():
     data = [0x11, 0x22, 0x33, 0x44]
     b = Bench(Target(gives=data))
-    b.w("I2CCNT", 4)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=4)
     b.until(lambda: b.flag("RSFULL"))
     b.run(2 * SLOT)
     assert b.held(40 * SLOT)
@@ -80,15 +77,12 @@ def test_i2ccnt_bytes_are_received_and_i2ccnt_keeps_its_value(count: int):
 @rule("I2C-142", "I2C-243")
 def test_without_stp_the_end_of_the_count_sets_ardy_and_keeps_the_bus():
     b = Bench(Target(gives=[1, 2, 3]))
-    b.w("I2CCNT", 2)
-    b.mode("MST STT")
+    b.mode("MST STT", count=2)
     assert b.drain(2) == [1, 2]
-    b.until(lambda: b.flag("ARDY"))
-    b.run(SLOT)
+    b.after("ARDY")
     assert b.held(20 * SLOT)
     assert b.flags("BB MST SCD") == "BB MST"
-    b.set("STP")
-    b.stopped()
+    b.stop()
     assert b.said().endswith(" P")
 
 
@@ -106,8 +100,7 @@ def test_bc_bits_are_received_right_justified(bc: int):
 def test_a_change_of_bc_within_a_received_byte_acts_on_the_next():
     target = Target(gives=[0xA5, 0x16])
     b = Bench(target)
-    b.w("I2CCNT", 2)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=2)
     b.edge(SCL, 0, 10 + 4)
     b.w("I2CMDR", b.peek("I2CMDR") | 5)
     target.later = {2: 5}
@@ -124,8 +117,7 @@ def test_a_change_of_bc_within_a_received_byte_acts_on_the_next():
 def test_nackmod_refuses_the_byte_in_which_it_is_set_earlier_than_the_count(byte: int):
     target = Target(gives=range(5))
     b = Bench(target)
-    b.w("I2CCNT", 5)
-    b.mode("MST STT")
+    b.mode("MST STT", count=5)
     b.drain(byte)
     b.edge(SCL, 0, 3)
     assert len(target.answers) == byte
@@ -142,8 +134,7 @@ def test_nackmod_refuses_the_byte_in_which_it_is_set_earlier_than_the_count(byte
 def test_nackmod_counts_from_the_rise_of_the_last_data_bit(late: bool, answers: list[int]):
     target = Target(gives=range(5))
     b = Bench(target)
-    b.w("I2CCNT", 5)
-    b.mode("MST STT")
+    b.mode("MST STT", count=5)
     b.edge(SCL, 1, 9 + 8 - (not late))
     b.run(40 if late else 0)
     b.set("NACKMOD")
@@ -167,8 +158,7 @@ def test_nackmod_left_from_transmitting_does_not_refuse_an_address():
 def test_irs_0_in_a_byte_leaves_the_acknowledge_to_nobody():
     target = Target(gives=[0xFF, 0xFF])
     b = Bench(target)
-    b.w("I2CCNT", 2)
-    b.mode("MST STT")
+    b.mode("MST STT", count=2)
     b.edge(SCL, 0, 10 + 6)
     b.w("I2CMDR", 0)
     b.run(SLOT)
@@ -181,8 +171,7 @@ def test_irs_0_in_a_byte_leaves_the_acknowledge_to_nobody():
 def test_stp_set_later_makes_a_nack_and_a_stop_earlier_than_the_count(count: int):
     target = Target(gives=[1, 2, 3])
     b = Bench(target)
-    b.w("I2CCNT", count)
-    b.mode("MST STT")
+    b.mode("MST STT", count=count)
     assert b.drain(1) == [1]
     b.edge(SCL, 0, 4)
     b.set("STP")
@@ -215,8 +204,7 @@ def test_received_bytes_collect_in_the_fifo():
     b = Bench(Target(gives=range(1, 11)))
     b.w("I2CFFTX", 1 << 14)
     b.w("I2CFFRX", 1 << 13)
-    b.w("I2CCNT", 10)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=10)
     b.stopped()
     assert b.peek("I2CFFRX") >> 8 & 31 == 10
     assert [b.r("I2CDRR") for _ in range(10)] == list(range(1, 11))

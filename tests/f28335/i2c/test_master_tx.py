@@ -7,7 +7,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.f28335.i2c.options import I2cOptions
-from tests.waves import play, tidy
 
 from ..i2c_bus import SCL, SLOT, Bench, Foreign, Target, mdr
 from ..i2c_registers import FLAGS, MDR, OFFSET
@@ -39,7 +38,8 @@ def test_flags_along_a_transfer_of_two_bytes_one_column_a_clock_pulse():
     b.w("I2CDXR", 0x5)
     b.mode("MST TRX STT")
     start = b.edge(SCL, 0)
-    diagram = """
+    b.check(
+        """
         > I2CDXR  ........ . ..6..... . ........ . .
         < XRDY    0....... . 1.0..... . 1....... . .
         < ARDY    0....... . ........ . ........ . 1
@@ -47,8 +47,10 @@ def test_flags_along_a_transfer_of_two_bytes_one_column_a_clock_pulse():
         < SCD     0....... . ........ . ........ . .
         < BB      1....... . ........ . ........ . .
         < I2CCNT  2....... . ........ . ........ . .
-    """
-    assert play(diagram, b, SLOT, start) == tidy(diagram)
+    """,
+        SLOT,
+        start=start,
+    )
     assert b.said() == "S 50W A 05 A 06 A"
 
 
@@ -247,8 +249,7 @@ def test_i2ccnt_0_means_65536_bytes():
     b = Bench(Target())
     chip = b.m
     b.w("I2CFFTX", FIFO_ON)
-    b.w("I2CCNT", 0)
-    b.mode("MST TRX STT STP FDF", 1)
+    b.mode("MST TRX STT STP FDF", 1, count=0)
     b.edge(SCL, 0)
     now = b.now
     chip.pins(now, 0b00)
@@ -293,8 +294,7 @@ def test_repeat_mode_each_write_to_i2cdxr_sends_one_byte_and_each_byte_sets_ardy
         b.run(SLOT)
         assert b.held(10 * SLOT)
         assert b.said() == text
-    b.set("STP")
-    b.stopped()
+    b.stop()
     assert b.said() == text + " P"
 
 
@@ -323,8 +323,7 @@ def test_repeat_mode_with_fifo_sends_until_the_fifo_is_empty(count: int):
     assert b.held(30 * SLOT)
     assert b.peek("I2CFFTX") >> 8 & 31 == 0
     assert b.flag("ARDY")
-    b.set("STP")
-    b.stopped()
+    b.stop()
     assert target.got == list(range(count))
 
 
@@ -335,8 +334,7 @@ def test_counted_transfer_takes_its_bytes_from_the_fifo_and_leaves_the_rest():
     b.w("I2CFFTX", FIFO_ON)
     for n in range(5):
         b.w("I2CDXR", n)
-    b.w("I2CCNT", 3)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=3)
     b.stopped()
     assert target.got == [0, 1, 2]
     assert b.peek("I2CFFTX") >> 8 & 31 == 2
@@ -398,12 +396,10 @@ def test_an_absent_slave_leaves_the_status_that_users_saw_on_a_sibling():
     b.w("I2CCNT", 1)
     b.w("I2CDXR", 0x12)
     b.mode("MST TRX STT")
-    b.until(lambda: b.flag("NACK"))
-    b.run(SLOT)
+    b.after("NACK")
     assert b.peek("I2CSTR") == 0x1406
     assert b.held(20 * SLOT)
-    b.set("STP")
-    b.stopped()
+    b.stop()
     assert b.said() == "S 50W N P"
 
 
@@ -416,8 +412,7 @@ def test_a_refused_data_byte_sets_nack_and_no_further_byte_goes_out(number: int)
     b.until(lambda: b.flag("NACK"))
     b.run(20 * SLOT)
     assert b.said() == ["S 50W A 01 N", "S 50W A 01 A 02 N"][number]
-    b.set("STP")
-    b.stopped()
+    b.stop()
     assert b.said().endswith("N P")
 
 
@@ -426,8 +421,7 @@ def test_nack_is_cleared_by_the_next_acknowledge():
     b = Bench(Target())
     b.w("I2CSAR", 0x33)
     b.send([], extra="", count=1)
-    b.until(lambda: b.flag("NACK"))
-    b.run(SLOT)
+    b.after("NACK")
     b.w("I2CSAR", 0x50)
     b.mode("MST TRX STT STP")
     b.until(lambda: not b.flag("NACK"))

@@ -110,8 +110,7 @@ def test_a_slave_that_is_not_meant_says_that_it_never_moves_a_line():
 def test_a_slave_that_receives_says_that_nothing_is_told_before_the_byte_ends():
     b = Bench(second=I2cOptions())
     b.w("I2COAR", OWN, b.s)
-    b.w("I2CCNT", 2)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=2)
     b.w("I2CDXR", 0x5A)
     b.edge(SCL, 1, 3)
     assert b.s.next_wake < NEVER and b.s.next_output() == NEVER
@@ -156,15 +155,13 @@ def test_a_module_whose_clock_is_gated_off_says_that_it_never_moves_a_line():
 
 
 def sent(b: Bench) -> None:
-    b.w("I2CCNT", 2)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=2)
     b.w("I2CDXR", 0x5A)
 
 
 def fetched(b: Bench) -> None:
     """The slave has no data: it stretches until the CPU writes some."""
-    b.w("I2CCNT", 2)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=2)
     b.until(lambda: b.flag("SDIR", b.s) and not b.flag("XSMT", b.s))
     b.run(SLOT)
     b.w("I2CDXR", 0x35, b.s)
@@ -212,8 +209,7 @@ def halted(b: Bench) -> None:
 
 def looped(b: Bench) -> None:
     b.w("I2COAR", OTHER)
-    b.w("I2CCNT", 1)
-    b.mode("FREE MST TRX STT STP DLB")
+    b.mode("FREE MST TRX STT STP DLB", count=1)
     b.w("I2CDXR", 0x5A)
 
 

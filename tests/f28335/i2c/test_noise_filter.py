@@ -11,13 +11,13 @@ from hypothesis import strategies as st
 from periph_sim.core.chip import NEVER
 from periph_sim.core.options import BoolOption
 from periph_sim.f28335.i2c.noise_filter import I2cNoiseFilter
-from tests.waves import play, tidy
+from tests.waves import DiagramRig, play, tidy
 
 WIDTH = 5
 IN_ORDER = BoolOption("unequal_arrival", False)
 
 
-class Rig:
+class Rig(DiagramRig):
     """Rows: SCL, SDA the pins; scl, sda behind the filter; new: how often a change came out, the last digit."""
 
     def __init__(self, together: bool = False) -> None:
@@ -45,24 +45,21 @@ class Rig:
 
 
 def test_a_level_counts_once_it_has_lasted_for_the_width():
-    diagram = """
+    Rig().check("""
         > SCL  1 0 . . . . . . . 1 . . . . . .
         < scl  1 . . . . . 0 . . . . . . . 1 .
         < new  0 . . . . . 1 . . . . . . . 2 .
-    """
-    assert play(diagram, Rig(), 1) == tidy(diagram)
+    """)
 
 
 def test_a_shorter_pulse_was_never_there():
-    diagram = """
+    Rig().check("""
         > SCL  1 0 . . . 1 . . 0 . . . . . . .
         > SDA  1 . . 0 . . . 1 . . . . . . . .
         < scl  1 . . . . . . . . . . . . 0 . .
         < sda  1 . . . . . . . . . . . . . . .
         < new  0 . . . . . . . . . . . . 1 . .
-    """
-    rig = Rig()
-    assert play(diagram, rig, 1) == tidy(diagram)
+    """)
 
 
 def test_edges_of_one_cycle_leave_as_one_change():

@@ -77,8 +77,7 @@ def test_open_ardy_on_nack(ardy: bool):
 def test_open_stop_without_data(how: str, said: str):
     b = Bench(options=with_(stop_without_data=how))
     b.send([], extra="", count=1)
-    b.until(lambda: b.flag("NACK"))
-    b.run(SLOT)
+    b.after("NACK")
     b.set("STP")
     b.run(20 * SLOT)
     assert b.said() == said
@@ -93,8 +92,7 @@ def test_open_stop_without_data_counts_the_bytes_since_the_last_start(how: str, 
     b.until(lambda: b.flag("ARDY"))
     b.w("I2CSAR", 0x33)
     b.send([], extra="", count=1)
-    b.until(lambda: b.flag("NACK"))
-    b.run(SLOT)
+    b.after("NACK")
     b.set("STP")
     b.run(20 * SLOT)
     assert b.said() == "S 50W A 01 A " + said
@@ -109,8 +107,7 @@ def test_open_cnt_copy_point(point: str, sent: int):
     """I2CCNT = 2; while the second byte is sent 3 is written."""
     target = Target()
     b = Bench(target, options=with_(cnt_copy_point=point))
-    b.w("I2CCNT", 2)
-    b.mode("MST TRX STT")
+    b.mode("MST TRX STT", count=2)
     b.feed([1, 2])
     b.until(lambda: len(target.got) == 1)
     b.edge(SCL, 0, 3)
@@ -125,11 +122,9 @@ def test_open_cnt_copy_point(point: str, sent: int):
 def test_open_mr_nack_at_count0(how: str, answers: list[int]):
     target = Target(gives=[1, 2, 3])
     b = Bench(target, options=with_(mr_nack_at_count0=how))
-    b.w("I2CCNT", 2)
-    b.mode("MST STT")
+    b.mode("MST STT", count=2)
     assert b.drain(2) == [1, 2]
-    b.until(lambda: b.flag("ARDY"))
-    b.run(SLOT)
+    b.after("ARDY")
     assert target.answers == answers
     assert b.held()
 
@@ -149,8 +144,7 @@ def test_open_rm_receiver(how: str):
     """I2CCNT = 2: a repeat mode that exists reads on until STP refuses a byte; else two bytes are all."""
     target = Target(gives=range(1, 9))
     b = Bench(target, options=with_(rm_receiver=how))
-    b.w("I2CCNT", 2)
-    b.mode("MST STT RM")
+    b.mode("MST STT RM", count=2)
     assert b.drain(2) == [1, 2]
     if how == "allowed":
         assert b.drain(2) == [3, 4]
@@ -160,8 +154,7 @@ def test_open_rm_receiver(how: str):
         b.stopped()
         assert b.said() == "S 50R A 01 A 02 A 03 A 04 A 05 N P"
     else:
-        b.until(lambda: b.flag("ARDY"))
-        b.run(SLOT)
+        b.after("ARDY")
         assert b.held(30 * SLOT)
         assert not b.flag("RRDY")
 
@@ -171,8 +164,7 @@ def test_open_rm_receiver_allowed_ends_with_a_repeated_start():
     b = Bench(Target(gives=range(1, 9)))
     b.mode("MST STT RM")
     assert b.drain(2) == [1, 2]
-    b.w("I2CCNT", 1)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=1)
     while not b.flag("SCD"):
         b.run(25)
         if b.flag("RRDY"):
@@ -272,8 +264,7 @@ def test_open_foreign_start_stop_a_stop_against_a_zero(how: str):
     """The target lets go of SDA in the high phase of the third bit that it gives."""
     target = Target(gives=[0x00, 0x12])
     b = Bench(target, options=with_(foreign_start_stop=how))
-    b.w("I2CCNT", 2)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=2)
     b.edge(SCL, 1, 10 + 3)
     b.run(HIGH // 2)
     target.out |= 1 << SDA
@@ -292,8 +283,7 @@ def test_open_foreign_start_stop_does_not_matter_where_the_conditions_are_its_ow
     b = Bench(Target(gives=[0x77]), options=with_(foreign_start_stop=how))
     b.send([0x00], extra="")
     b.until(lambda: b.flag("ARDY"))
-    b.w("I2CCNT", 1)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=1)
     assert b.drain(1) == [0x77]
     b.stopped()
     b.send([0xFF])
@@ -362,8 +352,7 @@ def test_open_ten_bit_read_from_idle(how: str, said: str):
     """A device answers the header with R only if the whole address came before."""
     b = Bench(Target(0x234, [0x99]), options=with_(ten_bit_read=how))
     b.w("I2CSAR", 0x234)
-    b.w("I2CCNT", 1)
-    b.mode("MST STT STP XA")
+    b.mode("MST STT STP XA", count=1)
     b.run(50 * SLOT)
     assert b.said().removesuffix(" P") == said.removesuffix(" P")
     assert b.flag("RRDY") == (how == "full_address_first")
@@ -476,8 +465,7 @@ def test_open_sda_setup_before_scl_release(role: str, setup: int):
 def test_open_sda_setup_before_scl_release_leaves_bits_that_were_not_held():
     b = Bench(Target(), options=with_(sda_setup_before_scl_release=255))
     b.w("I2CDXR", 0x12)
-    b.w("I2CCNT", 1)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1)
     b.stopped()
     assert {y.time - x.time for x, y in _scl_pairs(b)} == {LOW, HIGH}
 
@@ -492,8 +480,7 @@ def test_open_dlb_delay(how: str, psc: int):
     """n = 8 (IPSC + 1) cycles from the rise of the last data bit, or from the write that ended an underflow."""
     b = Bench(options=with_(dlb_delay=how), psc=psc)
     b.w("I2COAR", 0x2A)
-    b.w("I2CCNT", 1)
-    b.mode("FREE MST TRX STT STP DLB")
+    b.mode("FREE MST TRX STT STP DLB", count=1)
     b.until(lambda: not b.flag("XSMT"))
     b.run(3 * SLOT)
     write = b.now
@@ -545,8 +532,7 @@ def test_open_xrdyint_when_idle_as_master(how: str):
     b.run(100)
     assert b.peek("I2CISRC") == (5 if how == "level" else 0)
     b.r("I2CISRC")
-    b.w("I2CCNT", 1)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1)
     b.until(lambda: not b.flag("XSMT"))
     b.run(100)
     assert b.peek("I2CISRC") == (0 if how == "level" else 5)  # one request for one rise of the condition
@@ -560,8 +546,7 @@ def test_open_xrdyint_when_idle_as_master(how: str):
 def test_open_xrdyint_when_idle_as_master_receiver():
     b = Bench(Target(gives=[0x77]), options=with_(xrdyint_when_idle="only_addressed"))
     b.w("I2CIER", 1 << 4)
-    b.w("I2CCNT", 1)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=1)
     b.until(lambda: b.flag("RRDY"))
     assert (b.flag("XRDY"), b.peek("I2CISRC")) == (1, 0)
 
@@ -584,8 +569,7 @@ def test_open_xrdyint_when_idle_after_lost_arbitration():
 def test_open_rrdy_point_as_master(point: str, level: int, edge: int, seen: int):
     """edge: of SCL, counted from the START; seen: cycles from it, since a rise is seen behind the filter."""
     b = Bench(Target(gives=[0x77]), options=with_(rrdy_point=point))
-    b.w("I2CCNT", 1)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=1)
     came = b.until(lambda: b.flag("RRDY"))
     assert came == b.times(SCL, level)[edge - 1] + seen
     assert b.drain(1) == [0x77]

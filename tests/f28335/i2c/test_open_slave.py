@@ -38,9 +38,7 @@ COPY_POINTS = ["any_ack_fall9", "ack_fall9", "ack_rise9", "eager", "eager_if_trx
 
 
 def idle(mode: int = 0, **options) -> Rig:
-    rig = Rig(**options)
-    rig.begin(mode)
-    return rig
+    return Rig(**options).begin(mode)
 
 
 def served(count: int, **options) -> Rig:
@@ -65,12 +63,10 @@ def test_open_emdr_present(present):
     assert rig.read("I2CEMDR") == 0
     rig.write("I2CIER", IE_XRDY)
     rig.begin()
-    rig.start()
-    rig.send_bits(OWN << 1 | 1)
+    rig.ask()
     rig.wait(SOON)
     assert rig.peek("I2CISRC") == (0 if present else 5), "BCM = 0 asks later"
-    rig.chip.reset(rig.now)
-    rig.chip.gate(rig.now, True)
+    rig.reset()
     rig.write("I2CEMDR", 1)
     assert rig.read("I2CEMDR") == int(present)
 
@@ -82,8 +78,7 @@ def test_open_bcm_reset(bcm):
     assert rig.read("I2CEMDR") == bcm
     rig.write("I2CIER", IE_XRDY)
     rig.begin()
-    rig.start()
-    rig.send_bits(OWN << 1 | 1)
+    rig.ask()
     rig.wait(SOON)
     assert rig.peek("I2CISRC") == 5 * bcm
     written = Rig(bcm_reset=bcm)
@@ -131,8 +126,7 @@ def test_open_dxr_to_xsr_copy_point_idle(point, trx):
 def test_open_dxr_to_xsr_copy_point_inside_the_ack_slot(point):
     """0x11 is written in the first half of the address-ACK slot, 0x22 in the second half."""
     rig = idle(dxr_to_xsr_copy_point=point)
-    rig.start()
-    rig.send_bits(OWN << 1 | 1)
+    rig.ask()
     rig.write("I2CDXR", 0x11)
     rig.rise()
     rig.wait(BIT // 4)
@@ -181,8 +175,7 @@ def test_open_dxr_to_xsr_copy_point_between_data_bytes(point):
 @pytest.mark.parametrize("point", ["fall9", "at_copy"])
 def test_open_xrdy_rise_point(point):
     rig = idle(xrdy_rise_point=point, dxr_to_xsr_copy_point="ack_rise9")
-    rig.start()
-    rig.send_bits(OWN << 1 | 1)
+    rig.ask()
     rig.write("I2CDXR", 0x11)
     rig.rise()
     assert rig.flag("XRDY") == (point == "at_copy")
@@ -204,8 +197,7 @@ def test_open_xrdyint_when_idle(when):
     rig.wait(SOON)
     assert rig.asked() == (INT1 if when == "level" else 0)
     assert rig.peek("I2CISRC") == (5 if when == "level" else 0)
-    rig.start()
-    rig.send_bits(OWN << 1 | 1)
+    rig.ask()
     rig.wait(SOON)
     assert rig.peek("I2CISRC") == 5
 
@@ -294,8 +286,7 @@ def test_open_dxr_write_while_full(policy, sent):
 def test_open_dxr_survives_irs(fate):
     rig = idle(dxr_survives_irs=fate)
     rig.write("I2CDXR", 0x5A)
-    rig.write("I2CMDR", 0)
-    rig.write("I2CMDR", IRS)
+    rig.begin_again()
     assert rig.flag("XRDY")
     assert rig.read("I2CDXR") == 0x5A
     rig.address(OWN, 1)
@@ -372,8 +363,7 @@ def test_open_cnt_in_slave_tx(effect):
     rig.write("I2CCNT", 2)
     rig.begin()
     for _ in range(2):
-        rig.start()
-        rig.send_bits(OWN << 1 | 1)
+        rig.ask()
         got = []
         for byte in (0x11, 0x22, 0x33):
             if rig.flag("XRDY"):
@@ -384,8 +374,7 @@ def test_open_cnt_in_slave_tx(effect):
         rig.stop()
         assert got[:2] == [0x11, 0x22]
         assert got[2] == (0x33 if effect == "no_effect" else 0xFF)
-        rig.write("I2CMDR", 0)
-        rig.write("I2CMDR", IRS)
+        rig.begin_again()
     assert rig.read("I2CCNT") == 2
 
 
@@ -504,8 +493,7 @@ def test_open_oar_latch(latch):
     rig.stop()
     assert rig.address(OWN) == (latch == "at_irs")
     rig.stop()
-    rig.write("I2CMDR", 0)
-    rig.write("I2CMDR", IRS)
+    rig.begin_again()
     assert rig.address(OTHER)
 
 
@@ -542,8 +530,7 @@ def test_open_start_byte_ad0(what):
 @pytest.mark.rule("I2C-090")
 @pytest.mark.parametrize("what", ["general_call_only", "own_address_too"])
 def test_open_oar_zero(what):
-    rig = Rig(oar_zero=what)
-    rig.begin(oar=0)
+    rig = Rig(oar_zero=what).begin(oar=0)
     rig.start()
     assert rig.send(0x01) == (what == "own_address_too")
     assert rig.status(AAS | SDIR) == (AAS | SDIR if what == "own_address_too" else 0)
@@ -731,8 +718,7 @@ def test_open_psc_write_irs1(what):
     rig.write("I2CPSC", 4)
     assert rig.read("I2CPSC") == (4 if what == "stored" else 14)
     assert filter_width() == 15
-    rig.write("I2CMDR", 0)
-    rig.write("I2CMDR", IRS)
+    rig.begin_again()
     assert filter_width() == (5 if what == "stored" else 15)
 
 
@@ -789,8 +775,7 @@ def test_open_free_slave_unit(unit):
 def test_open_fifo_int_mode(mode):
     """Both flags are cleared while TXFFST = 0 and RXFFST = 1 still meet their levels; then the module is reset."""
     rig = Rig(fifo_int_mode=mode)
-    rig.write("I2CFFTX", FFEN | FFRST)
-    rig.write("I2CFFRX", FFRST | 1)
+    rig.set_fifos(FFEN | FFRST, FFRST | 1)
     rig.begin()
     rig.address()
     rig.send(0x11)
@@ -800,8 +785,7 @@ def test_open_fifo_int_mode(mode):
         return [rig.peek(name) >> 7 & 1 for name in ("I2CFFTX", "I2CFFRX")]
 
     def clear() -> None:
-        rig.write("I2CFFTX", FFEN | FFRST | FFINTCLR)
-        rig.write("I2CFFRX", FFRST | FFINTCLR | 1)
+        rig.set_fifos(FFEN | FFRST | FFINTCLR, FFRST | FFINTCLR | 1)
 
     assert flags() == [1, 1]
     clear()
@@ -819,8 +803,7 @@ def test_open_fifo_int_mode(mode):
 @pytest.mark.parametrize("policy", ["stretch", "nack", "overwrite"])
 def test_open_fifo_17th_byte(policy):
     rig = Rig(fifo_17th_byte=policy)
-    rig.write("I2CFFTX", FFEN)
-    rig.write("I2CFFRX", FFRST | 16)
+    rig.set_fifos(FFEN, FFRST | 16)
     rig.begin()
     rig.address()
     for n in range(16):
@@ -840,8 +823,7 @@ def test_open_fifo_17th_byte(policy):
 def test_open_txfifo_reset_flushes_xsr(flushes):
     """The pointer byte's ACK moved 0x11 to I2CXSR; then the FIFO is reset and the master reads."""
     rig = Rig(txfifo_reset_flushes_xsr=flushes)
-    rig.write("I2CFFTX", FFEN | FFRST)
-    rig.write("I2CFFRX", FFRST)
+    rig.set_fifos(FFEN | FFRST, FFRST)
     rig.begin()
     rig.address()
     rig.write("I2CDXR", 0x11)
@@ -864,8 +846,7 @@ def test_open_fifo_extra_stage(stage):
     """Bytes until full, each way."""
     extra = int(stage == "dxr_drr_behind")
     rig = Rig(fifo_extra_stage=stage)
-    rig.write("I2CFFTX", FFEN | FFRST)
-    rig.write("I2CFFRX", FFRST)
+    rig.set_fifos(FFEN | FFRST, FFRST)
     rig.begin()
     for n in range(16 + extra):
         rig.write("I2CDXR", n)
@@ -896,8 +877,7 @@ def test_open_fifo_extra_stage_keeps_the_order(stage):
 @pytest.mark.parametrize("clears", [False, True])
 def test_open_irs_clears_fifo(clears):
     rig = Rig(irs_clears_fifo=clears)
-    rig.write("I2CFFTX", FFEN | FFRST)
-    rig.write("I2CFFRX", FFRST)
+    rig.set_fifos(FFEN | FFRST, FFRST)
     rig.begin()
     for byte in (0x11, 0x12, 0x13):
         rig.write("I2CDXR", byte)

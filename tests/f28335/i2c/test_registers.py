@@ -55,8 +55,7 @@ STORED = {
 def fresh() -> Rig:
     """A clocked chip just out of XRS."""
     rig = Rig()
-    rig.chip.reset(rig.now)
-    rig.chip.gate(rig.now, True)
+    rig.reset()
     return rig
 
 
@@ -145,8 +144,7 @@ def test_every_bit_of_mdr_keeps_what_is_written(bits):
 @pytest.mark.rule("I2C-020")
 @pytest.mark.parametrize("bits", [STT, STP])
 def test_start_and_stop_bits_keep_what_is_written_once_irs_is_1(bits):
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.write("I2CMDR", IRS | bits)
     assert rig.read("I2CMDR") == IRS | bits
 
@@ -190,8 +188,7 @@ def test_ones_in_the_upper_bits_of_emdr_break_a_duty():
 @pytest.mark.parametrize(("sar", "xa", "broken"), [(0x2A, 0, 0), (0x3AA, 0, 1), (0x3FF, 0, 1), (0x3AA, XA, 0)])
 def test_a_7_bit_master_must_write_the_upper_bits_of_sar_0(sar, xa, broken):
     """Reset leaves them 1. The address sent is 6 to 0 all the same. The duty holds at the START, once for each."""
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.write("I2CCNT", 1)
     rig.write("I2CSAR", sar)
     assert rig.duties() == []
@@ -248,8 +245,7 @@ def test_an_idle_module_releases_both_lines():
 
 @pytest.mark.rule("I2C-008")
 def test_without_its_clock_the_module_answers_nobody():
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.chip.gate(rig.now, False)
     assert not rig.address()
     rig.stop()
@@ -269,8 +265,7 @@ def test_the_clock_is_off_after_device_reset():
 
 @pytest.mark.rule("I2C-008", "I2C-009")
 def test_with_its_clock_back_the_module_goes_on():
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.chip.gate(rig.now, False)
     rig.wait(10_000)
     rig.chip.gate(rig.now, True)
@@ -281,13 +276,11 @@ def test_with_its_clock_back_the_module_goes_on():
 @pytest.mark.rule("I2C-335", "I2C-336")
 def test_xrs_brings_every_register_back_and_holds_the_module_in_reset():
     rig = addressed()
-    rig.write("I2CFFTX", FFEN | FFRST | 3)
-    rig.write("I2CFFRX", FFRST | 5)
+    rig.set_fifos(FFEN | FFRST | 3, FFRST | 5)
     for name in ("I2CIER", "I2CCLKL", "I2CCLKH", "I2CCNT", "I2CSAR", "I2CPSC"):
         rig.write(name, 0x15)
     rig.send(0x77)
-    rig.chip.reset(rig.now)
-    rig.chip.gate(rig.now, True)
+    rig.reset()
     assert {name: rig.peek(name) for name in OFFSET} == RESET
     assert rig.released
     rig.put(scl=1, sda=1)

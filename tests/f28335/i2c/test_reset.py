@@ -83,8 +83,7 @@ def test_irs_0_releases_the_pins_at_once(make):
 @pytest.mark.parametrize("make", [acknowledging, sending_zeros, starved, overrun])
 def test_what_was_going_on_does_not_come_back_with_irs_1(make):
     rig = make()
-    rig.write("I2CMDR", 0)
-    rig.write("I2CMDR", IRS)
+    rig.begin_again()
     rig.wait(10 * BIT)
     assert rig.released
     rig.clock(1)
@@ -160,8 +159,7 @@ def test_irs_0_keeps_the_configuration():
 @pytest.mark.rule("I2C-334")
 def test_irs_1_enables_a_module_with_both_lines_released():
     rig = starved()
-    rig.write("I2CMDR", 0)
-    rig.write("I2CMDR", IRS)
+    rig.begin_again()
     assert rig.released
     rig.stop()
     assert rig.address()
@@ -173,8 +171,7 @@ def test_irs_1_enables_a_module_with_both_lines_released():
 @pytest.mark.parametrize("make", [acknowledging, sending_zeros, starved, overrun])
 def test_xrs_releases_the_bus_and_leaves_the_module_in_reset(make):
     rig = make()
-    rig.chip.reset(rig.now)
-    rig.chip.gate(rig.now, True)
+    rig.reset()
     assert rig.released
     assert rig.status() == STR_RESET
     assert rig.read("I2CMDR") == 0
@@ -189,13 +186,11 @@ def test_xrs_releases_the_bus_and_leaves_the_module_in_reset(make):
 @pytest.mark.rule("I2C-324", "I2C-335")
 def test_xrs_forgets_what_a_breakpoint_holds():
     """The next breakpoint meets a slave that waits for I2CDXR, and leaves it so."""
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.chip.suspend(rig.now, True)
     rig.start()
     assert rig.stretching
-    rig.chip.reset(rig.now)
-    rig.chip.gate(rig.now, True)
+    rig.reset()
     rig.stop()
     rig.begin()
     rig.address(OWN, 1)
@@ -222,8 +217,7 @@ def test_configuration_with_irs_1_breaks_a_duty(name, value):
 @pytest.mark.rule("I2C-338", "I2C-339")
 @pytest.mark.parametrize("address", [OWN, OTHER])
 def test_bb_stays_1_through_reset_until_the_stop(address):
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.address(address)
     rig.write("I2CMDR", 0)
     assert rig.flag("BB")
@@ -300,8 +294,7 @@ def test_a_start_too_soon_after_irs_is_noted_while_another_transfer_is_on_the_bu
 @pytest.mark.parametrize("waited", [False, True])
 def test_a_start_too_soon_after_a_later_irs_is_noted_where_bb_stayed_1(waited):
     """The STOP came while IRS was 0; the START and STOP of a further transfer put BB right."""
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.address(OTHER)
     rig.write("I2CMDR", 0)
     rig.stop()
@@ -375,8 +368,7 @@ def test_irs_1_asks_anew_for_what_is_1_then():
 @pytest.mark.rule("I2C-329")
 @pytest.mark.parametrize("point", ["any_ack_fall9", "eager"])
 def test_irs_0_in_a_transfer_as_master_leaves_a_slave_that_answers(point):
-    rig = Rig(dxr_to_xsr_copy_point=point)
-    rig.begin()
+    rig = Rig(dxr_to_xsr_copy_point=point).begin()
     rig.write("I2CSAR", OTHER)
     rig.write("I2CCNT", 2)
     rig.write("I2CDXR", 0x77)

@@ -6,8 +6,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.waves import play, tidy
-
 from ..i2c_registers import AAS, FFEN, FFIENA, FFRST, IRS, NACKMOD, NACKSNT, RRDY, RSFULL, SDIR
 from ..i2c_rig import BIT, OWN, Rig, addressed
 
@@ -15,9 +13,9 @@ from ..i2c_rig import BIT, OWN, Rig, addressed
 @pytest.mark.rule("I2C-094", "I2C-097", "I2C-095", "I2C-096", "I2C-205", "I2C-207", "I2C-216", "I2C-220", "I2C-239")
 def test_one_byte_written_by_the_master():
     """START, 0x48 W, 0x5A, STOP; half a bit a column. scl and sda are what the chip releases."""
-    rig = Rig()
-    rig.begin()
-    wave = """
+    rig = Rig().begin()
+    rig.check(
+        """
         > SCL     1 1 01010101010101 01 01 0101010101010101 01 0 1 1
         > SDA     1 0 1.0.0.1.0.0.0. 0. 1. 0.1.0.1.1.0.1.0. 1. 0 . 1
         < SDA     1 0 1.0...1.0..... .. .. ..1.0.1...0.1.0. .. . . 1
@@ -28,8 +26,9 @@ def test_one_byte_written_by_the_master():
         < SDIR    0 . .............. .. .. ................ .. . . .
         < RRDY    0 . .............. .. .. ................ 1. . . .
         < SCD     0 . .............. .. .. ................ .. . . 1
-    """
-    assert play(wave, rig, BIT // 2) == tidy(wave)
+    """,
+        BIT // 2,
+    )
     assert rig.read("I2CDRR") == 0x5A
 
 
@@ -37,8 +36,7 @@ def test_one_byte_written_by_the_master():
 @settings(max_examples=20, deadline=None)
 @given(data=st.lists(st.integers(0, 255), min_size=1, max_size=24), bit=st.sampled_from([60, 375, 1500]))
 def test_every_byte_arrives_and_is_acknowledged(data, bit):
-    rig = Rig(bit=bit)
-    rig.begin()
+    rig = Rig(bit=bit).begin()
     rig.address()
     got = []
     for byte in data:
@@ -311,8 +309,7 @@ def test_nothing_moves_between_inputs_and_due_wakes(noise, fifo):
     rig = Stepped(bit=128, noise_filter_cycles=noise)
     rig.write("I2CIER", 0x7F)
     if fifo:
-        rig.write("I2CFFTX", FFEN | FFRST | FFIENA)
-        rig.write("I2CFFRX", FFRST | FFIENA | 2)
+        rig.set_fifos(FFEN | FFRST | FFIENA, FFRST | FFIENA | 2)
     rig.begin()
     rig.start()
     assert rig.send(OWN << 1)

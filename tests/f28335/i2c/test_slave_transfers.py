@@ -10,9 +10,7 @@ from ..i2c_transfer import play, same
 
 @pytest.fixture
 def slave() -> Rig:
-    rig = Rig()
-    rig.begin()
-    return rig
+    return Rig().begin()
 
 
 @pytest.mark.rule("I2C-195", "I2C-199", "I2C-205", "I2C-220")

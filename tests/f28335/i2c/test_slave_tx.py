@@ -10,8 +10,6 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.waves import play, tidy
-
 from ..i2c_registers import IE_XRDY, INT1, IRS, RRDY, SDIR, TRX, XRDY, XSMT
 from ..i2c_rig import BIT, OTHER, OWN, Rig, addressed
 
@@ -35,7 +33,8 @@ def reading(bcm: int = 1, **options) -> Rig:
 def test_bcm_1_asks_a_byte_ahead():
     """R bit, its ACK slot, the byte 0x05, its ACK slot, a bit of 0x0A. The CPU writes I2CDXR, then reads I2CISRC."""
     rig = reading(xrdyint_when_idle="only_addressed")
-    wave = """
+    rig.check(
+        """
         > SCL      0.1. 0.1. 0.1.0.1.0.1.0.1.0.1.0.1.0.1.0.1. 0.1. 0.1.
         > SDA      .1.. .... ................................ .0.. .1..
         > DXR      .... .5.. ..a............................. .... ..f.
@@ -48,15 +47,18 @@ def test_bcm_1_asks_a_byte_ahead():
         < XRDY     1... .0.. 1.0............................. .... 1.0.
         < XSMT     1... .... ................................ .... ....
         < INTCODE  0... 5.0. 5..0............................ .... 5..0
-    """
-    assert play(wave, rig, BIT // 4, rig.now) == tidy(wave)
+    """,
+        BIT // 4,
+        start=rig.now,
+    )
 
 
 @pytest.mark.rule("I2C-122", "I2C-123", "I2C-124", "I2C-125", "I2C-126")
 def test_bcm_0_asks_when_the_byte_is_wanted_and_holds_scl_until_then():
     """R bit, its ACK slot, the wait, the byte 0x09, ACK, the wait, the byte 0x0C, NACK."""
     rig = reading(bcm=0)
-    wave = """
+    rig.check(
+        """
         > SCL      0.1. 0.1. 0.1.. ...0.1.0.1.0.1.0.1.0.1.0.1.0.1. 0.1. 0.1.. ...0.1.0.1.0.1.0.1.0.1.0.1.0.1. 0.1. 0...
         > SDA      .1.. .... ..... ............................... .0.. .1... ............................... .... ....
         > DXR      .... .... ..... 9.............................. .... ..... c.............................. .... ....
@@ -64,8 +66,10 @@ def test_bcm_0_asks_when_the_byte_is_wanted_and_holds_scl_until_then():
         < SCL      0.1. 0.1. 0.... 1..0.1.0.1.0.1.0.1.0.1.0.1.0.1. 0.1. 0.... 1..0.1.0.1.0.1.0.1.0.1.0.1.0.1. 0.1. 0...
         < scl      1... .... 0.... 1.............................. .... 0.... 1.............................. .... ....
         < SDA      01.. 0... 1.... 0..............1...0.......1... .0.. .1... 0..............1.......0....... 1... ....
-    """
-    assert play(wave, rig, BIT // 4, rig.now) == tidy(wave)
+    """,
+        BIT // 4,
+        start=rig.now,
+    )
 
 
 @pytest.mark.rule("I2C-122", "I2C-123", "I2C-125", "I2C-126")
@@ -172,8 +176,7 @@ def test_bcm_1_the_final_nack_moves_nothing():
 @pytest.mark.rule("I2C-105", "I2C-106")
 @pytest.mark.parametrize("address, read, becomes", [(OWN, 1, 1), (OWN, 0, 0), (OTHER, 1, 0), (0, 0, 0)])
 def test_only_the_own_address_with_r_makes_a_slave_transmitter(address, read, becomes):
-    rig = Rig()
-    rig.begin()
+    rig = Rig().begin()
     rig.start()
     rig.send_bits(address, 7)
     assert rig.flag("SDIR") == 0
@@ -350,8 +353,7 @@ def pointer_then_read(wait_for_sdir: bool, *, stop_between: bool, **options) -> 
 
     The firmware polls: it writes I2CDXR whenever XRDY is 1, from the pointer byte's RRDY on, or only from SDIR on.
     """
-    rig = Rig(**options)
-    rig.begin(TRX)
+    rig = Rig(**options).begin(TRX)
     answers = iter(range(1, 20))
     serving = False
 

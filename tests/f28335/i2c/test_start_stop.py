@@ -7,7 +7,6 @@ from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from periph_sim.f28335.i2c.options import I2cOptions
-from tests.waves import play, tidy
 
 from ..i2c_bus import HIGH, LOW, SCL, SDA, SLOT, Bench, Foreign, Target, decode, mdr, with_
 from ..i2c_registers import MDR
@@ -73,15 +72,18 @@ def test_one_byte_with_stop_as_it_looks_on_the_wires():
     b.w("I2CDXR", 0x3A)
     b.mode("MST TRX STT STP")
     start = b.edge(SCL, 0)
-    diagram = """
+    b.check(
+        """
     < SCL  0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1. 0..1.
     < SDA  1.... 0.... 1.... 0.... ..... ..... ..... ..... ..... ..... ..... 1.... ..... ..... 0.... 1.... 0.... .....
     < BB   1.... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....
     < STT  0.... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....
     < STP  1.... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....
     < MST  1.... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... ..... .....
-    """
-    assert play(diagram, b, SLOT // 5, start) == tidy(diagram)
+    """,
+        SLOT // 5,
+        start=start,
+    )
     b.stopped()
     assert b.said() == "S 50W A 3a A P"
 
@@ -133,8 +135,7 @@ def test_without_stp_the_bus_is_kept_after_the_last_byte_and_ardy_asks_for_a_com
 def test_stp_alone_ends_a_kept_transfer_with_a_stop():
     b = Bench(Target())
     b.send([1], extra="")
-    b.until(lambda: b.flag("ARDY"))
-    b.run(SLOT)
+    b.after("ARDY")
     b.mode("MST TRX STP")
     b.stopped()
     assert b.said() == "S 50W A 01 A P"
@@ -145,8 +146,7 @@ def test_stp_alone_ends_a_kept_transfer_with_a_stop():
 def test_stp_alone_ends_a_kept_repeat_mode_transfer_with_a_stop():
     b = Bench(Target())
     b.send([1], extra="RM")
-    b.until(lambda: b.flag("ARDY"))
-    b.run(SLOT)
+    b.after("ARDY")
     b.mode("MST TRX RM STP")
     b.stopped()
     assert b.said() == "S 50W A 01 A P"
@@ -168,8 +168,7 @@ def test_combinations_without_bus_activity(names: str):
 def test_a_kept_bus_stays_kept_without_a_command(rm: str):
     b = Bench(Target())
     b.send([1], extra=rm)
-    b.until(lambda: b.flag("ARDY"))
-    b.run(SLOT)
+    b.after("ARDY")
     b.mode("MST TRX " + rm)
     assert b.held(20 * SLOT)
 
@@ -179,8 +178,7 @@ def test_a_kept_bus_stays_kept_without_a_command(rm: str):
 def test_stp_set_with_the_address_on_the_bus_waits_for_the_bytes(count: int):
     """RM = 0: no STOP before a byte has been transferred; the counter says when."""
     b = Bench(Target())
-    b.w("I2CCNT", count)
-    b.mode("MST TRX STT")
+    b.mode("MST TRX STT", count=count)
     b.edge(SCL, 0, 4)
     b.set("STP")
     b.run(20 * SLOT)
@@ -199,8 +197,7 @@ def test_repeat_mode_sends_without_limit_until_stp():
     b.until(lambda: b.flag("ARDY") and len(target.got) == 300)
     assert b.held()
     assert target.got == data
-    b.set("STP")
-    b.stopped()
+    b.stop()
     assert b.said().endswith(f"{data[-1]:02x} A P")
     assert b.said().count("P") == b.said().count("S") == 1
 
@@ -212,11 +209,9 @@ def test_repeat_mode_sends_without_limit_until_stp():
 def test_stt_on_a_kept_bus_makes_a_repeated_start_for_another_slave_and_direction():
     b = Bench(Target(0x50), Target(0x21, [0xC5]))
     b.send([0x10], extra="")
-    b.until(lambda: b.flag("ARDY"))
-    b.run(SLOT)
+    b.after("ARDY")
     b.w("I2CSAR", 0x21)
-    b.w("I2CCNT", 1)
-    b.mode("MST STT STP")
+    b.mode("MST STT STP", count=1)
     b.edge(SDA, 0)
     b.edge(SCL, 0)
     assert b.flags("BB STT ARDY AL") == "BB"
@@ -232,8 +227,7 @@ def test_stt_ends_a_repeat_mode_transfer_with_a_repeated_start():
     b.until(lambda: b.flag("ARDY") and b.flag("XRDY") and not b.flag("XSMT"))
     b.run(SLOT)
     b.w("I2CSAR", 0x21)
-    b.w("I2CCNT", 1)
-    b.mode("MST TRX STT STP")
+    b.mode("MST TRX STT STP", count=1)
     b.feed([3])
     b.stopped()
     assert b.said() == "S 50W A 01 A 02 A S 21W A 03 A P"
@@ -259,8 +253,7 @@ def test_repeated_start_with_ten_bit_addresses_changes_the_direction(how: str):
     b.w("I2CSAR", 0x234)
     b.send([0x11], extra="XA")
     b.until(lambda: b.flag("ARDY"))
-    b.w("I2CCNT", 1)
-    b.mode("MST STT STP XA")
+    b.mode("MST STT STP XA", count=1)
     assert b.drain(1) == [0x99]
     b.stopped()
     assert b.said() == "S 7aW A 34 A 11 A S 7aR A 99 N P"
@@ -341,8 +334,7 @@ def test_mdr_values_are_those_of_the_manual():
 def test_the_reserved_combination_does_nothing_on_a_kept_bus_either(rm: str):
     b = Bench(Target())
     b.send([1], extra=rm)
-    b.until(lambda: b.flag("ARDY"))
-    b.run(SLOT)
+    b.after("ARDY")
     b.mode("MST TRX RM STT STP")
     assert b.held(20 * SLOT)
     b.mode("MST TRX STP " + rm)
@@ -371,8 +363,7 @@ def test_stp_set_while_a_repeat_mode_transfer_waits_for_data_ends_it_at_once():
     b.send([], extra="RM")
     b.until(lambda: not b.flag("XSMT"))
     b.run(SLOT)
-    b.set("STP")
-    b.stopped()
+    b.stop()
     assert b.said() == "S 50W A P"
 
 
@@ -429,21 +420,21 @@ def test_irs_0_at_any_moment_lets_go_and_the_next_transfer_is_a_clean_one(what: 
 @rule("I2C-145", "I2C-146")
 def test_both_lines_falling_or_rising_in_one_cycle_are_no_start_and_no_stop():
     """Columns are half bits. The first change of SDA alone with SCL high is a START, the last a STOP."""
-    diagram = """
+    rig = Rig(noise_filter_cycles=1).begin()
+    rig.check(
+        """
         > LINES  3 0 3 0 3 1 0 3 1 0 3 2 0 1 3
         < BB     0 . . . . 1 . . . . . . . . 0
-    """
-    rig = Rig(noise_filter_cycles=1)
-    rig.begin()
-    assert play(diagram, rig, rig.bit // 2) == tidy(diagram)
+    """,
+        rig.bit // 2,
+    )
 
 
 @rule("I2C-145")
 @pytest.mark.parametrize("sda", [0, 1])
 def test_where_scl_rises_with_sda_the_bit_is_what_sda_becomes(sda: int):
     """Bit 0 of the address decides: 0x91 asks for a byte, 0x90 brings one."""
-    rig = Rig(noise_filter_cycles=1)
-    rig.begin()
+    rig = Rig(noise_filter_cycles=1).begin()
     rig.start()
     rig.send_bits(0x90 >> 1, 7)
     rig.put(sda=1 - sda)

@@ -26,7 +26,7 @@ from periph_sim.f28335.pie.register_map import (
     line_vector,
 )
 from periph_sim.f28335.system_options import SystemOptions
-from tests.waves import play, tidy
+from tests.waves import DiagramRig
 
 ALL = 0xFFFF
 groups = st.integers(1, 12)
@@ -60,7 +60,7 @@ def pulses(chip: Pie) -> list[int]:
     return seen
 
 
-class PieRig:
+class PieRig(DiagramRig):
     """Group 9. REQ, HOLD, LETGO name the line; ACK writes PIEACK; FETCH is the CPU's vector fetch."""
 
     def __init__(self, chip: Pie) -> None:
@@ -95,7 +95,7 @@ class PieRig:
 
 @pytest.mark.rule("SYS-096", "SYS-099", "SYS-101", "SYS-109")
 def test_one_request_from_flag_to_acknowledge():
-    diagram = """
+    PieRig(pie()).check("""
         > PIEIER  1 . . . . . . .
         > REQ     . . 1 . . . . .
         > FETCH   . . . . 1 . . .
@@ -104,8 +104,7 @@ def test_one_request_from_flag_to_acknowledge():
         < PIEACK  0 . 1 . . . 0 .
         < INT9    0 . 1 0 . . . .
         < LINE    0 . . . 1 . . .
-    """
-    assert play(diagram, PieRig(pie()), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-096")
@@ -120,19 +119,18 @@ def test_a_request_is_flagged_whatever_pieier_says(group, line, enabled):
 
 @pytest.mark.rule("SYS-099")
 def test_enabling_a_flagged_line_sends_it():
-    diagram = """
+    PieRig(pie()).check("""
         > REQ     3 . . .
         > PIEIER  0 . 4 .
         < PIEIFR  4 . . .
         < PIEACK  0 . 1 .
         < INT9    0 . 1 0
-    """
-    assert play(diagram, PieRig(pie()), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-100", "SYS-101", "SYS-110")
 def test_a_closed_group_collects_and_sends_at_the_acknowledge():
-    diagram = """
+    PieRig(pie()).check("""
         > PIEIER  3 . . . . . . .
         > REQ     1 . 2 . . 1 . .
         > FETCH   . 1 . . . . . 1
@@ -140,20 +138,18 @@ def test_a_closed_group_collects_and_sends_at_the_acknowledge():
         < PIEIFR  1 0 2 . . 3 . 2
         < PIEACK  1 . . . . . . .
         < INT9    1 0 . . . . 1 0
-    """
-    assert play(diagram, PieRig(pie()), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-102")
 def test_writing_0_to_pieack_does_nothing():
-    diagram = """
+    PieRig(pie()).check("""
         > PIEIER  3 . . . . .
         > REQ     1 . 2 . . .
         > ACK     . . . 0 . 1
         < PIEACK  1 . . . . .
         < INT9    1 0 . . . 1
-    """
-    assert play(diagram, PieRig(pie()), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-103")
@@ -252,7 +248,7 @@ def test_the_lowest_line_flagged_and_enabled_is_taken(group, flagged, enabled):
 
 @pytest.mark.rule("SYS-107", "SYS-111")
 def test_a_lower_line_that_comes_before_the_fetch_goes_first():
-    diagram = """
+    PieRig(pie()).check("""
         > PIEIER  f . . . . . .
         > REQ     4 2 . . . . .
         > FETCH   . . 1 . . 1 .
@@ -260,8 +256,7 @@ def test_a_lower_line_that_comes_before_the_fetch_goes_first():
         < PIEIFR  8 a 8 . . 0 .
         < INT9    1 0 . . 1 0 .
         < LINE    0 . 2 . . 4 .
-    """
-    assert play(diagram, PieRig(pie()), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-111")
@@ -280,15 +275,14 @@ def test_two_lines_in_one_cycle_go_in_order_with_an_acknowledge_between():
 
 @pytest.mark.rule("SYS-108", "SYS-125")
 def test_pieier_cleared_after_the_pulse_runs_line_1():
-    diagram = """
+    PieRig(pie()).check("""
         > PIEIER  4 . 0 . . .
         > REQ     3 . . . . .
         > FETCH   . . . . 1 .
         < PIEIFR  4 . . . . .
         < INT9    1 0 . . . .
         < LINE    0 . . . 1 .
-    """
-    assert play(diagram, PieRig(pie()), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-113")
@@ -457,7 +451,8 @@ def test_service_clears_no_peripheral_flag():
 
 
 def test_open_pie_held_line_at_pieack():
-    diagram = """
+    chip = pie(pie_held_line="at_pieack")
+    PieRig(chip).check("""
         > PIEIER  1 . . . . . . . . .
         > HOLD    1 . . . . . . . . .
         > FETCH   . 1 . . 1 . . . . .
@@ -465,14 +460,13 @@ def test_open_pie_held_line_at_pieack():
         > LETGO   . . . . . . 1 . . .
         < PIEIFR  1 0 . 1 0 . . . . .
         < INT9    1 0 . 1 0 . . . . .
-    """
-    chip = pie(pie_held_line="at_pieack")
-    assert play(diagram, PieRig(chip), 1) == tidy(diagram)
+    """)
     assert chip.touched == {"pie_held_line"}
 
 
 def test_open_pie_held_line_at_vector_fetch():
-    diagram = """
+    chip = pie(pie_held_line="at_vector_fetch")
+    PieRig(chip).check("""
         > PIEIER  1 . . . . . . . . .
         > HOLD    1 . . . . . . . . .
         > FETCH   . 1 . . 1 . . . . .
@@ -480,9 +474,7 @@ def test_open_pie_held_line_at_vector_fetch():
         > LETGO   . . . . . . 1 . . .
         < PIEIFR  1 . . . . . . . . .
         < INT9    1 0 . 1 0 . . . 1 0
-    """
-    chip = pie(pie_held_line="at_vector_fetch")
-    assert play(diagram, PieRig(chip), 1) == tidy(diagram)
+    """)
     assert chip.touched == {"pie_held_line"}
 
 

@@ -139,8 +139,7 @@ def test_the_next_characters_are_received_and_sent_at_the_rate_found():
     rig.set(ABDCLR=1, CDC=0)
     rig.send(frame(0x4B) + "1", bit=1312)
     assert rig.flags("RXRDY", "RXDT") == {"RXRDY": 1, "RXDT": 0x4B}
-    rig.write("SCITXBUF", 0x55)
-    rig.wait(cycles=20_000)
+    rig.put(0x55, cycles=20_000)
     assert {b - a for (a, _), (b, _) in pairwise(rig.edges)} == {1312}
 
 

@@ -16,8 +16,7 @@ SYSCLKOUT = 150_000_000
 def bit_length(rig: SciRig, divider: int = 4) -> int:
     """The length of a bit on TXD in cycles, from the edges of one 0x55."""
     seen = len(rig.edges)
-    rig.write("SCITXBUF", 0x55)
-    rig.wait(cycles=12 * 8 * divider * (max(rig.brr, 1) + 1))
+    rig.put(0x55, cycles=12 * 8 * divider * (max(rig.brr, 1) + 1))
     times = [time for time, _ in rig.edges[seen:]]
     lengths = {b - a for a, b in pairwise(times)}
     assert len(times) == 10
@@ -75,8 +74,7 @@ def test_edges_lie_on_lspclk_ticks(phase):
     rig = SciRig(brr=24)
     rig.chip.set_lspclk(rig.now, 4, phase)
     rig.wait(2)
-    rig.write("SCITXBUF", 0x55)
-    rig.wait(12)
+    rig.put(0x55, 12)
     assert {time % 4 for time, _ in rig.edges} == {(rig.edges[0][0]) % 4}
     other = SciRig(brr=24)
     other.chip.set_lspclk(other.now, 4, 0)
@@ -98,8 +96,7 @@ def test_sw_reset_leaves_brr():
 @pytest.mark.rule("SCI-085")
 def test_a_new_rate_begins_when_the_sciclk_under_way_is_over():
     rig = SciRig(brr=24)
-    rig.write("SCITXBUF", 0x55)
-    rig.wait(sciclk=1)
+    rig.put(0x55, sciclk=1)
     start = rig.falls()[0]
     rig.run_until(start + 350)
     rig.set_brr(49)
@@ -122,8 +119,7 @@ def test_any_divider(brr, divider):
 def test_a_new_divider_is_loaded_with_the_next_sciclk_and_not_with_that_of_its_own_cycle(write: int, bit: int):
     """A start bit of eight SCICLK of 100 cycles; some of them are 200 long."""
     rig = SciRig()
-    rig.write("SCITXBUF", 0x55)
-    rig.wait(sciclk=1)
+    rig.put(0x55, sciclk=1)
     start = rig.falls()[0]
     rig.run_until(start + write)
     rig.set_brr(49)
@@ -135,8 +131,7 @@ def test_a_new_divider_is_loaded_with_the_next_sciclk_and_not_with_that_of_its_o
 def test_a_divider_that_was_just_loaded_counts_to_its_end():
     """Written a cycle before an SCICLK and again in the cycle of it: that one SCICLK is 200 cycles long."""
     rig = SciRig()
-    rig.write("SCITXBUF", 0x55)
-    rig.wait(sciclk=1)
+    rig.put(0x55, sciclk=1)
     start = rig.falls()[0]
     for write, brr in ((399, 49), (400, 24)):
         rig.run_until(start + write)

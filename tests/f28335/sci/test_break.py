@@ -5,19 +5,16 @@ from __future__ import annotations
 import pytest
 
 from tests.f28335.sci_rig import SciRig, frame
-from tests.waves import play, tidy
 
 
 @pytest.mark.rule("SCI-086", "SCI-096", "SCI-059")
 def test_a_break_sets_fe_first_and_brkdt_ten_bits_later():
-    diagram = """
+    SciRig().check("""
         > RXD      1  0  ........  .  ........  .  .  .  1  .
         < FE       0  .  ........  1  ........  .  .  .  .  .
         < RXERROR  0  .  ........  1  ........  .  .  .  .  .
         < BRKDT    0  .  ........  .  ........  .  1  .  .  .
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-087")
@@ -132,13 +129,11 @@ def test_system_reset_ends_a_break_too():
 @pytest.mark.rule("SCI-094", "SCI-139")
 @pytest.mark.parametrize(("enabled", "requests"), [(1, 2), (0, 0)])
 def test_brkdt_requests_rxint_by_rx_bk_int_ena(enabled, requests):
-    diagram = f"""
+    rig = SciRig(RXBKINTENA=enabled).check(f"""
         > RXD    1  0  ........  .  ........  .  .  .  1
         < BRKDT  0  .  ........  .  ........  .  1  .  .
         < RXINT  0  .  ........  {"1" if enabled else "."}  ........  .  {"2" if enabled else "."}  .  .
-    """
-    rig = SciRig(RXBKINTENA=enabled)
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
     assert rig.count("RXINT") == requests
 
 

@@ -7,7 +7,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.f28335.sci_rig import SciRig, frame, levels
-from tests.waves import play, tidy
 
 EVEN, ODD = {"PARITYENA": 1, "PARITY": 1}, {"PARITYENA": 1, "PARITY": 0}
 ADDRESS = {"ADDRIDLE_MODE": 1}
@@ -15,12 +14,10 @@ ADDRESS = {"ADDRIDLE_MODE": 1}
 
 @pytest.mark.rule("SCI-015", "SCI-028")
 def test_a_frame_is_start_bit_data_from_bit_0_on_and_stop_bit():
-    diagram = """
+    SciRig().check("""
         > SCITXBUF  .  a  ........  .  ..
         < TXD       1  0  .1010...  1  ..
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-015", "SCI-016", "SCI-017", "SCI-019", "SCI-020", "SCI-021", "SCI-022", "SCI-024", "SCI-026")
@@ -55,10 +52,8 @@ def test_the_frame_on_txd(fields, word, drawn):
 @pytest.mark.parametrize(("stop_bits", "length"), [(0, 10), (1, 11)])
 def test_the_next_frame_follows_after_one_or_two_stop_bits(stop_bits, length):
     rig = SciRig(STOPBITS=stop_bits)
-    rig.write("SCITXBUF", 0xFF)
-    rig.wait(1)
-    rig.write("SCITXBUF", 0xFF)
-    rig.wait(30)
+    rig.put(0xFF, 1)
+    rig.put(0xFF, 30)
     first, second = rig.falls()
     assert second - first == length * rig.bit
 
@@ -150,8 +145,7 @@ def test_any_format_is_sent_as_the_rig_draws_it_and_received_as_sent(bits, word,
 @pytest.mark.rule("SCI-027")
 def test_a_new_format_counts_from_the_next_character_sent():
     rig = SciRig()
-    rig.write("SCITXBUF", 0x2A)
-    rig.wait(3)
+    rig.put(0x2A, 3)
     rig.set(SCICHAR=4)
     rig.write("SCITXBUF", 0x15)
     assert rig.sent(rig.falls()[0], 18) == levels("0 01010100 1" + "0 10101 1" + "1")

@@ -5,19 +5,16 @@ from __future__ import annotations
 import pytest
 
 from tests.f28335.sci_rig import SciRig, frame
-from tests.waves import play, tidy
 
 
 @pytest.mark.rule("SCI-209")
 def test_soft_0_free_0_stops_the_transmitter_at_once():
-    diagram = """
+    SciRig(SOFT=0, FREE=0).check("""
         > SCITXBUF  .  0  ....  ..........
         > SUSPEND   .  .  ...1  ..........
         < TXD       1  0  ....  ..........
         < TXEMPTY   1  0  ....  ..........
-    """
-    rig = SciRig(SOFT=0, FREE=0)
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-209")
@@ -31,24 +28,20 @@ def test_soft_0_free_0_stops_the_receiver_at_once():
 
 @pytest.mark.rule("SCI-210")
 def test_soft_1_finishes_the_character_that_is_sent():
-    diagram = """
+    SciRig(SOFT=1, FREE=0).check("""
         > SCITXBUF  .  5  3.......  .  .  ........
         > SUSPEND   .  .  ...1....  .  .  ........
         < TXD       1  0  1010....  1  .  ........
-    """
-    rig = SciRig(SOFT=1, FREE=0)
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-210")
 def test_soft_1_finishes_the_character_that_is_received():
-    diagram = """
+    SciRig(fifo=True, SOFT=1, FREE=0).check("""
         > RXD      1  0  11010010  1  1  0  10101010  1  1
         > SUSPEND  .  .  ..1.....  .  .  .  ........  .  .
         < RXFFST   0  .  ........  1  .  .  ........  .  .
-    """
-    rig = SciRig(fifo=True, SOFT=1, FREE=0)
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-211")
@@ -69,8 +62,7 @@ def test_free_1_runs_on(soft):
 def test_after_the_stop_everything_waiting_is_sent(soft):
     rig = SciRig(fifo=True, SOFT=soft, FREE=0)
     rig.write("SCITXBUF", 0xFF)
-    rig.write("SCITXBUF", 0x22)
-    rig.wait(3)
+    rig.put(0x22, 3)
     rig.chip.suspend(rig.now, True)
     rig.wait(30)
     assert len(rig.falls()) == 1

@@ -9,7 +9,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.f28335.sci_rig import FIFO, SciRig, frame
-from tests.waves import play, tidy
 
 
 def fill(rig: SciRig, words: range) -> None:
@@ -23,13 +22,11 @@ def fill(rig: SciRig, words: range) -> None:
 
 @pytest.mark.rule("SCI-148", "SCI-150", "SCI-151", "SCI-154")
 def test_words_are_counted_in_and_out():
-    diagram = """
+    rig = SciRig(fifo=True).check("""
         > SCITXBUF  .  1  2.......  .  3  ........  .  .  ........  .  .
         < TXFFST    0  .  1.......  .  .  ........  .  0  ........  .  .
         < TXD       1  0  10......  1  0  .10.....  1  0  1.0.....  1  .
-    """
-    rig = SciRig(fifo=True)
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
     rig.wait(5)
     assert rig.characters() == [1, 2, 3]
 
@@ -70,8 +67,7 @@ def test_the_transmit_fifo_holds_sixteen_words():
 @pytest.mark.rule("SCI-152", "SCI-153", "SCI-151")
 def test_with_one_in_the_shifter_seventeen_words_are_under_way():
     rig = SciRig(fifo=True)
-    rig.write("SCITXBUF", 0x40)
-    rig.wait(1)
+    rig.put(0x40, 1)
     assert rig.get("TXFFST") == 0
     for word in range(0x41, 0x51):
         rig.write("SCITXBUF", word)
@@ -84,8 +80,7 @@ def test_with_one_in_the_shifter_seventeen_words_are_under_way():
 @pytest.mark.rule("SCI-149")
 def test_a_transmit_word_has_eight_bits():
     rig = SciRig(fifo=True)
-    rig.write("SCITXBUF", 0xFF4B)
-    rig.wait(14)
+    rig.put(0xFF4B, 14)
     assert rig.characters() == [0x4B]
 
 
@@ -268,13 +263,11 @@ def test_scirst_leaves_the_configuration():
 
 @pytest.mark.rule("SCI-166", "SCI-167")
 def test_characters_are_counted_in_and_words_out():
-    diagram = """
+    SciRig(fifo=True).check("""
         > RXD     1  0  11010010  1  0  10100101  1  1  1  1
         > READ    .  .  ........  .  .  ........  .  1  1  .
         < RXFFST  0  .  ........  1  .  ........  2  1  0  .
-    """
-    rig = SciRig(fifo=True)
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-165", "SCI-166", "SCI-167")
@@ -477,21 +470,18 @@ def test_the_delay_passes_between_two_words(delay):
 
 @pytest.mark.rule("SCI-187", "SCI-151")
 def test_during_the_delay_the_word_is_still_in_the_fifo():
-    diagram = """
+    SciRig(fifo=True, FFTXDLY=3).check("""
         > SCITXBUF  .  1  2.......  .  ...  .  ........  .  ....
         < TXD       1  0  10......  1  ...  0  .10.....  1  ....
         < TXFFST    0  .  1.......  .  ...  0  ........  .  ....
-    """
-    rig = SciRig(fifo=True, FFTXDLY=3)
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-187")
 def test_a_delay_written_during_a_word_counts_for_the_pause_behind_it():
     rig = SciRig(fifo=True, FFTXDLY=3)
     rig.write("SCITXBUF", 0x11)
-    rig.write("SCITXBUF", 0x22)
-    rig.wait(4)
+    rig.put(0x22, 4)
     rig.set(FFTXDLY=7)
     rig.wait(30)
     one, two = (start for start, _ in rig.frames(10))
@@ -505,8 +495,7 @@ def test_a_word_written_to_an_idle_fifo_starts_at_once(delay):
     for _ in range(2):
         written = rig.now
         seen = len(rig.edges)
-        rig.write("SCITXBUF", 0x11)
-        rig.wait(12)
+        rig.put(0x11, 12)
         assert rig.edges[seen][0] - written <= rig.sciclk
         rig.wait(300)
 
@@ -514,10 +503,8 @@ def test_a_word_written_to_an_idle_fifo_starts_at_once(delay):
 @pytest.mark.rule("SCI-191")
 def test_in_standard_mode_there_is_no_delay():
     rig = SciRig(FFTXDLY=100)
-    rig.write("SCITXBUF", 0x11)
-    rig.wait(1)
-    rig.write("SCITXBUF", 0x22)
-    rig.wait(25)
+    rig.put(0x11, 1)
+    rig.put(0x22, 25)
     first, second = (start for start, _ in rig.frames(10))
     assert second - first == 10 * rig.bit
 

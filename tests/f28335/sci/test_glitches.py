@@ -28,7 +28,7 @@ def received(place: int, begin: int, end: int) -> tuple[int, int]:
     edges = {start + i * rig.bit: int(mark) for i, mark in enumerate(frame(DATA))}
     edges |= {tick + begin: 1 - level, tick + end: level}
     for time in sorted(edges):
-        rig.line.rxd(time, edges[time])
+        rig.rxd(time, edges[time])
     rig.wait(15)
     return rig.get("RXDT"), rig.get("FE")
 
@@ -88,8 +88,8 @@ def test_a_low_on_an_idle_line_is_a_start_where_it_covers_four_ticks(length: int
     """At the best phase: 3 SCICLK and a cycle are enough."""
     rig = SciRig()
     first = rig.now + rig.sciclk // 2 - SYNC
-    rig.line.rxd(first, 0)
-    rig.line.rxd(first + length, 1)
+    rig.rxd(first, 0)
+    rig.rxd(first + length, 1)
     rig.wait(12)
     assert rig.flags("RXRDY", "RXDT") == {"RXRDY": starts, "RXDT": 0xFF * starts}
 
@@ -99,7 +99,7 @@ def test_a_low_on_an_idle_line_is_a_start_where_it_covers_four_ticks(length: int
 def test_a_low_that_just_misses_a_tick_is_a_start_from_four_sciclk_on(length: int, starts: int):
     rig = SciRig()
     missed = rig.now + rig.sciclk // 2 - SYNC + 1
-    rig.line.rxd(missed, 0)
-    rig.line.rxd(missed + length, 1)
+    rig.rxd(missed, 0)
+    rig.rxd(missed + length, 1)
     rig.wait(12)
     assert rig.get("RXRDY") == starts

@@ -5,19 +5,16 @@ from __future__ import annotations
 import pytest
 
 from tests.f28335.sci_rig import SciRig, frame
-from tests.waves import play, tidy
 
 
 @pytest.mark.rule("SCI-138")
 def test_rxrdy_requests_rxint():
-    diagram = """
+    SciRig(RXBKINTENA=1).check("""
         > RXD    1  0  11010010  1  1  0  10100101  1  1
         > READ   .  .  ........  .  1  .  ........  .  1
         < RXRDY  0  .  ........  1  0  .  ........  1  0
         < RXINT  0  .  ........  1  .  .  ........  2  .
-    """
-    rig = SciRig(RXBKINTENA=1)
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-139")
@@ -67,15 +64,13 @@ def test_without_rx_err_int_ena_no_error_requests_anything():
 
 @pytest.mark.rule("SCI-143", "SCI-144", "SCI-065")
 def test_every_transfer_to_txshf_requests_txint():
-    diagram = """
+    SciRig().check("""
         > TXINTENA  .  1  .  .  ........  .  .  ........  .  .
         > SCITXBUF  .  .  .  3  .5......  .  .  ........  .  .
         < TXD       1  .  .  0  1.0.....  1  0  1010....  1  .
         < TXRDY     1  .  .  .  .0......  .  1  ........  .  .
         < TXINT     0  1  .  2  ........  .  3  ........  .  .
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-143", "SCI-145")
@@ -97,7 +92,7 @@ def test_without_tx_int_ena_txrdy_changes_and_requests_nothing():
 def test_tx_int_ena_set_while_txrdy_is_1_requests_in_the_same_cycle():
     rig = SciRig()
     rig.set(TXINTENA=1)
-    assert rig.asked("TXINT") == [rig.now]
+    assert rig.asked["TXINT"] == [rig.now]
     rig.wait(20)
     assert rig.count("TXINT") == 1
 
@@ -111,7 +106,7 @@ def test_tx_int_ena_set_while_txrdy_is_0_waits_for_the_transfer():
     assert rig.count("TXINT") == 0
     rig.set(TXENA=1)
     rig.wait(1)
-    assert rig.asked("TXINT") == [rig.falls()[0]]
+    assert rig.asked["TXINT"] == [rig.falls()[0]]
 
 
 @pytest.mark.rule("SCI-147")
@@ -121,7 +116,7 @@ def test_the_receive_interrupt_comes_three_cycles_after_rxrdy():
     rig.drive(rig.now, "RXD", 1)
     ready = next(time for time, level in rig.changes("RXRDY", rig.bit) if level)
     rig.wait(1)
-    assert rig.asked("RXINT") == [ready + 3]
+    assert rig.asked["RXINT"] == [ready + 3]
 
 
 @pytest.mark.rule("SCI-078", "SCI-138", "SCI-143")

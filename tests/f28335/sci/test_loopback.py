@@ -18,8 +18,7 @@ from tests.f28335.sci_rig import SciRig, frame
 )
 def test_a_character_sent_is_received(word, bits, parity):
     rig = SciRig(brr=3, LOOPBKENA=1, SCICHAR=bits - 1, **parity)
-    rig.write("SCITXBUF", word)
-    rig.wait(14)
+    rig.put(word, 14)
     assert rig.flags("RXRDY", "RXERROR", "RXDT") == {"RXRDY": 1, "RXERROR": 0, "RXDT": word & (1 << bits) - 1}
 
 
@@ -28,8 +27,7 @@ def test_an_address_bit_is_received_as_sent():
     rig = SciRig(LOOPBKENA=1, ADDRIDLE_MODE=1)
     for wake in (1, 0):
         rig.set(TXWAKE=wake)
-        rig.write("SCITXBUF", 0x4B)
-        rig.wait(13)
+        rig.put(0x4B, 13)
         assert rig.flags("RXRDY", "RXWAKE", "RXDT") == {"RXRDY": 1, "RXWAKE": wake, "RXDT": 0x4B}
         rig.read("SCIRXBUF")
 
@@ -38,8 +36,7 @@ def test_an_address_bit_is_received_as_sent():
 def test_an_overrun_happens_in_loop_back_too():
     rig = SciRig(LOOPBKENA=1)
     for word in (0x11, 0x22):
-        rig.write("SCITXBUF", word)
-        rig.wait(12)
+        rig.put(word, 12)
     assert rig.flags("RXRDY", "OE", "RXDT") == {"RXRDY": 1, "OE": 1, "RXDT": 0x22}
 
 
@@ -63,8 +60,7 @@ def test_in_loop_back_the_pin_is_not_heard():
 @pytest.mark.rule("SCI-137")
 def test_without_loop_back_the_directions_are_apart():
     rig = SciRig(LOOPBKENA=0)
-    rig.write("SCITXBUF", 0x4B)
-    rig.wait(14)
+    rig.put(0x4B, 14)
     assert rig.get("RXRDY") == 0
     rig.send(frame(0xA5) + "1")
     assert rig.flags("RXRDY", "RXDT") == {"RXRDY": 1, "RXDT": 0xA5}

@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from tests.f28335.sci_rig import SciRig, frame, levels
-from tests.waves import play, tidy
 
 ADDRESS = {"ADDRIDLE_MODE": 1}
 QUIET = "1" * 12  # more than the ten idle bits that begin a block
@@ -121,14 +120,11 @@ def test_system_reset_clears_rxwake():
 def test_txwake_and_a_dummy_make_an_idle_time_of_eleven_bits(fields):
     rig = SciRig(**fields)
     length = 2 + rig.get("SCICHAR") + 1 + rig.get("STOPBITS")
-    rig.write("SCITXBUF", 0x15)
-    rig.wait(2)
+    rig.put(0x15, 2)
     rig.set(TXWAKE=1)
-    rig.write("SCITXBUF", 0x0E)
-    rig.wait(length)
+    rig.put(0x0E, length)
     assert rig.flags("TXRDY", "TXWAKE") == {"TXRDY": 1, "TXWAKE": 0}
-    rig.write("SCITXBUF", 0x12)
-    rig.wait(40)
+    rig.put(0x12, 40)
     (first, drawn), (second, drawn_too) = rig.frames(length)
     assert second - (first + length * rig.bit) == 11 * rig.bit
     bits = rig.get("SCICHAR") + 1
@@ -137,25 +133,21 @@ def test_txwake_and_a_dummy_make_an_idle_time_of_eleven_bits(fields):
 
 @pytest.mark.rule("SCI-106", "SCI-107", "SCI-114")
 def test_the_idle_time_of_an_idle_line():
-    diagram = """
+    # the dummy of column 0 takes columns 0 to 10; the start bit of 0x05 is column 11
+    SciRig().check("""
         > TXWAKE    1  .  ..........  .  ........  .  .
         > SCITXBUF  e  5  ..........  .  ........  .  .
         < TXD       1  .  .........0  1  010....1  .  .
         < TXWAKE    0  .  ..........  .  ........  .  .
-    """
-    rig = SciRig()
-    # the dummy of column 0 takes columns 0 to 10; the start bit of 0x05 is column 11
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-109", "SCI-110", "SCI-118")
 def test_txwake_moves_to_wut_when_txshf_is_loaded_and_not_before():
     rig = SciRig()
-    rig.write("SCITXBUF", 0x15)
-    rig.wait(2)
+    rig.put(0x15, 2)
     rig.set(TXWAKE=1)
-    rig.write("SCITXBUF", 0x0E)
-    rig.wait(7)
+    rig.put(0x0E, 7)
     assert rig.flags("TXRDY", "TXWAKE") == {"TXRDY": 0, "TXWAKE": 1}
     rig.wait(2)
     assert rig.flags("TXRDY", "TXWAKE") == {"TXRDY": 1, "TXWAKE": 0}
@@ -164,14 +156,11 @@ def test_txwake_moves_to_wut_when_txshf_is_loaded_and_not_before():
 @pytest.mark.rule("SCI-114")
 def test_a_second_dummy_may_be_written_at_once():
     rig = SciRig()
-    rig.write("SCITXBUF", 0x15)
-    rig.wait(2)
+    rig.put(0x15, 2)
     for _ in range(2):
         rig.set(TXWAKE=1)
-        rig.write("SCITXBUF", 0x0E)
-        rig.wait(10)
-    rig.write("SCITXBUF", 0x12)
-    rig.wait(40)
+        rig.put(0x0E, 10)
+    rig.put(0x12, 40)
     first, second = (start for start, _ in rig.frames(10))
     assert second - first == (10 + 2 * 11) * rig.bit
     assert rig.characters() == [0x15, 0x12]
@@ -181,29 +170,24 @@ def test_a_second_dummy_may_be_written_at_once():
 @pytest.mark.parametrize(("pause", "block"), [(11, 1), (7, 0)])
 def test_software_may_wait_ten_bits_itself(pause, block):
     rig = SciRig(LOOPBKENA=1)
-    rig.write("SCITXBUF", 0x15)
-    rig.wait(10)
+    rig.put(0x15, 10)
     rig.wait(sciclk=1)
     rig.read("SCIRXBUF")
     rig.set(SLEEP=1)
     rig.wait(pause)
-    rig.write("SCITXBUF", 0x12)
-    rig.wait(12)
+    rig.put(0x12, 12)
     assert rig.get("RXRDY") == block
 
 
 @pytest.mark.rule("SCI-098", "SCI-106")
 def test_the_idle_time_of_txwake_is_a_block_to_a_receiver():
     rig = SciRig(LOOPBKENA=1)
-    rig.write("SCITXBUF", 0x15)
-    rig.wait(2)
+    rig.put(0x15, 2)
     rig.set(TXWAKE=1)
-    rig.write("SCITXBUF", 0x0E)
-    rig.wait(9)
+    rig.put(0x0E, 9)
     rig.read("SCIRXBUF")
     rig.set(SLEEP=1)
-    rig.write("SCITXBUF", 0x12)
-    rig.wait(23)
+    rig.put(0x12, 23)
     assert rig.flags("RXRDY", "RXWAKE", "RXDT") == {"RXRDY": 1, "RXWAKE": 1, "RXDT": 0x12}
 
 
@@ -237,26 +221,21 @@ def test_txwake_is_only_set_by_software():
 
 @pytest.mark.rule("SCI-115", "SCI-116", "SCI-117", "SCI-118")
 def test_only_the_frame_loaded_with_txwake_carries_a_1():
-    diagram = """
+    SciRig(**ADDRESS).check("""
         > TXWAKE    .  1  ........  .  .  .  ........  .  .  .
         > SCITXBUF  .  5  .3......  .  .  .  ........  .  .  .
         < TXD       1  0  1010....  1  .  0  1.0.....  .  1  .
         < TXWAKE    0  .  ........  .  .  .  ........  .  .  .
-    """
-    rig = SciRig(**ADDRESS)
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-109", "SCI-116")
 def test_txwake_set_while_a_frame_is_sent_counts_for_the_next():
     rig = SciRig(**ADDRESS)
-    rig.write("SCITXBUF", 0x11)
-    rig.wait(2)
+    rig.put(0x11, 2)
     rig.set(TXWAKE=1)
-    rig.write("SCITXBUF", 0x22)
-    rig.wait(11)
-    rig.write("SCITXBUF", 0x33)
-    rig.wait(30)
+    rig.put(0x22, 11)
+    rig.put(0x33, 30)
     assert [text[9] for _, text in rig.frames(11)] == ["0", "1", "0"]
 
 

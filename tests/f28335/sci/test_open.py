@@ -93,7 +93,7 @@ def test_open_rx_int_extra(value):
     start_of_stop_bit(rig)
     ready = first(rig, "RXRDY", 1, 2 * rig.bit)
     rig.wait(1)
-    assert rig.asked("RXINT") == [ready + value]
+    assert rig.asked["RXINT"] == [ready + value]
 
 
 @pytest.mark.rule("SCI-036")
@@ -351,8 +351,7 @@ def test_open_fifo_int_mode_edge_asks_for_each_word_that_leaves_an_empty_fifo():
     for words in (1, 2, 3):
         rig.set(TXFFINTCLR=1)
         assert rig.get("TXFFINT") == 0
-        rig.write("SCITXBUF", 0x55)
-        rig.wait(11)
+        rig.put(0x55, 11)
         assert (words, rig.get("TXFFINT"), rig.count("TXINT") - asked) == (words, 1, words)
 
 
@@ -401,8 +400,7 @@ def test_open_txrdy_point_next_lspclk_a_word_that_is_cleared_before_is_not_sent(
 @pytest.mark.parametrize(("value", "bits"), [("stop_end", 10), ("stop_begin", 9)])
 def test_open_tx_reload_point(value, bits):
     rig = rig_with("tx_reload_point", value)
-    rig.write("SCITXBUF", 0x11)
-    rig.wait(1)
+    rig.put(0x11, 1)
     rig.write("SCITXBUF", 0x22)
     ready = first(rig, "TXRDY", 1, 12 * rig.bit)
     assert ready == rig.falls()[0] + bits * rig.bit
@@ -431,11 +429,9 @@ def test_open_txempty_fall(value, part):
 @pytest.mark.parametrize(("value", "second"), [("replaces", 0x33), ("ignored", 0x22)])
 def test_open_txbuf_write_when_full(value, second):
     rig = rig_with("txbuf_write_when_full", value)
-    rig.write("SCITXBUF", 0x11)
-    rig.wait(1)
+    rig.put(0x11, 1)
     rig.write("SCITXBUF", 0x22)
-    rig.write("SCITXBUF", 0x33)
-    rig.wait(40)
+    rig.put(0x33, 40)
     assert rig.characters() == [0x11, second]
 
 
@@ -455,8 +451,7 @@ def test_open_tx_phase(value, possible):
         rig = rig_with("tx_phase", value)
         rig.wait(cycles=phase)
         written = rig.now
-        rig.write("SCITXBUF", 0x55)
-        rig.wait(2)
+        rig.put(0x55, 2)
         delays.add(rig.falls()[0] - written)
     assert sorted(delays) == possible
 
@@ -475,8 +470,7 @@ def test_open_txena_clear_drains(value, sent):
     rig.wait(15)
     assert rig.characters() == [0x11, 0x22, 0x33][:sent]
     rig = rig_with("txena_clear_drains", value)
-    rig.write("SCITXBUF", 0x11)
-    rig.wait(3)
+    rig.put(0x11, 3)
     rig.write("SCITXBUF", 0x22)
     rig.set(TXENA=0)
     rig.wait(50)
@@ -488,13 +482,10 @@ def test_open_txena_clear_drains(value, sent):
 @pytest.mark.parametrize(("fields", "length"), [({}, 10), ({"STOPBITS": 1}, 11), ({"SCICHAR": 4}, 7)])
 def test_open_txwake_idle_len(value, fixed, fields, length):
     rig = rig_with("txwake_idle_len", value, **fields)
-    rig.write("SCITXBUF", 0x1F)
-    rig.wait(2)
+    rig.put(0x1F, 2)
     rig.set(TXWAKE=1)
-    rig.write("SCITXBUF", 0x00)
-    rig.wait(length)
-    rig.write("SCITXBUF", 0x1F)
-    rig.wait(40)
+    rig.put(0x00, length)
+    rig.put(0x1F, 40)
     one, two = (start for start, _ in rig.frames(length))
     assert two - one == (length + (11 if fixed else length)) * rig.bit
 
@@ -512,16 +503,14 @@ def test_open_parity_of_short_chars(value, parity):
 def test_open_fftxdly_first_word(value, bits):
     rig = rig_with("fftxdly_first_word", value, fifo=True, FFTXDLY=20)
     written = rig.now
-    rig.write("SCITXBUF", 0x11)
-    rig.wait(24)
+    rig.put(0x11, 24)
     assert bits * rig.bit <= rig.falls()[0] - written <= bits * rig.bit + rig.sciclk
 
 
 def pause(rig: SciRig) -> int:
     """Cycles between two words of the FIFO."""
     rig.write("SCITXBUF", 0x11)
-    rig.write("SCITXBUF", 0x22)
-    rig.wait(2 * 11 + 260)
+    rig.put(0x22, 2 * 11 + 260)
     one, two = (start for start, _ in rig.frames(10))
     return two - one - 10 * rig.bit
 
@@ -622,8 +611,7 @@ def test_open_autobaud_brr_rule(value, divider):
 @pytest.mark.parametrize(("value", "now"), [("next_reload", False), ("at_once", True)])
 def test_open_brr_write_effect(value, now):
     rig = rig_with("brr_write_effect", value)
-    rig.write("SCITXBUF", 0x55)
-    rig.wait(sciclk=1)
+    rig.put(0x55, sciclk=1)
     start = rig.falls()[0]
     rig.run_until(start + 350)
     rig.set_brr(49)
@@ -640,8 +628,7 @@ def test_open_brr_write_effect(value, now):
 @pytest.mark.parametrize(("value", "first"), [("next_character", "0 01010101 1"), ("at_once", "0 01010 1")])
 def test_open_format_write_effect(value, first):
     rig = rig_with("format_write_effect", value)
-    rig.write("SCITXBUF", 0xAA)
-    rig.wait(3)
+    rig.put(0xAA, 3)
     rig.set(SCICHAR=4)
     rig.wait(12)
     assert rig.sent(rig.falls()[0], len(levels(first)) + 3) == levels(first) + "111"

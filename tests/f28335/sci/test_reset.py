@@ -5,26 +5,22 @@ from __future__ import annotations
 import pytest
 
 from tests.f28335.sci_rig import FIFO, SciRig, frame
-from tests.waves import play, tidy
 
 
 @pytest.mark.rule("SCI-202")
 def test_transmission_stops_at_once():
-    diagram = """
+    SciRig().check("""
         > SCITXBUF  .  0  ....  .  .  .  .......
         > SWRESET   .  .  ....  0  .  1  .......
         < TXD       1  0  ....  1  .  .  .......
         < TXEMPTY   1  0  ....  1  .  .  .......
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-202")
 def test_the_line_is_let_go_in_the_cycle_of_the_write():
     rig = SciRig()
-    rig.write("SCITXBUF", 0x00)
-    rig.wait(3, cycles=17)
+    rig.put(0x00, 3, cycles=17)
     rig.set(SWRESET=0)
     assert rig.edges[-1] == (rig.now, 1)
 
@@ -32,13 +28,11 @@ def test_the_line_is_let_go_in_the_cycle_of_the_write():
 @pytest.mark.rule("SCI-202", "SCI-207")
 def test_reception_stops_at_once():
     # Released in the middle of the frame, the receiver does not go on with it; its last bits are all 1.
-    diagram = """
+    rig = SciRig().check("""
         > RXD      1  0  1010 1111  1  ........  1  0  11010010  1  1
         > SWRESET  .  .  ..0. 1...  .  ........  .  .  ........  .  .
         < RXRDY    0  .  .... ....  .  ........  .  .  ........  1  .
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
     assert rig.read("SCIRXBUF") == 0x4B
 
 
@@ -55,8 +49,7 @@ def test_the_flags_stand_still_whatever_arrives():
         rig.send(text)
         assert rig.peek("SCIRXST") == 0
         assert rig.flags("TXRDY", "TXEMPTY") == {"TXRDY": 1, "TXEMPTY": 1}
-    rig.write("SCITXBUF", 0x55)
-    rig.wait(30)
+    rig.put(0x55, 30)
     assert rig.flags("TXRDY", "TXEMPTY") == {"TXRDY": 1, "TXEMPTY": 1}
     assert (rig.edges, rig.count("RXINT"), rig.count("TXINT")) == ([], 0, 0)
 
@@ -189,7 +182,6 @@ def test_after_reset_a_frame_has_one_data_bit_no_parity_and_one_stop_bit():
     rig.send("0 1 1", bit=rig.bit)
     assert rig.flags("RXRDY", "RXERROR", "RXDT") == {"RXRDY": 1, "RXERROR": 0, "RXDT": 1}
     before = len(rig.edges)
-    rig.write("SCITXBUF", 0x00)
-    rig.wait(20)
+    rig.put(0x00, 20)
     (fall, low), (rise, high) = rig.edges[before:]
     assert (low, high, rise - fall) == (0, 1, 2 * rig.bit)

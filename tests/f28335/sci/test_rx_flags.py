@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from tests.f28335.sci_rig import SciRig, frame
-from tests.waves import play, tidy
 
 ODD = {"PARITYENA": 1, "PARITY": 0}
 
@@ -23,13 +22,11 @@ ALL = ("RXRDY", "RXWAKE", "RXERROR", "BRKDT", "FE", "OE", "PE")
 
 @pytest.mark.rule("SCI-040", "SCI-041")
 def test_rxrdy_rises_inside_the_stop_bit_and_falls_by_the_read():
-    diagram = """
+    rig = SciRig().check("""
         > RXD      1  0  11010010  1  1  0  10100101  1  1
         > READ     .  .  ........  .  1  .  ........  .  .
         < RXRDY    0  .  ........  1  0  .  ........  1  .
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
     assert rig.read("SCIRXBUF") == 0xA5
 
 
@@ -61,8 +58,7 @@ def test_reading_and_writing_anything_else_clears_no_error():
         rig.write(register, 0x0000)
     rig.set(RXENA=0)
     rig.set(RXENA=1)
-    rig.write("SCITXBUF", 0x55)
-    rig.wait(30)
+    rig.put(0x55, 30)
     assert rig.flags(*errors) == dict.fromkeys(errors, 1)
 
 
@@ -86,15 +82,13 @@ def test_while_rxena_is_0_the_fifo_takes_no_word():
 
 @pytest.mark.rule("SCI-047", "SCI-048", "SCI-050")
 def test_an_unread_character_is_overrun_and_replaced():
-    diagram = """
+    SciRig().check("""
         > RXD      1  0  11010010  1  1  0  10100101  1  1  0  00000000  1  1
         > READ     .  .  ........  .  .  .  ........  .  1  .  ........  .  1
         < RXRDY    0  .  ........  1  .  .  ........  .  0  .  ........  1  0
         < OE       0  .  ........  .  .  .  ........  1  .  .  ........  .  .
         < RXERROR  0  .  ........  .  .  .  ........  1  .  .  ........  .  .
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-048")
@@ -115,29 +109,25 @@ def test_a_character_read_in_time_is_not_overrun():
 
 @pytest.mark.rule("SCI-051", "SCI-054", "SCI-061", "SCI-059")
 def test_a_missing_stop_bit_sets_fe_for_good_and_the_character_is_delivered():
-    diagram = """
+    rig = SciRig().check("""
         > RXD      1  0  11010010  0  1  0  11010010  1  1
         > READ     .  .  ........  .  1  .  ........  .  .
         < RXRDY    0  .  ........  1  0  .  ........  1  .
         < FE       0  .  ........  1  .  .  ........  .  .
         < RXERROR  0  .  ........  1  .  .  ........  .  .
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
     assert rig.read("SCIRXBUF") == 0x4B
 
 
 @pytest.mark.rule("SCI-055", "SCI-058", "SCI-059", "SCI-061")
 def test_a_wrong_parity_bit_sets_pe_for_good_and_the_character_is_delivered():
-    diagram = """
+    SciRig(**ODD).check("""
         > RXD      1  0  11010010 0  1  1  0  11010010 1  1  1
         > READ     .  .  ........ .  .  1  .  ........ .  .  .
         < RXRDY    0  .  ........ .  1  0  .  ........ .  1  .
         < PE       0  .  ........ .  1  .  .  ........ .  .  .
         < RXERROR  0  .  ........ .  1  .  .  ........ .  .  .
-    """
-    rig = SciRig(**ODD)
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-052")

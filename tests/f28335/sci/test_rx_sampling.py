@@ -12,7 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.f28335.sci_rig import SciRig, frame
-from tests.waves import play, tidy
 
 BITS_OF_0X4B = "11010010"
 
@@ -24,12 +23,14 @@ def samples(text: str) -> str:
 
 @pytest.mark.rule("SCI-028", "SCI-031", "SCI-032")
 def test_a_bit_is_eight_sciclk_and_seven_of_the_stop_bit_show_rxrdy():
-    diagram = """
+    rig = SciRig()
+    rig.check(
+        """
         > RXD   1 0....... 1....... 1....... 0....... 1....... 0....... 0....... 1....... 0....... 1....... 1
         < RXRDY 0 ........ ........ ........ ........ ........ ........ ........ ........ ........ .......1 .
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.sciclk, rig.now) == tidy(diagram)
+    """,
+        rig.sciclk,
+    )
     assert rig.read("SCIRXBUF") == 0x4B
 
 
@@ -172,13 +173,11 @@ def test_frames_without_a_gap_are_all_received(second):
 
 @pytest.mark.rule("SCI-039", "SCI-044", "SCI-046")
 def test_the_receiver_keeps_shifting_while_rxena_is_0():
-    diagram = """
+    rig = SciRig().check("""
         > RXENA    0  .  ........  .  .  .  ........  .  .  .  ...1....  .  .
         > RXD      1  0  11010010  1  1  0  11010010  1  1  0  11010010  1  1
         < RXRDY    0  .  ........  .  .  .  ........  .  .  .  ........  1  .
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
     assert rig.read("SCIRXBUF") == 0x4B
 
 

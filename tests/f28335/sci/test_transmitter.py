@@ -5,31 +5,26 @@ from __future__ import annotations
 import pytest
 
 from tests.f28335.sci_rig import SciRig, frame, levels
-from tests.waves import play, tidy
 
 
 @pytest.mark.rule("SCI-063", "SCI-064", "SCI-065", "SCI-069", "SCI-077")
 def test_one_character():
-    diagram = """
+    SciRig().check("""
         > SCITXBUF  .  3  ........  .  .  .
         < TXD       1  0  1.0.....  1  .  .
         < TXRDY     1  .  ........  .  .  .
         < TXEMPTY   1  0  ........  .  1  .
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-066", "SCI-068", "SCI-069")
 def test_a_second_character_waits_in_scitxbuf_and_follows_without_a_gap():
-    diagram = """
+    rig = SciRig().check("""
         > SCITXBUF  .  3  .5......  .  .  ........  .  .  .
         < TXD       1  0  1.0.....  1  0  1010....  1  .  .
         < TXRDY     1  .  .0......  .  1  ........  .  .  .
         < TXEMPTY   1  0  ........  .  .  ........  .  1  .
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
     first, second = (start for start, _ in rig.frames(10))
     assert second - first == 10 * rig.bit
 
@@ -56,8 +51,7 @@ def test_the_start_bit_begins_within_an_sciclk_and_txrdy_rises_with_it(phase):
 @pytest.mark.rule("SCI-067")
 def test_a_write_while_txrdy_is_0_replaces_the_waiting_character():
     rig = SciRig()
-    rig.write("SCITXBUF", 0x11)
-    rig.wait(1)
+    rig.put(0x11, 1)
     for word in (0x22, 0x33):
         rig.write("SCITXBUF", word)
         assert rig.get("TXRDY") == 0
@@ -77,8 +71,7 @@ def test_txempty_rises_at_the_end_of_the_last_stop_bit(stop_bits, bits):
 @pytest.mark.rule("SCI-070")
 def test_txempty_interrupts_nobody():
     rig = SciRig(TXINTENA=1)
-    rig.write("SCITXBUF", 0x55)
-    rig.wait(2)
+    rig.put(0x55, 2)
     asked = rig.count("TXINT")
     rig.wait(20)
     assert rig.get("TXEMPTY") == 1
@@ -88,8 +81,7 @@ def test_txempty_interrupts_nobody():
 @pytest.mark.rule("SCI-071", "SCI-072", "SCI-202")
 def test_sw_reset_sets_txrdy_and_txempty_and_lets_go_of_the_line():
     rig = SciRig()
-    rig.write("SCITXBUF", 0x00)
-    rig.wait(2)
+    rig.put(0x00, 2)
     rig.write("SCITXBUF", 0x00)
     assert (rig.show("TXD"), rig.flags("TXRDY", "TXEMPTY")) == (0, {"TXRDY": 0, "TXEMPTY": 0})
     rig.set(SWRESET=0)
@@ -99,8 +91,7 @@ def test_sw_reset_sets_txrdy_and_txempty_and_lets_go_of_the_line():
 @pytest.mark.rule("SCI-073")
 def test_system_reset_sets_txrdy_and_txempty_and_lets_go_of_the_line():
     rig = SciRig()
-    rig.write("SCITXBUF", 0x00)
-    rig.wait(2)
+    rig.put(0x00, 2)
     rig.write("SCITXBUF", 0x00)
     rig.reset()
     assert rig.chip.out == 1
@@ -109,38 +100,32 @@ def test_system_reset_sets_txrdy_and_txempty_and_lets_go_of_the_line():
 
 @pytest.mark.rule("SCI-074", "SCI-077")
 def test_without_txena_nothing_leaves_the_pin():
-    diagram = """
+    SciRig().check("""
         > TXENA     0  .  ........  ........  1  ........  .  .
         > SCITXBUF  .  3  ........  ........  .  ........  .  .
         < TXD       1  .  ........  ........  0  1.0.....  1  .
         < TXRDY     1  0  ........  ........  1  ........  .  .
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-075")
 def test_txena_cleared_during_a_character_lets_it_finish():
-    diagram = """
+    SciRig().check("""
         > SCITXBUF  .  5  ........  .  .  ........
         > TXENA     .  .  ..0.....  .  .  ........
         < TXD       1  0  1010....  1  .  ........
         < TXEMPTY   1  0  ........  .  1  ........
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-076")
 def test_txena_cleared_with_a_character_waiting_sends_that_too():
-    diagram = """
+    SciRig().check("""
         > SCITXBUF  .  5  3.......  .  .  ........  .  .
         > TXENA     .  .  ..0.....  .  .  ........  .  .
         < TXD       1  0  1010....  1  0  1.0.....  1  .
         < TXEMPTY   1  0  ........  .  .  ........  .  1
-    """
-    rig = SciRig()
-    assert play(diagram, rig, rig.bit, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SCI-077")

@@ -74,12 +74,12 @@ def test_early_wakes_and_looks_change_nothing(kind, words):
             while rig is nervous and rig.now + 7 < time:
                 rig.wait(cycles=7)
                 rig.chip.wake(rig.now)
-                rig.line.look()
+                rig.look()
                 registers(rig)
             rig.drive(time, signal, level)
         rig.wait(30)
     assert nervous.edges == calm.edges
-    assert (nervous.asked("RXINT"), nervous.asked("TXINT")) == (calm.asked("RXINT"), calm.asked("TXINT"))
+    assert (nervous.asked["RXINT"], nervous.asked["TXINT"]) == (calm.asked["RXINT"], calm.asked["TXINT"])
     assert registers(nervous) == registers(calm)
 
 
@@ -109,10 +109,10 @@ def test_an_access_in_the_very_cycle_comes_after_what_the_hardware_does_in_it(ki
         if now >= end:
             continue
         told.run_until(now)
-        untold.line.now = now
+        untold.now = now
         offset = SCI_MAP["SCIRXST"].offset
         assert untold.chip.read(now, offset) == told.chip.read(now, offset)
-        untold.line.look()
+        untold.look()
         assert registers(untold) == registers(told)
         assert untold.chip.out == told.chip.out
 
@@ -141,9 +141,9 @@ def test_whatever_firmware_and_line_do_early_wakes_and_looks_change_nothing(scri
         while nervous.now + nap < time:
             nervous.wait(cycles=nap)
             nervous.chip.wake(nervous.now)
-            nervous.line.look()
+            nervous.look()
             registers(nervous)
         nervous.drive(time, signal, level)
         assert registers(nervous) == registers(calm)
         assert nervous.edges == calm.edges
-        assert (nervous.asked("RXINT"), nervous.asked("TXINT")) == (calm.asked("RXINT"), calm.asked("TXINT"))
+        assert (nervous.asked["RXINT"], nervous.asked["TXINT"]) == (calm.asked["RXINT"], calm.asked["TXINT"])

@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.f28335.spi_rig import BIT, FIFO, HALF, MASTER, SLAVE, SpiRig
-from tests.waves import play, tidy
 
 LOOP = {"SPICHAR": 3, "SPILBK": 1}
 
@@ -17,21 +16,21 @@ LOOP = {"SPICHAR": 3, "SPILBK": 1}
 def send(rig: SpiRig, *words: int) -> None:
     """Four-bit characters through the loop-back, one after the other, until all have come."""
     for word in words:
-        rig.write("SPITXBUF", word << 12)
-        rig.wait(6)
+        rig.send(word << 12, 6)
 
 
 @pytest.mark.rule("SPI-058", "SPI-059", "SPI-060", "SPI-075", "SPI-084", "SPI-085")
 def test_words_are_counted_out_and_in():
-    diagram = """
+    rig = SpiRig(fifo=True, **LOOP).check(
+        """
         > SPITXBUF  .  1  2  3 . . .  . . . .  . . . .  .
         < TXFFST    0  .  1  2 . 1 .  . . 0 .  . . . .  .
         < RXFFST    0  .  .  . . 1 .  . . 2 .  . . 3 .  .
         < STE       1  0  .  . . . .  . . . .  . . 1 .  .
         < INT_FLAG  0  .  .  . . . .  . . . .  . . . .  .
-    """
-    rig = SpiRig(fifo=True, **LOOP)
-    assert play(diagram, rig, BIT, rig.now) == tidy(diagram)
+    """,
+        BIT,
+    )
     assert [word & 0xF for word in rig.received()] == [1, 2, 3]
 
 
@@ -70,8 +69,7 @@ def test_sixteen_words_fit_beside_the_one_in_spidat():
 @pytest.mark.rule("SPI-061")
 def test_txfifo_0_leaves_the_character_that_is_being_sent():
     rig = SpiRig(fifo=True, **LOOP)
-    rig.write("SPITXBUF", 0x5000)
-    rig.wait(2)
+    rig.send(0x5000, 2)
     rig.set(TXFIFO=0)
     rig.wait(4)
     assert [word & 0xF for word in rig.received()] == [5]
@@ -79,17 +77,19 @@ def test_txfifo_0_leaves_the_character_that_is_being_sent():
 
 @pytest.mark.rule("SPI-062", "SPI-063", "SPI-064")
 def test_txffint_comes_as_the_fifo_runs_down():
-    diagram = """
+    rig = SpiRig(fifo=True, **LOOP, TXFFIL=1, TXFFIENA=1, SPIINTENA=1)
+    rig.asked["TXINT"].clear()  # requested as the empty FIFO was turned on
+    rig.check(
+        """
         > SPITXBUF    .  1  2  3 . . . . . . . . . . . .  .
         > TXFFINTCLR  .  .  .  . 1 . . . . . . 1 . . . .  .
         < TXFFST      0  .  1  2 . 1 . . . 0 . . . . . .  .
         < TXFFINT     1  .  .  . 0 1 . . . . . . . . . .  .
         < TXINT       0  .  .  . . 1 . . . . . 2 . . . .  .
         < RXINT       0  .  .  . . . . . . . . . . . . .  .
-    """
-    rig = SpiRig(fifo=True, **LOOP, TXFFIL=1, TXFFIENA=1, SPIINTENA=1)
-    rig.asked["TXINT"].clear()  # requested as the empty FIFO was turned on
-    assert play(diagram, rig, BIT, rig.now) == tidy(diagram)
+    """,
+        BIT,
+    )
 
 
 @pytest.mark.rule("SPI-062", "SPI-064")
@@ -128,16 +128,17 @@ def test_fifo_mode_entered_with_a_flag_and_its_enable_requests(register, line, v
 
 @pytest.mark.rule("SPI-065", "SPI-067", "SPI-068", "SPI-069", "SPI-073")
 def test_rxffint_comes_as_the_fifo_fills():
-    diagram = """
+    SpiRig(fifo=True, **LOOP, RXFFIL=2, RXFFIENA=1, SPIINTENA=1, OVERRUNINTENA=1).check(
+        """
         > SPITXBUF    1  .....  2  .....  .  .  3  .....  .
         > RXFFINTCLR  .  .....  .  .....  .  .  .  .....  1
         > READ        .  .....  .  .....  1  1  .  .....  .
         < RXFFST      0  ...1.  .  ...2.  1  0  .  ...1.  .
         < RXFFINT     0  .....  .  ...1.  .  .  .  .....  0
         < RXINT       0  .....  .  ...1.  .  .  .  .....  .
-    """
-    rig = SpiRig(fifo=True, **LOOP, RXFFIL=2, RXFFIENA=1, SPIINTENA=1, OVERRUNINTENA=1)
-    assert play(diagram, rig, BIT, rig.now) == tidy(diagram)
+    """,
+        BIT,
+    )
 
 
 @pytest.mark.rule("SPI-067")
@@ -252,25 +253,26 @@ def test_txdly_keeps_words_apart(delay):
 @pytest.mark.rule("SPI-074")
 @pytest.mark.parametrize("phase", [0, 1])
 def test_a_word_stays_in_the_fifo_until_txdly_is_over(phase):
-    diagram = {
-        0: """
+    rig = SpiRig(fifo=True, SPICHAR=1, CLK_PHASE=phase, TXDLY=1)
+    rig.pin(rig.now, SOMI=0)
+    rig.check(
+        {
+            0: """
             > SPITXBUF  8  c . . . . . . . . .  .
             < CLK       0  1 0 1 0 . . 1 0 1 0  .
             < SIMO      0  1 . 0 . . . 1 . . .  .
             < TXFFST    0  1 . . . . 0 . . . .  .
             < STE       0  . . . . . . . . . .  1
         """,
-        1: """
+            1: """
             > SPITXBUF  8  c . . . . . . . . .  .
             < CLK       0  1 0 1 0 . . 1 0 1 0  .
             < SIMO      1  . 0 . . . 1 . . . 0  .
             < TXFFST    0  1 . . . . 0 . . . .  .
             < STE       0  . . . . . . . . . 1  .
         """,
-    }[phase]
-    rig = SpiRig(fifo=True, SPICHAR=1, CLK_PHASE=phase, TXDLY=1)
-    rig.pin(rig.now, SOMI=0)
-    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+        }[phase]
+    )
 
 
 def test_txdly_has_no_effect_without_fifos():
@@ -282,9 +284,7 @@ def test_txdly_has_no_effect_without_fifos():
 
 
 def test_txdly_has_no_effect_on_a_slave():
-    rig = SpiRig({}, {**SLAVE, **FIFO, "SPIFFCT": 9})
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({}, {**SLAVE, **FIFO, "SPIFFCT": 9}).select_idle()
     for word in (0x1200, 0x3400):
         rig.write("SPITXBUF", word)
     assert [rig.get("TXFFST"), rig.exchange(0), rig.exchange(0), rig.get("TXFFST")] == [1, 0x12, 0x34, 0]

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import pytest
 
-from tests.f28335.spi_rig import BIT, HALF, SpiRig
-from tests.waves import play, tidy
+from tests.f28335.spi_rig import BIT, SpiRig
 
 FOUR = {"SPICHAR": 3, "SPILBK": 1}  # characters of four bits, received as they are sent
 
 
 @pytest.mark.rule("SPI-041", "SPI-042", "SPI-044", "SPI-049")
 def test_int_flag_comes_with_the_character_and_goes_when_it_is_read():
-    diagram = """
+    SpiRig(**FOUR, SPIINTENA=1).check("""
         > SPITXBUF  .  5  . . . . . . . .  .  .
         > READ      .  .  . . . . . . . .  .  1
         < CLK       0  .  1 0 1 0 1 0 1 0  .  .
@@ -20,16 +19,13 @@ def test_int_flag_comes_with_the_character_and_goes_when_it_is_read():
         < SPIRXBUF  0  .  . . . . . . . 5  .  .
         < RXINT     0  .  . . . . . . . 1  .  .
         < TXINT     0  .  . . . . . . . .  .  .
-    """
-    rig = SpiRig(**FOUR, SPIINTENA=1)
-    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SPI-045")
 def test_without_spiintena_nothing_is_requested():
     rig = SpiRig(**FOUR, OVERRUNINTENA=1)
-    rig.write("SPITXBUF", 0x5000)
-    rig.wait(5)
+    rig.send(0x5000, 5)
     assert (rig.get("INT_FLAG"), rig.asked) == (1, {"RXINT": [], "TXINT": []})
 
 
@@ -39,8 +35,7 @@ def test_spiintena_set_later_requests_at_once():
     rig.set(SPIINTENA=1)
     assert rig.asked["RXINT"] == []
     rig.set(SPIINTENA=0)
-    rig.write("SPITXBUF", 0x5000)
-    rig.wait(5)
+    rig.send(0x5000, 5)
     rig.set(SPIINTENA=1)
     rig.set(OVERRUNINTENA=1)  # its flag is 0
     assert rig.asked["RXINT"] == [rig.now]
@@ -49,8 +44,7 @@ def test_spiintena_set_later_requests_at_once():
 @pytest.mark.rule("SPI-043")
 def test_spirxemu_shows_the_character_and_leaves_int_flag():
     rig = SpiRig(**FOUR)
-    rig.write("SPITXBUF", 0x5000)
-    rig.wait(5)
+    rig.send(0x5000, 5)
     assert rig.read("SPIRXEMU") & 0xF == rig.peek("SPIRXBUF") & 0xF == 5
     assert rig.get("INT_FLAG") == 1
     assert rig.read("SPIRXBUF") & 0xF == 5
@@ -60,16 +54,17 @@ def test_spirxemu_shows_the_character_and_leaves_int_flag():
 
 @pytest.mark.rule("SPI-046", "SPI-048")
 def test_a_character_that_was_not_read_is_replaced_with_one_request():
-    diagram = """
+    SpiRig(**FOUR, OVERRUNINTENA=1).check(
+        """
         > SPITXBUF      1...  2...  ....  3...  .
         > READ          ....  ....  ....  .1..  .
         < SPIRXBUF      0...  1...  2...  ....  3
         < INT_FLAG      0...  1...  ....  .0..  1
         < OVERRUN_FLAG  0...  ....  1...  ....  .
         < RXINT         0...  ....  1...  ....  .
-    """
-    rig = SpiRig(**FOUR, OVERRUNINTENA=1)
-    assert play(diagram, rig, BIT, rig.now) == tidy(diagram)
+    """,
+        BIT,
+    )
 
 
 @pytest.mark.rule("SPI-048")
@@ -77,8 +72,7 @@ def test_further_overruns_request_nothing_until_the_flag_was_cleared():
     rig = SpiRig(**FOUR, OVERRUNINTENA=1)
     counts = []
     for clear in (0, 0, 0, 1, 0):
-        rig.write("SPITXBUF", 0x5000)
-        rig.wait(6)
+        rig.send(0x5000, 6)
         counts.append(len(rig.asked["RXINT"]))
         if clear:
             rig.write("SPISTS", 0x80)
@@ -89,8 +83,7 @@ def test_further_overruns_request_nothing_until_the_flag_was_cleared():
 def test_an_overrun_needs_an_unread_character():
     rig = SpiRig(**FOUR)
     for _ in range(3):
-        rig.write("SPITXBUF", 0x5000)
-        rig.wait(6)
+        rig.send(0x5000, 6)
         rig.read("SPIRXBUF")
     assert rig.get("OVERRUN_FLAG") == 0
 
@@ -99,8 +92,7 @@ def test_an_overrun_needs_an_unread_character():
 def test_overrun_flag_is_cleared_by_writing_1():
     rig = SpiRig(**FOUR)
     for _ in range(2):
-        rig.write("SPITXBUF", 0x5000)
-        rig.wait(6)
+        rig.send(0x5000, 6)
     rig.read("SPIRXBUF")
     states = []
     for value in (0x00, 0x7F, 0x80):
@@ -113,22 +105,19 @@ def test_overrun_flag_is_cleared_by_writing_1():
 def test_writing_spists_leaves_int_flag_and_buffull_flag():
     rig = SpiRig(**FOUR)
     for word in (1, 2, 3):
-        rig.write("SPITXBUF", word << 12)
-        rig.wait(4.5 if word == 1 else 0)
+        rig.send(word << 12, 4.5 if word == 1 else 0)
     rig.write("SPISTS", 0xFF)
     assert rig.flags("INT_FLAG", "BUFFULL_FLAG") == {"INT_FLAG": 1, "BUFFULL_FLAG": 1}
 
 
 @pytest.mark.rule("SPI-024", "SPI-050", "SPI-051")
 def test_the_first_character_goes_through_and_the_second_waits():
-    diagram = """
+    SpiRig(**FOUR).check("""
         > SPITXBUF      .  5  6 . . . . . . .  . . . . . . . .
         < BUFFULL_FLAG  0  .  1 . . . . . . 0  . . . . . . . .
         < INT_FLAG      0  .  . . . . . . . 1  . . . . . . . .
         < SPIRXBUF      0  .  . . . . . . . 5  . . . . . . . 6
-    """
-    rig = SpiRig(**FOUR)
-    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SPI-050")
@@ -142,12 +131,10 @@ def test_a_character_that_is_replaced_while_it_waits_is_told():
 
 
 def test_a_write_to_spidat_within_a_character_replaces_what_is_not_yet_sent():
-    diagram = """
+    rig = SpiRig(SPICHAR=3).check("""
         > SPITXBUF  .  0  . . . . . . . .  .
         > SPIDAT    .  .  . . . f . . . .  .
         < SIMO      0  .  . . . . 1 . . .  .
         < CLK       0  .  1 0 1 0 1 0 1 0  .
-    """
-    rig = SpiRig(SPICHAR=3)
-    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+    """)
     assert rig.notes("lost") == ["SPI-A: SPIDAT was written 0xf000 while a character was in it: that one is lost"]

@@ -15,7 +15,6 @@ import pytest
 from periph_sim.core.options import options_from
 from periph_sim.f28335.spi.options import SpiOptions
 from tests.f28335.spi_rig import BIT, HALF, LSPCLK, MASTER, SLAVE, SpiRig
-from tests.waves import play, tidy
 
 LOOP = {"SPICHAR": 3, "SPILBK": 1}
 
@@ -33,8 +32,7 @@ def rig_with(
 def selected(option: str, value: str | int | bool, **fields: int) -> SpiRig:
     """A slave whose SPISTE is low."""
     rig = rig_with(option, value, SLAVE, **fields)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig.select_idle()
     return rig
 
 
@@ -84,8 +82,7 @@ def test_open_start_point(value, starts):
         rig = rig_with("start_point", value, SPIBRR=9)
         rig.wait(cycles=cycle)
         written = rig.now
-        rig.write("SPITXBUF", 0)
-        rig.wait(4)
+        rig.send(0, 4)
         begun = rig.edges[1][0]
         waits.add(begun - written)
         phases.add(begun % 40)
@@ -109,20 +106,20 @@ def test_open_ste_lead(value, halves):
 @pytest.mark.rule("SPI-074")
 @pytest.mark.parametrize("value", ["low", "high"])
 def test_open_ste_in_txdly(value):
-    diagram = {
-        "low": """
+    rig_with("ste_in_txdly", value, fifo=True, SPICHAR=0, TXDLY=1).check(
+        {
+            "low": """
             > SPITXBUF  8  8 . . . . . . . .  .
             < CLK       0  1 0 . . 1 0 . . .  .
             < STE       0  . . . . . . 1 . .  .
         """,
-        "high": """
+            "high": """
             > SPITXBUF  8  8 . . . . . . . .  .
             < CLK       0  1 0 . . 1 0 . . .  .
             < STE       0  . 1 . 0 . . 1 . .  .
         """,
-    }[value]
-    rig = rig_with("ste_in_txdly", value, fifo=True, SPICHAR=0, TXDLY=1)
-    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+        }[value]
+    )
 
 
 @pytest.mark.rule("SPI-074")
@@ -130,8 +127,7 @@ def test_open_ste_in_txdly(value):
 def test_open_txdly_first_word(value, bits):
     rig = rig_with("txdly_first_word", value, fifo=True, TXDLY=7)
     begin = rig.now
-    rig.write("SPITXBUF", 0x8000)
-    rig.wait(20)
+    rig.send(0x8000, 20)
     times = [time for time, levels in rig.edges if levels & 4]
     assert times[0] - begin == 1 + HALF + bits * BIT - (LSPCLK if bits else 0)
 
@@ -159,8 +155,7 @@ def test_open_int_flag_point(value, early):
 def test_open_int_request(value, requests):
     rig = rig_with("int_request", value, **LOOP, SPIINTENA=1)
     for _ in range(3):
-        rig.write("SPITXBUF", 0x5000)
-        rig.wait(6)
+        rig.send(0x5000, 6)
     assert len(rig.asked["RXINT"]) == requests
 
 
@@ -169,8 +164,7 @@ def test_open_int_request(value, requests):
 def test_open_status_in_fifo_mode(value, status):
     rig = rig_with("status_in_fifo_mode", value, fifo=True, **LOOP, SPIINTENA=1, OVERRUNINTENA=1)
     for _ in range(2):
-        rig.write("SPITXBUF", 0x5000)
-        rig.wait(6)
+        rig.send(0x5000, 6)
     assert (rig.peek("SPISTS"), rig.asked["RXINT"]) == (status, [])
     rig.set(SPIINTENA=0)
     rig.set(SPIINTENA=1)
@@ -181,15 +175,13 @@ def test_open_status_in_fifo_mode(value, status):
 @pytest.mark.parametrize(("value", "flag"), [("level", 1), ("edge", 0)])
 def test_open_fifo_int_mode(value, flag):
     rig = rig_with("fifo_int_mode", value, fifo=True, **LOOP, RXFFIL=1, RXFFIENA=1, TXFFIENA=1)
-    rig.write("SPITXBUF", 0x5000)
-    rig.wait(6)
+    rig.send(0x5000, 6)
     rig.set(TXFFINTCLR=1, RXFFINTCLR=1)
     assert rig.flags("TXFFINT", "RXFFINT") == {"TXFFINT": flag, "RXFFINT": flag}
     assert [len(rig.asked[line]) for line in ("TXINT", "RXINT")] == [1 + flag, 1 + flag]
     rig.read("SPIRXBUF")
     rig.set(RXFFINTCLR=1)
-    rig.write("SPITXBUF", 0x5000)
-    rig.wait(6)
+    rig.send(0x5000, 6)
     assert rig.get("RXFFINT") == 1  # the level is reached anew
 
 
@@ -198,8 +190,7 @@ def test_open_fifo_int_mode(value, flag):
 def test_open_rxffovf_interrupt(value, requests):
     rig = rig_with("rxffovf_interrupt", value, fifo=True, **LOOP, RXFFIENA=1)
     for _ in range(17):
-        rig.write("SPITXBUF", 0x5000)
-        rig.wait(6)
+        rig.send(0x5000, 6)
     assert (rig.get("RXFFOVF"), len(rig.asked["RXINT"])) == (1, requests)
 
 
@@ -231,8 +222,7 @@ def test_open_txfifo_write_when_full(value, last):
 @pytest.mark.parametrize(("value", "read"), [("last_word", 5), ("zero", 0)])
 def test_open_rxfifo_read_when_empty(value, read):
     rig = rig_with("rxfifo_read_when_empty", value, fifo=True, **LOOP)
-    rig.write("SPITXBUF", 0x5000)
-    rig.wait(6)
+    rig.send(0x5000, 6)
     assert [rig.read("SPIRXBUF") & 0xF for _ in range(2)] == [5, read]
 
 
@@ -244,8 +234,7 @@ def test_open_input_latency(value):
     """SPISOMI follows an edge of SPICLK that late, and what was at SPISIMO with the edge is latched."""
     rig = selected("input_latency", value)
     assert rig.chip.filter_width == value
-    rig.write("SPITXBUF", 0x8000)
-    rig.wait(4)
+    rig.send(0x8000, 4)
     begin = rig.now + 1
     rig.pin(begin, CLK=1)
     rig.wait(2)
@@ -271,9 +260,7 @@ def test_with_a_latency_a_later_call_in_a_cycle_takes_the_place_of_the_first():
 
 
 def test_with_a_latency_a_pulse_within_a_cycle_is_no_clock():
-    rig = SpiRig({"input_latency": 2}, SLAVE)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({"input_latency": 2}, SLAVE).select_idle()
     begin = rig.now + 9
     rig.pin(begin, CLK=1)
     rig.pin(begin, CLK=0)
@@ -328,8 +315,7 @@ def fifos_after(option: str, value: bool, reset: str) -> dict[str, int]:
     """Counts and flags once this bit was 0, of a transmit FIFO with one word and a receive FIFO that overran."""
     rig = rig_with(option, value, fifo=True, **LOOP, RXFFIL=1)
     for _ in range(17):
-        rig.write("SPITXBUF", 0x5000)
-        rig.wait(6)
+        rig.send(0x5000, 6)
     for _ in range(2):
         rig.write("SPITXBUF", 0x5000)
     rig.set(**{reset: 0})
@@ -340,8 +326,7 @@ def fifos_after(option: str, value: bool, reset: str) -> dict[str, int]:
 @pytest.mark.parametrize(("value", "bits"), [("whole_character", 3 + 8), ("remainder", 8)])
 def test_open_bits_after_suspend(value, bits):
     rig = rig_with("bits_after_suspend", value)
-    rig.write("SPITXBUF", 0)
-    rig.wait(3.5)
+    rig.send(0, 3.5)
     rig.chip.suspend(rig.now, True)
     rig.wait(5)
     rig.chip.suspend(rig.now, False)

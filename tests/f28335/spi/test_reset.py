@@ -5,7 +5,6 @@ from __future__ import annotations
 import pytest
 
 from tests.f28335.spi_rig import FIFO, HALF, MASTER, SLAVE, SpiRig
-from tests.waves import play, tidy
 
 
 @pytest.mark.rule("SPI-054")
@@ -27,8 +26,7 @@ def test_spiswreset_stops_a_master_at_once(polarity):
 def test_spiswreset_clears_the_flags_and_nothing_else():
     rig = SpiRig(SPICHAR=3, SPILBK=1, SPIPRI=0x10, SPIFFCT=7)
     for word in (1, 2, 3):
-        rig.write("SPITXBUF", word << 12)
-        rig.wait(6)
+        rig.send(word << 12, 6)
     for word in (4, 5):
         rig.write("SPITXBUF", word << 12)
     names = ["SPICTL", "SPIBRR", "SPIRXBUF", "SPITXBUF", "SPIFFTX", "SPIFFRX", "SPIFFCT", "SPIPRI"]
@@ -49,15 +47,12 @@ def test_what_is_written_during_spiswreset_is_not_sent_after_it(register):
     rig.wait(20)
     assert (len(rig.edges), rig.peek(register)) == (edges, 0x5500)
     assert len(rig.notes("lost")) == 1
-    rig.write("SPITXBUF", 0x5500)
-    rig.wait(9)
+    rig.send(0x5500, 9)
     assert rig.get("INT_FLAG") == 1
 
 
 def test_spiswreset_drops_the_bits_of_a_slave():
-    rig = SpiRig({}, SLAVE)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({}, SLAVE).select_idle()
     rig.clock("111")
     rig.set(SPISWRESET=0)
     rig.clock("11111")
@@ -76,26 +71,22 @@ def test_spirst_resets_the_channels_and_leaves_the_configuration():
     assert rig.flags("TXFFST", "RXFFST", "RXFFINT") == {"TXFFST": 2, "RXFFST": 1, "RXFFINT": 1}
     rig.set(SPIRST=0)
     assert (rig.show("STE"), rig.peek("SPIFFTX"), rig.peek("SPIFFRX")) == (1, 0x6029, 0x2001)
-    rig.write("SPITXBUF", 0x5500)
-    rig.wait(9)
+    rig.send(0x5500, 9)
     rig.set(SPIRST=1)
     assert rig.flags("TXFFST", "TXFFINT") == {"TXFFST": 0, "TXFFINT": 1}
     rig.wait(9)
     assert rig.notes("lost") == ["SPI-A: SPITXBUF was written 0x5500 while a reset holds the transmit FIFO: it is lost"]
-    rig.write("SPITXBUF", 0x6600)
-    rig.wait(9)
+    rig.send(0x6600, 9)
     assert [word & 0xFF for word in rig.received()] == [0x66]
 
 
 def test_spirst_0_stops_standard_mode_too():
     rig = SpiRig()
     rig.set(SPIRST=0)
-    rig.write("SPITXBUF", 0)
-    rig.wait(20)
+    rig.send(0, 20)
     assert rig.get("INT_FLAG") == 0
     rig.set(SPIRST=1)
-    rig.write("SPITXBUF", 0)
-    rig.wait(10)
+    rig.send(0, 10)
     assert rig.get("INT_FLAG") == 1
 
 
@@ -146,15 +137,13 @@ def test_a_reset_module_does_what_a_new_one_does():
 
 
 def test_a_master_that_is_made_a_slave_drops_its_character():
-    diagram = """
+    SpiRig().check("""
         > SPITXBUF      .  0  . . . . . . . . . .
         > MASTER_SLAVE  .  .  . . . 0 . . 1 . . .
         < CLK           0  .  1 0 1 . . . 0 . . .
         < CLK?          1  .  . . . 0 . . 1 . . .
         < STE           1  0  . . . 1 . . . . . .
-    """
-    rig = SpiRig()
-    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SPI-056")
@@ -163,21 +152,17 @@ def test_loop_back_receives_what_is_sent_and_shows_it_on_the_pins():
     rig.pin(rig.now, SOMI=0)
     seen = []
     for word in (0xA5, 0x3C):
-        rig.write("SPITXBUF", word << 8)
-        rig.wait(10)
+        rig.send(word << 8, 10)
         seen.append(rig.read("SPIRXBUF") & 0xFF)
     assert seen == [0xA5, 0x3C]
     assert rig.chip.touched.isdisjoint({"input_latency"})
     rig.set(SPILBK=0)
-    rig.write("SPITXBUF", 0xA500)
-    rig.wait(10)
+    rig.send(0xA500, 10)
     assert rig.read("SPIRXBUF") & 0xFF == 0
 
 
 @pytest.mark.rule("SPI-057")
 def test_loop_back_has_no_effect_on_a_slave():
-    rig = SpiRig({}, SLAVE, SPILBK=1)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({}, SLAVE, SPILBK=1).select_idle()
     rig.write("SPITXBUF", 0x3C00)
     assert (rig.exchange(0xA5), rig.read("SPIRXBUF") & 0xFF) == (0x3C, 0xA5)

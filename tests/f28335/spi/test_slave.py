@@ -62,9 +62,7 @@ def test_an_edge_with_the_rise_of_spiste_counts_and_one_with_its_fall_does_not()
 
 @pytest.mark.rule("SPI-019", "SPI-020", "SPI-021")
 def test_talk_0_leaves_somi_undriven_and_receives():
-    rig = SpiRig({}, SLAVE, SPIINTENA=1)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({}, SLAVE, SPIINTENA=1).select_idle()
     rig.write("SPITXBUF", 0)
     came = rig.clock("0110")
     rig.set(TALK=0)
@@ -78,9 +76,7 @@ def test_talk_0_leaves_somi_undriven_and_receives():
 @pytest.mark.rule("SPI-023", "SPI-024", "SPI-051")
 @pytest.mark.parametrize("phase", [0, 1])
 def test_the_second_word_waits_for_the_first_even_before_the_clock(phase):
-    rig = SpiRig({}, SLAVE, CLK_PHASE=phase)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({}, SLAVE, CLK_PHASE=phase).select_idle()
     full = []
     for word in (0x1200, 0x3400):
         rig.write("SPITXBUF", word)
@@ -91,17 +87,13 @@ def test_the_second_word_waits_for_the_first_even_before_the_clock(phase):
 
 @pytest.mark.parametrize("phase", [0, 1])
 def test_a_slave_that_was_given_nothing_sends_what_is_in_spidat(phase):
-    rig = SpiRig({}, SLAVE, CLK_PHASE=phase, SPICHAR=15)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({}, SLAVE, CLK_PHASE=phase, SPICHAR=15).select_idle()
     assert [rig.exchange(word, 16) for word in (0x1234, 0x5678, 0)] == [0, 0x1234, 0x5678]
 
 
 @pytest.mark.parametrize("phase", [0, 1])
 def test_a_word_written_within_a_character_is_sent_after_it(phase):
-    rig = SpiRig({}, SLAVE, CLK_PHASE=phase)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({}, SLAVE, CLK_PHASE=phase).select_idle()
     rig.clock("0000")
     rig.write("SPITXBUF", 0x8100)
     assert (rig.get("BUFFULL_FLAG"), rig.clock("0000")) == (1, [0] * 4)
@@ -111,9 +103,7 @@ def test_a_word_written_within_a_character_is_sent_after_it(phase):
 @pytest.mark.rule("SPI-040")
 def test_a_clock_above_a_quarter_of_lspclk_is_told():
     for half, notes in ((2 * LSPCLK, []), (2 * LSPCLK - 1, ["14"])):
-        rig = SpiRig({}, SLAVE)
-        rig.pin(rig.now, CLK=0)
-        rig.select()
+        rig = SpiRig({}, SLAVE).select_idle()
         rig.clock("10", half)
         texts = [
             f"SPI-A: a slave had an SPICLK period of {n} SYSCLKOUT cycles; at least four LSPCLK cycles are expected"
@@ -123,9 +113,7 @@ def test_a_clock_above_a_quarter_of_lspclk_is_told():
 
 
 def test_a_write_to_spidat_of_a_slave_is_there_before_the_first_edge():
-    rig = SpiRig({}, SLAVE, CLK_PHASE=1)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({}, SLAVE, CLK_PHASE=1).select_idle()
     shown = []
     for word in (0x8000, 0x0000):
         rig.write("SPIDAT", word)

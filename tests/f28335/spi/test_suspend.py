@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.f28335.spi_rig import HALF, LSPCLK, SLAVE, SpiRig
-from tests.waves import play, tidy
+from tests.f28335.spi_rig import LSPCLK, SLAVE, SpiRig
 
 FOUR = {"SPICHAR": 3, "SPILBK": 1}
 
@@ -13,24 +12,21 @@ FOUR = {"SPICHAR": 3, "SPILBK": 1}
 @pytest.mark.rule("SPI-078", "SPI-079")
 def test_soft_0_free_0_freezes_a_character_and_a_whole_one_follows():
     """Two of four bits are sent, then the third, and three beside it."""
-    diagram = """
+    rig = SpiRig(SPICHAR=3)
+    rig.pin(rig.now, SOMI=0)
+    rig.check("""
         > SPITXBUF  .  5  . . . .  . . . . .  . . . . . . . .  .
         > SUSPEND   .  .  . . . .  1 . . . 0  . . . . . . . .  .
         < STE       1  0  . . . .  . . . . .  . . . . . . . 1  .
         < CLK       0  .  1 0 1 0  . . . . 1  0 1 0 1 0 1 0 .  .
         < SIMO      0  .  . . 1 .  . . . . 0  . 1 . 0 . . . .  .
         < INT_FLAG  0  .  . . . .  . . . . .  . . . . . . 1 .  .
-    """
-    rig = SpiRig(SPICHAR=3)
-    rig.pin(rig.now, SOMI=0)
-    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SPI-078")
 def test_soft_0_free_0_freezes_a_slave():
-    rig = SpiRig({"bits_after_suspend": "remainder"}, SLAVE)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({"bits_after_suspend": "remainder"}, SLAVE).select_idle()
     rig.clock("1010")
     rig.chip.suspend(rig.now, True)
     rig.clock("111111")
@@ -42,14 +38,12 @@ def test_soft_0_free_0_freezes_a_slave():
 @pytest.mark.rule("SPI-080")
 @pytest.mark.parametrize("soft", [0, 1])
 def test_a_transfer_does_not_begin_before_the_stop_is_over(soft):
-    diagram = """
+    SpiRig(**FOUR, SOFT=soft).check("""
         > SPITXBUF  .  5  . . . . .  . . . . . . . .  . .
         > SUSPEND   .  .  1 . . . 0  . . . . . . . .  . .
         < STE       1  0  . . . . .  . . . . . . . 1  . .
         < CLK       0  .  . . . . 1  0 1 0 1 0 1 0 .  . .
-    """
-    rig = SpiRig(**FOUR, SOFT=soft)
-    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SPI-081")
@@ -87,9 +81,7 @@ def test_soft_1_sends_the_fifo_to_its_end(at):
 
 
 def test_soft_1_lets_a_slave_finish_its_character():
-    rig = SpiRig({}, SLAVE, SOFT=1)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({}, SLAVE, SOFT=1).select_idle()
     rig.clock("101")
     rig.chip.suspend(rig.now, True)
     rig.clock("00101")
@@ -99,9 +91,7 @@ def test_soft_1_lets_a_slave_finish_its_character():
 
 
 def test_soft_1_stops_a_slave_between_characters_at_once():
-    rig = SpiRig({}, SLAVE, SOFT=1)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({}, SLAVE, SOFT=1).select_idle()
     rig.chip.suspend(rig.now, True)
     rig.clock("11111111")
     assert rig.get("INT_FLAG") == 0
@@ -115,31 +105,27 @@ def test_free_1_runs_on(soft):
         rig.write("SPITXBUF", word << 12)
     rig.wait(1.2)
     rig.chip.suspend(rig.now, True)
-    rig.write("SPITXBUF", 0x7000)
-    rig.wait(17)
+    rig.send(0x7000, 17)
     assert [word & 0xF for word in rig.received()] == [0, 1, 2, 7]
 
 
 @pytest.mark.rule("SPI-009")
 def test_the_clock_gate_freezes_a_transfer():
-    diagram = """
+    rig = SpiRig(SPICHAR=3)
+    rig.pin(rig.now, SOMI=0)
+    rig.check("""
         > SPITXBUF  .  5  . . . .  . . . . .  . . . .  .
         > GATE      1  .  . . . .  0 . . . 1  . . . .  .
         < STE       1  0  . . . .  . . . . .  . . . 1  .
         < CLK       0  .  1 0 1 0  . . . . 1  0 1 0 .  .
         < SIMO      0  .  . . 1 .  . . . . 0  . 1 . .  .
         < INT_FLAG  0  .  . . . .  . . . . .  . . 1 .  .
-    """
-    rig = SpiRig(SPICHAR=3)
-    rig.pin(rig.now, SOMI=0)
-    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SPI-009")
 def test_a_slave_without_a_clock_sees_no_edges():
-    rig = SpiRig({}, SLAVE)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({}, SLAVE).select_idle()
     rig.chip.gate(rig.now, False)
     rig.clock("1111")
     rig.chip.gate(rig.now, True)
@@ -149,9 +135,7 @@ def test_a_slave_without_a_clock_sees_no_edges():
 
 @pytest.mark.parametrize("bits", [1, 7])
 def test_soft_1_lets_a_slave_finish_after_any_bit(bits):
-    rig = SpiRig({}, SLAVE, SOFT=1)
-    rig.pin(rig.now, CLK=0)
-    rig.select()
+    rig = SpiRig({}, SLAVE, SOFT=1).select_idle()
     rig.clock("1" * bits)
     rig.chip.suspend(rig.now, True)
     rig.clock("0" * (8 - bits))

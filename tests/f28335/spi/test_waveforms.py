@@ -53,9 +53,7 @@ SCHEME = {
     ],
 )
 def test_scheme(scheme):
-    rig = SpiRig(CLKPOLARITY=scheme[0], CLK_PHASE=scheme[1], SPICHAR=3)
-    diagram = SCHEME[scheme]
-    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+    SpiRig(CLKPOLARITY=scheme[0], CLK_PHASE=scheme[1], SPICHAR=3).check(SCHEME[scheme])
 
 
 # The master latches 1 0 1 from SOMI, which changes in the middle between two latches.
@@ -144,8 +142,7 @@ def test_rate(brr, first, second):
 def test_rate_follows_lspclk(divider):
     rig = SpiRig(SPIBRR=3)
     rig.chip.set_lspclk(rig.now, divider, 1)
-    rig.write("SPITXBUF", 0)
-    rig.wait(20 * divider)
+    rig.send(0, 20 * divider)
     edges = [time for (_, before), (time, after) in pairwise(rig.edges) if (before ^ after) & 4][-16:]
     assert [after - before for before, after in pairwise(edges)] == [2 * divider] * 15
     assert edges[0] % divider == 1 % divider
@@ -192,15 +189,13 @@ BACK_TO_BACK = {
 def test_a_waiting_character_follows_at_once_with_spiste_low(phase):
     rig = SpiRig(CLK_PHASE=phase, SPICHAR=1)
     rig.pin(rig.now, SOMI=0)
-    diagram = BACK_TO_BACK[phase]
-    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+    rig.check(BACK_TO_BACK[phase])
 
 
 @pytest.mark.rule("SPI-016")
 def test_spiclk_stops_when_no_character_waits():
     rig = SpiRig()
-    rig.write("SPITXBUF", 0x5500)
-    rig.wait(9)
+    rig.send(0x5500, 9)
     edges = len(rig.edges)
     rig.wait(50)
     assert (len(rig.edges), rig.show("CLK"), rig.show("STE")) == (edges, 0, 1)
@@ -208,32 +203,32 @@ def test_spiclk_stops_when_no_character_waits():
 
 @pytest.mark.rule("SPI-014")
 def test_a_write_to_spidat_begins_a_transfer_too():
-    diagram = """
+    SpiRig(SPICHAR=3).check("""
         > SPIDAT  .  9  . . . . . . . . .  .
         < STE     1  0  . . . . . . . . 1  .
         < CLK     0  .  1 0 1 0 1 0 1 0 .  .
         < SIMO    0  .  1 . 0 . . . 1 . .  .
-    """
-    rig = SpiRig(SPICHAR=3)
-    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+    """)
 
 
 def test_a_character_written_while_spiste_is_still_low_begins_without_a_rise():
-    diagram = """
+    rig = SpiRig(SPICHAR=1)
+    begin = rig.now
+    rig.check(
+        """
         > SPITXBUF  8  . . . . 8  . . . . .  .
         < STE       0  . . . . .  . . . . 1  .
         < CLK       0  1 0 1 0 .  1 0 1 0 .  .
-    """
-    rig = SpiRig(SPICHAR=1)
-    begin = rig.now
-    assert play(diagram, rig, HALF, begin) == tidy(diagram)
+    """,
+        start=begin,
+    )
     rises = [time - begin - 1 for time, levels in rig.edges if levels & 8 and time > begin]
     assert rises == [10 * HALF]
 
 
 @pytest.mark.rule("SPI-019", "SPI-020", "SPI-021")
 def test_talk_0_leaves_simo_undriven_and_goes_on():
-    diagram = """
+    rig = SpiRig(SPICHAR=3).check("""
         > SPITXBUF  .  5  . . . . . . . .  .
         > TALK      .  .  . . . 0 . . . .  .
         < SIMO?     1  .  . . . 0 . . . .  .
@@ -241,9 +236,7 @@ def test_talk_0_leaves_simo_undriven_and_goes_on():
         < CLK       0  .  1 0 1 0 1 0 1 0  .
         < INT_FLAG  0  .  . . . . . . . 1  .
         < SPIRXBUF  0  .  . . . . . . . f  .
-    """
-    rig = SpiRig(SPICHAR=3)
-    assert play(diagram, rig, HALF, rig.now) == tidy(diagram)
+    """)
     rig.write("SPITXBUF", 0)  # a transfer with TALK = 0 from its beginning
     rig.pin(rig.now, SOMI=0)
     rig.wait(6)

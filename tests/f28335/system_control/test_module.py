@@ -26,7 +26,7 @@ from periph_sim.f28335.system_control.register_map import (
     WDCR,
 )
 from periph_sim.f28335.system_options import SystemOptions
-from tests.waves import play, tidy
+from tests.waves import DiagramRig
 
 MHZ = 1_000_000
 LOCK = PLL_LOCK_OSCCLKS // 4  # SYSCLKOUT cycles at OSCCLK/4
@@ -311,7 +311,7 @@ def test_each_bit_gates_its_module_alone(gate, offset, bit):
     assert [one for one in GATES if chip.enabled(one)] == [gate]
 
 
-class GateRig:
+class GateRig(DiagramRig):
     """Drives enable bits as the CPU's read-modify-write does, shows which modules have their clock."""
 
     BITS = {"SCIAENCLK": (PCLKCR0, 1 << 10), "I2CAENCLK": (PCLKCR0, 1 << 4), "CPUTIMER0ENCLK": (PCLKCR3, 1 << 8)}
@@ -334,15 +334,14 @@ class GateRig:
 
 @pytest.mark.rule("SYS-018")
 def test_a_gate_opens_and_closes_2_cycles_after_the_write():
-    diagram = """
+    GateRig().check("""
         > SCIAENCLK       0 1 . 0 . . . 1 0 . . .
         < SCI-A           0 . . 1 . 0 . . . 1 0 .
         > I2CAENCLK       0 . 1 . . . . . . . . .
         < I2C-A           0 . . . 1 . . . . . . .
         > CPUTIMER0ENCLK  1 . . . . 0 . . . . . .
         < TIMER0          1 . . . . . . 0 . . . .
-    """
-    assert play(diagram, GateRig(), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-018")

@@ -13,7 +13,7 @@ from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.f28335.xint.module import Xint
 from periph_sim.f28335.xint.register_map import XINT
 from periph_sim.processor.dsp import Dsp, DspPlan
-from tests.waves import play, tidy
+from tests.waves import DiagramRig
 
 FALLING, RISING, FALLING_TOO, BOTH = 0, 1, 2, 3
 
@@ -22,7 +22,7 @@ def control(polarity: int, enable: int = 1) -> int:
     return polarity << 2 | enable
 
 
-class Rig:
+class Rig(DiagramRig):
     """Rows: `XINTn` a level, `ENABLE` of all lines, `ask` requests of this column, `CTR1` XINT1CTR."""
 
     def __init__(self, polarity: int) -> None:
@@ -59,22 +59,20 @@ class Rig:
     ],
 )
 def test_polarity_chooses_the_edges(polarity, asked):
-    diagram = f"""
+    Rig(polarity).check(f"""
         > ENABLE  1 . . . . . 0 .
         > XINT1   0 1 . 0 . 1 . 0
         < ask     {asked}
-    """
-    assert play(diagram, Rig(polarity), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-080")
 def test_a_disabled_line_asks_nothing_and_remembers_nothing():
-    diagram = """
+    Rig(BOTH).check("""
         > ENABLE  0 . . . 1 . .
         > XINT1   0 1 0 1 . 0 .
         < ask     0 . . . . 1 0
-    """
-    assert play(diagram, Rig(BOTH), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.parametrize("line", range(7))
@@ -87,22 +85,20 @@ def test_each_line_has_its_own_request_bit(line):
 
 @pytest.mark.rule("SYS-081")
 def test_the_counter_restarts_at_a_valid_edge_and_counts_cycles():
-    diagram = """
+    Rig(RISING).check("""
         > ENABLE  1 . . . . . . . . . . .
         > XINT1   0 . . 1 . . . 0 . . 1 .
         < CTR1    0 1 2 0 1 2 3 4 5 6 0 1
-    """
-    assert play(diagram, Rig(RISING), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-081")
 def test_the_counter_stops_while_the_interrupt_is_disabled():
-    diagram = """
+    Rig(RISING).check("""
         > ENABLE  1 . . 0 . . 1 . .
         > XINT1   0 1 . . 0 1 . . .
         < CTR1    0 . 1 2 . . . 3 4
-    """
-    assert play(diagram, Rig(RISING), 1) == tidy(diagram)
+    """)
 
 
 @pytest.mark.rule("SYS-081")

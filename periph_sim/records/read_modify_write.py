@@ -14,9 +14,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.registers import Field
+from ..core.records import Kind
 from ..processor.source_location import statement
-from .register_maps import MODIFY, OVERTAKEN, one_clears
+from .cleared_flags import CLEARABLE, Clearable, ClearedRegister, FlagOfPlace, Modify
+from .register_maps import MODIFY, OVERTAKEN
 from .run import Group, Rows, Run, among
 
 
@@ -130,22 +131,18 @@ class ReadModifyWrite:
         return sum(flag.lost_between + flag.unseen for flag in self.flags)
 
 
-def modifies(run: Run, group: Group) -> list[ReadModifyWrite]:
-    """Return the read-modify-writes of a group by place; none if writing 1 clears no field of the register."""
-    fields = one_clears(group.register)
-    if not fields or group.way != "W":
-        return []
-    reads, writes = pairs(run, group)
-    found = []
-    for place, some in run.by_place(writes):
-        of_place = among(writes, some)
-        found.append(_judged(run, group, place, reads[of_place], writes[of_place], fields))
-    return found
-
-
 def modifies_of(run: Run, groups: Iterable[Group]) -> tuple[ReadModifyWrite, ...]:
-    """Return the read-modify-writes of several groups, those that lost most first."""
-    found = [modify for group in groups for modify in modifies(run, group)]
+    """Return the read-modify-writes of several groups by place, those that lost most first.
+
+    There are none of a register of which writing 1 clears no field.
+    """
+    found = []
+    for group in groups:
+        name = f"{group.module}.{group.register.name}"
+        if group.way == "W" and name in CLEARABLE:
+            judged = _judged(run, group, CLEARABLE[name])
+            places = sorted(judged.places, key=run.table.names["text"].index)
+            found += [_of_place(judged, group.unit, name, place) for place in places]
     return tuple(sorted(found, key=lambda modify: -modify.lost))
 
 
@@ -156,60 +153,46 @@ def pairs(run: Run, group: Group) -> tuple[Rows, Rows]:
     return found.reads[ours], found.writes[ours]
 
 
-def _judged(
-    run: Run, group: Group, place: str, reads: Rows, writes: Rows, fields: tuple[Field, ...]
-) -> ReadModifyWrite:
-    values, written = run.table.value[reads], run.table.value[writes]
-    proven = int(np.bitwise_or.reduce(written & ~values))
-    always = int(np.bitwise_and.reduce(written))
-    ones = [f for f in fields if always & f.mask]
-    named = set(run.table.texts("field", writes)) - {""}
-    meant = [f for f in fields if proven & f.mask] or (ones if len(ones) == 1 else [])
-    if named:
-        meant = [f for f in fields if f.name in named]
-    doubt = ones if not meant and not named else []
-    every = np.sort(run.accesses_of(group.unit, "R", group.module, group.register.name))
-    plain = every[~among(every, reads)]
+def _judged(run: Run, group: Group, clearable: Clearable) -> ClearedRegister:
+    """Return a register with all its read-modify-writes in the run judged."""
+    judged = ClearedRegister(clearable, keeps_ticks=True)
+    reads, writes = pairs(run, group)
+    changes = [run.changes(group.unit, group.module, group.register, field) for field in clearable.flags]
+    made: dict[int, Modify] = {}
+    for record in run.records(np.sort(np.concatenate([writes, *changes]))):
+        flag = judged.flag(record.what.partition(".")[2]) if record.kind is Kind.FLAG else None
+        if flag is None:
+            made[record.number] = judged.written(record.number, record.tick, record.value, record.text)
+        else:
+            judged.flag_changed(flag, record.number, record.tick, record.value, record.cause)
+    numbers = run.table.number
+    of_read = {int(numbers[read]): made[int(numbers[write])] for read, write in zip(reads, writes, strict=True)}
+    for record in run.records(np.sort(run.accesses_of(group.unit, "R", group.module, group.register.name))):
+        judged.judge(record.number, record.value, record.field, of_read.get(record.number))
+    return judged
+
+
+def _of_place(register: ClearedRegister, unit: str, name: str, place: str) -> ReadModifyWrite:
+    of = register.places[place]
+    may_mean = of.meant(register.flags)
+    meant = tuple(flag.name for flag in register.flags if flag.name in may_mean)
+    in_doubt = not of.named and len(meant) > 1 and not any(of.proven & flag.mask for flag in register.flags)
     flags = [
-        _lost(run, group, f, reads, writes, run.looking_at(plain, f), f not in meant and f not in doubt)
-        for f in fields
-        if len(run.changes(group.unit, group.module, group.register, f))  # a flag that never changed was never lost
+        _lost(flag.name, found, flag.name not in may_mean)
+        for flag, found in zip(register.flags, of.flags, strict=True)
+        if found.rose or (found.along.count and flag.name not in may_mean)
     ]
     return ReadModifyWrite(
-        group.unit,
-        f"{group.module}.{group.register.name}",
-        place,
-        len(writes),
-        tuple(f.name for f in meant),
-        tuple(f.name for f in doubt),
-        tuple(flag for flag in flags if flag.rose or flag.along),
+        unit, name, place, of.count, () if in_doubt else meant, meant if in_doubt else (), tuple(flags)
     )
 
 
-def _lost(run: Run, group: Group, f: Field, reads: Rows, writes: Rows, plain: Rows, other: bool) -> LostFlag:
-    """Return how often these read-modify-writes lost the flag.
-
-    plain: reads of the flag that do not belong to these read-modify-writes. other: another flag was meant.
-    """
-    table = run.table
-    changes = run.changes(group.unit, group.module, group.register, f)
-    rises, falls = changes[table.value[changes] != 0], changes[table.value[changes] == 0]
-    rose = np.searchsorted(rises, writes) > np.searchsorted(rises, reads)
-    cleared = among(writes, run.made_by(falls))
-    along = cleared & ~rose & (table.value[reads] & f.mask != 0) & other
-    place = np.searchsorted(rises, reads) - 1
-    last_rise = np.append(rises, -1)[place]
-    last_read = np.append(plain, -1)[np.searchsorted(plain, reads) - 1]
-    at = writes[(rose & cleared) | along]
-    unseen = along & (last_read < last_rise)
-    lost = writes[(rose & cleared) | unseen]
-    return LostFlag(
-        f.name,
-        int(rose.sum()),
-        int((rose & cleared).sum()),
-        int(along.sum()),
-        int(unseen.sum()),
-        int(table.tick[at[0]]) if len(at) else None,
-        tuple(table.tick[lost].tolist()),
-        tuple(table.tick[at].tolist()),
-    )
+def _lost(name: str, found: FlagOfPlace, other: bool) -> LostFlag:
+    """Return how often a flag was lost. other: another flag was meant."""
+    between, along, unseen = (found.between.ticks or [], found.along.ticks or [], found.unseen.ticks or [])
+    if not other:
+        along = unseen = []
+    cleared = sorted(between + along)
+    first = cleared[0] if cleared else None
+    lost = tuple(sorted(between + unseen))
+    return LostFlag(name, found.rose, len(between), len(along), len(unseen), first, lost, tuple(cleared))

@@ -125,7 +125,7 @@ ROWS: dict[str, Row] = {
         (
             "timing.measures.watched",
             "timing.measures.modifies",
-            "timing.measures.cleared_flags",
+            "records.cleared_flags",
         ),
         with_budget("lost flags", max=0),
     ),

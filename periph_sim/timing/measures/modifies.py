@@ -8,7 +8,8 @@ A read-modify-write is judged when its read is too old for any other write, sinc
 flags that firmware intends to clear at a place are known at the end. A poll that no write follows is dropped, and flags
 that may have been lost are counted by place, so memory does not grow with the run.
 
-The result equals that of `records/read_modify_write.py` on the recording of a whole run, at a fraction of the cost.
+The reads that belong to writes are found as `records/read_modify_write.py` finds them in a recording of the whole run;
+both have `records/cleared_flags.py` judge them.
 """
 
 # core: compiled
@@ -22,8 +23,8 @@ from typing import final
 from ...core.records import NOWHERE, OF_MODIFIES, UNWANTED, Kind, Recorder, RecordSink, Subjects
 from ...form.c_types import Text
 from ...processor.source_location import statement
+from ...records.cleared_flags import CLEARABLE, CLEARABLE_FLAGS, Cleared, ClearedRegister, Flag, Modify
 from ...records.register_maps import MODIFY, OVERTAKEN
-from .cleared_flags import CLEARABLE, CLEARABLE_FLAGS, Cleared, ClearedRegister, Flag, Modify, Place
 from .measure import Measure
 from .measured_scene import MeasuredScene
 from .watched import Watched
@@ -153,7 +154,7 @@ class Modifies(RecordSink):
     def keep(self, tag: int, number: int, tick: int, value: int, text: Text, cause: int, field: Text) -> None:
         topic: Topic = self._topics[tag]
         if topic.flag is not None:
-            self._moved(topic.flag, number, tick, value, cause)
+            topic.flag.register.flag_changed(topic.flag, number, tick, value, cause)
             return
         recent: Recent
         register: ClearedRegister | None
@@ -182,15 +183,6 @@ class Modifies(RecordSink):
         else:
             newest.after = one
 
-    def _moved(self, flag: Flag, number: int, tick: int, value: int, cause: int) -> None:
-        """Take a flag that rises or falls."""
-        if value:
-            flag.rose = number
-            return
-        last = flag.register.last
-        if last is not None and cause == last.number and tick == last.tick:
-            last.cleared |= flag.mask
-
     def _landed(self, write: Access, register: ClearedRegister, recent: Recent) -> None:
         """Take a write. The nearest read of the same statement belongs to it, if there is one."""
         passed: int
@@ -199,11 +191,7 @@ class Modifies(RecordSink):
             if one.cause == write.cause:  # of the same routine
                 passed += 1
                 if one.reads and one.register is register and one.modify is None and _alike(one, write):
-                    made = Modify()
-                    made.number, made.tick, made.written, made.cleared = write.number, write.tick, write.value, 0
-                    made.place = write.text
-                    made.rose = [flag.rose for flag in register.flags]
-                    one.modify = register.last = made
+                    one.modify = register.written(write.number, write.tick, write.value, write.text)
                     return
             one = one.before
 
@@ -211,12 +199,8 @@ class Modifies(RecordSink):
         """Drop the accesses that no later write can belong to, after evaluating them."""
         one = recent.oldest
         while one is not None and one.tick < before:
-            register, made = one.register, one.modify
-            if register is not None and one.reads:
-                if made is None:
-                    register.looks[one.field] = one.number
-                else:
-                    self._judge(register, one, made)
+            if one.register is not None and one.reads:
+                one.register.judge(one.number, one.value, one.field, one.modify)
             after, one.after, self._spare = one.after, self._spare, one
             one = after
         recent.oldest = one
@@ -225,70 +209,28 @@ class Modifies(RecordSink):
         else:
             one.before = None
 
-    def _judge(self, register: ClearedRegister, read: Access, made: Modify) -> None:
-        """Judge a read-modify-write, except for what its place intends to clear, which is known at the end."""
-        place: Place | None = register.places.get(made.place)
-        if place is None:
-            place = register.places[made.place] = Place()
-        place.proven |= made.written & ~read.value
-        place.always &= made.written
-        if read.field:
-            place.named.add(read.field)
-        number: int
-        flag: Flag
-        for number, flag in enumerate(register.flags):
-            if made.cleared & flag.mask:
-                if made.rose[number] > read.number:
-                    _one_more(place.between, flag, made)
-                elif read.value & flag.mask and read.field != flag.name:
-                    _one_more(place.along, flag, made)
-                    if register.looked_at(flag, made.place) < made.rose[number]:
-                        _one_more(place.unseen, flag, made)
-        place.looks[read.field] = read.number
-
     def finish(self) -> None:
         """Evaluate the remaining accesses at the end of the run."""
         for recent in self.recent.values():
             if recent.newest is not None:
                 self._forget(recent, recent.newest.tick + 1)
 
-    def lost(self) -> Cleared:
-        """Return the flags that were cleared unintentionally and that the firmware had not read."""
-        all_of_them = Cleared()
-        for register, place in self._places():
-            for flag in register.flags:
-                _sum(all_of_them, flag, place, register, place.unseen)
-        return all_of_them
+    def cleared(self, name: str = "") -> Cleared:
+        """Return the flags that were cleared unintentionally.
 
-    def cleared(self, name: str) -> Cleared:
-        """Return the flags of this name that were cleared unintentionally, read or not."""
-        all_of_them = Cleared()
-        for register, place in self._places():
-            for flag in register.flags:
-                if flag.name == name:
-                    _sum(all_of_them, flag, place, register, place.along)
-        return all_of_them
-
-    def _places(self) -> list[tuple[ClearedRegister, Place]]:
-        chosen = [register for register in self._registers.values() if register.status or not self._status]
-        return [(register, place) for register in chosen for place in register.places.values()]
-
-
-def _one_more(cleared: dict[str, Cleared], flag: Flag, made: Modify) -> None:
-    """Count the write `made` as one that cleared the flag."""
-    of: Cleared | None = cleared.get(flag.name)
-    if of is None:
-        of = cleared[flag.name] = Cleared()
-    of.add(1, made.tick)
-
-
-def _sum(to: Cleared, flag: Flag, place: Place, register: ClearedRegister, along: dict[str, Cleared]) -> None:
-    """Add the writes of a place that cleared a flag unintentionally. along: by flag, those meant for another one."""
-    unmeant = [place.between] if flag.name in place.meant(register.flags) else [place.between, along]
-    for cleared in unmeant:
-        of = cleared.get(flag.name)
-        if of is not None:
-            to.add(of.count, of.first)
+        name: of a flag, whether firmware had read it or not; of all flags only those that it had not read.
+        """
+        found = Cleared()
+        for register in self._registers.values():
+            if register.status or not self._status:
+                for place in register.places.values():
+                    meant = place.meant(register.flags)
+                    for flag, of in zip(register.flags, place.flags, strict=True):
+                        if name in ("", flag.name):
+                            found.add(of.between)
+                            if flag.name not in meant:
+                                found.add(of.along if name else of.unseen)
+        return found
 
 
 def _alike(read: Access, write: Access) -> bool:
@@ -333,8 +275,7 @@ class LostFlags(Measure):
 
     def finish(self, now: int) -> None:
         self.modifies.finish()
-        field = self.watched.field
-        gone = self.modifies.cleared(field) if field else self.modifies.lost()
+        gone = self.modifies.cleared(self.watched.field)
         self.count = self.modifies.writes
         self.worst = self.least = gone.count
         self.worst_at = self.least_at = gone.first

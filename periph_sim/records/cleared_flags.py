@@ -1,0 +1,227 @@
+"""Registers whose flags are cleared by writing 1, and what the read-modify-writes of each place cleared of them.
+
+    CLEARABLE --> ClearedRegister --> Place: flags that its writes cleared, by whether firmware had read them
+                        '-- Flag: its last rise
+
+Records of the register come in order: its flags, its reads, its writes. Everything is counted by place, so memory does
+not grow with the run, except where the ticks are kept.
+"""
+
+# core: compiled
+
+from __future__ import annotations
+
+from typing import NamedTuple, final
+
+from ..core.records import Kind
+from ..core.registers import Field
+from ..core.time import NO_TIME
+from ..f28335.parts.f28335 import PART
+from ..form.c_types import Text
+from .register_maps import is_status, one_clears
+
+
+class Clearable(NamedTuple):
+    """A register with flags that writing 1 clears. status: hardware sets flags of it."""
+
+    name: str
+    flags: tuple[Field, ...]
+    status: bool
+
+
+CLEARABLE = {
+    f"{module.name}.{register.name}": Clearable(register.name, flags, is_status(register))
+    for module in PART.modules
+    for register in module.registers
+    if (flags := one_clears(register))
+}
+CLEARABLE_FLAGS = {(Kind.FLAG, f"{of.name}.{flag.name}") for of in CLEARABLE.values() for flag in of.flags}
+NEVER_YET = -1  # instead of a record's number
+
+
+@final
+class Modify:
+    """A write with its read. rose: the last rise of each flag before it. cleared: mask of the flags that it cleared."""
+
+    __slots__ = ("cleared", "number", "place", "rose", "tick", "written")
+
+    number: int
+    tick: int
+    written: int
+    cleared: int
+    place: Text
+    rose: list[int]
+
+
+@final
+class Flag:
+    """rose: the record of its last rise."""
+
+    __slots__ = ("mask", "name", "register", "rose")
+
+    def __init__(self, field: Field, register: ClearedRegister) -> None:
+        self.name: str = field.name
+        self.mask: int = field.mask
+        self.register = register
+        self.rose = NEVER_YET
+
+
+@final
+class Cleared:
+    """Number of times that something was cleared, and the tick of the first time: NO_TIME for never.
+
+    ticks: of each time; None if they are not kept.
+    """
+
+    __slots__ = ("count", "first", "ticks")
+
+    def __init__(self, keeps_ticks: bool = False) -> None:
+        self.count = 0
+        self.first = NO_TIME
+        self.ticks: list[int] | None = [] if keeps_ticks else None
+
+    def add(self, other: Cleared) -> None:
+        """Add a count without its ticks."""
+        if other.count and (not self.count or other.first < self.first):
+            self.first = other.first
+        self.count += other.count
+
+    def one_more(self, tick: int) -> None:
+        if not self.count or tick < self.first:
+            self.first = tick
+        self.count += 1
+        if self.ticks is not None:
+            self.ticks.append(tick)
+
+
+@final
+class FlagOfPlace:
+    """A flag in the writes of a place.
+
+    rose: how often it rose between the read and the write. between: writes that cleared it then.
+    along: writes that cleared it after it was read as 1.
+    unseen: those of `along` before which the firmware had not read the flag since it rose.
+    """
+
+    __slots__ = ("along", "between", "rose", "unseen")
+
+    def __init__(self, keeps_ticks: bool) -> None:
+        self.rose = 0
+        self.between = Cleared(keeps_ticks)
+        self.along = Cleared(keeps_ticks)
+        self.unseen = Cleared(keeps_ticks)
+
+
+def last_look(looks: dict[str, int], field: str) -> int:
+    """Return the record number of the last read that showed a field; NEVER_YET for none. looks: by name of a field."""
+    return max(looks.get("", NEVER_YET), looks.get(field, NEVER_YET))
+
+
+@final
+class Place:
+    """The writes of one place in the firmware. flags: those of the register, in its order. count: number of writes.
+
+    proven: bits that were written as 1 and not read as 1.
+    always: bits that were written as 1 each time.
+    looks: record numbers of the last reads made for these writes, by field; "" for the whole register.
+    """
+
+    __slots__ = ("always", "count", "flags", "looks", "named", "proven")
+
+    def __init__(self, flags: list[FlagOfPlace]) -> None:
+        self.flags = flags
+        self.count = 0
+        self.looks: dict[str, int] = {}
+        self.proven = 0
+        self.always = -1
+        self.named: set[str] = set()
+
+    def meant(self, flags: list[Flag]) -> set[str]:
+        """Return the flags that firmware may have intended to clear here."""
+        if self.named:
+            return self.named
+        ones = {flag.name for flag in flags if self.always & flag.mask}
+        return {flag.name for flag in flags if self.proven & flag.mask} or ones
+
+
+@final
+class ClearedRegister:
+    """A register with flags that writing 1 clears. status: hardware sets flags of it. last: its last read-modify-write.
+
+    looks: the last plain reads, as of a place. places: the places of its writes. keeps_ticks: keep the ticks at which
+    flags were cleared.
+    """
+
+    __slots__ = ("flags", "keeps_ticks", "last", "looks", "places", "status")
+
+    def __init__(self, register: Clearable, keeps_ticks: bool = False) -> None:
+        self.keeps_ticks = keeps_ticks
+        self.flags = [Flag(field, self) for field in register.flags]
+        self.status: bool = register.status
+        self.looks: dict[str, int] = {}
+        self.places: dict[str, Place] = {}
+        self.last: Modify | None = None
+
+    def flag(self, name: str) -> Flag | None:
+        flag: Flag
+        for flag in self.flags:
+            if flag.name == name:
+                return flag
+        return None
+
+    def looked_at(self, flag: Flag, place: Text) -> int:
+        """Return the record number of the last read that showed this flag, except reads for the writes of a place."""
+        last: int = last_look(self.looks, flag.name)
+        other: Place
+        for at, other in self.places.items():
+            if at != place:
+                last = max(last, last_look(other.looks, flag.name))
+        return last
+
+    def flag_changed(self, flag: Flag, number: int, tick: int, value: int, cause: int) -> None:
+        """Take the record of a flag that rises or falls."""
+        if value:
+            flag.rose = number
+            return
+        last = self.last
+        if last is not None and cause == last.number and tick == last.tick:
+            last.cleared |= flag.mask
+
+    def written(self, number: int, tick: int, value: int, place: Text) -> Modify:
+        """Take the record of a write that belongs to a read."""
+        made = Modify()
+        made.number, made.tick, made.written, made.cleared, made.place = number, tick, value, 0, place
+        made.rose = [flag.rose for flag in self.flags]
+        self.last = made
+        return made
+
+    def judge(self, number: int, value: int, field: Text, made: Modify | None) -> None:
+        """Judge a read, except for what its place intends to clear, which is known at the end.
+
+        made: its write; None of a plain read. All earlier reads have been judged.
+        """
+        if made is None:
+            self.looks[field] = number
+            return
+        place: Place | None = self.places.get(made.place)
+        if place is None:
+            place = self.places[made.place] = Place([FlagOfPlace(self.keeps_ticks) for _ in self.flags])
+        place.count += 1
+        place.proven |= made.written & ~value
+        place.always &= made.written
+        if field:
+            place.named.add(field)
+        at: int
+        flag: Flag
+        for at, flag in enumerate(self.flags):
+            of: FlagOfPlace = place.flags[at]
+            is_cleared = made.cleared & flag.mask != 0
+            if made.rose[at] > number:
+                of.rose += 1
+                if is_cleared:
+                    of.between.one_more(made.tick)
+            elif is_cleared and value & flag.mask and field != flag.name:
+                of.along.one_more(made.tick)
+                if self.looked_at(flag, made.place) < made.rose[at]:
+                    of.unseen.one_more(made.tick)
+        place.looks[field] = number

@@ -13,7 +13,8 @@ from ..core.chip import Chip
 from ..core.records import NOWHERE, OF_MODIFIES, Topic
 from ..core.registers import Field, Register, Yields
 from ..core.socket import Socket
-from ..f28335.memory.memory_map import BOTH, HIGH, LOW, WORDS_MASK, ModuleRange, WaitStates
+from ..f28335.descriptor import Frame
+from ..f28335.memory.memory_map import BOTH, HIGH, LOW, PROTECTED_BLOCK, WORDS_MASK, ModuleRange, WaitStates
 from ..f28335.pie.register_map import PIEACK
 
 
@@ -114,9 +115,9 @@ class Operand:
         self.name = f"{place.name}.{register.name}"
         self.read_waits = waits.read[place.frame]
         self.write_waits = waits.write[place.frame]
-        self.block = place.protected_block
-        self.frame1 = place.in_frame1
-        self.frame2 = place.in_frame2
+        self.block = place.base in PROTECTED_BLOCK
+        self.frame1 = place.frame is Frame.PF1
+        self.frame2 = place.frame is Frame.PF2
         self.protected = register.protected
         self.pieack = register is PIEACK
         self.recorded = recorded

@@ -25,11 +25,11 @@ Chosen:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, final
+from typing import final
 
 from ...core import chip
 from ...core.chip import NEVER
-from ...core.registers import Register
+from ...core.options import IntOption
 from ...core.state import State
 from ...form.c_types import BigInt
 from ..system_options import SystemOptions
@@ -38,25 +38,12 @@ from .inputs import GpioInputs, Qualifier
 from .register_map import BIT, PINS
 from .settings import ALL
 
-if TYPE_CHECKING:
-    from ...core.options import IntOption
-
 CONFIGURATION_DELAY = 2  # cycles from a write to MUX or QSEL to its effect
 CONFIGURES = ("CTRL", "QSEL1", "QSEL2", "MUX1", "MUX2")
 
-Half = tuple[Register, int]  # a register and the shift of its half
-
-
-def _halves() -> dict[int, Half]:
-    halves: dict[int, Half] = {}
-    for register in at.GPIO:
-        for shift in range(0, register.width, 16):
-            halves[register.offset + shift // 16] = (register, shift)
-    return halves
-
-
-HALVES = _halves()
-STORED = {offset: (register.offset, shift) for offset, (register, shift) in HALVES.items()}
+HALVES = {  # by offset: a register, and the shift of its half
+    register.offset + shift // 16: (register, shift) for register in at.GPIO for shift in range(0, register.width, 16)
+}
 PADS = tuple(f"GPIO{n}" for n in range(PINS))
 HALF_AT = BIT[::16]  # the lowest pin of each half of a port
 
@@ -139,11 +126,11 @@ class Gpio(GpioInputs):
         if at.DATA <= offset < at.SELECT:
             port, word = (offset - at.DATA) // at.DATA_WORDS, (offset - at.DATA) % at.DATA_WORDS
             return self._words(now)[2 * port + (word & 1)] if word < at.SET else 0
-        stored = STORED.get(offset)
-        if stored is None:
+        half = HALVES.get(offset)
+        if half is None:
             return 0
-        place, shift = stored
-        return self._stored[place] >> shift & 0xFFFF  # the CPU reads all stored bits
+        register, shift = half
+        return self._stored[register.offset] >> shift & 0xFFFF  # the CPU reads all stored bits
 
     def write(self, now: int, offset: int, value: int) -> None:
         self.writes += 1
@@ -172,12 +159,11 @@ class Gpio(GpioInputs):
     def reset(self, now: int) -> None:
         """Reset by XRS: registers take their reset values at once; wired pads keep their levels."""
         routes, shown = self._routes, self._shown(now)
-        self.reset_registers()
+        self.reset_settings(now)
         self._waiting.clear()
         self._outs.clear()
         self._latch: BigInt = 0
         self.reset_inputs()
-        self.restart_sampling(now)
         if self.driven:
             self.driven = self.driven_high = 0
             self.out_version += 1

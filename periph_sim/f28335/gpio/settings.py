@@ -159,14 +159,11 @@ class GpioSettings(Chip):
         self._settings: PinSettings = pin_settings_of((0,) * len(CONFIGURED))
         self._routes: Routes = self._settings.routes
 
-    def reset_registers(self) -> None:
-        """Set all registers to their reset values; `activate` puts them into effect."""
+    def reset_settings(self, now: int) -> None:
+        """Set all registers to their reset values, which `activate` puts into effect, and sample in every cycle."""
         self.writes += 1
         self._stored = dict(AT_RESET)  # the values that a read returns
         self._active = dict(AT_RESET)  # the values in effect, for registers that act with a delay
-
-    def restart_sampling(self, now: int) -> None:
-        """Sample in every cycle, as after XRS."""
         self._periods: list[int] = [1] * GROUPS  # sampling period of each group of eight pins
         self._origins: list[int] = [now] * GROUPS  # and a cycle in which the group was sampled
 

@@ -6,8 +6,6 @@ EALLOW), section 7.4 (block protection).
 
 from __future__ import annotations
 
-from functools import cached_property
-
 from msgspec import Struct
 
 from ...core.registers import Register
@@ -24,7 +22,7 @@ LOW, HIGH, BOTH = 0b01, 0b10, 0b11  # 16-bit words of a register that an access 
 WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # their bits in the register's value
 
 
-class ModuleRange(Struct, frozen=True, dict=True):
+class ModuleRange(Struct, frozen=True):
     """Addresses of a module. base: the address of its offset 0."""
 
     name: str
@@ -32,18 +30,6 @@ class ModuleRange(Struct, frozen=True, dict=True):
     size: int
     frame: Frame
     socket: Socket
-
-    @cached_property
-    def protected_block(self) -> bool:
-        return self.base in PROTECTED_BLOCK
-
-    @cached_property
-    def in_frame1(self) -> bool:
-        return self.frame is Frame.PF1
-
-    @cached_property
-    def in_frame2(self) -> bool:
-        return self.frame is Frame.PF2
 
 
 class WaitStates:

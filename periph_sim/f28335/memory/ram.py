@@ -44,15 +44,10 @@ BLOCKS = (
 )
 
 
-def _by_page() -> tuple[RamBlock | None, ...]:
-    pages: list[RamBlock | None] = [None] * (END >> PAGE)
-    for block in BLOCKS:
-        for page in range(block.base >> PAGE, block.base + block.size >> PAGE):
-            pages[page] = block
-    return tuple(pages)
-
-
-BY_PAGE = _by_page()
+BY_PAGE = tuple(
+    next((block for block in BLOCKS if block.base <= page << PAGE < block.base + block.size), None)
+    for page in range(END >> PAGE)
+)
 
 
 def block_at(address: int) -> RamBlock | None:

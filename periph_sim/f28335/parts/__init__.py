@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
+from functools import cache
 from pathlib import Path
 from typing import cast
 
 from ...core.discover import module_with
 from ..descriptor import Part
-
-_imported: dict[str, Part] = {}
 
 
 def part_names() -> tuple[str, ...]:
@@ -16,11 +15,8 @@ def part_names() -> tuple[str, ...]:
     return tuple(sorted(file.stem.upper() for file in Path(__file__).parent.glob("f*.py")))
 
 
+@cache
 def part_named(name: str) -> Part | None:
     """Return the part of that name; None if there is none. The files of other parts are not imported."""
-    found = _imported.get(name)
-    if found is None and name == name.upper():
-        module = module_with("PART", __name__, __path__, name.lower())
-        if module is not None:
-            found = _imported[name] = cast(Part, module.PART)
-    return found
+    module = module_with("PART", __name__, __path__, name.lower()) if name.isupper() else None
+    return None if module is None else cast(Part, module.PART)

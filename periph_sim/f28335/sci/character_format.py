@@ -35,21 +35,18 @@ class SciFormat:
     """
 
     STATE = State(
-        "data_bits data_mask stops extra_bits stop_bit bits stop_at vote_at voted_at due end hunt "
-        "break_at sciccr address parity even early_hunt",
+        "data_bits data_mask stops stop_bit bits stop_at vote_at voted_at due end hunt break_at address parity even",
         made=True,
     )
 
     def __init__(self, sciccr: int, options: SciOptions) -> None:
-        self.sciccr = sciccr
         self.data_bits: int = SCICHAR.extract(sciccr) + 1
         self.data_mask: int = (1 << self.data_bits) - 1
         self.address = bool(sciccr & ADDRIDLE_MODE)
         self.parity = bool(sciccr & PARITYENA)
         self.even = bool(sciccr & PARITY)
         self.stops: int = 2 if sciccr & STOPBITS else 1
-        self.extra_bits: int = self.address + self.parity
-        self.stop_bit: int = 1 + self.data_bits + self.extra_bits
+        self.stop_bit: int = 1 + self.data_bits + self.address + self.parity
         self.bits: int = self.stop_bit + self.stops
         stop = 8 * self.stop_bit
         self.stop_at: int = stop
@@ -57,7 +54,6 @@ class SciFormat:
         self.voted_at: int = self.vote_at + 2
         self.due: int = stop + DUE[options.rxrdy_point.unrecorded()]
         self.end: int = 8 * self.bits
-        self.early_hunt = self.address
         self.hunt: int = stop + options.start_hunt_point.unrecorded() - 1
         if self.address:  # erratum: sub-sample 6 of the address bit
             bit_later = self.parity and options.addrbit_hunt_with_parity.unrecorded() == "parity_bit"

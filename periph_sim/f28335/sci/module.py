@@ -206,7 +206,7 @@ class Sci(SciLines):
 
     def _enter_swreset(self) -> None:
         self._tx.halt()
-        self._rx.clear_flags()
+        self._rx.status = 0
         used = self._tx.fifo_mode or self._rx.fifo.words or self._tx.fifo.words
         if used and self.options.swreset_fifo_effect.assume(self.touched) == "cleared":
             self._rx.clear_fifo()

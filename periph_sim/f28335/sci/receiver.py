@@ -74,10 +74,6 @@ class SciRx:
         self.rxbuf = 0
         self.fifo.reset()
 
-    def clear_flags(self) -> None:
-        """Clear the flags, as SW RESET = 0 does."""
-        self.status = 0
-
     def clear_fifo(self) -> None:
         """Empty the FIFO and clear its flags, without a request."""
         self.fifo.clear()

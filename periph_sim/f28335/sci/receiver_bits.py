@@ -233,7 +233,7 @@ class SciRxBits:
         self._resume(start + frame.hunt)
         if frame.address and frame.parity:
             self._options.addrbit_hunt_with_parity.assume(self._touched)
-        if not frame.early_hunt and stop >> 5 & 7 != 7:
+        if not frame.address and stop >> 5 & 7 != 7:
             self._options.start_hunt_point.assume(self._touched)
         if self.word & FE:
             self._after_missing_stop(stop, start, frame)

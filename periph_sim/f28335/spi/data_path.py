@@ -122,9 +122,14 @@ class TransmitBuffer:
         self.options = options
         self.touched = touched
         self.fifo = SpiFifo(SPI_MAP["SPIFFTX"], False, options, touched)
+        self.lost: list[str] = []
+        self.reset()
+
+    def reset(self) -> None:
+        """Reset by XRS."""
+        self.fifo.reset()
         self.txbuf = 0
         self.full = False
-        self.lost: list[str] = []
 
     @property
     def waiting(self) -> bool:
@@ -166,12 +171,6 @@ class TransmitBuffer:
         """Return BUFFULL_FLAG in its position in SPISTS."""
         return BUFFULL_FLAG if self.full and not self.fifo.on else 0
 
-    def reset(self) -> None:
-        """Reset by XRS."""
-        self.fifo.reset()
-        self.txbuf = 0
-        self.full = False
-
 
 class ReceiveBuffer:
     """Receive side.
@@ -188,11 +187,13 @@ class ReceiveBuffer:
         self.options = options
         self.touched = touched
         self.fifo = SpiFifo(SPI_MAP["SPIFFRX"], True, options, touched)
-        self.rxbuf = 0
-        self.status = 0
-        self.enables = 0
-        self.request = False
-        self.loaded = False
+        self.reset()
+
+    def reset(self) -> None:
+        """Reset by XRS."""
+        self.fifo.reset()
+        self.rxbuf = self.status = self.enables = 0
+        self.request = self.loaded = False
 
     def deliver(self, word: int) -> None:
         """Receive a complete character."""
@@ -237,12 +238,6 @@ class ReceiveBuffer:
         if enables & ~self.enables & self.status and not self.fifo.on:
             self.request = True
         self.enables = enables
-
-    def reset(self) -> None:
-        """Reset by XRS."""
-        self.fifo.reset()
-        self.rxbuf = self.status = self.enables = 0
-        self.request = self.loaded = False
 
 
 class SpiShifter:

@@ -94,24 +94,42 @@ class SpiLines(Chip):
         super().__init__()
         self.name = name
         self.options = options
-        self.out = SIMO | SOMI | CLK | STE
-        self.driven = 0
         self.filter_width = self._latency = options.input_latency.unrecorded()  # each edge records it
         self._shifter = SpiShifter()
         self._tx = TransmitBuffer(options, self.touched)
         self._rx = ReceiveBuffer(options, self.touched)
         self._timer = LspclkTimer()
-        self._step = Step.IDLE
-        self._begun = False  # a master has made the first edge of SPICLK and not yet released SPISTE
-        self._clk_active = False  # SPICLK of a master is at its active level
-        self._ste = STE  # of a master
         self._levels = SIMO | SOMI | CLK | STE  # of the pins, `_latency` ago
         self._inputs: list[tuple[int, int]] = []  # future (cycle, levels)
         self._last_leading = -NEVER  # leading edge of SPICLK at a slave
+        self.reset(0)
+
+    def reset(self, now: int) -> None:
+        self._run(now)
+        self._ccr = self._ctl = self._brr = self._ffct = self._pri = 0
         self._gated = True  # the clock gate is off
         self._suspended = False
         self._finishing = False  # suspended, but still sending
-        self._ccr = self._ctl = self._brr = self._ffct = self._pri = 0
+        self._halt()
+        self._shifter = SpiShifter()
+        self._tx.reset()
+        self._rx.reset()
+        self._set_clock(now)
+        self._show(now)
+
+    def _halt(self) -> None:
+        """Drop the character; SPICLK and SPISTE of a master become inactive."""
+        self._timer.cancel()
+        self._step = Step.IDLE
+        self._clk_active = False  # SPICLK of a master is at its active level
+        self._release()
+        self._shifter.finish()
+        self._tx.full = False
+
+    def _release(self) -> None:
+        """End the transfer of a master."""
+        self._begun = False  # a master has made the first edge of SPICLK and not yet released SPISTE
+        self._ste = STE  # of a master
 
     # State ------------------------------------------------------------------
 
@@ -358,17 +376,3 @@ class SpiLines(Chip):
         else:
             self._load_next()
             self._wait(at, Step.LEADING, self._halves[1])
-
-    def _release(self) -> None:
-        """End the transfer of a master."""
-        self._begun = False
-        self._ste = STE
-
-    def _halt(self) -> None:
-        """Drop the character; SPICLK and SPISTE of a master become inactive."""
-        self._timer.cancel()
-        self._step = Step.IDLE
-        self._clk_active = False
-        self._release()
-        self._shifter.finish()
-        self._tx.full = False

@@ -12,7 +12,7 @@ Source: TI SPRUEU3 chapter 2; SPRUFB0D section 5.1 for the clock gate.
 
 from __future__ import annotations
 
-from .data_path import INT_FLAG, OVERRUN_FLAG, SpiShifter
+from .data_path import INT_FLAG, OVERRUN_FLAG
 from .lines import (
     CLK_PHASE,
     CLKPOLARITY,
@@ -171,17 +171,3 @@ class Spi(SpiLines):
         clears = self.options.spirst_clears_fifos.assume(self.touched)
         for fifo in (self._rx.fifo, self._tx.fifo):
             fifo.hold(clears and not released)
-
-    # System reset -----------------------------------------------------------
-
-    def reset(self, now: int) -> None:
-        self._run(now)
-        self._ccr = self._ctl = self._brr = self._ffct = self._pri = 0
-        self._gated = True
-        self._suspended = self._finishing = False
-        self._halt()
-        self._shifter = SpiShifter()
-        self._tx.reset()
-        self._rx.reset()
-        self._set_clock(now)
-        self._show(now)

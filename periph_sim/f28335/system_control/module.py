@@ -1,6 +1,6 @@
 """System control: clock ratio, prescalers, module gates, and the watchdog's resets and interrupts.
 
-    PLLCR, PLLSTS  -->  sysclk_numerator / sysclk_denominator   (SYSCLKOUT in terms of OSCCLK)
+    PLLCR, PLLSTS  -->  sysclk_hz
     LOSPCP, HISPCP -->  lspclk_divider, lspclk_phase, hspclk_divider
     PCLKCR0/1/3    -->  gates, enabled()                        (2 cycles after the write)
     SCSR, WDCR, .. -->  reset_requested, WAKEINT in `requests`
@@ -29,7 +29,6 @@ stored, and a note is added when firmware selects one of them.
 from __future__ import annotations
 
 from fractions import Fraction
-from math import gcd
 
 from ...core.chip import ANY_CHANGED, NEVER, Chip, Note
 from ...core.state import State
@@ -88,7 +87,7 @@ class SystemControl(Chip):
     """
 
     STATE = State(
-        "_clock _watchdog sysclk_hz sysclk_numerator sysclk_denominator reset_requested gates "
+        "_clock _watchdog sysclk_hz reset_requested gates "
         "hspclk_divider lspclk_divider _pllsts _pllcr _hispcp _lospcp _pclkcr0 _pclkcr1 _pclkcr3 _lpmcr0 "
         "_wdint _wdints _locked_at",
         cycles="lspclk_phase _wdflag_at _gates_to_come _wdints_to_come",
@@ -106,7 +105,6 @@ class SystemControl(Chip):
         self._clock = OscClock()
         self._watchdog = Watchdog(options, self.touched)
         self.sysclk_hz = Fraction(oscclk_hz)  # in bypass
-        self.sysclk_numerator = self.sysclk_denominator = 1  # SYSCLKOUT = OSCCLK * numerator / denominator
         self._gates_to_come: list[tuple[int, int]] = []  # (cycle, gates)
         self._wdints_to_come: list[tuple[int, int]] = []  # (cycle, level)
         self.reset(0)
@@ -329,11 +327,8 @@ class SystemControl(Chip):
             ratio = 1
             if self._options.pll_lock_clock.assume(self.touched) == "osc_div_2":
                 divide = 2
-        common = gcd(ratio, divide)  # SYSCLKOUT = OSCCLK * numerator / denominator, in lowest terms
-        if (ratio // common, divide // common) != (self.sysclk_numerator, self.sysclk_denominator):
-            self.sysclk_numerator, self.sysclk_denominator = ratio // common, divide // common
-            self.sysclk_hz = Fraction(self.oscclk_hz * self.sysclk_numerator, self.sysclk_denominator)
-        self._clock.retune(now, self.sysclk_numerator, self.sysclk_denominator)
+        self.sysclk_hz = Fraction(self.oscclk_hz * ratio, divide)
+        self._clock.retune(now, ratio, divide)
 
     def _gates(self) -> int:
         gates = 0

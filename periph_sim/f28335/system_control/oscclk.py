@@ -20,11 +20,9 @@ PARTS = 2520  # of one OSCCLK period; the least common multiple of the PLL's rat
 class OscClock:
     """Converter that starts at cycle 0 with SYSCLKOUT = OSCCLK/4, as after a reset."""
 
-    STATE = State("numerator denominator _position _step", cycles="_cycle")
+    STATE = State("_position _step", cycles="_cycle")
 
     def __init__(self) -> None:
-        self.numerator = 1  # SYSCLKOUT = OSCCLK * numerator / denominator
-        self.denominator = 4
         self._cycle = 0  # of the last retuning
         self._position = 0
         self._step = 4 * PARTS  # parts per SYSCLKOUT cycle
@@ -43,6 +41,4 @@ class OscClock:
             raise ValueError(f"SYSCLKOUT = OSCCLK * {numerator}/{denominator} is not a ratio of the PLL")
         self._position = self.at(cycle)
         self._cycle = cycle
-        self.numerator = numerator
-        self.denominator = denominator
         self._step = PARTS * denominator // numerator

@@ -45,7 +45,7 @@ def system(oscclk_hz: int = 30 * MHZ, **options: str) -> SystemControl:
 
 
 def ratio(chip: SystemControl) -> tuple[int, int]:
-    return chip.sysclk_numerator, chip.sysclk_denominator
+    return (chip.sysclk_hz / chip.oscclk_hz).as_integer_ratio()
 
 
 def run_until(chip: SystemControl, now: int) -> None:

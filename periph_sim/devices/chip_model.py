@@ -29,11 +29,9 @@ class Shown:
         """Return the register bytes of the chip with this address."""
         known = self._data.get(address)
         if known is None:
-            known = self._data[address] = self._made(address)
+            known = bytes(BYTES) if self._model is None else self._model.data_of(address, self._inputs)
+            self._data[address] = known
         return known
-
-    def _made(self, address: int) -> bytes:
-        return bytes(BYTES) if self._model is None else self._model.data_of(address, self._inputs)
 
 
 BYTES = 6  # that a chip shows before the first run

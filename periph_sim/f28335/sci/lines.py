@@ -72,21 +72,29 @@ class SciLines(Chip):
         self._autobaud = SciAutobaud()
         self.filter_width = self._sync = options.rx_sync_stages.unrecorded()  # each frame records it
         self._rxd = 1
+        self._listening = False  # the bit receiver follows the line
+        self._rx_at = self._tx_at = NEVER  # the next event of each half, in cycles
+        self.reset(0)
+
+    def reset(self, now: int) -> None:
+        self._run(now)
+        self._ccr = self._hbaud = self._lbaud = self._ffct = self._pri = 0
+        self._ctl1 = 0  # without TXWAKE, which SciTx holds
         self._gated = True  # the clock gate is off
         self._suspended = False
         self._rx_stopping = False  # the receiver's clock stops when its frame is complete
-        self._ccr = 0
-        self._ctl1 = 0  # without TXWAKE, which SciTx holds
-        self._hbaud = 0
-        self._lbaud = 0
-        self._ffct = 0
-        self._pri = 0
         self._abd_requested = False  # ABD has requested TXINT since CDC was set
-        self._listening = False  # the bit receiver follows the line
-        # The next event of each part, in cycles.
-        self._rx_at = NEVER
-        self._tx_at = NEVER
         self._request_at = NEVER
+        self._rx_clock.reset(now)
+        self._tx_clock.reset(now)
+        self._layout = SciFormat(0, self.options)
+        self._rx.reset()
+        self._tx.reset()
+        self._tx.set_layout(now, self._layout, False)
+        self._arm_receiver(now)
+        self._bits.set_layout(self._rx_clock.passed(now), self._layout, False)
+        self._line(now, self._rxd)
+        self._after_write(now)
 
     @property
     def marks(self) -> SciTx:
@@ -315,6 +323,21 @@ class SciLines(Chip):
             self._bits.close()
 
     # Register effects ---------------------------------------------------------
+
+    def _after_write(self, now: int) -> None:
+        rx, tx = self._rx, self._tx
+        if rx.request:
+            rx.request = False
+            self.requests |= RXINT
+        if tx.request:
+            tx.request = False
+            self.requests |= TXINT
+        for text in tx.lost:
+            self._note("lost", text, "SPRUFZ5A T2-6, T2-9")
+        tx.lost.clear()
+        self._set_out(now)
+        self._watch_idle(now)
+        self._replan()
 
     def _note(self, code: str, text: str, source: str) -> None:
         self.notes.append(Note(code, f"{self.name}: {text}", source))

@@ -14,9 +14,8 @@ Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 
 from __future__ import annotations
 
-from ...core.chip import NEVER
 from .character_format import SciFormat
-from .lines import ABD, CDC, FREE, LOOPBKENA, RXINT, SOFT, TXINT, SciLines
+from .lines import ABD, CDC, FREE, LOOPBKENA, RXINT, SOFT, SciLines
 from .register_map import SCI_MAP
 from .transmitter import SCIFFENA, SCIRST
 
@@ -104,21 +103,6 @@ class Sci(SciLines):
         else:
             self._check_offset(offset)
         self._after_write(now)
-
-    def _after_write(self, now: int) -> None:
-        rx, tx = self._rx, self._tx
-        if rx.request:
-            rx.request = False
-            self.requests |= RXINT
-        if tx.request:
-            tx.request = False
-            self.requests |= TXINT
-        for text in tx.lost:
-            self._note("lost", text, "SPRUFZ5A T2-6, T2-9")
-        tx.lost.clear()
-        self._set_out(now)
-        self._watch_idle(now)
-        self._replan()
 
     def _read_rxbuf(self, now: int) -> int:
         rx = self._rx
@@ -247,23 +231,3 @@ class Sci(SciLines):
         self._tx.delay = self._ffct & FFTXDLY
         self._tx.replan(now)
         self._arm_receiver(now)
-
-    # System reset -----------------------------------------------------------
-
-    def reset(self, now: int) -> None:
-        self._run(now)
-        self._ccr = self._ctl1 = self._hbaud = self._lbaud = self._ffct = self._pri = 0
-        self._gated = True
-        self._suspended = self._rx_stopping = False
-        self._abd_requested = False
-        self._request_at = NEVER
-        self._rx_clock.reset(now)
-        self._tx_clock.reset(now)
-        self._layout = SciFormat(0, self.options)
-        self._rx.reset()
-        self._tx.reset()
-        self._tx.set_layout(now, self._layout, False)
-        self._arm_receiver(now)
-        self._bits.set_layout(self._rx_clock.passed(now), self._layout, False)
-        self._line(now, self._rxd)
-        self._after_write(now)

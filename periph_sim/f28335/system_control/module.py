@@ -69,9 +69,10 @@ LPM = LPMCR0["LPM"]
 
 GATES: tuple[str, ...] = tuple(one.name for register in (PCLKCR0, PCLKCR3) for one in register.fields)
 GATE_BIT = {name: 1 << index for index, name in enumerate(GATES)}  # in `gates`
-ENABLES = tuple(  # bit of `gates`, bit of the register, and whether that is PCLKCR3
-    (GATE_BIT[one.name], one.mask, register is PCLKCR3) for register in (PCLKCR0, PCLKCR3) for one in register.fields
+ENABLES = tuple(  # bit of `gates`, bit of the register, and its offset
+    (GATE_BIT[one.name], one.mask, register.offset) for register in (PCLKCR0, PCLKCR3) for one in register.fields
 )
+STORED = (HISPCP, LOSPCP, PCLKCR0, PCLKCR1, PCLKCR3, LPMCR0)  # which only software changes
 
 
 def prescale(code: int) -> int:
@@ -88,7 +89,7 @@ class SystemControl(Chip):
 
     STATE = State(
         "_clock _watchdog sysclk_hz reset_requested gates "
-        "hspclk_divider lspclk_divider _pllsts _pllcr _hispcp _lospcp _pclkcr0 _pclkcr1 _pclkcr3 _lpmcr0 "
+        "hspclk_divider lspclk_divider _pllsts _pllcr _stored "
         "_wdint _wdints _locked_at",
         cycles="lspclk_phase _wdflag_at _gates_to_come _wdints_to_come",
     )
@@ -115,14 +116,9 @@ class SystemControl(Chip):
         self._pllcr = PLLCR.reset
         self._pllsts = PLLSTS.reset
         self._locked_at = NEVER  # OSCCLK position
-        self._hispcp = HISPCP.reset
-        self._lospcp = LOSPCP.reset
-        self._pclkcr0 = PCLKCR0.reset
-        self._pclkcr1 = PCLKCR1.reset
-        self._pclkcr3 = PCLKCR3.reset
-        self._lpmcr0 = LPMCR0.reset
-        self.hspclk_divider = prescale(self._hispcp)
-        self.lspclk_divider = prescale(self._lospcp)
+        self._stored = {register.offset: register.reset for register in STORED}
+        self.hspclk_divider = prescale(HISPCP.reset)
+        self.lspclk_divider = prescale(LOSPCP.reset)
         self.lspclk_phase = now  # LSPCLK begins a period at this cycle and every `lspclk_divider` cycles from it
         self.gates = self._gates()  # bit i: the clock that GATES[i] switches is on
         self._gates_to_come.clear()
@@ -167,21 +163,8 @@ class SystemControl(Chip):
             self._write_pllsts(now, value)
         elif offset == PLLCR.offset:
             self._write_pllcr(now, value)
-        elif offset == HISPCP.offset:
-            self._hispcp, _ = HISPCP.write(self._hispcp, value)
-            self.hspclk_divider = prescale(self._hispcp)
-        elif offset == LOSPCP.offset:
-            self._write_lospcp(now, value)
-        elif offset == PCLKCR0.offset:
-            self._pclkcr0, _ = PCLKCR0.write(self._pclkcr0, value)
-            self._gates_to_come.append((now + GATE_DELAY, self._gates()))
-        elif offset == PCLKCR1.offset:
-            self._pclkcr1, _ = PCLKCR1.write(self._pclkcr1, value)
-        elif offset == PCLKCR3.offset:
-            self._pclkcr3, _ = PCLKCR3.write(self._pclkcr3, value)
-            self._gates_to_come.append((now + GATE_DELAY, self._gates()))
-        elif offset == LPMCR0.offset:
-            self._write_lpmcr0(value)
+        elif offset in self._stored:
+            self._write_stored(now, offset, value)
         else:
             self._write_watchdog(now, offset, value)
         self._schedule()
@@ -203,16 +186,9 @@ class SystemControl(Chip):
             return self._watchdog.count(self._clock.at(now))
         if offset == SCSR.offset:
             return self._watchdog.scsr & ~WDINTS | (WDINTS if self._wdints else 0)
-        return {
-            PLLSTS.offset: self._pllsts,
-            PLLCR.offset: self._pllcr,
-            HISPCP.offset: self._hispcp,
-            LOSPCP.offset: self._lospcp,
-            PCLKCR0.offset: self._pclkcr0,
-            PCLKCR1.offset: self._pclkcr1,
-            PCLKCR3.offset: self._pclkcr3,
-            LPMCR0.offset: self._lpmcr0,
-        }[offset]
+        if offset == PLLSTS.offset:
+            return self._pllsts
+        return self._pllcr if offset == PLLCR.offset else self._stored[offset]
 
     def _write_pllsts(self, now: int, value: int) -> None:
         before = self._pllsts
@@ -253,16 +229,21 @@ class SystemControl(Chip):
         self._locked_at = self._clock.at(now) + PLL_LOCK_OSCCLKS * PARTS
         self._tune(now)
 
-    def _write_lospcp(self, now: int, value: int) -> None:
-        self._lospcp, _ = LOSPCP.write(self._lospcp, value)
-        self.lspclk_divider = prescale(self._lospcp)
-        if self.lspclk_divider > 1 and self._options.lspclk_phase.assume(self.touched) == "restart_on_write":
-            self.lspclk_phase = now
-
-    def _write_lpmcr0(self, value: int) -> None:
-        self._lpmcr0, _ = LPMCR0.write(self._lpmcr0, value)
-        if LPM.extract(self._lpmcr0):
+    def _write_stored(self, now: int, offset: int, value: int) -> None:
+        register = MAP.at(offset)
+        assert register is not None
+        stored, _ = register.write(self._stored[offset], value)
+        self._stored[offset] = stored
+        if register is HISPCP:
+            self.hspclk_divider = prescale(stored)
+        elif register is LOSPCP:
+            self.lspclk_divider = prescale(stored)
+            if self.lspclk_divider > 1 and self._options.lspclk_phase.assume(self.touched) == "restart_on_write":
+                self.lspclk_phase = now
+        elif register is LPMCR0 and LPM.extract(stored):
             self._unknown("LPMCR0 selects STANDBY or HALT: the model's IDLE stops the CPU only", "SPRUFB0D section 5.3")
+        elif register in (PCLKCR0, PCLKCR3):
+            self._gates_to_come.append((now + GATE_DELAY, self._gates()))
 
     def _write_watchdog(self, now: int, offset: int, value: int) -> None:
         position = self._clock.at(now)
@@ -332,8 +313,8 @@ class SystemControl(Chip):
 
     def _gates(self) -> int:
         gates = 0
-        for bit, mask, in_pclkcr3 in ENABLES:
-            if mask & (self._pclkcr3 if in_pclkcr3 else self._pclkcr0):
+        for bit, mask, offset in ENABLES:
+            if mask & self._stored[offset]:
                 gates |= bit
         return gates
 

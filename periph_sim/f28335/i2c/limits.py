@@ -37,11 +37,6 @@ class I2cLimits:
         self._clock_within_hz: Fraction = self.sysclk_hz  # SYSCLKOUT with that prescaler
         self._within = (0, 0, self.sysclk_hz)  # phases of SCL, and SYSCLKOUT
 
-    def enabled(self) -> None:
-        """Check the module clock and the own address, which take effect as IRS rises."""
-        self.module_clock()
-        self.own_address()
-
     def module_clock(self) -> None:
         tm = self._state.tm
         if tm == self._clock_within_tm and self.sysclk_hz is self._clock_within_hz:
@@ -55,13 +50,8 @@ class I2cLimits:
             at = f"at SYSCLKOUT = {_show(self.sysclk_hz / 1_000_000)} MHz"
             self._state.duty(f"{given} {at}; expected {least} to {most} MHz", "SPRUG03B section 1.4")
 
-    def own_address(self) -> None:
-        self._address("I2COAR", self._state.oar)
-
-    def sent_address(self) -> None:
-        self._address("I2CSAR", self._state.sar)
-
-    def _address(self, name: str, value: int) -> None:
+    def address(self, name: str, value: int) -> None:
+        """Check I2COAR or I2CSAR."""
         if value & BEYOND_7_BITS and not self._state.mdr & MDR_XA:
             self._state.duty(
                 f"{name} = {value:#05x} has bits 9 to 7 set with XA = 0; expected 0 there", "SPRUG03B §5.8, §5.9"

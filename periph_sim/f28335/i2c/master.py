@@ -87,7 +87,7 @@ class I2cMaster(I2cMasterBitSkip):
         """Process `due` or `deliver_at`."""
         if self.deliver_at <= now:
             self.deliver_at = NEVER
-            self._received(now, self._deliver)
+            self._store_byte(now, self._deliver, 8)
             return
         step = self._step
         self.due, self._step = NEVER, NO_STEP
@@ -256,7 +256,7 @@ class I2cMaster(I2cMasterBitSkip):
             if self._bit == self._n - 1:
                 self._nack_armed = bool(self.state.mdr & MDR_NACKMOD)
         if self._kind == RECEIVE and self._bit == self._n and self.state.rrdy_rises_at("rise9"):
-            self._store_byte(now)
+            self._store_byte(now, self._in, self._n)
 
     def _fall(self, now: int) -> None:
         if self._bit == self._n and self._kind in (ADDRESS, SEND) and self._sampled and self._leaves_scl_high():
@@ -269,7 +269,7 @@ class I2cMaster(I2cMasterBitSkip):
             if bit == self._n and self._kind == RECEIVE:
                 self._choose_answer()
                 if self.state.rrdy_rises_at("fall8"):
-                    self._store_byte(now)
+                    self._store_byte(now, self._in, self._n)
             if bit == self._n and self._kind == SEND and self.state.mdr & MDR_DLB:
                 self._loop_back(now)
             self._at(now + self.state.tm, SET_SDA)

@@ -88,26 +88,14 @@ class I2cMasterData(I2cMasterLines):
         else:
             self._answer_nack = stp and not self._stp_at_start
 
-    def _store_byte(self, now: int) -> None:
-        state = self.state
-        value = self._in & 0xFF
-        if self._n < 8 and state.options.bc_less_than_8_upper_bits.assume(state.touched) == "zeros":
-            value = self._in & (1 << self._n) - 1
-        self._received(now, value)
-
-    def _received(self, now: int, value: int) -> None:
-        state = self.state
-        if state.rx_blocked():
-            state.rsr = value
+    def _store_byte(self, now: int, shifted: int, bits: int) -> None:
+        if self.state.store(now, shifted, bits):
             self._rsr_waits = True
-            state.overrun(now)
-        else:
-            state.received(now, value)
 
     def _receive_done(self, now: int) -> None:
         state = self.state
         if state.rrdy_rises_at("fall9"):
-            self._store_byte(now)
+            self._store_byte(now, self._in, self._n)
         if self._answer_nack:
             if self._nack_armed:
                 state.mdr &= ~MDR_NACKMOD

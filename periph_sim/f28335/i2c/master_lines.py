@@ -192,7 +192,7 @@ class I2cMasterLines:
         state = self.state
         mdr = state.mdr
         if not mdr & MDR_DLB:
-            self.limits.sent_address()
+            self.limits.address("I2CSAR", state.sar)
         address = state.oar if mdr & MDR_DLB else state.sar
         read = 0 if mdr & MDR_TRX else 1
         if not mdr & MDR_XA:

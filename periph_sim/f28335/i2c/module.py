@@ -105,7 +105,7 @@ class I2c(I2cLines):
         if offset == at.OAR:
             state.oar = value & 0x3FF
             if self.limits.written_while_enabled("I2COAR"):
-                self.limits.own_address()
+                self.limits.address("I2COAR", state.oar)
         elif offset == at.SAR:
             state.sar = value & 0x3FF
         elif offset == at.CLKL:
@@ -129,8 +129,8 @@ class I2c(I2cLines):
 
     def _write_str(self, now: int, value: int) -> None:
         state = self.state
-        if value & state.str & at.STR_RRDY:
-            state.rrdy_cleared()
+        if value & state.str & at.STR_RRDY and self.options.rrdy_clear_reads_drr.assume(self.touched):
+            state.drr_unread = False
         state.str &= ~(value & at.STR_CLEARS)
         if value & state.str & STR_XRDY and self.options.xrdy_w1c.assume(self.touched) == "yes":
             state.str &= ~STR_XRDY
@@ -172,7 +172,8 @@ class I2c(I2cLines):
         state = self.state
         state.latch_module_clock()
         self.filter_width = state.filter_width
-        self.limits.enabled()
+        self.limits.module_clock()
+        self.limits.address("I2COAR", state.oar)
         self.target.reset()
         state.fifo_levels(now)
         state.update(now)

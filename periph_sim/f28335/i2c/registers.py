@@ -178,6 +178,18 @@ class I2cRegisters(I2cRequests):
         """Return True if I2CRSR is copied to I2CDRR at this edge of a data byte for this module."""
         return self.options.rrdy_point.assume(self.touched) == edge
 
+    def store(self, now: int, shifted: int, bits: int) -> bool:
+        """Copy a received byte to I2CDRR; if that is unread, keep it in I2CRSR and return True. bits: those of it."""
+        value = shifted & 0xFF
+        if bits < 8 and self.options.bc_less_than_8_upper_bits.assume(self.touched) == "zeros":
+            value = shifted & (1 << bits) - 1
+        if not self.rx_blocked():
+            self.received(now, value)
+            return False
+        self.rsr = value
+        self.set(now, STR_RSFULL)
+        return True
+
     def received(self, now: int, value: int) -> None:
         """Copy I2CRSR to I2CDRR, or to the RX FIFO."""
         if self.fifo:
@@ -207,11 +219,6 @@ class I2cRegisters(I2cRequests):
             self.str &= ~STR_RRDY
         self.update(now)
         return self.drr
-
-    def rrdy_cleared(self) -> None:
-        """Process a clearing of RRDY by writing 1 to it."""
-        if self.options.rrdy_clear_reads_drr.assume(self.touched):
-            self.drr_unread = False
 
     # Settings ------------------------------------------------------------------------
 
@@ -288,6 +295,3 @@ class I2cRegisters(I2cRequests):
         if not self.str & STR_NACK:
             self.nack_since, self.nack_of = now, refused
         self.set(now, STR_NACK)
-
-    def overrun(self, now: int) -> None:
-        self.set(now, STR_RSFULL)

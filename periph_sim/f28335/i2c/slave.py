@@ -266,7 +266,9 @@ class I2cSlave(I2cSlaveData):
             self._begin_byte(now, first=False)
             return
         if not self._ack:
-            self._nack_was_sent(now)
+            if self._nack_armed:
+                state.mdr &= ~MDR_NACKMOD
+            state.set(now, STR_NACKSNT)
         elif phase in (ADDRESS, ADDRESS_LOW) and state.options.aas_sdir_point.assume(state.touched) == "fall9":
             self._address_flags(now)
         if phase == RECEIVE:
@@ -274,12 +276,6 @@ class I2cSlave(I2cSlaveData):
         if self._ack and not self._address.read and state.bcm and state.tx_ready() and self._copies_at("any_ack_fall9"):
             state.copy_to_xsr(now)
         self._next_byte(now)
-
-    def _nack_was_sent(self, now: int) -> None:
-        state = self.state
-        if self._nack_armed:
-            state.mdr &= ~MDR_NACKMOD
-        state.set(now, STR_NACKSNT)
 
     def _next_byte(self, now: int) -> None:
         state = self.state

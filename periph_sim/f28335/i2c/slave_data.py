@@ -247,21 +247,8 @@ class I2cSlaveData:
 
     def _store_byte(self, now: int) -> None:
         """Copy the complete I2CRSR, or let it wait for room."""
-        state = self.state
-        value = self._value()
-        if state.rx_blocked():
+        if self.state.store(now, self._shift, self._n):
             self._rsr_waits = True
-            state.rsr = value
-            state.overrun(now)
-        else:
-            state.received(now, value)
-
-    def _value(self) -> int:
-        if self._n == 8:
-            return self._shift & 0xFF
-        if self.state.options.bc_less_than_8_upper_bits.assume(self.state.touched) == "zeros":
-            return self._shift & (1 << self._n) - 1
-        return self._shift & 0xFF
 
     def drr_read(self, now: int) -> None:
         """Copy a waiting byte and end a stretch after the CPU has read I2CDRR."""

@@ -4,8 +4,8 @@
     gyro, accel, mag ----------> EKF, sample by sample --> quaternions --> errors against the truth
 
 The filter is that of the library `ahrs` (the extra `attitude`). It expects the direction of gravity, but an
-accelerometer at rest reads the opposite, (0, 0, -1 g) when level with z down: the sign is inverted here. It has no
-model of biases; subtract known ones before.
+accelerometer at rest reads the opposite, (0, 0, -1 g) when level with z down, so the sign is inverted here. The filter
+has no model of biases; known ones must be subtracted before.
 
 Source: the conventions of the dissertation's chapter 4; documentation of ahrs.filters.EKF.
 """
@@ -21,16 +21,20 @@ from numpy.typing import ArrayLike
 from ..core.input_error import InputError
 from .rotations import Floats, angle_between, angles, quaternion_of, wrapped
 
-LEAST_ANGLE = 1e-6  # radians between gravity and field: with less, yaw is undefined
+LEAST_ANGLE = 1e-6  # minimum angle in radians between gravity and field, below which yaw is undefined
 
 
 class NoAttitude(InputError):
-    """An attitude that cannot be estimated: samples of the wrong shape, or a missing library."""
+    """An attitude cannot be estimated, because samples have the wrong shape or the library is missing."""
 
 
 @dataclass(frozen=True)
 class Noise:
-    """Variances of the filter: gyro in (rad/s)^2; accel and mag of vectors of length 1. Defaults: the library's."""
+    """Variances that the filter assumes. The defaults are those of the library.
+
+    gyro: in (rad/s)^2.
+    accel, mag: variances of vectors that are scaled to length 1.
+    """
 
     gyro: float = 0.3**2
     accel: float = 0.5**2
@@ -39,10 +43,11 @@ class Noise:
 
 @dataclass(frozen=True)
 class Errors:
-    """Errors in degrees, float64[n]. total: the angle of the rotation from truth to estimate, never ambiguous.
+    """Errors of an attitude in degrees, float64[n].
 
-    roll, pitch, yaw: estimate minus truth, -180 to 180. Near a pitch of +-90 degrees roll and yaw turn about the same
-    axis: there only their sum or difference, and `total`, are meaningful.
+    total: the angle of the rotation from truth to estimate, which is always unambiguous.
+    roll, pitch, yaw: estimate minus truth, from -180 to 180. Near a pitch of +-90 degrees, roll and yaw are rotations
+        about the same axis, so only their sum or difference, and `total`, are meaningful.
     """
 
     total: Floats
@@ -60,12 +65,15 @@ def estimate(
     noise: Noise | None = None,
     start: ArrayLike | None = None,
 ) -> Floats:
-    """Return float64[n, 4]: the attitude at each sample, as quaternions of `rotations`.
+    """Return the attitude at each sample as quaternions of `rotations`, float64[n, 4].
 
-    seconds: float64[n], rising. gyro: float64[n, 3], deg/s. accel: float64[n, 3], g. mag: float64[n, 3], gauss.
-    field: north, east, down of the magnetic field at the body; only its direction counts. start: the attitude at the
-    first sample; by default the one that fits its accel and mag.
-    A sample of accel or mag that is zero or NaN (an overflow) is skipped. NoAttitude for invalid input.
+    seconds: the time of each sample, float64[n], increasing.
+    gyro, accel, mag: samples in deg/s, g and gauss, float64[n, 3]. A sample of accel or mag that is zero or NaN (an
+        overflow) is skipped.
+    field: the north, east and down components of the magnetic field at the body; only its direction counts.
+    start: the attitude at the first sample; by default the one that fits its accel and mag.
+
+    Raise NoAttitude if the input is invalid.
     """
     times, rates, gravity, magnetic = _checked(seconds, gyro, accel, mag)
     reference = np.asarray(field, np.float64)
@@ -88,13 +96,13 @@ def estimate(
 
 
 def fitting(gravity: Floats, mag: Floats, field: Floats) -> Floats:
-    """Return float64[4]: the attitude that fits gravity exactly, and the field as well as possible."""
+    """Return the attitude that fits gravity exactly and the field as well as possible, float64[4]."""
     seen, there = _axes(gravity, mag), _axes(np.array([0.0, 0.0, 1.0]), field)
     return quaternion_of(there @ seen.T)
 
 
 def errors(estimated: ArrayLike, truth: ArrayLike) -> Errors:
-    """Compare estimated attitudes with the true ones; both float64[n, 4]."""
+    """Return the errors of estimated attitudes. Both arguments are float64[n, 4]."""
     one, other = np.atleast_2d(estimated), np.atleast_2d(truth)
     if one.shape != other.shape or one.shape[1] != 4:
         raise NoAttitude(f"estimate {one.shape} and truth {other.shape} must both be n quaternions")
@@ -103,7 +111,7 @@ def errors(estimated: ArrayLike, truth: ArrayLike) -> Errors:
 
 
 def _axes(down: Floats, field: Floats) -> Floats:
-    """Return the columns magnetic north, east, down, in the axes of both vectors."""
+    """Return the directions magnetic north, east and down as columns, in the axes in which both vectors are given."""
     if not _usable(down) or not _usable(field):
         raise NoAttitude("the first sample has no usable accel and mag; omit it, or give start")
     down, field = down / np.linalg.norm(down), field / np.linalg.norm(field)
@@ -119,7 +127,7 @@ def _usable(vector: Floats) -> bool:
 
 
 def _checked(seconds: ArrayLike, gyro: ArrayLike, accel: ArrayLike, mag: ArrayLike) -> tuple[Floats, ...]:
-    """Return (seconds, gyro in rad/s, gravity in g, mag): all float64, of one length."""
+    """Check samples. Return (seconds, gyro in rad/s, gravity in g, mag), all float64 and of the same length."""
     times = np.asarray(seconds, np.float64)
     if times.ndim != 1 or not np.isfinite(times).all() or (np.diff(times) <= 0).any():
         raise NoAttitude("seconds must be one rising row of numbers")

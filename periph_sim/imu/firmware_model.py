@@ -1,4 +1,4 @@
-"""Firmware that computes the sensors: what a scene asks it about (`scene.unit.FirmwareModel`).
+"""Firmware that computes the sensors, as a `scene.unit.FirmwareModel` for the scene.
 
 settings with sensors, arithmetic, noise_seed --firmware_model--> ImuFirmware
 """
@@ -22,7 +22,10 @@ if TYPE_CHECKING:
 
 
 class ImuFirmware:
-    """A `FirmwareModel`. settings: of the firmware; its `arithmetic` and `noise_seed` say how it computes."""
+    """A `FirmwareModel` of firmware that computes the sensors of an IMU.
+
+    settings: the settings of the firmware. Its `arithmetic` and `noise_seed` determine the results.
+    """
 
     def __init__(self, parameters: ImuParameters, settings: object) -> None:
         self.parameters = parameters
@@ -32,9 +35,9 @@ class ImuFirmware:
         self._noise_seed: Any = getattr(settings, "noise_seed", None)
 
     def check(self, case: Case, unit: str) -> None:
-        """Raise BadCase unless the models' period is that at which this firmware runs them.
+        """Raise BadCase unless the models' period is the period at which this firmware runs them.
 
-        That is the period of the rounds; or of the host, if `models_run` is "frame" or there are no rounds.
+        This is the period of the host if `models_run` is "frame" or there are no rounds; otherwise that of the rounds.
         """
         rounds = case.controller or case.rounds
         per_frame = getattr(self._settings, "models_run", "round") == "frame" or rounds is None
@@ -48,7 +51,7 @@ class ImuFirmware:
             raise case.mistake(error.what, "unit", unit, "settings", "parameters") from None
 
     def codes(self) -> ChipModel | None:
-        """Return the model of the chips' bytes; None if no setting says its arithmetic."""
+        """Return the model of the chips' bytes; None if no setting names the arithmetic."""
         if self._arithmetic is None:
             return None
         from .model_codes import ModelCodes
@@ -56,13 +59,13 @@ class ImuFirmware:
         return ModelCodes(self.parameters, self._arithmetic, self._noise_seed)
 
     def truth(self, motion: Motion, first: Fraction) -> MotionTruth:
-        """Return the true values. first: seconds of the motion's time at which frame 0 is due."""
+        """Return the true values of a motion. first: the time of the motion, in seconds, at which frame 0 is due."""
         return MotionTruth(self.parameters, motion, first)
 
     def attitude(self, readings: Mapping[str, Sequence[float]]) -> list[float] | None:
         """Return roll, pitch, yaw of the resting body in degrees; None before accelerometer and magnetometer were read.
 
-        readings: by chip, x, y, z in its unit. The known errors of the sensors are subtracted.
+        readings: x, y, z of each chip in its unit. The known errors of the sensors are subtracted.
         """
         accel, mag, sensors = readings.get("accelerometer"), readings.get("magnetometer"), self.parameters
         if accel is None or mag is None:
@@ -83,13 +86,15 @@ def _less(values: Sequence[float], bias: Sequence[float]) -> list[float]:
 
 
 class MotionTruth:
-    """The readings of ideal sensors with the same parameters, of the true motion, in float64.
+    """The readings of the true motion by ideal sensors with the same parameters, in float64.
 
-    It has no noise: a sensor's noise is not a property of the body, and the sample in a read depends on the firmware's
-    timing, of which truth is independent. first: seconds of the motion's time at which frame 0 is due.
+    They have no noise: the noise of a sensor is not a property of the body, and the sample that a read contains depends
+    on the timing of the firmware, from which the truth is independent.
+
+    first: the time of the motion, in seconds, at which frame 0 is due.
     """
 
-    KEPT = 64  # cached instants: each is used for several chips and budgets
+    KEPT = 64  # number of cached instants; each is used for several chips and budgets
 
     def __init__(self, imu: ImuParameters, motion: Motion, first: Fraction) -> None:
         self._imu = imu
@@ -98,10 +103,13 @@ class MotionTruth:
 
     @cached_property
     def at(self) -> Callable[[Fraction], Mapping[str, Axes]]:
-        """Return the readings by chip as a function of time. Built on first use, which few runs need."""
+        """Return a function from time to the readings of each chip.
+
+        It is built at its first use, since few runs need it.
+        """
         import numpy as np
 
-        from .models.sensed_motion import SensedMotion  # computes arrays
+        from .models.sensed_motion import SensedMotion  # imported here, because it imports numpy
 
         felt = SensedMotion(self._imu, self._motion)
 
@@ -119,8 +127,10 @@ def resting_attitude(
 
         gravity --> roll, pitch --turn the field level--> yaw
 
-    An accelerometer at rest, level and z down, reads (0, 0, -1 g). field: north and east components of the magnetic
-    field at the body. `attitude` has a filter that tolerates motion.
+    An accelerometer that is at rest and level, with z down, reads (0, 0, -1 g). `attitude` has a filter that tolerates
+    motion.
+
+    field: the north and east components of the magnetic field at the body.
     """
     x, y, z = (-value for value in accel)
     roll, pitch = atan2(y, z), atan2(-x, hypot(y, z))

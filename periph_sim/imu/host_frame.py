@@ -1,8 +1,8 @@
 """Encoding of a host frame's six values, attitude and acceleration, as signed 16-bit counts.
 
-    motion --sampled--> rad, g --/ value of one count--> counts --beyond 16 bits?--> refuse, saturate or wrap
+    motion --sampled--> rad, g --/ value of one count--> counts --if beyond 16 bits--> refuse, saturate or wrap
 
-The dissertation leaves the encoding open (section 3.4.1), so it is a named setting for every value.
+The dissertation does not define the encoding (section 3.4.1), so every value has a named setting.
 """
 
 from __future__ import annotations
@@ -27,17 +27,21 @@ if TYPE_CHECKING:
 
 LEAST, MOST = -0x8000, 0x7FFF
 
-MOST_AHEAD = 64  # frames computed at once
-KEPT = 4 * MOST_AHEAD  # frames kept for later reading
+MOST_AHEAD = 64  # maximum number of frames that are calculated at once
+KEPT = 4 * MOST_AHEAD  # number of frames that are kept for later reading
 LIMITS = (ANGLE_RANGE,) * 3 + (ACCELERATION_RANGE,) * 3
-UNSURE = 1e-10  # rad and g: far more than implementations of sine differ
+UNSURE = 1e-10  # in rad and g; far more than the differences between implementations of sine
 
-Frame = tuple[tuple[int, ...], tuple[str, ...]]  # its values, and the names of those beyond 16 bits
+Frame = tuple[tuple[int, ...], tuple[str, ...]]  # the values of a frame, and the names of those beyond 16 bits
 
 
 @dataclass(frozen=True)
 class Encoding:
-    """phi to az: the value of one count, in rad and g. beyond: treatment of a value that 16 bits cannot hold."""
+    """The encoding of the six values of a frame.
+
+    phi to az: the value of one count, in rad and g.
+    beyond: the treatment of a value that does not fit into 16 bits.
+    """
 
     phi: Angle = 1e-4
     theta: Angle = 1e-4
@@ -59,9 +63,10 @@ class Encoding:
         return self.phi, self.theta, self.psi, self.ax, self.ay, self.az
 
     def counts(self, values: Floats) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
-        """Return (counts, True where beyond 16 bits) of values in rad and g, both of shape (n, 6).
+        """Convert values in rad and g to counts. Return them, and True for counts beyond 16 bits, with shape (n, 6).
 
-        Rounded to nearest, halves to even. Raise BadMotion for the first one beyond, if `beyond` is "refuse".
+        Counts are rounded to nearest, and halves to even. If `beyond` is "refuse", raise BadMotion for the first count
+        beyond 16 bits.
         """
         import numpy as np
 
@@ -80,8 +85,10 @@ class Encoding:
         return np.clip(whole, LEAST, MOST).astype(np.int64), beyond
 
     def plain_counts(self, values: Sequence[float]) -> tuple[int, ...] | None:
-        """Return the counts of six values that are well within all ranges, and not so near the middle of two that
-        an error of UNSURE would change the rounding; None for others, which `counts` converts.
+        """Return the counts of six values; None for values that `counts` must convert.
+
+        These are values that are near or beyond the end of their range, or so near the middle between two counts that
+        an error of UNSURE would change the rounding.
         """
         counts = []
         for value, scale, limit in zip(values, self.scales, LIMITS, strict=True):
@@ -97,30 +104,34 @@ class Encoding:
 
 
 class MotionFrames:
-    """The values of frame n, which is due at first + n * period seconds of the motion's own time.
+    """Source of the values of frame n, which is due at the time first + n * period of the motion, in seconds.
 
-    motion: their source. beyond: how often each value of the frames so far was beyond 16 bits; call in rising order.
-    Several frames are computed at once, twice as many each time, so that a short run computes few.
+    Several frames are calculated at once, twice as many each time, so that a short run calculates few. Frames must be
+    requested in increasing order.
+
+    motion: the motion that is sampled.
+    beyond: how often each value of the frames so far was beyond 16 bits.
     """
 
     def __init__(self, motion: Motion, encoding: Encoding, first: Fraction, period: Fraction) -> None:
         self.beyond: Counter[str] = Counter()
         self.motion = motion
         self._encoding = encoding
-        self._scale = lcm(first.denominator, period.denominator)  # parts of a second in which times are whole numbers
+        # Number of parts of a second with which times are whole numbers.
+        self._scale = lcm(first.denominator, period.denominator)
         self._first, self._period = (int(length * self._scale) for length in (first, period))
         self._counted = 0
         self._known: dict[int, Frame] = {}
-        self._ahead = 1  # frames to compute at once next
+        self._ahead = 1  # number of frames that are calculated at once next time
 
     @property
     def byte_order(self) -> ByteOrder:
         return self._encoding.byte_order
 
     def __call__(self, number: int) -> tuple[int, ...]:
-        """Return six counts.
+        """Return the six counts of a frame.
 
-        Raise BadMotion if the motion is out of its range there, or beyond 16 bits with "refuse".
+        Raise BadMotion if the motion is out of range at this frame, or beyond 16 bits with "refuse".
         """
         if number not in self._known:
             self._work_out(number)
@@ -132,7 +143,7 @@ class MotionFrames:
         return values
 
     def _work_out(self, number: int) -> None:
-        """Compute this frame, and some after it if none of them is rejected."""
+        """Calculate this frame, and some frames after it if none of them is rejected."""
         try:
             self._add(number, self._ahead)
         except BadMotion:
@@ -166,4 +177,4 @@ class MotionFrames:
         return (self._first + number * self._period) / self._scale
 
 
-ANGLE, ACCELERATION = 1e-4, 1e-3  # rad and g a count
+ANGLE, ACCELERATION = 1e-4, 1e-3  # rad and g per count

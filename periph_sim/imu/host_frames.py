@@ -1,8 +1,8 @@
 """The frames that a [host] sends: six signed 16-bit values, three angles and three accelerations.
 
-    [host.motion], [host.encoding] or a ramp --> values of frame n --> bytes, and what chips show of them
+    [host.motion], [host.encoding] or a ramp --> values of frame n --> bytes, and the values that chips show
 
-The dissertation leaves the encoding open: low byte first is a choice of ours. Nothing in a frame marks its start.
+The dissertation does not define the encoding; low byte first is our choice. Nothing in a frame marks its start.
 """
 
 from __future__ import annotations
@@ -28,13 +28,14 @@ FRAME_BYTES = 2 * VALUES
 PACKED = {"little": Struct(f"<{VALUES}h"), "big": Struct(f">{VALUES}h")}
 RAMP = ((1, 1), (3, 1000), (5, -2000), (7, 12), (11, -34), (13, 1000))
 PARTS = {"angles": slice(0, 3), "accelerations": slice(3, 6)}
-SHOWN = {"gyroscope": "angles", "accelerometer": "accelerations", "magnetometer": "angles"}  # without sensor models
+# The values that each chip shows without sensor models.
+SHOWN = {"gyroscope": "angles", "accelerometer": "accelerations", "magnetometer": "angles"}
 BY_ADDRESS = {SENSORS[name].address: (SENSORS[name], PARTS[part]) for name, part in SHOWN.items()}
 ADDRESSES = frozenset(BY_ADDRESS)
 
 
 def ramp(number: int) -> tuple[int, ...]:
-    """Return values unique for minutes, so that a byte on the bus identifies its frame."""
+    """Return values that do not repeat for minutes, so that a byte on the bus identifies its frame."""
     return tuple((number * step + start + 0x8000) % 0x10000 - 0x8000 for step, start in RAMP)
 
 
@@ -52,7 +53,7 @@ def decode(data: bytes) -> tuple[int, ...]:
 
 
 def shown(values: Sequence[T]) -> dict[str, Sequence[T]]:
-    """Return what the chips show of a frame's six values without sensor models."""
+    """Return for each chip the three of a frame's six values that it shows if there are no sensor models."""
     return {name: values[PARTS[part]] for name, part in SHOWN.items()}
 
 
@@ -98,6 +99,7 @@ def frames_of(given: dict[str, object], encoding: Encoding, first: Fraction, per
     checked = shared(kind.Settings, settings, f"motion {name}")
     try:
         motion = kind.motion(checked)
-    except ValueError as error:  # BadMotion; of a file BadCapture, too, whose module would bring numpy
+    # BadMotion, or BadCapture for a file, whose module is not imported because it imports numpy.
+    except ValueError as error:
         raise BadSetting(str(error), "") from None
     return MotionFrames(motion, encoding, first, period)

@@ -4,8 +4,9 @@
                                            +--> frame n, n periods after the first --> port
     Simulink --UDP--> latest datagram ----'
 
-The port is any of pyserial's: a real one, the pseudo-terminal of `serve`, rfc2217://, f28335://. Bytes received on it
-are read and counted, so that the sender never blocks. A frame is what [host] of a case sends: see `host_frame`.
+The port is any port that pyserial can open: a real one, the pseudo-terminal of `serve`, rfc2217://, f28335://. Bytes
+that are received on it are read and counted, so that their sender never blocks. Frames are those that the [host] of a
+case sends (see `host_frame`).
 """
 
 from __future__ import annotations
@@ -31,12 +32,12 @@ from .motion.flight import Settings, motion
 NANOSECONDS = 10**9
 AT_ONCE = 4096  # maximum number of bytes that one call reads
 LONGEST = 1 << 16  # maximum number of bytes of a datagram
-KINDS = {VALUES * 8: "d", VALUES * 4: "f"}  # length of a datagram: format of its numbers
+KINDS = {VALUES * 8: "d", VALUES * 4: "f"}  # for each length of a datagram, the format of its numbers
 OTHERS = "six doubles (48 bytes), six singles (24) or a frame as it is (12)"
 
 
 class FlightFrames:
-    """The frames of a flight in a CSV file. Raise BadMotion or BadCapture if it contains none."""
+    """The frames of a flight in a CSV file. Raise BadMotion or BadCapture if the file contains no flight."""
 
     def __init__(self, file: Path, encoding: Encoding, period: Fraction) -> None:
         flight = motion(Settings(file))
@@ -49,15 +50,18 @@ class FlightFrames:
         return encode(self._values(number), self._order)
 
     def over(self, number: int) -> bool:
-        """Return True if the frame before `number` was the last."""
+        """Return True if the frame before `number` was the last one."""
         return number > self._last
 
 
 class UdpFrames:
-    """The latest values received as a datagram: phi, theta, psi in rad, ax, ay, az in g; held until the next.
+    """Frames with the values of the latest datagram: phi, theta, psi in rad, and ax, ay, az in g.
 
-    order: byte order. refused: datagrams without such values. held: frames without new values.
-    Raise OutsideError for a port that is taken.
+    order: the byte order of the datagrams.
+    refused: the number of datagrams without such values.
+    held: the number of frames that repeated the values of the frame before.
+
+    Raise OutsideError if the port is in use.
     """
 
     def __init__(self, address: str, port: int, encoding: Encoding, order: str, notify: Callable[[str], None]) -> None:
@@ -80,7 +84,7 @@ class UdpFrames:
         self._socket.close()
 
     def frame(self, number: int) -> bytes | None:
-        """Return the bytes of the latest values; None before the first."""
+        """Return the bytes of the latest values; None before the first datagram."""
         latest = self._latest()
         if latest is None:
             self.held += self._frame is not None
@@ -92,14 +96,14 @@ class UdpFrames:
         return False
 
     def _latest(self) -> bytes | None:
-        """Return the last valid datagram since the last call."""
+        """Return the last valid datagram since the last call; None if there is none."""
         found = None
         while True:
             try:
                 data = self._socket.recv(LONGEST)
             except BlockingIOError:
                 return found
-            except OSError:  # an error of a datagram sent to us
+            except OSError:  # an error of one datagram, which is skipped
                 continue
             try:
                 found = self._framed(data)
@@ -122,7 +126,7 @@ class UdpFrames:
 
 @dataclass
 class Sent:
-    """frames and bytes that went out; came: bytes that came back."""
+    """The numbers of frames and bytes that were sent. came: the number of bytes that were received."""
 
     frames: int = 0
     bytes: int = 0
@@ -137,10 +141,11 @@ def send_frames(
     frames: int | None = None,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Sent:
-    """Send frames until `frames` were sent, the source is over or `stopped` returns True.
+    """Send frames until `frames` of them were sent, the source has ended or `stopped` returns True.
 
-    pacer: the schedule, whose ticks are nanoseconds; it also measures lateness.
-    Between frames the function reads from the port, which also advances a port whose time is simulated.
+    Between frames, the function reads from the port. This also advances a port whose time is simulated.
+
+    pacer: the schedule, whose ticks are nanoseconds. It also measures lateness.
     """
     sent = Sent()
     number = 0

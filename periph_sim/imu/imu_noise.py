@@ -27,7 +27,7 @@ class ImuNoise:
         return Noise(*((x, y, z) for x, y, z in sensors))
 
     def at(self, number: int) -> Noise[float]:
-        """Return one sample."""
+        """Return the noise of sample `number`."""
         g, a, m = self._sensors
         return Noise(
             (g[0].at(number), g[1].at(number), g[2].at(number)),
@@ -36,7 +36,7 @@ class ImuNoise:
         )
 
     def near(self, number: int) -> list[tuple[float, float]] | None:
-        """Return the nine values of a sample with their maximum errors, without numpy; None if that needs numpy."""
+        """Return the nine values of a sample with their maximum errors; None if this is impossible without numpy."""
         found = []
         for axes in self._sensors:
             for axis in axes:

@@ -2,10 +2,11 @@
 
     key, block --Philox 4x64--> words of 64 bits --ziggurat--> values within NEAR of numpy's, or None
 
-A value is its place in one of 256 layers of equal area under the normal curve (Marsaglia and Tsang, "The ziggurat
-method", J. Stat. Software 5, 2000): a word's lowest byte selects the layer, a bit the sign, 52 bits the place. Of 1000
-words 985 end inside their layer, and only those are returned. The edges of the layers differ from numpy's in the last
-bits, so these values are for callers that round them: with the bound of the error they can see if it matters.
+A value is a place in one of 256 layers of equal area under the normal curve (Marsaglia and Tsang, "The ziggurat
+method", J. Stat. Software 5, 2000). The lowest byte of a word selects the layer, a bit selects the sign, and 52 bits
+select the place. Of 1000 words, 985 are inside their layer, and only these are returned. The edges of the layers differ
+from numpy's in the last bits. So these values are for callers that round them, which can decide with the bound of the
+error whether it matters.
 """
 
 from __future__ import annotations
@@ -14,24 +15,25 @@ from functools import cache, lru_cache
 from itertools import pairwise
 from math import exp, log, sqrt
 
-FEW = 8  # values of a block
-NEAR = 1e-12  # error of a value; the edges' is a thousandth of it
+FEW = 8  # number of values of a block that are calculated
+NEAR = 1e-12  # maximum error of a value; that of an edge is a thousandth of it
 
 LAYERS = 256
-OUTERMOST = 3.6541528853610088  # edge of the last layer, and the area of each
+OUTERMOST = 3.6541528853610088  # edge of the last layer, and area of each layer
 AREA = 0.00492867323397465
 STEPS = 1 << 52
-UNSURE = 1 << 14  # steps beside an edge that may be inside or outside: some 1000 times the edges' error
+UNSURE = 1 << 14  # number of steps beside an edge that may be inside or outside: about 1000 times the error of an edge
 
 WORD = (1 << 64) - 1
-MULTIPLIERS = 0xD2E7470EE14C6C93, 0xCA5A826395121157  # of Philox 4x64 (Salmon et al., SC11), with WEYL added to keys
+# Multipliers of Philox 4x64 (Salmon et al., SC11); WEYL is added to keys.
+MULTIPLIERS = 0xD2E7470EE14C6C93, 0xCA5A826395121157
 WEYL = 0x9E3779B97F4A7C15, 0xBB67AE8584CAA73B
 ROUNDS = 10
 
 
-@lru_cache(maxsize=64)  # as many as `noise` keeps of whole blocks
+@lru_cache(maxsize=64)  # the number of whole blocks that `noise` keeps
 def first_of(key: int, block: int) -> tuple[float | None, ...]:
-    """Return the first FEW values of a block; None from the first one on that needs further words."""
+    """Return the first FEW values of a block. From the first value on that needs further words, they are None."""
     words = [word for counter in range(1, FEW // 4 + 1) for word in philox(key, (counter, block, 0, 0))]
     found: list[float | None] = []
     for word in words:
@@ -61,7 +63,10 @@ def _value(word: int) -> float | None:
 
 @cache
 def _layers() -> list[tuple[float, float]]:
-    """Return each layer's edge, and its steps under the next layer. Layer 0 has the tail: it is wider."""
+    """Return for each layer its edge, and the number of its steps under the next layer.
+
+    Layer 0 is wider, because it includes the tail.
+    """
     height = exp(-0.5 * OUTERMOST * OUTERMOST)
     edges = [OUTERMOST]
     for _ in range(LAYERS - 2):

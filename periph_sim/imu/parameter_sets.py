@@ -3,9 +3,9 @@
     period = "20 ms"                      [gyroscope]
     wrap = "unwrapped"                    bias = "-3.1, 3.6, 0.04 deg/s"
 
-Keys that a file leaves out are as in Table 4.1. A number is followed by its unit; three numbers share one. A number
-without a unit is accepted only for keys that have none. Sets that come with periph_sim (`models/sets`) are known
-by name.
+Keys that a file does not contain have the values of Table 4.1. A number is followed by its unit; three numbers share
+one unit. A number without a unit is accepted only for keys that have none. Sets that come with periph_sim
+(`models/sets`) are known by name.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from .models.quantity import BadParameter, Checked, Parameter, Quantity, Vector,
 
 C = TypeVar("C", bound=Checked)
 
-# By the unit of a parameter: other units in which it may be given, with the factor that converts them to its unit.
+# For each unit of a parameter, other units in which it may be given, with the factors that convert them to its unit.
 OTHERS: dict[str, dict[str, float]] = {
     "s": {"ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "m": {"cm": 1e-2, "mm": 1e-3},
@@ -96,7 +96,10 @@ def _value(source: Source, place: Place, parameter: Parameter, value: Any) -> An
 
 
 def _numbers(value: Any, unit: str, bare: bool) -> tuple[list[float], float]:
-    """Return the numbers of a value and their factor to `unit`. Raise ValueError, with a phrase, if one is wrong."""
+    """Parse a value. Return its numbers, and the factor that converts them to `unit`.
+
+    Raise ValueError, with a phrase, if a number is wrong.
+    """
     if isinstance(value, str):
         *numbers, last = [part.strip() for part in value.split(",")]
         number, _, said = last.partition(" ")
@@ -130,7 +133,7 @@ def _wrong(source: Source, place: Place, what: str, inside: list[str] | None = N
 
 
 def text_of(imu: ImuParameters) -> str:
-    """Return the text of all parameters, the whole set's first; `load` reads it back to the last bit."""
+    """Format all parameters as TOML, those of the whole set first. `load` returns exactly the same values."""
     parts = parameters_of(ImuParameters)
     lines = [_line(imu, one) for one in parts if one.says is not None]
     for one in parts:

@@ -1,9 +1,9 @@
 """Attitudes as quaternions and as roll, pitch, yaw: conversions of arrays, and angles between attitudes.
 
 An attitude is the rotation from the body's axes (x ahead, y right, z down) to north, east, down. A quaternion is
-w, x, y, z with length 1; q and -q are the same attitude. Roll, pitch, yaw are the aerospace angles in radians: from
-north, east, down first yaw about down, then pitch, then roll, so that a vector v in the body's axes is
-Rx(roll) Ry(pitch) Rz(yaw) v, as in the dissertation's section 4.1.
+w, x, y, z with length 1; q and -q are the same attitude. Roll, pitch and yaw are the angles of aerospace in radians:
+the body's axes result from north, east, down by a rotation first about down (yaw), then pitch, then roll. So a vector v
+is Rx(roll) Ry(pitch) Rz(yaw) v in the body's axes, as in the dissertation's section 4.1.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 
 
 def quaternions(angles: ArrayLike) -> Floats:
-    """Convert float64[n, 3] roll, pitch, yaw to float64[n, 4]."""
+    """Convert roll, pitch, yaw, float64[n, 3], to quaternions, float64[n, 4]."""
     half = np.atleast_2d(np.asarray(angles, np.float64)) / 2
     (cr, cp, cy), (sr, sp, sy) = np.cos(half).T, np.sin(half).T
     return np.stack(
@@ -30,7 +30,10 @@ def quaternions(angles: ArrayLike) -> Floats:
 
 
 def angles(attitudes: ArrayLike) -> Floats:
-    """Convert float64[n, 4] to float64[n, 3] roll, pitch, yaw. With the nose straight up or down roll is 0."""
+    """Convert quaternions, float64[n, 4], to roll, pitch, yaw, float64[n, 3].
+
+    If the nose points straight up or down, roll is 0.
+    """
     m = matrices(attitudes)
     horizontal = np.hypot(m[:, 2, 1], m[:, 2, 2])  # cos(pitch)
     locked = horizontal < 1e-9
@@ -40,7 +43,7 @@ def angles(attitudes: ArrayLike) -> Floats:
 
 
 def matrices(attitudes: ArrayLike) -> Floats:
-    """Convert float64[n, 4] to float64[n, 3, 3]: matrices from the body's axes to north, east, down."""
+    """Convert quaternions, float64[n, 4], to matrices from the body's axes to north, east, down, float64[n, 3, 3]."""
     w, x, y, z = np.atleast_2d(np.asarray(attitudes, np.float64)).T
     rows = [
         [w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)],
@@ -51,7 +54,9 @@ def matrices(attitudes: ArrayLike) -> Floats:
 
 
 def quaternion_of(matrix: Floats) -> Floats:
-    """Convert a rotation matrix float64[3, 3], or the nearest one to an inexact matrix, to float64[4].
+    """Convert a rotation matrix, float64[3, 3], to a quaternion, float64[4].
+
+    If the matrix is inexact, the quaternion is that of the nearest rotation.
 
     Source: I. Y. Bar-Itzhack, "New method for extracting the quaternion from a rotation matrix", 2000.
     """
@@ -69,7 +74,7 @@ def quaternion_of(matrix: Floats) -> Floats:
 
 
 def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
-    """Return float64[n]: the angle in radians, 0 to pi, of the rotation from each attitude of `a` to that of `b`."""
+    """Return the angle of the rotation from each attitude of `a` to that of `b`, float64[n] in radians, 0 to pi."""
     one, other = (np.atleast_2d(np.asarray(q, np.float64)) for q in (a, b))
     apart = np.linalg.norm(one - other, axis=1)
     against = np.linalg.norm(one + other, axis=1)

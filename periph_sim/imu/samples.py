@@ -25,10 +25,10 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Samples:
-    """One row for each round in which all three chips answered.
+    """Samples of the three chips, with one row for each round in which all of them answered.
 
-    seconds: float64[n], the round's due time, from the start of the run. gyro, accel, mag: float64[n, 3] in
-    deg/s, g, gauss; NaN for a chip's overflow code.
+    seconds: the time at which the round is due, from the start of the run, float64[n].
+    gyro, accel, mag: float64[n, 3] in deg/s, g and gauss; NaN for the overflow code of a chip.
     """
 
     seconds: Floats
@@ -39,9 +39,12 @@ class Samples:
 
 @dataclass(frozen=True)
 class Readings:
-    """Codes of three chips, one row per round. seconds: float64[n], due times. codes: by chip, int64[n, 3], x, y, z.
+    """Codes of the three chips, with one row per round.
 
-    lsb_per_unit: by chip. overflow: the magnetometer's code for an invalid value, if it has one.
+    seconds: the times at which the rounds are due, float64[n].
+    codes: for each chip x, y, z, int64[n, 3].
+    lsb_per_unit: for each chip the number of LSB per unit.
+    overflow: the code of the magnetometer for an invalid value, if it has one.
     """
 
     seconds: Floats
@@ -50,7 +53,10 @@ class Readings:
     overflow: int | None = None
 
     def samples(self, imu: ImuParameters) -> Samples:
-        """Convert to deg/s, g and gauss of the body, without cross-axis sensitivity, known biases and hard iron."""
+        """Convert to deg/s, g and gauss in the body's axes.
+
+        Cross-axis sensitivity, biases and hard iron are removed.
+        """
         found = {}
         for name, codes in self.codes.items():
             sensor = getattr(imu, name)
@@ -67,16 +73,18 @@ class Readings:
 
 
 def in_units(chip: ChipData, counts: ArrayLike) -> Floats:
-    """Convert int[n, 3] counts to float64[n, 3] in deg/s, g or gauss."""
+    """Convert the counts of a chip, int[n, 3], to deg/s, g or gauss, float64[n, 3]."""
     raw = np.asarray(counts, np.float64)
     values = raw / float(chip.lsb_per_unit)
     return values if chip.overflow is None else np.where(raw == chip.overflow, np.nan, values)
 
 
 class SampleLog:
-    """Log of a head's readings from its creation on. start: the tick of time 0; ticks: ticks per second.
+    """Log of a sensor head's readings from its creation on.
 
-    chips: by name as in SENSORS, if their scale differs from their driver's.
+    start: the tick of time 0.
+    ticks: the number of ticks per second.
+    chips: chips whose scale differs from that of their driver, indexed by the names in SENSORS.
     """
 
     def __init__(self, head: SensorHead, start: int, ticks: int, chips: dict[str, ChipData] | None = None) -> None:
@@ -99,7 +107,7 @@ class SampleLog:
         return Samples(seconds, gyro, accel, mag)
 
     def counts(self) -> dict[str, Ints]:
-        """Return all samples so far as raw counts: by chip, int64[n, 3]."""
+        """Return all samples so far as raw counts of each chip, int64[n, 3]."""
         return {name: np.array(counts, np.int64).reshape(-1, 3) for name, counts in self._counts.items()}
 
     def _transfer(self, transfer: Transfer) -> None:

@@ -1,7 +1,9 @@
 """The three sensors of an IMU as a controller reads them: registers, scales and start-up.
 
-`order` of a case's [controller] and [rounds] names them. Source: the dissertation's Figure A.2 (order), Table 3.1
-(scales); data sheets of ITG-3200 (registers 0x1D to 0x22), ADXL345 (0x32 to 0x37), HMC5883L (0x03 to 0x08).
+They are named in `order` of the [controller] and [rounds] tables of a case.
+
+Source: the dissertation's Figure A.2 (order), Table 3.1 (scales); data sheets of ITG-3200 (registers 0x1D to 0x22),
+ADXL345 (0x32 to 0x37), HMC5883L (0x03 to 0x08).
 """
 
 from __future__ import annotations

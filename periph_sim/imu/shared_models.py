@@ -1,10 +1,10 @@
-"""Sensor models shared by several users: each sample is computed once.
+"""Sensor models that several users share, so that each sample is calculated once.
 
     arithmetic, parameters -------> model_of ---> Imu: shared by the firmware and the check of its output
     arithmetic, parameters, seed -> model_noise -> sample n of the noise, in the model's numbers
 
-A model is stateless, so its results are a function of its inputs. They are cached if numbers are integers, as in Q:
-of floats, 0.0 equals -0.0 but is another number.
+A model is stateless, so its results are a function of its inputs. Results are cached if numbers are integers, as in Q
+formats. Floats cannot be keys of the cache, because 0.0 and -0.0 are different numbers but equal keys.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ from .numeric.q import Q
 
 R = TypeVar("R")
 
-REMEMBERED = 16  # cached samples, also of several runs of a scene's models
+REMEMBERED = 16  # number of cached samples, which may belong to several runs of a scene's models
 
 
 class RememberingImu(Imu[int]):
-    """An Imu in Q with a cache of the last samples. `overflows` includes those of cached ones."""
+    """An Imu in a Q format with a cache of the last samples. `overflows` includes those of cached samples."""
 
     def __init__(self, a: Q, imu: ImuParameters) -> None:
         super().__init__(a, imu)
@@ -61,14 +61,20 @@ def _with_overflows(a: Q, compute: Callable[..., R], *arguments: Any) -> tuple[R
 
 @lru_cache(maxsize=16)
 def model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
-    """Return the model, shared by scenes with equal arguments. NoSuchArithmetic or DoesNotFit if there is none."""
+    """Return the model, which scenes with equal arguments share.
+
+    Raise NoSuchArithmetic if the arithmetic does not exist, and DoesNotFit if it cannot hold a constant.
+    """
     a = named.scalar(arithmetic)
     return RememberingImu(a, parameters) if isinstance(a, Q) else Imu(a, parameters)
 
 
 @lru_cache(maxsize=16)
 def model_noise(arithmetic: str, parameters: ImuParameters, seed: int | None) -> Callable[[int], Noise[Any]]:
-    """Return the noise of a model's samples by their number from 0, in the model's numbers. seed: None for none."""
+    """Return a function from the number of a sample, from 0, to its noise in the numbers of the arithmetic.
+
+    seed: None for no noise.
+    """
     model = model_of(arithmetic, parameters)
     if seed is None:
         return lambda number: model.silence
@@ -91,14 +97,14 @@ def model_noise(arithmetic: str, parameters: ImuParameters, seed: int | None) ->
 
 
 class ModelNoise:
-    """The noise of a model's samples, for firmware. at: returns that of a sample by its number, as `model_noise`."""
+    """The noise of a model's samples, for firmware. at: the function of `model_noise`."""
 
     def __init__(self, arithmetic: str, parameters: ImuParameters, seed: int | None) -> None:
         self.at = model_noise(arithmetic, parameters, seed)
 
 
 def _rounded(nearest: Callable[[float], int], near: list[tuple[float, float]]) -> Noise[int] | None:
-    """Return a sample without numpy, if no error of its values changes their rounding; else None."""
+    """Return the noise of a sample without numpy; None if the error of a value might change its rounding."""
     numbers = []
     for value, off in near:
         least = nearest(value - off)

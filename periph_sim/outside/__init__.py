@@ -1,6 +1,6 @@
 """Connection of a case with external parties, by a session without input and output of its own.
 
-simulator, serial port, driver --apply--> Session --advance--> what our pins did, and when
+simulator, serial port, driver --apply--> Session --advance--> changes of our pins, with their ticks
                                              `--log--> replay --> the same run once more
 """
 

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 
 class OutsideError(ValueError):
-    """One sentence for the user: place, what was found, what was expected, remedy."""
+    """An invalid request from outside.
+
+    The message is a sentence with the place, what was found and expected, a remedy.
+    """
 
 
 class ArbitrationLost(OutsideError):

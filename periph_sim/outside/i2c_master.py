@@ -79,7 +79,7 @@ class Master:
     # Calls --------------------------------------------------------------------------
 
     def start(self, address: int, read: bool = False) -> bool:
-        """Send START, or repeated START within a transfer, and the address. True if it was acknowledged."""
+        """Send a START, or a repeated START within a transfer, and the address. Return True if it was acknowledged."""
         if type(address) is not int or not 0 <= address < 0x80:
             shown = f"{address:#x}" if type(address) is int else repr(address)
             raise OutsideError(f"address {shown}: expected 0 to 0x7f")
@@ -98,7 +98,7 @@ class Master:
         return self._byte(address << 1 | read)
 
     def write(self, *values: int) -> bool:
-        """Send bytes up to the first that is not acknowledged. True if all were acknowledged."""
+        """Send bytes up to the first that is not acknowledged. Return True if all were acknowledged."""
         if not self.writes:
             raise OutsideError("write: there is no transfer to write in; begin one with start(address)")
         for value in values:
@@ -117,9 +117,11 @@ class Master:
         return value
 
     def bits(self, *levels: int) -> list[int]:
-        """Clock single bits, also a part of a byte: SDA at each of them, released (1) or pulled low (0) by us.
+        """Clock single bits, which may be a part of a byte. Return the level of SDA at each of them.
 
-        START or STOP may follow after any number of them; the target continues to count.
+        levels: for each bit, 1 to release SDA and 0 to pull it low.
+
+        A START or STOP may follow after any number of bits; the target continues to count them.
         """
         if not self.held:
             raise OutsideError("bits: there is no transfer to clock bits in; begin one with start(address)")
@@ -128,7 +130,7 @@ class Master:
         return [self._bit(level) for level in levels]
 
     def stop(self) -> None:
-        """End the transfer; the bus is free afterwards."""
+        """Send a STOP. The bus is free afterwards."""
         if not self.held:
             raise OutsideError("stop: there is no transfer to end")
         self._put_sda(0)
@@ -141,7 +143,7 @@ class Master:
             raise OutsideError("STOP is impossible: SDA is low, held by another party")
 
     def clear(self) -> bool:
-        """Send nine clocks with SDA released, and a STOP, to free a held SDA. True if both lines are high.
+        """Send nine clocks with SDA released, and a STOP, to free a held SDA. Return True if both lines are high then.
 
         A transfer in progress is aborted. Source: UM10204 section 3.1.16.
         """
@@ -165,9 +167,9 @@ class Master:
         self.held = False
 
     def transfer(self, address: int, data: Sequence[int] = b"", count: int = 0) -> bytes | None:
-        """Write data, if any, then read `count` bytes after a repeated START. None if a byte was not acknowledged.
+        """Write data, if any, and then read `count` bytes after a repeated START. If both are 0, send only the address.
 
-        With neither, only the address is sent.
+        Return the bytes that were read; None if the address or a byte was not acknowledged.
         """
         if type(count) is not int or count < 0:
             raise OutsideError(f"count {count!r}: expected the number of bytes to read, 0 or more")

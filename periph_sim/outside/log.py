@@ -16,10 +16,10 @@ from .errors import OutsideError
 
 
 class LogWriter:
-    """Writer of a log. Each line is written at once, so that the log is complete whatever ends the process.
+    """Writer of a log. Each line is written at once, so that the log is complete even if the process is killed.
 
-    An existing file is replaced by `begin`, when time begins to pass: a session that fails before that leaves it as it
-    was. Raise OutsideError for a file that cannot be written, and for one that the case is read from.
+    An existing file is replaced only by `begin`, when time begins to pass. A session that fails earlier leaves the file
+    unchanged. Raise OutsideError for a file that cannot be written, and for a file from which the case was read.
     """
 
     def __init__(self, path: Path, case: Case, ticks_per_second: int, wires: tuple[str, ...]) -> None:
@@ -38,7 +38,7 @@ class LogWriter:
         self._waiting: list[object] | None = [{**head, "wires": wires, **file}]  # lines for `begin` to write; then None
 
     def begin(self) -> None:
-        """Write the waiting lines: the session's time begins to pass."""
+        """Write the waiting lines. The session calls this when its time begins to pass."""
         if self._waiting is not None:
             if self._path.is_file():  # otherwise it is a device or a pipe, which cannot be truncated
                 self._file.truncate(0)
@@ -47,7 +47,7 @@ class LogWriter:
                 self._write(value)
 
     def serial(self, wire: str) -> None:
-        """Note that a wire is driven by bytes from this instant."""
+        """Store that bytes drive a wire from this instant on."""
         self._write({"serial": wire})
 
     def instant(self, tick: int, levels: Mapping[str, int], begun: Sequence[str] = ()) -> None:

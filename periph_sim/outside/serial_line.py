@@ -1,10 +1,10 @@
-"""The other end of an SCI's lines: sends and receives bytes, like a serial port.
+"""The other end of an SCI's lines, which sends and receives bytes like a serial port.
 
     write --queue--> frames, bit by bit --apply--> RX --> SCI
     read  <--bytes-- decoder <----------- TX <-- SCI
 
-The client's rate and format define the bit times on the wire, so that a mismatch has its real effect: framing errors
-and breaks, as between two real ports. Frames are put on the line as time reaches them; only bytes wait, not edges.
+The client's rate and format define the bit times on the wire, so that a mismatch causes framing errors and breaks, as
+between two real ports. A frame is put on the line when time reaches it, so the queue contains bytes and not edges.
 """
 
 from __future__ import annotations
@@ -29,7 +29,8 @@ PORT = re.compile(r"sci-?([abc])", re.IGNORECASE)
 
 Wrong = Literal["", "parity", "stop"]
 WRONG = ("", "parity", "stop")
-LAST = Fraction(1, 10)  # seconds: if a client's waiting bytes take no longer, they are sent even if another connects
+# Seconds; a client's waiting bytes are sent even if another client connects if they take no longer than this.
+LAST = Fraction(1, 10)
 
 
 class SerialLine:
@@ -51,7 +52,7 @@ class SerialLine:
         self._got = bytearray()
         self._queue: deque[tuple[bytes, Wrong] | int] = deque()  # bytes, or RX's level for a break
         self._place = 0  # index of the next byte in the first entry of `_queue`
-        self._begins: deque[int] = deque()  # ticks of start bits on the line that time has not reached yet
+        self._begins: deque[int] = deque()  # ticks of start bits that are on the line but that time has not reached yet
         self.broken = False
         self._parts = 1  # number of parts into which a tick is divided, so that a bit is a whole number of parts
         self._free = 0  # the time from which the line may carry the next frame, in parts of a tick
@@ -69,14 +70,14 @@ class SerialLine:
         self._free = free * self._parts
 
     def checked(self, baud: int, form: str) -> tuple[Fraction, UartFormat]:
-        """Return a bit in ticks, and the frame's format. Raise OutsideError for an invalid rate or format."""
+        """Return the length of a bit in ticks, and the frame's format. Raise OutsideError if one of them is invalid."""
         bits, parity, stop = parts_of_format(form)
         if baud < 1 or baud > self._session.ticks_per_second:
             raise OutsideError(f"{baud} baud: expected 1 or more, and no bit shorter than a tick")
         return Fraction(self._session.ticks_per_second, baud), UartFormat(bits, PARITIES[parity], stop)
 
     def write(self, data: bytes, wrong: Wrong = "") -> None:
-        """Queue bytes after those that wait already. wrong: "parity" or "stop" to send them with that bit inverted."""
+        """Queue bytes after those that are waiting. wrong: "parity" or "stop" to send them with this bit inverted."""
         if not isinstance(data, bytes | bytearray | memoryview):
             raise OutsideError(f"{data!r} is not of type bytes; write b'abc' or 'abc'.encode()")
         if wrong not in WRONG:
@@ -95,7 +96,7 @@ class SerialLine:
             self._queue.append(0 if on else 1)
 
     def send_break(self, length: str) -> None:
-        """Pull RX low now for a duration such as "1 ms". OutsideError while bytes wait."""
+        """Pull RX low now for a duration such as "1 ms". Raise OutsideError if bytes are waiting."""
         session = self._session
         if self._queue or self._free_at() > session.now:
             raise OutsideError("a break cannot begin: bytes are on their way; advance first")
@@ -105,9 +106,9 @@ class SerialLine:
         self._free = end * self._parts + self._parts_of_bit
 
     def next_client(self) -> int:
-        """Give the line to another client; return how many waiting bytes of the last one are discarded.
+        """Assign the line to another client. Return the number of waiting bytes of the last client that are discarded.
 
-        Bytes that take less than a tenth of a second are kept: a program may write and end.
+        Bytes that take less than a tenth of a second are kept, because a program may write them and end.
         """
         lasts = self.waiting * self._format.length * self._bit
         if lasts <= LAST * self._session.ticks_per_second:
@@ -115,7 +116,7 @@ class SerialLine:
         discarded, self.waiting = self.waiting, 0
         self._queue.clear()
         self._place = 0
-        self._queue.append(1)  # a break that was held is over
+        self._queue.append(1)  # end a break that was held
         self.broken = False
         return discarded
 
@@ -209,7 +210,10 @@ def module_of(port: str) -> str:
 
 
 def serial_line(session: Session, port: str, baud: int, form: str) -> tuple[str, SerialLine]:
-    """Return the name of a port's SCI, and its other end. OutsideError without one, or if RX does not lead outside."""
+    """Return the name of a port's SCI, and its other end.
+
+    Raise OutsideError if there is no such SCI, or if its RX does not lead outside.
+    """
     try:
         sci = sci_named(session.case, module_of(port), "outside")
     except BadCase as error:

@@ -2,16 +2,16 @@
 
     real mean at rest m, hard iron V --> m = H + d V --> d --> H_rt --> x, y, z at a yaw of 270, 180, 90, 0 degrees
 
-Table 5.1 gives the mean of the real magnetometer, level and pointing north, but not whether the hard iron of Table 4.1
-was nearby: d is 0 or 1. Section 5.2 decides. It says of the turn about z (Figure 5.1) that at 0 and 180 degrees y is
-about the bias, so the field has hardly any y component, and that the field is nearly horizontal, so it has hardly any
-z component. Least squares of either statement over d:
+Table 5.1 gives the mean of the real magnetometer, level and pointing north. It does not say whether the hard iron of
+Table 4.1 was nearby: d is 0 or 1. Section 5.2 has two statements that determine d. For the turn about z (Figure 5.1),
+it says that y is about the bias at 0 and 180 degrees, so the field has hardly any y component. It also says that the
+field is nearly horizontal, so it has hardly any z component. Least squares of each statement over d:
 
-    y: (m_y - d V_y)^2 least at d = m_y / V_y        z: d = m_z / V_z
+    y: (m_y - d V_y)^2 is least at d = m_y / V_y        z: d = m_z / V_z
 
-Both are below 0, so d = 0 is nearer: the mean is the undisturbed field.
+Both values are below 0, so d = 0 is nearer: the mean is the undisturbed field.
 
-Equation 4.10 agrees: the hard iron is the mean measured near iron less the undisturbed one.
+Equation 4.10 agrees: the hard iron is the mean measured near iron minus the undisturbed mean.
 """
 
 from __future__ import annotations
@@ -31,27 +31,31 @@ from .static_table import REAL
 
 MEAN = REAL["magnetometer"].mean
 HARD_IRON = MagnetometerParameters().hard_iron
-YAWS = (270, 180, 90, 0)  # degrees, in the order of Figure 5.1
+YAWS = (270, 180, 90, 0)  # yaws of the turn in degrees, in the order of Figure 5.1
 
 
 @dataclass(frozen=True)
 class Candidate:
-    """One interpretation of Table 5.1's mean. disturbed: it includes the hard iron. field: H_rt then, in gauss."""
+    """One interpretation of the mean in Table 5.1.
+
+    disturbed: True if the mean includes the hard iron.
+    field: the field H_rt that follows, in gauss.
+    """
 
     disturbed: bool
     field: Vector
 
     @property
     def off_north(self) -> float:
-        """Angle of the horizontal field from the body's x axis when that points north, in degrees."""
+        """The angle in degrees from the body's x axis, when this points north, to the horizontal field."""
         return degrees(atan2(self.field[1], self.field[0]))
 
 
 @dataclass(frozen=True)
 class Fit:
-    """Both interpretations of the mean, and d by least squares of either statement of section 5.2.
+    """Both interpretations of the mean, and the d of each statement of section 5.2 by least squares.
 
-    candidates: undisturbed, disturbed.
+    candidates: the undisturbed and the disturbed interpretation.
     """
 
     along_y: float
@@ -60,19 +64,19 @@ class Fit:
 
     @property
     def taken(self) -> Candidate:
-        """The interpretation nearest to both statements."""
+        """The interpretation that is nearest to both statements."""
         return self.candidates[self.along_y + self.along_z > 1]
 
 
 def fit(mean: Vector = MEAN, hard_iron: Vector = HARD_IRON) -> Fit:
-    """Fit the earth field from the mean at rest and the hard iron, x, y, z in gauss."""
+    """Determine the earth field from the mean at rest and the hard iron, which are x, y, z in gauss."""
     along_y, along_z = (mean[axis] / hard_iron[axis] for axis in (1, 2))
     x, y, z = (m - v for m, v in zip(mean, hard_iron, strict=True))
     return Fit(along_y, along_z, (Candidate(False, mean), Candidate(True, (x, y, z))))
 
 
 def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
-    """Return the measured field at each yaw (degrees), level, without noise or rounding: gauss, (n, 3)."""
+    """Return the field in gauss that a level body measures at each yaw, without noise or rounding: shape (n, 3)."""
     model = Imu(Unrounded(), imu)
     zero = np.zeros(len(yaws))
     turned, _ = model.motion((zero, zero, np.radians(yaws)), (zero, zero, zero))
@@ -80,7 +84,7 @@ def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
 
 
 def text(imu: ImuParameters, found: Fit) -> str:
-    """Format the fit, and the turn of Figure 5.1 with this set."""
+    """Format the fit, and the turn of Figure 5.1 with this set of parameters."""
     undisturbed, disturbed = found.candidates
     x, y, z = found.taken.field
     says = [

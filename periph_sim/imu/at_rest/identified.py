@@ -2,8 +2,8 @@
 
     gyroscope_x, _y, _z [deg/s] --> means, S removed --> bias;  densities, rounding removed --> noise_density
 
-The set gives the same means at rest: the part of gravity that cross-axis sensitivity turns into other axes
-is not bias.
+The set gives the same means at rest. The part of gravity that cross-axis sensitivity adds to other axes is not counted
+as bias.
 """
 
 from __future__ import annotations
@@ -25,9 +25,12 @@ GRAVITY = np.array([0.0, 0.0, -1.0])  # ideal output of a level accelerometer, g
 
 
 def parameters_of_axes(axes: Mapping[str, Axis], hard_iron: bool, start: ImuParameters | None = None) -> ImuParameters:
-    """Return `start` (Table 4.1 if None) updated from the columns. hard_iron: bias is relative to an undisturbed mean.
+    """Return a parameter set that is updated from the columns of a recording.
 
-    Raise BadParameter for a column of no sensor, a missing axis, or a unit that differs from the model's.
+    start: the set to update; None for Table 4.1.
+    hard_iron: True if the bias of the magnetometer is relative to an undisturbed mean.
+
+    Raise BadParameter if a column belongs to no sensor, an axis is missing, or a unit differs from that of the model.
     """
     imu = start or ImuParameters()
     wanted = {f"{sensor}_{axis}": sensor for sensor in SENSORS for axis in AXES}

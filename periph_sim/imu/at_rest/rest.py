@@ -32,7 +32,7 @@ Sensor = AccelerometerParameters | GyroscopeParameters | MagnetometerParameters
 
 SENSORS = ("accelerometer", "gyroscope", "magnetometer")
 UNITS = {"accelerometer": "g", "gyroscope": "deg/s", "magnetometer": "gauss"}
-FAR = 12.0  # sigma beyond which codes are ignored: less than 1e-30 of all
+FAR = 12.0  # codes further off than this multiple of sigma are ignored; their probability is below 1e-30
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Expected:
         return sqrt(self.variance / samples)
 
     def variance_error(self, samples: int) -> float:
-        """Return the standard error of their variance."""
+        """Return the standard error of the variance of this many samples."""
         return sqrt((self.fourth - self.variance**2 * (samples - 3) / (samples - 1)) / samples)
 
 
@@ -60,7 +60,7 @@ def at_rest(imu: ImuParameters, samples: int, seed: int) -> dict[str, Floats]:
 
 
 def sensed_at_rest(imu: ImuParameters) -> dict[str, tuple[float, float, float]]:
-    """Return the input of each sensor's matrix S, without noise: gravity or field, and bias."""
+    """Return the input of the matrix S of each sensor without noise, which is gravity or field plus bias."""
     accelerometer, gyroscope, magnetometer = imu.accelerometer, imu.gyroscope, imu.magnetometer
     x, y, z = accelerometer.bias
     north, east, down = (h + v for h, v in zip(magnetometer.earth_field, magnetometer.hard_iron, strict=True))
@@ -69,13 +69,16 @@ def sensed_at_rest(imu: ImuParameters) -> dict[str, tuple[float, float, float]]:
 
 
 def expected_at_rest(imu: ImuParameters) -> dict[str, list[Expected]]:
-    """Return expectations per axis for white noise only: bias instability and random walk have no fixed mean."""
+    """Return the expectation of each axis with white noise alone.
+
+    Bias instability and random walk have no fixed mean.
+    """
     felt = sensed_at_rest(imu)
     return {name: _expected(getattr(imu, name), felt[name], imu.period) for name in SENSORS}
 
 
 def variances_before_rounding(sensor: Sensor, period: float) -> Floats:
-    """Return the variances of the three axes, in LSB squared: white noise through S."""
+    """Return the variances of the three axes due to white noise after S, in LSB squared."""
     matrix = np.array(sensor.matrix)
     return matrix**2 @ (np.array(sensor.noise_density) / period)
 

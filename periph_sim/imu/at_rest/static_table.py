@@ -1,9 +1,10 @@
-"""Table 5.1 of the dissertation, reproduced: mean, 3 sigma and variance at rest beside published and expected values.
+"""Reproduction of Table 5.1 of the dissertation: mean, 3 sigma and variance at rest, with published and expected
+values.
 
-ours, published --less expectation, in standard errors of 10 000 samples--> which differences chance explains
+ours, published --minus expectation, in standard errors of 10 000 samples--> which differences are explained by chance
 
-A reading is an interpretation of the parameters, compared with the emulated means. Each adds one effect to the
-previous one; the last but one is the shipped set `table_5_1`.
+A reading is an interpretation of the parameters, whose means are compared with those of the published emulator. Each
+reading adds one effect to the previous one. The last but one is the shipped set `table_5_1`.
 """
 
 from __future__ import annotations
@@ -23,11 +24,11 @@ from .rest import SENSORS, UNITS, Expected, Floats, expected_at_rest, variances_
 Three = tuple[float, float, float]  # x, y, z
 
 SAMPLES = 10_000
-RATE = 50  # Hz
+RATE = 50  # sample rate in Hz
 
 
 class Row(NamedTuple):
-    """One row, in g, deg/s or gauss. The variances of the magnetometer are printed as 0.0000."""
+    """One published row, in g, deg/s or gauss. The variances of the magnetometer are printed as 0.0000."""
 
     mean: Three
     three_sigma: Three
@@ -51,7 +52,10 @@ PRINTED = 1e-4 / sqrt(12)  # standard error of a number printed with four decima
 
 @dataclass(frozen=True)
 class Figure:
-    """One number of the table, in the sensor's unit. error, published_error: standard errors."""
+    """One number of the table, in the unit of the sensor.
+
+    error, published_error: the standard errors of our and of the published values.
+    """
 
     real: float
     emulator: float
@@ -62,18 +66,21 @@ class Figure:
 
     @property
     def ours_off(self) -> float | None:
-        """Our value less the expected one, in standard errors; None if it is not random."""
+        """The difference of our value from the expected one, in standard errors; None if it is not random."""
         return (self.ours - self.expected) / self.error if self.error else None
 
     @property
     def emulator_off(self) -> float:
-        """The published emulator's value less the expected one, in standard errors; printed with four decimals."""
+        """The difference of the published emulator's value from the expected one, in standard errors.
+
+        The standard error includes the rounding of the printed value to four decimals.
+        """
         return (self.emulator - self.expected) / hypot(self.published_error, PRINTED)
 
 
 @dataclass(frozen=True)
 class AxisRow:
-    """The table's figures for one axis."""
+    """The figures of the table for one axis."""
 
     sensor: str
     axis: str
@@ -83,7 +90,7 @@ class AxisRow:
 
 
 def static_table(imu: ImuParameters, samples: Mapping[str, Floats]) -> list[AxisRow]:
-    """Return the nine rows for samples from `rest.at_rest` of this set."""
+    """Return the nine rows of the table for a parameter set and samples from `rest.at_rest` of this set."""
     expected = expected_at_rest(imu)
     return [
         _row(sensor, axis, samples[sensor][:, axis], expected[sensor][axis]) for sensor in SENSORS for axis in range(3)
@@ -108,13 +115,16 @@ def _row(sensor: str, axis: int, values: Floats, expected: Expected) -> AxisRow:
 
 @dataclass(frozen=True)
 class Reading:
-    """An interpretation of the parameters. off: published emulator's means less its own, in standard errors."""
+    """An interpretation of the parameters.
+
+    off: the means of the published emulator minus those of this interpretation, in standard errors.
+    """
 
     says: str
     off: dict[str, tuple[float, ...]]
 
     def rms(self, sensor: str) -> float:
-        """Return the root mean square over the sensor's axes; about 1 if explained by chance."""
+        """Return the root mean square of `off` over a sensor's axes; about 1 if chance explains the differences."""
         return sqrt(sum(off**2 for off in self.off[sensor]) / len(AXES))
 
 
@@ -126,7 +136,8 @@ def readings() -> list[Reading]:
 def _off(expected: Mapping[str, Sequence[Expected]]) -> dict[str, tuple[float, ...]]:
     return {
         sensor: tuple(
-            (found - axis.mean) / hypot(axis.mean_error(SAMPLES), PRINTED, PRINTED)  # of mean and bias
+            # Errors of the mean and of the printed bias.
+            (found - axis.mean) / hypot(axis.mean_error(SAMPLES), PRINTED, PRINTED)
             for found, axis in zip(EMULATOR[sensor].mean, expected[sensor], strict=True)
         )
         for sensor in SENSORS
@@ -139,12 +150,15 @@ def _each(imu: ImuParameters, sensors: Sequence[str] = SENSORS, **changes: Any) 
 
 
 def table_4_1() -> ImuParameters:
-    """Table 4.1 without hard iron: Table 5.1 was measured away from iron (section 5.2)."""
+    """Return the set of Table 4.1 without hard iron, since Table 5.1 was measured away from iron (section 5.2)."""
     return _each(ImuParameters(), ("magnetometer",), hard_iron=NONE)
 
 
 def with_printed_means() -> ImuParameters:
-    """The same with biases to four decimals from the real IMU's means in Table 5.1; Table 4.1 rounds to two."""
+    """Return the same set with biases of four decimals, from the means of the real IMU in Table 5.1.
+
+    Table 4.1 has biases of two decimals.
+    """
     imu = table_4_1()
     x, y, z = REAL["accelerometer"].mean
     return replace(
@@ -155,7 +169,7 @@ def with_printed_means() -> ImuParameters:
 
 
 def with_floor() -> ImuParameters:
-    """The same with codes of accelerometer and magnetometer rounded down, like a shift of a fixed-point number."""
+    """Return the same set with codes of accelerometer and magnetometer that are rounded down, as by a shift."""
     return _each(with_printed_means(), ("accelerometer", "magnetometer"), rounding="floor")
 
 
@@ -172,7 +186,7 @@ COLUMNS = ("", "real IMU", "emulator", "ours", "expected", "ours off", "emulator
 
 
 def text(imu: ImuParameters, rows: Sequence[AxisRow], found: Sequence[Reading], samples: int, seed: int) -> str:
-    """Format the table of this set, deviations in standard errors (se), and the readings `found`, if any."""
+    """Format the table of a parameter set with deviations in standard errors (se), and the readings `found`, if any."""
     lines = [
         f"At rest, {samples} samples, seed {seed}; published (Table 5.1) {SAMPLES} at {RATE} Hz.",
         "off: difference to the expectation, in standard errors, of figures with four",
@@ -222,7 +236,10 @@ def _explained(found: Sequence[Reading]) -> Iterator[str]:
 
 
 def _gyroscope_variances(imu: ImuParameters, rows: Sequence[AxisRow]) -> Iterator[str]:
-    """Compare gyroscope variances, published ones from 3 sigma: LSB and noise are similar, so rounding shows."""
+    """Compare the variances of the gyroscope, in which rounding is visible because noise and LSB are of similar size.
+
+    The published variances are calculated from 3 sigma.
+    """
     three = [row for row in rows if row.sensor == "gyroscope"]
     published_ones = [(row.three_sigma.emulator / 3) ** 2 for row in three]
     expected = [row.variance.expected for row in three]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 SECTION = "run"
 EXAMPLE = "periph-sim host-unit /tmp/dsp --flight flight.csv"
 
-WAITS = 5  # seconds for which a port may accept nothing
+WAITS = 5  # maximum time in seconds for which a port may accept no bytes
 
 
 @click.command()
@@ -87,7 +87,7 @@ def host_unit(
 def _opened(serial: Any, port: str, baud: int) -> Any:
     try:
         return serial.serial_for_url(port, baud, write_timeout=WAITS)
-    except NotImplementedError:  # rfc2217:// has no such limit
+    except NotImplementedError:  # ports of rfc2217:// do not support such a limit
         return serial.serial_for_url(port, baud)
 
 
@@ -103,7 +103,7 @@ def _encoding(settings: tuple[str, ...]) -> Encoding:
 
 @contextmanager
 def _mistakes(port: str) -> Iterator[None]:
-    """Turn errors of the port, the file or a setting into one sentence."""
+    """Convert errors of the port, the file or a setting to ClickException with one sentence."""
     from serial import SerialException
 
     from ...outside.live.port_door import in_our_words

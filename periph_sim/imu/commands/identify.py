@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ..identification.text_report import Axis
 
 PICTURES = (".svg", ".png")
-UNEVEN = 0.01  # maximum difference of two recordings' periods
+UNEVEN = 0.01  # maximum relative difference of the periods of two recordings
 
 SECTION = "sensors"
 EXAMPLE = "periph-sim identify rest.csv --rate '50 Hz' --plot allan.svg"
@@ -100,7 +100,7 @@ def identify(
 def _axes(
     file: Path, rate: str | None, expect: tuple[str, ...], undisturbed: Path | None, slow: bool
 ) -> tuple[list[Axis], float]:
-    """Identify every column except time; return them and the sampling period."""
+    """Identify every column except time. Return the columns and the sampling period."""
     from ..identification.identify import identify as identified
     from ..identification.text_report import Axis
 
@@ -128,7 +128,7 @@ def _axes(
 
 
 def _recording(file: Path, rate: str | None) -> tuple[dict[str, Column], float]:
-    """Return the columns except time by name, and the period in seconds."""
+    """Return the columns except time, indexed by name, and the sampling period in seconds."""
     import numpy as np
 
     from ...traces.formats.unit_csv import line_of_row, read

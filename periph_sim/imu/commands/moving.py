@@ -59,7 +59,10 @@ def moving(
 
 @contextmanager
 def _pictures(folder: Path) -> Iterator[list[Path]]:
-    """Yield the paths of both pictures: they appear in the folder, which is created, on success, else neither does."""
+    """Yield temporary paths for both pictures.
+
+    Both are moved to the folder, which is created, if the block succeeds.
+    """
     from ...traces.formats.atomic_write import atomic_write
 
     try:

@@ -1,7 +1,7 @@
 """Limits of the sensor models' arithmetics: a report of their behaviour at every extreme.
 
-working range --search--> deviation of each from float64
-motions, fields --sweep--> first input at which it deviates from the reference, and how
+working range --search--> deviation of each arithmetic from float64
+motions, fields --sweep--> first input at which an arithmetic deviates from the reference, and how
 events ------------------> lost frames, weeks, divisions by 0, rejected parameters
 outside the models ------> length of a run, clocks of some ppm, baud rates, sums of noise, Allan variances, inputs
 costs -------------------> cycles for a sample
@@ -47,9 +47,11 @@ USUAL = ("float64", "float32", "q16", "q16 saturating", "q12")
 
 @dataclass(frozen=True)
 class Report:
-    """imu, seed: those of the search in the working range. errors: of each arithmetic but the reference.
+    """The results of all examinations.
 
-    without_fastrts: the cost of float32 with the compiler's library.
+    imu, seed: the parameters and the seed of the search in the working range.
+    errors: the errors of each arithmetic except the reference.
+    without_fastrts: the cost of float32 with the compiler's library in place of fastRTS.
     """
 
     imu: ImuParameters
@@ -75,10 +77,13 @@ def report(
     imu: ImuParameters | None = None,
     tables: Tables = "RAM",
 ) -> Report:
-    """Examine every extreme, or those named, in every named arithmetic. samples: of the search in the working range.
+    """Examine all extremes, or the named ones, in all named arithmetics.
 
-    imu: the parameters of the search and the costs; extremes have their own. tables: memory of the libraries' tables.
-    NoSuchArithmetic, DoesNotFit or InputError for an invalid name.
+    samples: the number of samples of the search in the working range.
+    imu: the parameters of the search and of the costs; extremes have their own.
+    tables: the memory that contains the tables of the libraries.
+
+    Raise NoSuchArithmetic, DoesNotFit or InputError for an invalid name.
     """
     for name in only:
         if name not in NAMES:

@@ -1,6 +1,6 @@
 """Extremes other than a sweep of one sample: lost frames, weeks, divisions by 0, rejected parameters, steps.
 
-Each yields its findings for the given arithmetics. worst: the deviation of each in the working range.
+Each function yields its findings for the named arithmetics. worst: the deviation of each of them in the working range.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ ROLL = 0  # the row of the gyroscope's x axis
 
 
 def first_where(holds: Callable[[float], bool], low: float, high: float) -> float | None:
-    """Find by 48 bisections the least value from which on `holds` is true; None if it is not at `high`."""
+    """Find by 48 bisections the smallest value from which on `holds` is true; None if it is false at `high`."""
     if not holds(high):
         return None
     for _ in range(48):
@@ -37,9 +37,9 @@ def first_where(holds: Callable[[float], bool], low: float, high: float) -> floa
 
 
 def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
-    """Examine a frame that is lost, or doubled: one sample without a step, then one with two.
+    """Examine a lost or a doubled frame, which causes a sample without a step and a sample with two steps.
 
-    The two samples together still contain the whole turn, until the double step exceeds the converter's range.
+    The sum of both samples is right, unless the double step exceeds the range of the converter.
     """
     rates = np.arange(1, 2001)
     steps = np.rint(np.radians(rates) * ImuParameters().period / ANGLE).astype(np.int64)
@@ -62,7 +62,7 @@ def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Fin
 
 
 def _rolled(steps: Ints, times: int) -> Ints:
-    """Return int64[12, n]: at rest, then `times` steps of roll at once."""
+    """Return frames of a body at rest that then rolls by `times` steps at once, int64[12, n]."""
     counts = np.zeros((12, len(steps)), dtype=np.int64)
     counts[0] = counts[3] = -(times * steps) // 2
     counts[6] = counts[0] + times * steps
@@ -70,9 +70,9 @@ def _rolled(steps: Ints, times: int) -> Ints:
 
 
 def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
-    """Count seconds up by Ts, for 30 days, and find when an addition of Ts is off by more than half of it.
+    """Find when a time that is incremented by Ts for 30 days is off by more than half of Ts after an addition.
 
-    The sensor models keep no time and no sum, only one attitude and one rate, regardless of elapsed time.
+    The sensor models are not affected: they store no time and no sum, only one attitude and one rate.
     """
     period = ImuParameters().period
     for name in names:
@@ -104,7 +104,7 @@ def _first_time(a: Arithmetic[Any], end: float, holds: Callable[[float], bool]) 
 
 
 def zero_period(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
-    """Divide by a measured Ts of 0: a step of one count, and none."""
+    """Examine a division by a measured Ts of 0, with a step of one count and without a step."""
     for name in names:
         a = named.scalar(name)
         with np.errstate(all="ignore"):
@@ -133,7 +133,7 @@ def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding
 
 
 def smallest_steps(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
-    """Count the accelerometer's codes that a fine ramp never produces, and measure the gyroscope's step a count."""
+    """Count the accelerometer's codes that a fine ramp skips, and measure the gyroscope's step for one count."""
     g = int(AccelerometerParameters().full_scale / ACCELERATION)
     ramp = np.zeros((12, 2 * g + 1), dtype=np.int64)
     ramp[9] = np.arange(-g, g + 1)

@@ -1,7 +1,7 @@
 """Conversion of host frames to the nine codes in any arithmetic, which all extremes use.
 
-A sample needs three attitudes, the last two for the rates and the first for their change, and one acceleration, as
-the int16 counts of host frames: every arithmetic gets the same whole numbers.
+A sample needs an acceleration and three attitudes: the last two for the rates, and the first for the change of the
+rates. They are int16 counts of host frames, so every arithmetic receives the same whole numbers.
 
     counts int64[12, n]: attitude before last, last, now (roll, pitch, yaw in 1e-4 rad), acceleration (1e-3 g)
 """
@@ -29,8 +29,10 @@ REFERENCE = "float64"
 
 @dataclass(frozen=True)
 class Codes:
-    """codes: LSB as the chips return them, float64[9, n]. exact: the same before saturation and rounding.
+    """The codes of n samples.
 
+    codes: LSB as the chips return them, float64[9, n].
+    exact: the same before saturation and rounding.
     overflown: True if an intermediate value exceeded its Q format, bool[n].
     """
 
@@ -40,7 +42,7 @@ class Codes:
 
 
 class Exact(Counting):
-    """An arithmetic without its last two steps, for a sensor's LSB before saturation and rounding."""
+    """An arithmetic without saturation and rounding, which are its last two steps. It returns the exact LSB."""
 
     def clamp(self, x: Any, low: Any, high: Any) -> Any:
         return x
@@ -50,9 +52,10 @@ class Exact(Counting):
 
 
 def codes_of(a: Arithmetic[Any], imu: parameters.ImuParameters, counts: Any) -> Codes:
-    """Return nine codes for each of n samples. counts: int64[12, n]; or twelve ints, for scalar arithmetics.
+    """Return nine codes for each of n samples.
 
-    a: a new instance, since a Q format stores its overflows.
+    a: a new instance of an arithmetic, because a Q format stores its overflows.
+    counts: int64[12, n], or twelve ints for scalar arithmetics.
     """
     with np.errstate(all="ignore"):
         model = Imu(Exact(a), imu)
@@ -85,6 +88,6 @@ def _scaled(a: Arithmetic[Any], rows: Ints, lsb: float) -> Triple[Any]:
 
 
 def counted(radians: Any) -> Ints:
-    """Return angles as a frame's counts, from a host without range checks: wrapping int16."""
+    """Return angles as the counts in a frame of a host without range checks, which are int16 that wrap."""
     counts: Ints = (np.rint(np.asarray(radians) / ANGLE).astype(np.int64) + INT16) % (2 * INT16) - INT16
     return counts

@@ -3,11 +3,12 @@
     longest run, clocks of some ppm over a day, a transfer at the last tick, 10^9 samples of noise, NaN in arrays,
     a sender's largest rate error, large offsets and steep ramps, a scene whose crystals are 200 000 ppm apart
 
-Each finding is measured: the error is provoked, the edges are counted, the two runs are compared.
+Each finding is measured: errors are caused, edges are counted, and runs are compared.
 
 Baud rates: an SCI samples at eight times its own rate and counts from the first low sample of each start bit, which is
-up to one sample late. Two of the three votes of the stop bit, samples 4 to 6 of 8, must see it: for a fast sender the
-first two, before the next start bit, for a slow one the last two, after the last data bit. With a bit of b samples,
+up to one sample late. Two of the three votes on the stop bit, which are samples 4 to 6 of 8, must be in it. For a fast
+sender these are the first two, before the next start bit; for a slow one the last two, after the last data bit. With a
+bit of b samples,
 
     fast   10 b >= 72 + 5        slow   9 b <= 72 + 4        (TI SPRUFZ5A section 1.2.7, figure 1-7)
 """
@@ -48,20 +49,20 @@ from .events import first_where
 from .sweep import EVERY, Finding, Happens
 
 SYSCLK = 150_000_000
-ODD_CRYSTAL = 143_181_815  # 28.636363 MHz, PLL 10
+ODD_CRYSTAL = 143_181_815  # SYSCLKOUT in Hz with a crystal of 28.636363 MHz and PLL 10
 BAUD = 115_200
 LINES_RUN = "5 ms"
 PPM = (-100_000, -37, 37, 100_000)
 MORE_THAN_A_CENTURY = Fraction(109 * 365 * DAY)  # seconds
-FAR = 10**9  # samples
-TRIED = 1 << 20  # of them added one by one
+FAR = 10**9  # the number of a distant sample
+TRIED = 1 << 20  # number of samples that are added one by one
 UNIT_ROUNDOFF = 2.0**-53
 
 Edges = list[tuple[str, int, int]]  # wire, ticks after the start, level
 
 
 def longest_run() -> Iterator[Finding]:
-    """Find the longest run. Ticks reach up to 2^62; neither a chip nor a recording's int64 overflows before that."""
+    """Find the longest run. Ticks go up to 2^62; neither a chip nor the int64 of a recording overflows before."""
     for name, hertz in (("150 MHz", SYSCLK), ("28.636363 MHz x 5", ODD_CRYSTAL)):
         begins = first_where(partial(_too_long, Timebase(hertz)), 1, 1e11)
         message = _why(partial(Timebase(hertz).end_of_run, 0, MORE_THAN_A_CENTURY), TimeError)
@@ -80,7 +81,7 @@ def _too_long(base: Timebase, length: float) -> bool:
 
 
 def clocks() -> Iterator[Finding]:
-    """Run a clock with an error in ppm for a day: each edge is within a tick of its exact time, without drift."""
+    """Check that a clock with an error in ppm has no drift: each edge of a day is within a tick of its exact time."""
     base = Timebase(SYSCLK)
     for ppm in PPM:
         hertz = SYSCLK * (1 + Fraction(ppm, 1_000_000))
@@ -102,7 +103,7 @@ def clocks() -> Iterator[Finding]:
 
 
 def lines_at_the_last_tick() -> Iterator[Finding]:
-    """Compare a transfer and a UART burst in a run that ends with the last tick with those from tick 0 on."""
+    """Compare a transfer and a UART burst in a run that ends with the last tick to those in a run from tick 0 on."""
     begins = LAST_TICK - Timebase(SYSCLK).ticks(LINES_RUN)
     for name, traffic in (("I2C transfer", i2c_edges), ("UART burst", uart_edges)):
         first, last = traffic(0), traffic(begins)
@@ -149,7 +150,7 @@ def _keep(edges: Edges, wire: str, start: int, tick: int, level: int) -> None:
 
 
 def noise_sums() -> Iterator[Finding]:
-    """Check noise at sample 10^9. White noise and bias instability need no sum; the random walk is the only sum."""
+    """Check noise at sample 10^9. White noise and bias instability need no sum; only the random walk is a sum."""
     for name, terms in (("white", NoiseTerms(1.0)), ("bias instability", NoiseTerms(0.0, 1.0))):
         noise = AxisNoise(terms, 0.02, 1, name)
         same = noise.values(FAR - 5, 10)[5] == noise.at(FAR)
@@ -181,7 +182,7 @@ def _refusal(what: str, message: str) -> Finding:
 
 
 def _why(tried: Callable[[], object], error: type[Exception]) -> str:
-    """Return the message of the expected error; empty if it is not raised."""
+    """Return the message of the expected error; "" if it is not raised."""
     try:
         tried()
     except error as refusal:
@@ -189,18 +190,21 @@ def _why(tried: Callable[[], object], error: type[Exception]) -> str:
     return ""
 
 
-BRR = 40  # 114 329 bit/s
-SAMPLE = 4 * (BRR + 1)  # SYSCLKOUT cycles, with LSPCLK = SYSCLKOUT / 4
+BRR = 40  # value of the baud rate registers, for 114 329 bit/s
+SAMPLE = 4 * (BRR + 1)  # length of a sample in SYSCLKOUT cycles, with LSPCLK = SYSCLKOUT / 4
 NOMINAL = 8  # samples per bit
-PHASES = 16  # of a sample, at which the first start bit begins
-BYTES = b"\x55\x00\x7f" * 4  # 12, whose last data bit differs from a stop bit
+PHASES = 16  # number of phases within a sample at which the first start bit begins
+BYTES = b"\x55\x00\x7f" * 4  # twelve bytes whose last data bit is 0, unlike a stop bit
 LIMITS = {"fast": Fraction(77, 10), "slow": Fraction(76, 9)}  # samples per bit
-HALVINGS = 8  # of half a sample a bit
-START = 10_000  # cycles
+HALVINGS = 8  # number of bisections of an interval of half a sample per bit
+START = 10_000  # cycle of the first start bit
 
 
 def baud_rates() -> Iterator[Finding]:
-    """Compare the largest rate error at which every phase is received, found by bisection, with its exact limit."""
+    """Compare the largest rate error at which an SCI receives in every phase with the exact limit.
+
+    The largest rate error is found by bisection.
+    """
     for name, limit in LIMITS.items():
         good, bad = Fraction(NOMINAL), Fraction(NOMINAL) + (Fraction(1, 2) if limit > NOMINAL else -Fraction(1, 2))
         last = abs(bad - good) / (1 << HALVINGS)
@@ -214,7 +218,10 @@ def baud_rates() -> Iterator[Finding]:
 
 
 def received(bit: Fraction, phase: int) -> bool:
-    """True if an SCI receives all bytes without an error. bit: the sender's bit time, in samples of the receiver."""
+    """Return True if an SCI receives all bytes without an error.
+
+    bit: the sender's bit time, in samples of the receiver.
+    """
     kernel, recorder, timebase = Kernel(), Recorder(), Timebase(SYSCLK)
     clock, line, sci = Clock(timebase, SYSCLK), Wire(kernel, "RX", recorder), Sci()
     socket = Socket(kernel, clock, recorder, "SCI-A", sci, lambda cycle, lines: None)
@@ -233,11 +240,11 @@ def received(bit: Fraction, phase: int) -> bool:
     return not errors & SCI_MAP["SCIRXST"]["RXERROR"].mask and bytes(word & 0xFF for word in words) == BYTES
 
 
-LENGTH = 3001  # samples, so that their mean is no whole number
-NOISE = 9  # LSB: samples are whole numbers, and `exact_variance` does not round
+LENGTH = 3001  # number of samples; with it their mean is no whole number
+NOISE = 9  # maximum noise in LSB; samples are whole numbers, so that `exact_variance` does not round
 OFFSETS = (10**9, 10**15)
-RAMPS = (10**3, 10**9)  # LSB a sample
-ALLOWED = 1e-9  # relative error of the variance
+RAMPS = (10**3, 10**9)  # slopes in LSB per sample
+ALLOWED = 1e-9  # maximum relative error of the variance
 
 
 def allan_variances() -> Iterator[Finding]:
@@ -260,19 +267,19 @@ def _finding(extreme: str, samples: list[int]) -> Finding:
 
 
 def exact_variance(samples: list[int], m: int) -> Fraction:
-    """Return the mean square of the change between neighbouring averages over m samples, at every place, halved."""
+    """Return half the mean square of the change between adjacent averages over m samples, at all places."""
     sums = [0, *accumulate(samples)]
     changes = (sums[i + 2 * m] - 2 * sums[i + m] + sums[i] for i in range(len(samples) - 2 * m + 1))
     return Fraction(sum(change**2 for change in changes), 2 * (len(samples) - 2 * m + 1) * m**2)
 
 
-CRYSTALS_PPM = 100_000  # either way, the largest value that a case accepts
-SCENE_LENGTH = Fraction(1, 10)  # s
+CRYSTALS_PPM = 100_000  # deviation of each crystal, up or down; the largest value that a case accepts
+SCENE_LENGTH = Fraction(1, 10)  # duration of the run in seconds
 LEAST_ROUNDS = 4
 
 
 def imu_hil_clocks() -> Iterator[Finding]:
-    """Run the flagship scene with the crystals of unit and controller at opposite extremes, both ways.
+    """Run the flagship scene twice, with the crystals of unit and controller at opposite extremes.
 
     The host's bit rate follows the unit's crystal, because an SCI cannot receive at ten percent error. The bytes of
     each round are compared with the frames, and the instant of each round with the exact one.

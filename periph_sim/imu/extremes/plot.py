@@ -1,6 +1,6 @@
-"""The trade-off of a report as SVG: error in LSB against cycles for a sample.
+"""The trade-off of a report as SVG: error in LSB over cycles for a sample.
 
-Both axes are logarithmic. A bar is the range of a cost without a single published figure; the error is the largest
+Both axes are logarithmic. A bar is the range of a cost that is not a single published figure. The error is the largest
 of the nine axes in the working range. Equal reports give equal text.
 """
 
@@ -16,12 +16,12 @@ WIDTH, HEIGHT = 900, 560
 LEFT, RIGHT, TOP, BOTTOM = 90, 40, 60, 80
 FONT = "Helvetica, Arial, sans-serif"
 POINT, LINE, WORD, FOUNDED, GUESSED, GRID, INK = 5, 14, 110, "#0060a8", "#c04a00", "#e2e2e2", "#333333"
-EXACT = 1e-5  # LSB: an error of 0 is drawn here
-MEASURED = 37_500  # cycles: 250 us at 150 MHz
+EXACT = 1e-5  # the place in LSB at which an error of 0 is drawn
+MEASURED = 37_500  # measured time in cycles: 250 us at 150 MHz
 
 
 def picture(report: Report) -> str:
-    """Return SVG text."""
+    """Return the picture as SVG text."""
     points = []
     for name in report.names:
         cost, worst = report.costs[name], report.errors.get(name)
@@ -36,7 +36,7 @@ def picture(report: Report) -> str:
     at = x_axis.place(MEASURED)
     page.append(svg.Line(at, TOP, at, HEIGHT - BOTTOM, stroke=INK, stroke_dasharray="4 3"))
     page.append(_words("measured: 250 us", at - 6, TOP + 14, anchor="end"))
-    taken: list[tuple[float, float]] = []  # places of labels
+    taken: list[tuple[float, float]] = []  # places that are occupied by labels
     for name, low, high, error, guessed in points:
         x, y = x_axis.place((low * high) ** 0.5), y_axis.place(error)
         colour = GUESSED if guessed else FOUNDED

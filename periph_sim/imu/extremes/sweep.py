@@ -1,7 +1,7 @@
 """Search for the first input, from ordinary to extreme, at which an arithmetic deviates from the reference.
 
-value --> parameters, counts --> codes --+-> differ by more than allowed? --> first such value
-value --> reference's own ----> codes ---+   searched on a grid, then between two of its points, and so on
+value --> parameters, counts --------> codes --+-> first value at which they differ by more than allowed,
+value --> those of the reference ----> codes --+   searched on a grid, then between two of its points, and so on
 """
 
 from __future__ import annotations
@@ -25,15 +25,17 @@ from .working_range import Worst
 Happens = Literal["agrees", "exact", "off", "full scale", "saturates", "wraps", "NaN", "refused"]
 
 
-EVERY = "every"  # instead of an arithmetic if none is involved
+EVERY = "every"  # in place of an arithmetic if a finding involves none
 
 
 @dataclass(frozen=True)
 class Finding:
-    """begins: the first input at which it happens, in `unit`; None for never. worst: deviation from the reference, LSB.
+    """The behaviour of an arithmetic at an extreme.
 
-    arithmetic: its name, or EVERY. overflows: the first input at which an intermediate value exceeded a Q format, with
-    or without a visible effect.
+    arithmetic: the name of the arithmetic, or EVERY.
+    begins: the first input at which it happens, in `unit`; None if it never happens.
+    worst: the largest deviation from the reference, in LSB.
+    overflows: the first input at which an intermediate value exceeded a Q format, with or without a visible effect.
     """
 
     extreme: str
@@ -46,8 +48,8 @@ class Finding:
     overflows: float | None = None
 
 
-FIRST_GRID = 121  # points from ordinary to extreme: wrapped values may look right a little further on
-GRID = 13  # points between two of them, repeatedly
+FIRST_GRID = 121  # number of points from ordinary to extreme; with fewer, values that wrapped may look right
+GRID = 13  # number of points of each finer grid between two points
 ZOOMS = 4
 
 Bools = NDArray[np.bool_]
@@ -56,7 +58,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Sample:
-    """Inputs of the model at one value of a sweep, and those of the reference, by default the same."""
+    """The inputs of a model at one value of a sweep, and those of the reference, which are the same by default."""
 
     imu: parameters.ImuParameters
     counts: Ints  # int64[12]
@@ -66,9 +68,11 @@ class Sample:
 
 @dataclass(frozen=True)
 class Sweep:
-    """ordinary, extreme: its begin and end, in `unit`; the latter may be below the former.
+    """A sweep of an input from an ordinary to an extreme value.
 
-    slack: additional LSB by which codes may differ, since a frame's counts are rounded differently in the reference.
+    ordinary, extreme: the first and the last value, in `unit`. The last value may be smaller than the first.
+    slack: additional LSB by which codes may differ, because the counts of a frame are rounded differently in the
+        reference.
     """
 
     name: str
@@ -80,7 +84,7 @@ class Sweep:
     slack: float = 0
 
     def find(self, arithmetic: str, worst: Worst | None) -> Finding:
-        """Find the first deviation. worst: the arithmetic's allowed deviation; None for the reference itself."""
+        """Find the first deviation of an arithmetic. worst: its allowed deviation; None for the reference itself."""
         allowed = (np.ones(9) if worst is None else worst.allowed()) + self.slack
         largest = float(_grid(self, arithmetic, self.ordinary, self.extreme, FIRST_GRID).off.max())
         overflows = self._first(arithmetic, lambda grid: grid.codes.overflown)
@@ -96,7 +100,7 @@ class Sweep:
         return Finding(self.name, arithmetic, happens, begins, self.unit, largest, overflows=overflows)
 
     def _first(self, arithmetic: str, holds: Callable[[Grid], Bools]) -> float | None:
-        """Return the first value of a grid at which `holds` is true, refined by finer grids up to there."""
+        """Return the first value of the sweep at which `holds` is true, found by ever finer grids; else None."""
         low, high, found = self.ordinary, self.extreme, None
         for points in (FIRST_GRID, *[GRID] * ZOOMS):
             grid = _grid(self, arithmetic, low, high, points)
@@ -112,7 +116,12 @@ class Sweep:
 
 @dataclass(frozen=True)
 class Grid:
-    """values: float64[n]. off: deviation from the reference, float64[9, n]. full: a code is its converter's last."""
+    """The results of an arithmetic at the points of a grid.
+
+    values: the values of the input, float64[n].
+    off: the deviation of the codes from the reference, float64[9, n].
+    full: True if a code is the last one of its converter.
+    """
 
     values: Floats
     codes: Codes
@@ -120,11 +129,11 @@ class Grid:
     full: Bools
 
     def astray(self, allowed: Floats) -> Bools:
-        """Return where the codes are further off, or a value before rounding is NaN."""
+        """Return True for points at which codes deviate by more than allowed, or a value before rounding is NaN."""
         return np.logical_or((self.off > allowed[:, None]).any(axis=0), np.isnan(self.codes.exact).any(axis=0))
 
     def how(self, arithmetic: str) -> Happens:
-        """Return why they are, at the first value."""
+        """Return the reason of the deviation at the first point."""
         if np.isnan(self.codes.exact[:, 0]).any():
             return "NaN"
         q = named.format_of(arithmetic)
@@ -135,7 +144,7 @@ class Grid:
 
 @lru_cache(maxsize=256)
 def _grid(sweep: Sweep, arithmetic: str, low: float, high: float, points: int) -> Grid:
-    """Evaluate a sweep from low to high."""
+    """Evaluate a sweep at a number of points from low to high."""
     values = np.linspace(low, high, points)
     samples = [sweep.at(float(value)) for value in values]
     codes = _together(arithmetic, samples)
@@ -147,7 +156,7 @@ def _grid(sweep: Sweep, arithmetic: str, low: float, high: float, points: int) -
 
 @lru_cache(maxsize=256)
 def _true(sweep: Sweep, low: float, high: float, points: int) -> Floats:
-    """Return the reference's codes over the same values."""
+    """Return the codes of the reference at the points of such a grid."""
     samples = [sweep.at(float(value)) for value in np.linspace(low, high, points)]
     true = [
         Sample(one.true_imu or one.imu, one.counts if one.true_counts is None else one.true_counts) for one in samples
@@ -156,7 +165,7 @@ def _true(sweep: Sweep, low: float, high: float, points: int) -> Floats:
 
 
 def _together(arithmetic: str, samples: list[Sample]) -> Codes:
-    """Return the codes of all samples: at once if they share their parameters, else one by one."""
+    """Return the codes of all samples. They are calculated at once if all samples have the same parameters."""
     if all(one.imu is samples[0].imu for one in samples):
         counts = np.stack([one.counts for one in samples], axis=1)
         return codes_of(named.arrays(arithmetic), samples[0].imu, counts)

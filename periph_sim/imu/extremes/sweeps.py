@@ -1,8 +1,8 @@
 """Sweeps of motions and of parameters.
 
 Motions: pitch through 90 degrees, wraps of yaw and of int16, rates and accelerations beyond full scale. Parameters:
-fields along an axis, weak and strong, and lever arms whose products exceed the format. Each is a Sweep: from a value,
-ordinary to extreme, to the frames that a host would send.
+fields along an axis, weak and strong, and lever arms whose products exceed the format. Each is a Sweep, which converts
+a value, ordinary or extreme, to the frames that a host would send.
 """
 
 from __future__ import annotations
@@ -26,23 +26,26 @@ from ..numeric.q_arrays import Ints
 from .frames import counted
 from .sweep import Sample, Sweep
 
-Attitude = tuple[float, float, float]  # rad
+Attitude = tuple[float, float, float]  # roll, pitch, yaw in rad
 
 AS_BUILT = ImuParameters()
 CORRECTED = ImuParameters(gyroscope=GyroscopeParameters(rates="corrected"))
 UNWRAPPED = ImuParameters(wrap="unwrapped")
-SLOW = radians(1)  # rad a sample: 50 deg/s
-FAST = 500.0  # deg/s
-ONE_COUNT = 5.0  # LSB of the gyroscope for one count of an angle, 4.1, and its cross-axis effect
+SLOW = radians(1)  # a slow rate in rad per sample, which is 50 deg/s
+FAST = 500.0  # a fast rate in deg/s
+ONE_COUNT = 5.0  # maximum LSB of the gyroscope for one count of an angle: 4.1, and the cross-axis effect
 
 
 def sent(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Ints:
-    """Return int64[12] as a host sends it: attitudes 2, 1 and 0 samples ago, in wrapping int16; acceleration in g."""
+    """Return the counts that a host sends, in int16 that wrap, int64[12].
+
+    attitude: returns the attitude 2, 1 and 0 samples ago. acceleration: in g.
+    """
     return np.concatenate([*(counted(attitude(k)) for k in (2, 1, 0)), _acceleration(acceleration)])
 
 
 def meant(attitude: Callable[[int], Attitude]) -> Ints:
-    """Return the same for frames without a range limit of angles."""
+    """Return the counts of a host whose frames have no range limit for angles, int64[12]."""
     angles = [np.rint(np.asarray(attitude(k)) / ANGLE).astype(np.int64) for k in (2, 1, 0)]
     return np.concatenate([*angles, _acceleration(0.0)])
 
@@ -52,7 +55,7 @@ def _acceleration(g: float) -> Ints:
 
 
 def pitching(value: float, imu: ImuParameters) -> Sample:
-    """Return a body pitched past 90 degrees, then on its back; the reference's pitch continues beyond 90."""
+    """Return a body that pitches past 90 degrees and is then upside down. The reference's pitch continues beyond 90."""
 
     def level(ago: int) -> Attitude:
         return (0.0, radians(value) - ago * SLOW, 0.0)
@@ -65,7 +68,7 @@ def pitching(value: float, imu: ImuParameters) -> Sample:
 
 
 def yawing(value: float, imu: ImuParameters, wrapped_by_host: bool) -> Sample:
-    """Return a yaw through 180 degrees; the reference's yaw continues beyond them."""
+    """Return a yaw through 180 degrees. The reference's yaw continues beyond 180."""
 
     def on(ago: int) -> Attitude:
         return (0.0, 0.0, radians(value) - ago * SLOW)
@@ -83,7 +86,7 @@ def yaw_step(value: float) -> Sample:
 
 
 def rolling(value: float, late: float = 0.0) -> Sample:
-    """Return a roll rate in deg/s; late: the frames' delay as a part of Ts."""
+    """Return a roll at a rate in deg/s. late: the delay of the frames as a fraction of Ts."""
     step = radians(value) * AS_BUILT.period
 
     def steady(ago: int) -> Attitude:
@@ -93,7 +96,7 @@ def rolling(value: float, late: float = 0.0) -> Sample:
 
 
 def spinning(value: float) -> Sample:
-    """Return a roll rate that no frame can represent: counts without a range limit."""
+    """Return a roll at a rate that no frame can represent, as counts without a range limit."""
     step = radians(value) * AS_BUILT.period
     counts = meant(lambda ago: (-ago * step, 0.0, 0.0))
     return Sample(AS_BUILT, counts)
@@ -171,8 +174,8 @@ MOTIONS = (
 )
 
 
-VERTICAL = 0.2  # gauss: the part of the field that remains when the horizontal one goes to 0
-TURN_RATE = 500.0  # deg/s
+VERTICAL = 0.2  # in gauss, the vertical field that remains when the horizontal one goes to 0
+TURN_RATE = 500.0  # rate of the rotation for lever arms, in deg/s
 
 
 def still(ago: int) -> Attitude:
@@ -180,14 +183,14 @@ def still(ago: int) -> Attitude:
 
 
 def along_z(value: float, spherical: Spherical, vertical: float = VERTICAL) -> Sample:
-    """Return a field whose horizontal part goes to 0; the reference uses "four-quadrant"."""
+    """Return a field with a small horizontal part. The reference uses "four-quadrant"."""
     sensor = MagnetometerParameters(earth_field=(value, 0.0, vertical), hard_iron=(0.0, 0.0, 0.0))
     true = ImuParameters(magnetometer=sensor)
     return Sample(ImuParameters(magnetometer=replace(sensor, spherical=spherical)), sent(still), true)
 
 
 def turned(value: float, spherical: Spherical) -> Sample:
-    """Return a field to the north and down, measured at a yaw in deg."""
+    """Return a field that points north and down, measured at a yaw in degrees."""
     sensor = MagnetometerParameters(earth_field=(0.3, 0.0, 0.2), hard_iron=(0.0, 0.0, 0.0))
     true = ImuParameters(magnetometer=sensor)
     counts = sent(lambda ago: (0.0, 0.0, radians(value)))
@@ -195,7 +198,7 @@ def turned(value: float, spherical: Spherical) -> Sample:
 
 
 def strong(value: float, norm: Norm) -> Sample:
-    """Return a field of a strength in gauss, in a direction between the axes."""
+    """Return a field with a strength in gauss, in a direction between the axes."""
     part = value / 3**0.5
     sensor = MagnetometerParameters(earth_field=(part, part, part), hard_iron=(0.0, 0.0, 0.0))
     return Sample(
@@ -204,7 +207,10 @@ def strong(value: float, norm: Norm) -> Sample:
 
 
 def lever(value: float, reversing: bool) -> Sample:
-    """Return a lever arm in m on x, half on y, negative on z; in steady rotation, or reversed within one sample."""
+    """Return a body with a lever arm in steady rotation, or in one that reverses within a sample.
+
+    value: the lever arm in m along x; it is half of this along y and negative along z.
+    """
     step = radians(TURN_RATE) * ImuParameters().period
     imu = ImuParameters(
         accelerometer=AccelerometerParameters(lever_arm=(value, value / 2, -value), bits=16, scale=1.0, cross_axis=0.0)

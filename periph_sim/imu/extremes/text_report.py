@@ -13,7 +13,7 @@ Rows = list[list[str]]
 
 
 def text(report: Report) -> str:
-    """Format tables: error and cost in the working range, cycles by part, and findings at each extreme."""
+    """Format tables of errors and costs in the working range, cycles by part, and findings at each extreme."""
     return "\n".join(
         [
             "working range: largest error found against float64, in LSB before rounding",
@@ -38,7 +38,7 @@ def text(report: Report) -> str:
 
 
 def _table(rows: Rows) -> list[str]:
-    """Format rows; the first one has the titles."""
+    """Format rows as a table. The first row has the titles."""
     return text_table(rows[0], rows[1:])
 
 
@@ -127,7 +127,7 @@ def _rest(least: int, most: int) -> str:
 
 
 def as_json(report: Report) -> dict[str, object]:
-    """Convert a report to JSON: errors and inputs as numbers; null for a finding that never begins."""
+    """Convert a report to JSON. Errors and inputs are numbers; a finding that never begins is null."""
     return {
         "reference": REFERENCE,
         "seed": report.seed,

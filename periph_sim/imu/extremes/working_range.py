@@ -3,8 +3,8 @@
 Working range: any roll and yaw, pitch between -90 and 90 degrees, no wrap between two frames, angle rates up to the
 gyroscope's 2000 deg/s, linear acceleration up to the accelerometer's 2 g; parameters as given.
 
-Search: samples drawn uniformly from the range, then ever smaller steps around the worst of each axis. The largest
-error found is a lower bound of the true maximum; more samples improve it.
+Search: samples are drawn uniformly from the range, and then ever closer to the worst sample of each axis. The largest
+error that is found is a lower bound of the true maximum; more samples improve it.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from ..numeric import arithmetic_names as named
 from ..numeric.q_arrays import Ints
 from .frames import REFERENCE, SENSORS, codes_of
 
-LIMITS = np.array([int(pi / ANGLE), int(pi / 2 / ANGLE), int(pi / ANGLE)])  # counts: roll, pitch, yaw
-ROUNDS = 10  # of refinement
+LIMITS = np.array([int(pi / ANGLE), int(pi / 2 / ANGLE), int(pi / ANGLE)])  # counts of roll, pitch, yaw
+ROUNDS = 10  # number of refinements
 
 
 @dataclass(frozen=True)
 class Worst:
-    """Largest error of each sensor, LSB before saturation and rounding, and the counts (int64[12]) that show it."""
+    """The largest error of each sensor, in LSB before saturation and rounding, and its counts, int64[12]."""
 
     arithmetic: str
     error: dict[str, float]
@@ -38,12 +38,15 @@ class Worst:
         return max(self.error.values())
 
     def allowed(self) -> NDArray[np.float64]:
-        """Return float64[9]: the largest difference of codes that an error of that size can cause, by axis."""
+        """Return for each axis the largest difference of codes that an error of this size can cause, float64[9]."""
         return np.repeat([np.floor(self.error[name]) + 1 for name in SENSORS], 3)
 
 
 def drawn(samples: int, seed: int, rate: float = 2000.0) -> Ints:
-    """Draw int64[12, n] from the working range. rate: largest rate of an angle, in deg/s."""
+    """Draw the counts of n samples from the working range, int64[12, n].
+
+    rate: the largest rate of an angle in deg/s.
+    """
     random = np.random.default_rng(seed)
     before = random.integers(-LIMITS[:, None], LIMITS[:, None], (3, samples), endpoint=True)
     most = int(np.radians(rate) * parameters.ImuParameters().period / ANGLE)
@@ -56,7 +59,7 @@ def drawn(samples: int, seed: int, rate: float = 2000.0) -> Ints:
 def worst(
     arithmetic: str, imu: parameters.ImuParameters, samples: int = 2000, seed: int = 0, rate: float = 2000.0
 ) -> Worst:
-    """Return the largest errors found. rate: largest rate of an angle, in deg/s."""
+    """Search the largest errors. rate: the largest rate of an angle in deg/s."""
     counts = drawn(samples, seed, rate)
     random = np.random.default_rng(seed + 1)
     error: dict[str, float] = {}
@@ -79,7 +82,7 @@ def _errors(arithmetic: str, imu: parameters.ImuParameters, counts: Ints) -> NDA
 
 
 def _around(at: Ints, random: np.random.Generator, samples: int, reach: int, rate: float) -> Ints:
-    """Draw samples near one, within the working range."""
+    """Draw samples near a given one, within the working range."""
     near = at[:, None] + random.integers(-reach, reach, (12, samples), endpoint=True)
     most = int(np.radians(rate) * parameters.ImuParameters().period / ANGLE)
     g = int(parameters.AccelerometerParameters().full_scale / ACCELERATION)

@@ -1,4 +1,4 @@
-"""Identification of sensor parameters from recordings at rest: bias and noise with their error bars.
+"""Identification of sensor parameters from recordings at rest: bias and noise with standard errors.
 
     samples --> Allan deviation --> region of slope -1/2 --> noise density (N squared)
            \\-> mean minus expected value --> bias, or hard iron

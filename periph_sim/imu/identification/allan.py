@@ -1,6 +1,6 @@
-"""Overlapping Allan variance of a checked recording: the variance of change between neighbouring averages.
+"""Overlapping Allan variance of a recording: half the mean square of the change between adjacent averages.
 
-    averages over m samples --> differences of neighbours, m samples apart, at every place --> mean square / 2
+    averages over m samples --> differences of adjacent averages, at every place --> mean square / 2
 
 Equations 4.11 to 4.15 of the dissertation with overlapping clusters; IEEE Std 952 annex C, NIST SP 1065 section 5.2.4.
 """
@@ -18,19 +18,22 @@ from ...core.input_error import InputError
 
 Floats = NDArray[np.float64]
 
-LEAST_SAMPLES = 32  # with fewer, no Allan variance has enough degrees of freedom for an error bar
-LARGEST = 1e100  # beyond that the squares of sums overflow
-REPEATED = 4  # samples a value, on average, of a recording that counts as quantized
-OFF_GRID = 0.05  # LSB by which a printed value may be off the grid
+LEAST_SAMPLES = 32  # minimum number of samples; with fewer, an Allan variance has too few degrees of freedom
+LARGEST = 1e100  # maximum magnitude of a sample; with larger ones, the squares of sums overflow
+REPEATED = 4  # a recording is quantized if each of its values occurs this often on average
+OFF_GRID = 0.05  # tolerance in LSB for values that were printed with few digits
 
 
 class BadSeries(InputError):
-    """A recording unsuitable for identification; the message says what was found and expected."""
+    """A recording is unsuitable for identification. The message says what was found and expected."""
 
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """samples, one every `period` seconds. lsb: the step between values; None if they are not quantized."""
+    """A recording with a sample every `period` seconds.
+
+    lsb: the step between values; None if they are not quantized.
+    """
 
     name: str
     samples: Floats
@@ -39,7 +42,7 @@ class Series:
 
 
 def series(name: str, samples: ArrayLike, period: float) -> Series:
-    """Check samples. Raise BadSeries if they are too few, not all finite, or not one-dimensional."""
+    """Check samples and return them as a series. Raise BadSeries if they are too few, not finite, or no vector."""
     if not isfinite(period) or period <= 0:
         raise BadSeries(f"{name}: the sampling period is {period} s; expected a finite number above 0")
     values = np.asarray(samples, dtype=np.float64)
@@ -59,7 +62,7 @@ def series(name: str, samples: ArrayLike, period: float) -> Series:
 
 
 def lsb_of(values: Floats) -> float | None:
-    """Return the step between the values of a converter; None for a constant, or values without a common step."""
+    """Return the step between the values of a converter; None if values are constant or have no common step."""
     levels = np.unique(values)
     if len(levels) < 2 or len(levels) * REPEATED > len(values):
         return None
@@ -69,12 +72,18 @@ def lsb_of(values: Floats) -> float | None:
     return lsb if (np.abs(apart - steps * lsb) < OFF_GRID * lsb).all() else None
 
 
-AT_ONCE = 1 << 16  # differences formed at once: they fit into the cache
+AT_ONCE = 1 << 16  # number of differences that are calculated at once, which fit into the cache
 
 
 @dataclass(frozen=True, eq=False)
 class Allan:
-    """counts: samples m in each average. taus: m times the period, s. variance: in unit**2. length: of the series."""
+    """The Allan variances of a series.
+
+    counts: the number of samples m in each average.
+    taus: the averaging times, which are m times the period, in seconds.
+    variance: the variances in unit**2.
+    length: the number of samples of the series.
+    """
 
     counts: NDArray[np.int64]
     taus: Floats
@@ -93,9 +102,14 @@ def octaves(length: int) -> list[int]:
 
 
 def allan(samples: Floats, period: float, counts: Sequence[int] | None = None) -> Allan:
-    """Compute the overlapping Allan variance at m * period for each m of `counts` (octaves if None).
+    """Calculate the overlapping Allan variance at the averaging time m * period for each m of `counts`.
 
-    samples: finite, one dimension. Raise BadSeries for an m beyond 1 to half the samples. Memory: one running sum.
+    The memory that is needed is that of one running sum.
+
+    samples: a vector of finite values.
+    counts: the values of m; None for octaves.
+
+    Raise BadSeries if an m is less than 1 or more than half the number of samples.
     """
     length = len(samples)
     wanted = octaves(length) if counts is None else list(counts)
@@ -104,7 +118,8 @@ def allan(samples: Floats, period: float, counts: Sequence[int] | None = None) -
             raise BadSeries(f"an average over {m} of {length} samples; expected 1 to {length // 2}")
     sums = np.empty(length + 1)
     sums[0] = 0.0
-    np.cumsum(samples - samples.mean(), out=sums[1:])  # a constant has no Allan variance, but costs precision
+    # The mean does not affect the Allan variance, but would reduce the precision.
+    np.cumsum(samples - samples.mean(), out=sums[1:])
     variance = np.array([_variance(sums, m) for m in wanted])
     taken = np.array(wanted, dtype=np.int64)
     taus: Floats = taken * np.float64(period)

@@ -1,8 +1,8 @@
-"""Uncertainty of Allan variances: degrees of freedom and confidence intervals, from counts and a series' length.
+"""Uncertainty of Allan variances: degrees of freedom and confidence intervals.
 
-An Allan variance is distributed like chi-square with `edf` equivalent degrees of freedom, whose relative variance is
-2 / edf. For bars at any slope `edf` uses the approximations of NIST SP 1065, table 5 (overlapping). For white
-noise, if a value is fitted to several points that share the same samples, `white_covariance` is exact.
+An Allan variance has a chi-square distribution with `edf` equivalent degrees of freedom, so its relative variance is
+2 / edf. For error bars at any slope, `edf` uses the approximations of NIST SP 1065, table 5 (overlapping). Points of a
+curve share the same samples. If a value is fitted to several points of white noise, `white_covariance` is exact.
 """
 
 from __future__ import annotations
@@ -15,17 +15,20 @@ from scipy.special import chdtri, ndtr
 
 from .allan import Allan, Floats
 
-LEVELS = {"68 %": float(2 * ndtr(1) - 1), "95 %": 0.95}  # one standard deviation of a Gaussian, and the usual one
+LEVELS = {"68 %": float(2 * ndtr(1) - 1), "95 %": 0.95}  # one standard deviation of a Gaussian, and the usual level
 
 
 def interval(edf: Floats, level: float) -> tuple[Floats, Floats]:
-    """Return the factors from a variance to the ends of its confidence interval at this level."""
+    """Return the factors by which a variance is multiplied to get the ends of its confidence interval."""
     tail = (1 - level) / 2
     return edf / chdtri(edf, tail), edf / chdtri(edf, 1 - tail)
 
 
 def slopes(found: Allan) -> NDArray[np.int64]:
-    """Return the nearest of -1 (white), 0 (flicker), 1 (random walk) to the slope of log variance at each tau."""
+    """Return the type of noise at each tau: -1 (white), 0 (flicker) or 1 (random walk).
+
+    It is the integer nearest to the slope of the logarithm of the variance.
+    """
     if len(found.taus) < 2 or not (found.variance > 0).all():
         return np.full(len(found.taus), -1)
     slope = np.gradient(np.log(found.variance), np.log(found.taus))
@@ -35,7 +38,7 @@ def slopes(found: Allan) -> NDArray[np.int64]:
 
 def edf(found: Allan) -> Floats:
     """Return the equivalent degrees of freedom of each variance, for the noise that its slope indicates."""
-    points = found.length + 1.0  # of phase, the running sum
+    points = found.length + 1.0  # number of points of the phase, which is the running sum
     m = found.counts.astype(np.float64)
     white = (3 * (points - 1) / (2 * m) - 2 * (points - 2) / points) * 4 * m**2 / (4 * m**2 + 5)
     flicker = np.where(m == 1, 2 * (points - 2) ** 2 / (2.3 * points - 4.9), 5 * points**2 / (4 * m * (points + 3 * m)))
@@ -45,10 +48,10 @@ def edf(found: Allan) -> Floats:
 
 
 def white_covariance(counts: NDArray[np.int64], length: int) -> Floats:
-    """Return the relative covariance of the overlapping Allan variances of white Gaussian noise, exactly.
+    """Return the exact relative covariance of the overlapping Allan variances of white Gaussian noise.
 
-    The differences z are sums of the samples with weights -1/m and 1/m, so Gaussian, and the covariance of two squares
-    is twice the square of their covariance.
+    The differences of averages are sums of the samples with the weights -1/m and 1/m. So they are Gaussian, and the
+    covariance of two of their squares is twice the square of their covariance.
     """
     pairs = [[_covariance(min(m, n), max(m, n), length) * m * n for n in counts.tolist()] for m in counts.tolist()]
     return np.array(pairs)
@@ -56,13 +59,13 @@ def white_covariance(counts: NDArray[np.int64], length: int) -> Floats:
 
 @lru_cache(maxsize=4096)
 def _covariance(m: int, n: int, length: int) -> float:
-    """Return the covariance of the variances at m and n samples, for samples of variance 1."""
+    """Return the covariance of the Allan variances with averages over m and n samples. Samples have the variance 1."""
     places_m, places_n = length - 2 * m + 1, length - 2 * n + 1
     corners = np.array([a * m - b * n for a in range(3) for b in range(3)], dtype=np.float64)
     weights = np.outer([-1, 2, -1], [-1, 2, -1]).ravel() / (2.0 * m * n)
 
     def term(lag: Floats) -> Floats:
-        """Return the number of pairs of differences `lag` samples apart, times their covariance squared."""
+        """Return the number of pairs of differences that are `lag` samples apart, times their squared covariance."""
         shared = -(np.abs(lag[:, np.newaxis] - corners) @ weights)
         pairs = np.minimum(places_n, places_m + lag) - np.maximum(0.0, lag)
         together: Floats = np.maximum(pairs, 0.0) * shared**2

@@ -1,11 +1,11 @@
 """Identification of one axis of a sensor at rest: bias, noise density, and optionally the slow terms.
 
-The bias is the mean minus the expected value (equation 4.9), hard iron is the mean with minus the mean without the
-disturbance (4.10). Three parts of a mean's uncertainty add up in squares:
+The bias is the mean minus the expected value (equation 4.9). Hard iron is the mean with the disturbance minus the mean
+without it (4.10). The standard error of a mean is the root of the sum of the squares of three parts:
 
-    white noise       density / length in seconds
-    drift             where the curve is above the white noise's line at long tau, averaging does not help any more
-    whole LSB         if the noise is small compared with an LSB, the mean of rounded values is not the mean rounded
+    white noise       its square is density / length in seconds
+    drift             if the curve is above the line of white noise at long tau, averaging does not help any more
+    whole LSB         if the noise is small compared with an LSB, the mean of rounded values has a systematic error
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from .allan import Allan, BadSeries, Series, allan, series
 from .confidence import edf
 from .noise_terms import Density, SlowTerms, density, slow_terms, white_part
 
-LEAST_EDF = 2.0  # of the longest tau used to detect drift
-UNLIKELY = 1e-3  # that white noise alone is so high
+LEAST_EDF = 2.0  # minimum degrees of freedom of the longest tau that is used to detect drift
+UNLIKELY = 1e-3  # drift is detected if the probability of such a variance by white noise alone is below this
 
 
 @dataclass(frozen=True)
 class Mean:
-    """value and its standard error, in the unit of the samples; white, drift, quantisation: the parts of the error."""
+    """A mean in the unit of the samples, and the parts of its standard error: white, drift, quantisation."""
 
     value: float
     white: float
@@ -39,7 +39,7 @@ class Mean:
         return sqrt(self.white**2 + self.drift**2 + self.quantisation**2)
 
     def less(self, other: Mean) -> Mean:
-        """Return the difference of two independent means: with minus without a disturbance."""
+        """Return the difference of two independent means, of which the second is that without a disturbance."""
         return Mean(
             self.value - other.value,
             sqrt(self.white**2 + other.white**2),
@@ -48,7 +48,7 @@ class Mean:
         )
 
     def minus(self, expected: float) -> Mean:
-        """Return the bias against an exactly known value."""
+        """Return the difference of the mean from an exactly known value."""
         return Mean(self.value - expected, self.white, self.drift, self.quantisation)
 
 
@@ -64,7 +64,7 @@ def mean(series: Series, found: Allan, noise: Density) -> Mean:
 
 
 def _drift(found: Allan, noise: Density) -> float:
-    """Return the highest deviation after the white noise's region where it is clearly above its line; else 0."""
+    """Return the largest deviation that is significantly above the line of white noise at a longer tau; else 0."""
     freedom = edf(found)
     behind = slice(noise.region.stop, int(np.count_nonzero(freedom >= LEAST_EDF)))
     ratio = found.variance[behind] * found.taus[behind] / noise.value
@@ -74,10 +74,10 @@ def _drift(found: Allan, noise: Density) -> float:
 
 
 def _quantisation(series: Series, noise: Density) -> float:
-    """Return the RMS error, over all true means, of the mean of Gaussian values that are rounded to whole LSB.
+    """Return the RMS error of the mean of Gaussian values that are rounded to whole LSB, over all true means.
 
-    The first term of the Fourier series of the rounding error: LSB / pi * exp(-2 pi**2 (sigma / LSB)**2) at most
-    (Widrow and Kollar, "Quantization noise", chapter 4).
+    It follows from the first term of the Fourier series of the rounding error, whose amplitude is
+    LSB / pi * exp(-2 pi**2 (sigma / LSB)**2) (Widrow and Kollar, "Quantization noise", chapter 4).
     """
     if series.lsb is None:
         return 0.0
@@ -85,15 +85,17 @@ def _quantisation(series: Series, noise: Density) -> float:
     return series.lsb / pi * exp(-2 * pi**2 * variance) / sqrt(2)
 
 
-LEAST_SIGMA = 0.4  # LSB of noise; below that rounding adds more than LSB**2 / 12
+LEAST_SIGMA = 0.4  # minimum noise in LSB; with less, rounding does not simply add LSB**2 / 12 to the variance
 
 
 @dataclass(frozen=True, eq=False)
 class Identified:
-    """Results for one axis. bias: the mean minus the expected one, or minus the mean without the disturbance.
+    """The parameters of one axis.
 
-    density: as measured, rounding to LSB included; fitted together with slow terms, if any.
-    notes: warnings for the reader, a sentence each.
+    bias: the mean minus the expected value, or minus the mean without the disturbance.
+    density: the measured density, including that of rounding to LSB. If there are slow terms, it is fitted together
+        with them.
+    notes: warnings for the reader, as sentences.
     """
 
     series: Series
@@ -105,12 +107,12 @@ class Identified:
 
     @property
     def quantisation_density(self) -> float:
-        """The part of the density due to rounding to whole LSB, unit**2 s: LSB**2 / 12 a sample."""
+        """The part of the density that is due to rounding to whole LSB, in unit**2 s: LSB**2 / 12 for each sample."""
         return 0.0 if self.series.lsb is None else self.series.lsb**2 / 12 * self.series.period
 
     @property
     def sensor_density(self) -> float:
-        """The density of the sensor's own noise, for models, which round by themselves."""
+        """The density of the sensor's own noise without rounding, for models, which round by themselves."""
         return max(self.density.value - self.quantisation_density, 0.0)
 
 
@@ -125,8 +127,10 @@ def identify(
 ) -> Identified:
     """Identify the parameters of one axis, recorded at rest every `period` seconds.
 
-    expected: the true mean. undisturbed: samples without the disturbance, whose mean is used instead (hard iron).
-    Raise BadSeries if nothing can be identified: too few samples, NaN, a constant.
+    expected: the true mean.
+    undisturbed: samples without the disturbance, whose mean is used in place of `expected` (hard iron).
+
+    Raise BadSeries if nothing can be identified: too few samples, NaN, or a constant.
     """
     given = series(name, samples, period)
     found, noise, terms = _fitted(given, slow)

@@ -1,17 +1,20 @@
-"""Terms of a sensor's noise from its Allan variances: white noise N, bias instability B, random walk K.
+"""Identification of the terms of a sensor's noise: white noise N, bias instability B and random walk K.
 
     variance(tau) = N**2 / tau + (2 ln 2 / pi) B**2 + K**2 tau / 3        slopes -1/2, 0 and +1/2 of the deviation
 
-Without slow terms, N squared is the density of white noise, from the part of the Allan deviation with slope -1/2:
+Without slow terms, N squared is the density of white noise. It follows from the part of the Allan deviation with slope
+-1/2:
 
-    tau nearest 1 s, or below it --> neighbours that agree, on both sides --> weighted mean of variance * tau = density
+    tau at or below 1 s --> adjacent points on this slope, on both sides --> weighted mean of variance * tau = density
 
-Dissertation section 4.3.4: the density is the square of the Allan deviation at tau = 1 s, read where its slope is -1/2.
-There variance * tau is the same at every tau, so all these points give the same value as at 1 s, with a smaller error.
-If the curve has left that slope before 1 s, the line through its earlier part is read there, as IEEE 952 does.
+Dissertation section 4.3.4: the density is the square of the Allan deviation at tau = 1 s, where the slope must be -1/2.
+On this slope, variance * tau is the same at every tau, so all these points give the value at 1 s, and their mean has a
+smaller error. If the curve leaves this slope before 1 s, the line through its earlier part is extended to 1 s, as in
+IEEE 952.
 
-All three terms (IEEE Std 952 annex C) are fitted together by weighted least squares, none below 0, since the parts of
-slope 0 and +1/2 seldom occur alone. Points share samples: their correlation is assumed to be that of white noise.
+With slow terms, all three terms (IEEE Std 952 annex C) are fitted together by weighted least squares, with none below
+0, because the parts of slope 0 and +1/2 seldom occur alone. Points share samples; their correlation is assumed to be
+that of white noise.
 """
 
 from __future__ import annotations
@@ -25,30 +28,35 @@ from scipy.optimize import nnls
 from .allan import Allan, BadSeries, Floats
 from .confidence import edf, interval, white_covariance
 
-READ_AT = 1.0  # s
-LEAST_EDF_OF_SLOPE = 8.0  # below that a variance is too uncertain to determine a slope
-LEAST_POINTS = 3  # needed for a line
-AGREE = 3.0  # standard errors within which a point belongs to the region
+READ_AT = 1.0  # tau in seconds at which the density is read
+LEAST_EDF_OF_SLOPE = 8.0  # with fewer degrees of freedom, a variance is too uncertain to determine a slope
+LEAST_POINTS = 3  # number of points that are needed for a line
+AGREE = 3.0  # number of standard errors within which a point is on the line
 
 
 @dataclass(frozen=True, eq=False)
 class Density:
-    """value, error in unit**2 s: N squared and its standard error; edf of its chi-square. region: indices fitted."""
+    """The density of white noise, N squared, in unit**2 s.
+
+    value, error: the density and its standard error.
+    edf: the degrees of freedom of its chi-square distribution.
+    region: the indices of the points to which it was fitted.
+    """
 
     value: float
     error: float
     edf: float
     region: slice
-    at_one_second: float  # the square of the deviation at the tau nearest 1 s, times that tau
+    at_one_second: float  # the square of the deviation at the tau nearest to 1 s, times this tau
 
     def bounds(self, level: float) -> tuple[float, float]:
-        """Return the interval that contains the true density with this probability."""
+        """Return the interval that contains the true density with the probability `level`."""
         low, high = interval(np.array([self.edf]), level)
         return self.value * float(low[0]), self.value * float(high[0])
 
 
 def density(name: str, found: Allan) -> Density:
-    """Return the density of white noise in a curve of octaves. Raise BadSeries if its slope is not -1/2 about 1 s."""
+    """Return the density of white noise in a curve of octaves. Raise BadSeries if the slope near 1 s is not -1/2."""
     relative = white_covariance(found.counts, found.length)
     known = int(np.count_nonzero(2 / np.diag(relative) >= LEAST_EDF_OF_SLOPE))
     relative = relative[:known, :known]
@@ -71,7 +79,7 @@ def density(name: str, found: Allan) -> Density:
 
 
 def _region(scaled_variance: Floats, relative: Floats, centre: int) -> slice:
-    """Return the points around one that are on a line of slope -1/2."""
+    """Return the adjacent points around `centre` that are on a line of slope -1/2."""
     begin, end = centre, centre + 1
     grows = True
     while grows:
@@ -84,14 +92,17 @@ def _region(scaled_variance: Floats, relative: Floats, centre: int) -> slice:
 
 
 def _weights(relative: Floats, region: slice) -> Floats:
-    """Weight each point by its own uncertainty: optimal weights would be worse for a sensor that is not quite white."""
+    """Return the weights of the points, which follow from the uncertainty of each point alone.
+
+    Weights that are optimal for white noise would be worse for a sensor whose noise is not exactly white.
+    """
     weights = 1 / np.diag(relative)[region]
     scaled: Floats = weights / weights.sum()
     return scaled
 
 
 def _agrees(scaled_variance: Floats, relative: Floats, begin: int, end: int, candidate: int) -> bool:
-    """True if a point is on the line of the region so far, within the scatter of white noise."""
+    """Return True if a point is on the line of the region so far, within the scatter of white noise."""
     region = slice(begin, end)
     weights = _weights(relative, region)
     mean = weights @ scaled_variance[region]
@@ -103,14 +114,14 @@ def _agrees(scaled_variance: Floats, relative: Floats, begin: int, end: int, can
     return bool(abs(scaled_variance[candidate] / mean - 1) < AGREE * variance**0.5)
 
 
-ROUNDS = 4  # weights come from the fit itself; they converge after a few rounds
+ROUNDS = 4  # number of fits; weights follow from the previous fit and converge after a few rounds
 LEAST_EDF = 2.0
-FLOOR = 2 * log(2) / pi  # of the variance, in B squared: a deviation of 0.664 B
+FLOOR = 2 * log(2) / pi  # variance of the flat part, in B squared: a deviation of 0.664 B
 
 
 @dataclass(frozen=True)
 class Term:
-    """A squared coefficient with its standard error, and its root, in the coefficient's unit."""
+    """A coefficient in its unit, and its square with its standard error."""
 
     squared: float
     squared_error: float
@@ -121,18 +132,23 @@ class Term:
 
     @property
     def found(self) -> bool:
-        """True if it differs significantly from 0."""
+        """Return True if the coefficient differs significantly from 0."""
         return self.squared > 2 * self.squared_error
 
     def bounds(self, errors: float) -> tuple[float, float]:
-        """Return the coefficient at `errors` standard errors below and above."""
+        """Return the coefficients whose squares are `errors` standard errors below and above."""
         aside = errors * self.squared_error
         return sqrt(max(self.squared - aside, 0.0)), sqrt(self.squared + aside)
 
 
 @dataclass(frozen=True)
 class SlowTerms:
-    """white: N in unit * sqrt(s). bias_instability: B in unit. random_walk: K in unit / sqrt(s)."""
+    """The fitted terms.
+
+    white: N in unit * sqrt(s).
+    bias_instability: B in unit.
+    random_walk: K in unit / sqrt(s).
+    """
 
     white: Term
     bias_instability: Term
@@ -140,7 +156,7 @@ class SlowTerms:
 
 
 def white_part(found: Allan, terms: SlowTerms) -> Density:
-    """Return the fitted density; its region is where white noise is most of the variance."""
+    """Return the fitted density of white noise. Its region is where white noise is most of the variance."""
     most = int(np.count_nonzero(terms.white.squared / found.taus > found.variance / 2))
     about = int(np.abs(np.log(found.taus / READ_AT)).argmin())
     freedom = 2 * (terms.white.squared / terms.white.squared_error) ** 2

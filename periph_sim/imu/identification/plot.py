@@ -1,7 +1,7 @@
 """The Allan plot: a log-log picture of identified axes with error bars and fitted lines, as a file.
 
-One panel a unit. Points with the interval that contains the true deviation with 68 %; the line of slope -1/2 where
-it was fitted, thin where it is extended to 1 s, and the ring where it is read.
+There is one panel per unit. Each point has the interval that contains the true deviation with a probability of 68 %.
+The line of slope -1/2 is thick where it was fitted and thin where it is extended to 1 s. A ring marks where it is read.
 """
 
 from __future__ import annotations
@@ -19,13 +19,14 @@ from .confidence import LEVELS, edf, interval
 from .noise_terms import FLOOR, READ_AT
 from .text_report import Axis
 
-COLOURS = ("#0060a8", "#c04a00", "#3a7d34", "#7a3b9a", "#777777")  # distinguishable with colour blindness
+# Colours that can be distinguished with colour blindness.
+COLOURS = ("#0060a8", "#c04a00", "#3a7d34", "#7a3b9a", "#777777")
 MARKS = "osd^v"
 STYLE: dict[Any, Any] = {"svg.hashsalt": "periph-sim", "svg.fonttype": "none", "font.size": 9.0, "axes.axisbelow": True}
 
 
 def plot(title: str, axes: Sequence[Axis], path: Path) -> None:
-    """Write SVG or PNG, by the suffix. Equal input gives equal bytes of SVG."""
+    """Write the plot as SVG or PNG, according to the suffix. Equal input gives an equal SVG file."""
     units = list(dict.fromkeys(axis.unit for axis in axes))
     with rc_context(STYLE):
         figure = Figure(figsize=(1.5 + 4.2 * len(units), 4.4))

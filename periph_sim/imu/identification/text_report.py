@@ -17,14 +17,14 @@ KNOWN = ("column", "95 % of the density", "rounding", "fitted from, to")
 
 @dataclass(frozen=True, eq=False)
 class Axis:
-    """One column of a recording: identified parameters, and its unit."""
+    """One column of a recording: its unit and its identified parameters."""
 
     unit: str
     found: Identified
 
 
 def table(title: str, axes: Sequence[Axis]) -> str:
-    """Format a head line, each column's parameters and errors, requested slow terms, and notes."""
+    """Format a table with a title, the parameters and errors of each column, requested slow terms, and notes."""
     lines = [title, "", *text_table(FOUND, [_found(axis) for axis in axes])]
     lines += ["", *text_table(KNOWN, [_known(axis) for axis in axes])]
     lines += ["", "Densities in the column's unit, squared, per Hz. Errors are standard errors."]
@@ -36,7 +36,7 @@ def table(title: str, axes: Sequence[Axis]) -> str:
 
 
 def as_json(axes: Sequence[Axis]) -> list[dict[str, object]]:
-    """Return one object for each column; numbers in the column's unit and seconds."""
+    """Return one object for each column, with numbers in the unit of the column and in seconds."""
     return [_object(axis) for axis in axes]
 
 
@@ -62,7 +62,7 @@ def _found(axis: Axis) -> tuple[str, ...]:
 
 
 def _known(axis: Axis) -> tuple[str, ...]:
-    """Format the density's interval, and the times it was fitted to."""
+    """Format the interval of the density, and the averaging times to which the density was fitted."""
     found = axis.found
     low, high = found.density.bounds(LEVELS["95 %"])
     taus = found.allan.taus[found.density.region]

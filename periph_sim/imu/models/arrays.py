@@ -1,7 +1,7 @@
-"""The models over whole recordings: from arrays of attitude, acceleration and noise to arrays of codes.
+"""The models for whole recordings: from arrays of attitude, acceleration and noise to arrays of codes.
 
-The same equations as for one sample, over pieces of the arrays that fit into the cache. A sample depends on itself and
-the one before only, so any length of pieces gives the same codes.
+The equations are those for one sample, and are applied to pieces of the arrays that fit into the cache. A code depends
+only on its sample and the sample before, so the length of the pieces does not affect the codes.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from ..numeric.q import Q
 from . import parameters
 from .imu import INPUTS, Codes, Imu, Noise, check_arrays, inputs_of
 
-PIECE = 8192  # samples: the working set fits the second-level cache
+PIECE = 8192  # number of samples of a piece; the working set fits into the second-level cache
 
 Int16s = NDArray[np.int16]
 
@@ -65,7 +65,7 @@ def codes_of(
 
 
 def _check_types(a: Arithmetic[Floats], given: tuple[Floats, ...]) -> None:
-    """Raise ValueError for arrays of a type that the arithmetic does not compute on."""
+    """Raise ValueError if the arrays have a type that the arithmetic does not accept."""
     if isinstance(a, Q):
         raise ValueError(f"{a.name} of Q computes one number at a time; give QArrays for arrays")
     if a.name == "float64":
@@ -82,7 +82,7 @@ def cut(arrays: Triple[Floats], here: slice) -> Triple[Floats]:
 
 
 def _behind(last: tuple[Floats, ...], now: Triple[Floats]) -> Triple[Floats]:
-    """Delay each array by one sample: prepend the value before it, drop its own last."""
+    """Delay each array by one sample: prepend the last value before it and remove its own last value."""
     x, y, z = (np.concatenate((first, array[:-1])) for first, array in zip(last, now, strict=True))
     return x, y, z
 

@@ -1,4 +1,4 @@
-"""Equations of the three sensor chips, for any arithmetic, with the derivative and the angles that they share."""
+"""Equations of the three sensor chips for any arithmetic, and the derivative and the angles that they share."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from .parameters import SensorParameters, Wrap
 
 T = TypeVar("T")
 
-COARSEST = 0.01  # of 1/Ts: every rate is off by the same part
+COARSEST = 0.01  # maximum relative error of 1/Ts, which is also that of every rate
 
 
 class Angles(NamedTuple, Generic[T]):
-    """s: sine, c: cosine; of roll phi, pitch theta, yaw psi."""
+    """Sines (s) and cosines (c) of roll phi, pitch theta and yaw psi."""
 
     s_phi: T
     c_phi: T
@@ -27,7 +27,7 @@ class Angles(NamedTuple, Generic[T]):
 
 
 def angles(a: Arithmetic[T], attitude: tuple[T, T, T]) -> Angles[T]:
-    """Return sines and cosines of roll, pitch, yaw in rad, computed once for all three sensors."""
+    """Return the sines and cosines of roll, pitch and yaw in rad, which all three sensors use."""
     phi, theta, psi = attitude
     return Angles(*a.sincos(phi), *a.sincos(theta), *a.sincos(psi))
 
@@ -37,14 +37,14 @@ class Derivative(Generic[T]):
 
         u(k), u(k-1) --> (u(k) - u(k-1)) / Ts --> phi', theta', psi' in rad/s
 
-    Source: the dissertation's section 4.3.2 (y(k) = (u(k) - u(k-1)) / Ts, Ts constant) and 4.3.5 (computed once for
-    both). It takes plain differences, so a yaw that continues from +180 to -180 degrees counts as a step of nearly
-    -360: "as built". "unwrapped" adds or subtracts one turn if a step of roll or yaw is longer than half a turn.
+    Source: the dissertation's section 4.3.2 (y(k) = (u(k) - u(k-1)) / Ts, Ts constant) and 4.3.5 (calculated once for
+    both). "as built" uses plain differences, so that a yaw which continues from +180 to -180 degrees is a step of
+    nearly -360. "unwrapped" adds or subtracts one turn if a step of roll or yaw is longer than half a turn.
 
-    1/Ts is a constant, as in a block with a fixed sample time. Ts = 0 has no derivative: such parameters are
-    rejected, so no arithmetic ever divides by it.
+    1/Ts is a constant, as in a block with a fixed sample time. Ts = 0 has no derivative; such parameters are rejected,
+    so no arithmetic ever divides by Ts.
 
-    period: Ts in seconds. DoesNotFit for a period whose 1/Ts is more than 1 % off in a Q format.
+    period: Ts in seconds. Raise DoesNotFit if 1/Ts is more than 1 % off in a Q format.
     """
 
     def __init__(self, a: Arithmetic[T], period: float, wrap: Wrap = "as built") -> None:
@@ -77,7 +77,7 @@ class Derivative(Generic[T]):
 
 
 class SensorEquations(Generic[T]):
-    """The last blocks of every sensor: from the sensed quantity to codes of its converter.
+    """The last blocks of every sensor, from the sensed quantity to the codes of its converter.
 
         physical + noise --> S (scale, cross-axis) --> saturation to the converter's codes --> whole LSB
 
@@ -125,7 +125,10 @@ class Gyroscope(SensorEquations[T]):
         return body_rates(self._a, rates, angles) if self._corrected else rates
 
     def codes(self, body: Triple[T], acceleration: Triple[T], noise: Triple[T]) -> Triple[T]:
-        """Return codes in LSB. body: p, q, r in rad/s; acceleration: linear, in g; noise in deg/s."""
+        """Return codes in LSB.
+
+        body: p, q, r in rad/s. acceleration: the linear acceleration in g. noise: in deg/s.
+        """
         a, v = self._a, self._v
         x, y, z = [a.neg(body[axis]) if negative else body[axis] for axis, negative in self._axes]
         rate, pushed = v.times((x, y, z), self._degrees), v.times(acceleration, self._g_sens)
@@ -164,7 +167,13 @@ class Accelerometer(SensorEquations[T]):
     def codes(
         self, angles: Angles[T], acceleration: Triple[T], body: Triple[T], change: Triple[T], noise: Triple[T]
     ) -> Triple[T]:
-        """Return codes in LSB. acceleration: linear, in g; body: p, q, r in rad/s; change: in rad/s^2; noise in g."""
+        """Return codes in LSB.
+
+        acceleration: the linear acceleration in g.
+        body: p, q, r in rad/s.
+        change: the change of p, q, r in rad/s^2.
+        noise: in g.
+        """
         v = self._v
         system = v.minus(acceleration, gravity(self._a, angles))
         measured = v.plus(system, self._lever(body, change))
@@ -216,7 +225,7 @@ class Magnetometer(SensorEquations[T]):
         self._one, self._zero = a.constant(1.0), a.constant(0.0)
 
     def codes(self, angles: Angles[T], noise: Triple[T]) -> Triple[T]:
-        """Return codes in LSB. noise in gauss."""
+        """Return codes in LSB. noise: in gauss."""
         v = self._v
         seen = v.plus(rotated(v, angles, self._earth), self._hard_iron)
         return self._converted(v.plus(self.on_board(seen), noise))

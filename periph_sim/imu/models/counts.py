@@ -1,7 +1,7 @@
-"""Number of operations for a sample, part by part: {"gyroscope": {"mul": 15, ...}, ...}.
+"""Numbers of operations for a sample in each part of the models: {"gyroscope": {"mul": 15, ...}, ...}.
 
-The choices among the parameters (corrected rates, unwrapped angles, how the field is turned) change the counts; the
-numbers do not, since the equations have no branches.
+Parameters that select a method (corrected rates, unwrapped angles, the rotation of the field) change the counts. Values
+do not change them, because the equations have no branches.
 """
 
 from __future__ import annotations
@@ -16,16 +16,17 @@ from . import parameters
 from .chips import angles
 from .imu import Imu
 
-COSTLESS = ("constant", "value")  # what a program does not compute at run time
+COSTLESS = ("constant", "value")  # operations that a program does not execute at run time
 
 
 class Counting:
-    """An arithmetic that computes like another one and counts the operations.
+    """An arithmetic that calculates like another one and counts the operations.
 
     equations --> Counting(Q(16)) --> the numbers of Q(16), and {"mul": 113, "add": 101, "sincos": 5, ...}
 
-    counts: number of operations of each kind since the last `pop_counts`. The models have no branches that depend on
-    numbers, so the counts are those of every sample. Vectors are computed number by number, whatever `a` offers.
+    counts: the number of operations of each kind since the last `pop_counts`. The models have no branches that depend
+        on values, so the counts are those of every sample. Vector operations are counted number by number, even if `a`
+        has its own.
     """
 
     def __init__(self, a: Arithmetic[Any]) -> None:
@@ -55,11 +56,11 @@ class Counting:
 
 
 PARTS = ("frame", "derivative", "angles", "gyroscope", "accelerometer", "magnetometer")
-FRAME = 6  # scaled values of a host frame
+FRAME = 6  # number of values of a host frame that are scaled
 
 
 def counts_of(imu: parameters.ImuParameters) -> dict[str, Counter[str]]:
-    """Count the operations of one sample by part; `frame` is the scaling of a host frame's six values."""
+    """Count the operations of one sample in each part. The part `frame` is the scaling of a host frame's six values."""
     return {part: Counter(counts) for part, counts in _counted(imu).items()}
 
 

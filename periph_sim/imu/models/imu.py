@@ -28,7 +28,11 @@ INPUTS = (
 
 
 class NotFinite(ValueError):
-    """An input of the models that is NaN or infinite. axis: such as "attitude, pitch"; index: of the sample."""
+    """An input of the models is NaN or infinite.
+
+    axis: the input, such as "attitude, pitch".
+    index: the index of the sample.
+    """
 
     def __init__(self, axis: str, value: object, index: int | None = None) -> None:
         where = "" if index is None else f" at sample {index}"
@@ -38,12 +42,12 @@ class NotFinite(ValueError):
 
 
 def inputs_of(attitude: Any, acceleration: Any, noise: Noise[Any] | None) -> tuple[Any, ...]:
-    """Return the values in the order of INPUTS; six of them without noise."""
+    """Return the values in the order of INPUTS. Without noise there are only the first six."""
     return (*attitude, *acceleration, *(axis for chip in noise or () for axis in chip))
 
 
 def check_sample(attitude: Any, acceleration: Any, noise: Noise[Any]) -> None:
-    """Check one sample, in numbers of any arithmetic. NotFinite names the axis."""
+    """Raise NotFinite, with the axis, if a value of a sample is not finite. Values are numbers of any arithmetic."""
     gyroscope, accelerometer, magnetometer = noise
     values = (*attitude, *acceleration, *gyroscope, *accelerometer, *magnetometer)
     if not all(map(isfinite, values)):
@@ -52,7 +56,10 @@ def check_sample(attitude: Any, acceleration: Any, noise: Noise[Any]) -> None:
 
 
 def check_arrays(arrays: tuple[Any, ...]) -> None:
-    """Check arrays in the order of INPUTS. NotFinite names the axis and the index of the first such sample."""
+    """Raise NotFinite, with the axis and the index of the first such sample, if a value in the arrays is not finite.
+
+    arrays: the arrays in the order of INPUTS.
+    """
     import numpy as np
 
     for axis, array in enumerate(arrays):
@@ -75,7 +82,7 @@ class Noise(NamedTuple, Generic[T]):
 
 
 class Codes(NamedTuple, Generic[T]):
-    """LSB on x, y, z of each chip: whole numbers."""
+    """Codes of each chip on x, y and z, in LSB: whole numbers."""
 
     gyroscope: Triple[T]
     accelerometer: Triple[T]
@@ -90,7 +97,7 @@ class State(NamedTuple, Generic[T]):
 
 
 def _named(part: str, build: Callable[[], R]) -> R:
-    """Return what `build` makes; prefix DoesNotFit with the part whose constant a format cannot hold."""
+    """Return the result of `build`. If it raises DoesNotFit, add the name of the part to the message."""
     try:
         return build()
     except DoesNotFit as error:
@@ -98,9 +105,9 @@ def _named(part: str, build: Callable[[], R]) -> R:
 
 
 class Imu(Generic[T]):
-    """The models of the three sensors. Stateless: `step` takes and returns the state.
+    """The models of the three sensors. They are stateless: `step` receives a state and returns the next one.
 
-    overflows: number of results of `RememberingImu` that did not fit since it was built.
+    overflows: the number of results of a `RememberingImu` that did not fit since it was built.
     """
 
     overflows = 0
@@ -118,19 +125,26 @@ class Imu(Generic[T]):
         self.magnetometer = _named("magnetometer", lambda: Magnetometer(a, imu.magnetometer))
 
     def check(self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T]) -> None:
-        """Raise NotFinite, naming the axis, for a NaN or an infinity; a Q format has none."""
+        """Raise NotFinite, with the axis, for a NaN or an infinity. A Q format has neither."""
         if not isinstance(self.a, Q):
             check_sample(attitude, acceleration, noise)
 
     def motion(self, attitude: Triple[T], before: Triple[T]) -> tuple[Angles[T], Triple[T]]:
-        """Return sines and cosines, and p, q, r in rad/s, from this attitude and the one before, in rad."""
+        """Return the sines and cosines of an attitude, and p, q, r in rad/s from this attitude and the one before.
+
+        Attitudes are in rad.
+        """
         turned = angles(self.a, attitude)
         return turned, self.gyroscope.body_rates(self.derivative.rates(attitude, before), turned)
 
     def codes(
         self, turned: Angles[T], acceleration: Triple[T], body: Triple[T], body_before: Triple[T], noise: Noise[T]
     ) -> Codes[T]:
-        """Return nine LSB. acceleration: linear, in g; body, body_before: p, q, r now and one sample before."""
+        """Return the nine codes in LSB.
+
+        acceleration: the linear acceleration in g.
+        body, body_before: p, q, r in rad/s of this sample and of the sample before.
+        """
         g, a, m = (self.codes_of(chip, turned, acceleration, body, body_before, noise) for chip in Codes._fields)
         return Codes(g, a, m)
 
@@ -143,7 +157,7 @@ class Imu(Generic[T]):
         body_before: Triple[T],
         noise: Noise[T],
     ) -> Triple[T]:
-        """Return the codes of one chip, by its name in Codes; arguments as for `codes`."""
+        """Return the codes of the chip with a name in Codes. The other arguments are as for `codes`."""
         if chip == "gyroscope":
             return self.gyroscope.codes(body, acceleration, noise.gyroscope)
         if chip == "magnetometer":
@@ -154,9 +168,9 @@ class Imu(Generic[T]):
     def step(
         self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T], before: State[T]
     ) -> tuple[Codes[T], State[T]]:
-        """Compute one sample and the next state. attitude in rad, acceleration in g.
+        """Calculate the codes of one sample and the next state. attitude: in rad. acceleration: in g.
 
-        NotFinite, naming the axis, for a NaN or an infinity.
+        Raise NotFinite, with the axis, for a NaN or an infinity.
         """
         self.check(attitude, acceleration, noise)
         turned, body = self.motion(attitude, before.attitude)

@@ -1,6 +1,7 @@
 """Parameters of the sensor models: named numbers with unit, range and source (see quantity.py).
 
-Table 4.1 of the dissertation is the default. If it gives no value, the source says so, and why this one was chosen.
+The defaults are those of Table 4.1 of the dissertation. If it gives no value, the source says so and gives the reason
+for the value that was chosen.
 """
 
 from __future__ import annotations
@@ -17,7 +18,8 @@ Wrap = Literal["as built", "unwrapped"]
 Spherical = Literal["four-quadrant", "plain", "rotation"]
 Norm = Literal["squares", "mag"]
 
-PERIOD_TOLERANCE = Fraction(1, 1000)  # clocks of unit, controller and host may differ by 1000 ppm together
+# Tolerance of a period, because the clocks of unit, controller and host may differ by 1000 ppm in total.
+PERIOD_TOLERANCE = Fraction(1, 1000)
 STANDARD_GRAVITY = 9.81  # m/s^2 in one g, section 4.3.4
 NONE: Vector = (0.0, 0.0, 0.0)
 
@@ -34,7 +36,7 @@ EITHER = "not said; nearest; Table 5.1's emulated means of this sensor lie half 
 
 
 class SensorParameters(Checked, frozen=True):
-    """Common parameters: S (scale on its diagonal, cross-axis terms beside it) and the converter's codes."""
+    """Parameters of every sensor: the matrix S, and the codes of the converter."""
 
     scale: float
     cross_axis: float
@@ -43,7 +45,10 @@ class SensorParameters(Checked, frozen=True):
 
     @property
     def matrix(self) -> tuple[Vector, Vector, Vector]:
-        """S: LSB on each axis per unit on each. Off the diagonal: cross_axis times scale, all with the same sign."""
+        """The matrix S, in LSB of each axis per unit on each axis.
+
+        The diagonal is the scale. The other elements are cross_axis times scale, all with the same sign.
+        """
         on, off = self.scale, self.scale * self.cross_axis
         return (on, off, off), (off, on, off), (off, off, on)
 
@@ -69,9 +74,10 @@ class AccelerometerParameters(SensorParameters, frozen=True):
 
 
 class GyroscopeParameters(SensorParameters, frozen=True):
-    """ITG-3200 (equation 4.5, appendix B). mounting: the body axis, with sign, along each chip axis; 1 is x.
+    """ITG-3200 (equation 4.5, appendix B).
 
-    rates: "as built", the derivatives of the three angles, or "corrected", the body rates of appendix B.
+    mounting: for each axis of the chip, the body axis along it with its sign; 1 is x.
+    rates: "as built" for the derivatives of the three angles, or "corrected" for the body rates of appendix B.
     """
 
     bias: Annotated[Vector, Quantity("deg/s", -2000, 2000, TABLE)] = (-3.10, 3.60, 0.04)
@@ -97,9 +103,9 @@ class GyroscopeParameters(SensorParameters, frozen=True):
 class MagnetometerParameters(SensorParameters, frozen=True):
     """HMC5883L (equations 4.6 to 4.8). hard_iron: V; earth_field: H_rt; board: Incl_PCB.
 
-    spherical: method for H_rp. "four-quadrant": by azimuth and elevation with atan2, as intended; "plain": with the
-    arctangents as written; "rotation": the same values as "four-quadrant" without any angle (see `chips.Magnetometer`).
-    norm: "squares", the roots as written; "mag", two magnitudes of two numbers each, without large squares.
+    spherical: the method for H_rp. "four-quadrant": by azimuth and elevation with atan2, as intended. "plain": with the
+        arctangents as written. "rotation": the values of "four-quadrant" without angles (see `chips.Magnetometer`).
+    norm: "squares" for the roots as written; "mag" for two magnitudes of two numbers each, without large squares.
     """
 
     hard_iron: Annotated[Vector, Quantity("gauss", -8, 8, TABLE)] = (-0.16, 0.17, -0.02)
@@ -119,9 +125,10 @@ class MagnetometerParameters(SensorParameters, frozen=True):
 
 
 class ImuParameters(Checked, frozen=True):
-    """Parameters of all three sensors and of their common derivative. period: Ts.
+    """Parameters of all three sensors and of their common derivative.
 
-    wrap: "as built", a step of nearly 360 degrees counts as one; "unwrapped", roll and yaw take the shorter way.
+    period: Ts.
+    wrap: "as built": a step of nearly 360 degrees is used as it is. "unwrapped": roll and yaw use the shorter way.
     """
 
     accelerometer: AccelerometerParameters = AccelerometerParameters()
@@ -131,9 +138,11 @@ class ImuParameters(Checked, frozen=True):
     wrap: Annotated[Wrap, Choice("section 4.3.2 takes plain differences")] = "as built"
 
     def check_period(self, runs: Fraction, what: str) -> None:
-        """Raise BadParameter unless the models' period is `runs` seconds, within 0.1 %. what: such as "once a round".
+        """Raise BadParameter unless the models' period is `runs` seconds, within 0.1 %.
 
-        If the models run less or more often than `period` states, every rate is wrong by the ratio, without any sign.
+        If the models run at another period than `period`, every rate is wrong by the ratio, and nothing shows this.
+
+        what: the occasion at which the models run, for the message, such as "once a round".
         """
         period = Fraction(self.period)
         if abs(period - runs) > PERIOD_TOLERANCE * runs:

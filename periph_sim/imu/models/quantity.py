@@ -2,7 +2,7 @@
 
     bias: Annotated[Vector, Quantity("g", -16, 16, "Table 4.1")] = (-0.02, 0.02, 0.0)
 
-A set checks itself at construction: BadParameter names the parameter, the value and the range.
+A set checks itself at construction. It raises BadParameter with the parameter, the value and the range.
 """
 
 from __future__ import annotations
@@ -19,7 +19,11 @@ Vector = tuple[float, float, float]  # x, y, z
 
 
 class BadParameter(InputError):
-    """An invalid parameter. name: such as "gyroscope.bias"; what: what was found and expected."""
+    """A parameter is invalid.
+
+    name: the name of the parameter, such as "gyroscope.bias".
+    what: what was found and expected.
+    """
 
     def __init__(self, name: str, what: str) -> None:
         super().__init__(f"{name}: {what}")
@@ -28,7 +32,7 @@ class BadParameter(InputError):
 
 
 class Quantity(Struct, frozen=True):
-    """Unit, range and source of a number, or of each of a vector's three. low, high: inclusive."""
+    """Unit, range and source of a number, or of each number of a vector. low, high: the inclusive limits."""
 
     unit: str
     low: float
@@ -41,20 +45,23 @@ class Quantity(Struct, frozen=True):
 
 
 class Choice(Struct, frozen=True):
-    """Source of a choice among named alternatives."""
+    """Source of a parameter that selects one of several named alternatives."""
 
     source: str
 
 
 class Parameter(Struct, frozen=True):
-    """One entry of a set, as its annotation declares it. kind: Vector, float, int, a Literal or a set itself."""
+    """One entry of a set, as its annotation declares it.
+
+    kind: Vector, float, int, a Literal, or a set of parameters.
+    """
 
     name: str
     kind: Any
     says: Quantity | Choice | None
 
 
-_known: dict[type, tuple[Parameter, ...]] = {}  # cached: reading annotations takes longer than all checks
+_known: dict[type, tuple[Parameter, ...]] = {}  # cache, because reading annotations takes longer than all checks
 
 
 def parameters_of(kind: type[Checked]) -> tuple[Parameter, ...]:

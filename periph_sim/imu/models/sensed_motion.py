@@ -2,9 +2,9 @@
 
     motion.truth --attitude, rates, acceleration at t--> models in float64 --> LSB, saturated, not rounded
 
-Rates are those of the motion itself at that instant, not differences of two samples, and always body rates (appendix
-B): a gyroscope fixed to the body measures these, however an emulator computes them. At a corner of the motion, the
-values after it count.
+Rates are those of the motion at the instant and not differences of two samples. They are always body rates (appendix
+B), because a gyroscope that is fixed to the body measures these, even if an emulator calculates others. At a corner of
+the motion, the values after it count.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from .parameters import ImuParameters
 
 Floats = NDArray[np.float64]
 
-STEP = 1e-4  # seconds for the change of the body rates; it matters with a lever arm only
+STEP = 1e-4  # seconds over which the change of the body rates is calculated, which only a lever arm needs
 
 
 class Unrounded(Float64Arrays):
-    """float64 whose codes keep their fractions."""
+    """The arithmetic float64 with codes that are not rounded."""
 
     def to_integer(self, x: Floats, rounding: Rounding) -> Floats:
         return x
@@ -36,12 +36,16 @@ class Unrounded(Float64Arrays):
 
 @lru_cache(maxsize=16)
 def _model_of(imu: ImuParameters) -> Imu[Floats]:
-    """Return the model. It is stateless, so scenes with equal parameters share it."""
+    """Return the model for a parameter set. It is stateless, so scenes with equal parameters share it."""
     return Imu(Unrounded(), replace(imu, gyroscope=replace(imu.gyroscope, rates="corrected")))
 
 
 class SensedMotion:
-    """imu: its parameters. motion: of the body, from time 0 on."""
+    """Exact readings of the sensors on a moving body.
+
+    imu: the parameters of the sensors.
+    motion: the motion of the body, from time 0 on.
+    """
 
     def __init__(self, imu: ImuParameters, motion: Motion) -> None:
         self._motion = motion.truth
@@ -49,10 +53,14 @@ class SensedMotion:
         self._model = _model_of(imu)
 
     def lsb(self, times: Floats, noise: Noise[Floats] | None = None) -> dict[str, Floats]:
-        """Return by chip x, y, z in LSB, float64[n, 3], at times in seconds, float64[n]. noise: from `imu_noise`."""
+        """Return x, y, z of each chip in LSB, float64[n, 3].
+
+        times: the instants in seconds, float64[n].
+        noise: the noise at these instants, from `imu_noise`.
+        """
         turned, body = self._turning(times)
         _, later = self._turning(times + STEP)
-        # The models take the change of the rates from one sample to the next.
+        # The models calculate the change of the rates from two samples.
         part = self._period / STEP
         before = tuple(now - (then - now) * part for now, then in zip(body, later, strict=True))
         pushed = _columns(self._motion.acceleration(times))
@@ -60,7 +68,7 @@ class SensedMotion:
         return {name: np.stack(getattr(codes, name), axis=1) for name in codes._fields}
 
     def _turning(self, times: Floats) -> tuple[Angles[Floats], Triple[Floats]]:
-        """Return sines and cosines; p, q, r in rad/s."""
+        """Return the sines and cosines of the attitude, and p, q, r in rad/s."""
         turned = angles(self._model.a, _columns(self._motion.attitude(times)))
         return turned, self._model.gyroscope.body_rates(_columns(self._motion.rates(times)), turned)
 

@@ -1,12 +1,12 @@
-"""Host motion: attitude and acceleration as functions of time, of several kinds.
+"""Motions of the host: attitude and acceleration as functions of time.
 
-One file of this folder that has a function `motion` is one kind of motion, found by its presence. It defines
+Each file in this folder that has a function `motion` is a kind of motion; it needs no registration. It defines
 
     Settings             a dataclass of the keys of [host.motion], with units (`quantities`)
     motion(settings)     the `Motion`; BadMotion for invalid settings
 
-Angles are the usual aerospace ones, z down: roll phi, pitch theta, yaw psi in rad. Accelerations are linear ones
-of the body in g, without gravity (dissertation sections 3.4 and 4.3.1).
+Angles are the usual ones of aerospace with z down: roll phi, pitch theta and yaw psi, in rad. Accelerations are linear
+accelerations of the body in g, without gravity (dissertation sections 3.4 and 4.3.1).
 """
 
 from __future__ import annotations
@@ -30,17 +30,17 @@ VALUES = ANGLES + ACCELERATIONS
 
 
 class BadMotion(InputError):
-    """Invalid motion: the message names the value and the range, or the file and the line."""
+    """A motion is invalid. The message names the value and the range, or the file and the line."""
 
 
 class Motion(Protocol):
     """A motion from time 0 on. Times are float64 seconds of shape (n,); results have shape (n, 3)."""
 
-    ends: float  # seconds after which nothing moves any more; infinite if it continues
+    ends: float  # time in seconds after which nothing changes any more; infinite if the motion continues
 
     @property
     def truth(self) -> Motion:
-        """The body's true motion, if its reported attitude is coarser; else the same motion."""
+        """The true motion of the body. It is another motion if the reported attitude is coarser than the true one."""
         return self
 
     def attitude(self, times: Floats) -> Floats:
@@ -48,7 +48,7 @@ class Motion(Protocol):
         ...
 
     def rates(self, times: Floats) -> Floats:
-        """Return the true rates of phi, theta, psi in rad/s; at a corner, those after it."""
+        """Return the true rates of phi, theta, psi in rad/s. At a corner, they are those after it."""
         ...
 
     def acceleration(self, times: Floats) -> Floats:
@@ -58,18 +58,18 @@ class Motion(Protocol):
 
 @runtime_checkable
 class SingleTimes(Protocol):
-    """A motion that can also compute a single time without numpy, whose import takes longer than many runs.
+    """A motion that can also be evaluated at a single time without numpy, whose import takes longer than many runs.
 
-    Its values are within 1e-12 of those of the arrays.
+    Its values differ from those of the arrays by less than 1e-12.
     """
 
     def at(self, seconds: float) -> tuple[float, ...]:
-        """Return the six values at a time, rad and g."""
+        """Return the six values at a time, in rad and g."""
         ...
 
 
 class MotionKind(Protocol):
-    """The definitions of every kind of motion."""
+    """The definitions in the file of a kind of motion."""
 
     Settings: type[object]
 
@@ -78,7 +78,7 @@ class MotionKind(Protocol):
 
 @cache
 def kinds() -> dict[str, MotionKind]:
-    """Return every kind of motion, by the name of its file."""
+    """Return every kind of motion, indexed by the name of its file."""
     return {name: cast(MotionKind, module) for name, module in modules_with("motion", __name__, __path__).items()}
 
 
@@ -89,12 +89,12 @@ def kind_named(name: str) -> MotionKind | None:
 
 
 def sampled(motion: Motion, times: Floats) -> Floats:
-    """Return the six values at these times, shape (n, 6): rad and g. Raise BadMotion for the first out of range."""
+    """Return the six values at these times in rad and g, shape (n, 6). Raise BadMotion if a value is out of range."""
     import numpy as np
 
     values = np.hstack([motion.attitude(times), motion.acceleration(times)])
     for first, limit, unit in ((0, ANGLE_RANGE, "rad"), (3, ACCELERATION_RANGE, "g")):
-        wrong = np.argwhere(~(np.abs(values[:, first : first + 3]) <= limit))  # so that NaN is wrong too
+        wrong = np.argwhere(~(np.abs(values[:, first : first + 3]) <= limit))  # this form also finds NaN
         if len(wrong):
             row, column = wrong[0][0], wrong[0][1] + first
             raise BadMotion(

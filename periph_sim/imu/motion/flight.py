@@ -1,10 +1,10 @@
-"""A recorded flight from a CSV file, linearly interpolated between its rows, angles by the shorter way.
+"""A recorded flight from a CSV file, interpolated linearly between its rows. Angles are interpolated the shorter way.
 
     time [s],phi [deg],theta [deg],psi [deg],ax [g],ay [g],az [m/s^2]
 
-Angles in rad, deg or mrad, accelerations in g, mg or m/s^2; the columns may be in any order, and others are
-ignored. Roll and yaw are returned from -180 (not included) to 180 degrees, whatever range the file uses.
-Time 0 of the run is the first row; after the last one its values stay.
+Angles are in rad, deg or mrad, and accelerations in g, mg or m/s^2. The columns may be in any order, and other columns
+are ignored. Roll and yaw are returned from -180 (not included) to 180 degrees, even if the file uses another range.
+Time 0 of the run is the first row. After the last row, its values remain.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from .quantities import ACCELERATION_RANGE, ACCELERATION_UNITS, ANGLE_RANGE, ANG
 
 @dataclass(frozen=True)
 class Settings:
-    """file: its path, relative to the current directory."""
+    """The settings of a flight. file: the path of the file, relative to the current directory."""
 
     file: Path
 
 
 class Flight(Straight):
-    """A record whose roll and yaw may pass 180 degrees."""
+    """A recorded motion whose roll and yaw may pass 180 degrees."""
 
     def attitude(self, times: Floats) -> Floats:
         angles = super().attitude(times)
@@ -39,7 +39,7 @@ class Flight(Straight):
 
 
 def motion(settings: Settings) -> Flight:
-    """Read a flight. Raise BadCapture or BadMotion with file and line for an invalid file."""
+    """Read a flight. Raise BadCapture or BadMotion, with file and line, if the file is invalid."""
     path = settings.file
     columns = {column.name: column for column in read(path)}
     times = _values(path, columns, "time", TIME_UNITS)
@@ -80,4 +80,4 @@ def _bad(path: Path, row: int, found: str, expected: str) -> BadMotion:
     return BadMotion(f"{path}, line {line_of_row(path, row)}: {found}; expected {expected}")
 
 
-assert VALUES == ANGLES + ACCELERATIONS  # the order of the rows above is that of a host frame
+assert VALUES == ANGLES + ACCELERATIONS  # the rows above have the order of a host frame

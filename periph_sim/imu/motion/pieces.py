@@ -1,6 +1,6 @@
-"""Piecewise motion: six values at rising times, which hold, or are linearly interpolated, in between.
+"""Piecewise motion: six values at increasing times, between which they are constant or interpolated linearly.
 
-Before the first time and after the last the values hold. Parts of `flight`, `servo`, `static` and `steps`.
+Before the first and after the last time, the values are constant. `flight`, `servo`, `static` and `steps` use this.
 """
 
 from __future__ import annotations
@@ -14,7 +14,11 @@ Floats = NDArray[np.float64]
 
 
 class Held(Motion):
-    """times: rising, shape (n,), n > 0. values: shape (n, 6), each row holds from its time on."""
+    """A motion that is constant between given times.
+
+    times: increasing, shape (n,), n > 0.
+    values: the values from each time on, shape (n, 6).
+    """
 
     def __init__(self, times: Floats, values: Floats) -> None:
         self.ends = float(times[-1])
@@ -28,7 +32,7 @@ class Held(Motion):
         return self._at(times, slice(3, 6))
 
     def rates(self, times: Floats) -> Floats:
-        """Return zeros: a step takes no time, and has no rate."""
+        """Return zeros, because a step takes no time and so has no rate."""
         return np.zeros((len(times), 3))
 
     def _at(self, times: Floats, columns: slice) -> Floats:
@@ -37,7 +41,11 @@ class Held(Motion):
 
 
 class Straight(Held):
-    """times: strictly rising, shape (n,), n > 0. values: shape (n, 6), reached at their times."""
+    """A motion that is linear between given times.
+
+    times: strictly increasing, shape (n,), n > 0.
+    values: the values at each time, shape (n, 6).
+    """
 
     def __init__(self, times: Floats, values: Floats) -> None:
         super().__init__(times, values)

@@ -1,7 +1,8 @@
-"""Physical quantities and poses in the settings of motions: texts with units, converted to SI (accelerations to g).
+"""Physical quantities and poses in the settings of motions: texts with units that are converted to numbers.
 
-`Angle` converts "50 deg" to rad, `Rate` "52.2 rpm" to rad/s, `Acceleration` "0.5 g" to g. A bare number in a case
-is an error, since its unit would be a guess. Values beyond the range of a motion are errors.
+`Angle` converts "50 deg" to rad, `Rate` converts "52.2 rpm" to rad/s, and `Acceleration` converts "0.5 g" to g. A
+number without a unit is an error in a case, because its unit would be a guess. Values beyond the range of a motion are
+errors.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ from typing import Annotated
 from ...core.convert import Before
 from ...core.time import UNITS as TIMES
 
-GRAVITY = 9.81  # m/s**2 in one g, as the dissertation has it
+GRAVITY = 9.81  # m/s**2 in one g, as in the dissertation
 
 ANGLE_UNITS = {"rad": 1.0, "deg": pi / 180, "mrad": 1e-3}
 RATE_UNITS = {"rad/s": 1.0, "deg/s": pi / 180, "rpm": 2 * pi / 60}
@@ -24,13 +25,16 @@ ACCELERATION_UNITS = {"g": 1.0, "mg": 1e-3, "m/s^2": 1 / GRAVITY}
 TIME_UNITS = {unit: float(length) for unit, length in TIMES.items()}
 FREQUENCY_UNITS = {"Hz": 1.0, "mHz": 1e-3, "kHz": 1e3}
 
-ANGLE_RANGE = 2 * pi  # recordings go from -180 to 180 degrees, or from 0 to 360
-ACCELERATION_RANGE = 100.0  # g; far beyond the sensors' ranges and an airframe's strength
-RATE_RANGE = 1000.0  # rad/s
+ANGLE_RANGE = 2 * pi  # maximum angle: recordings use -180 to 180 degrees, or 0 to 360
+ACCELERATION_RANGE = 100.0  # maximum acceleration in g; far beyond the sensors' ranges and an airframe's strength
+RATE_RANGE = 1000.0  # maximum rate in rad/s
 
 
 def quantity(units: Mapping[str, float], least: float, most: float, value: object) -> float:
-    """Parse a text such as "52.2 rpm" to the unit whose factor is 1. Raise ValueError with a remedy."""
+    """Parse a text such as "52.2 rpm" and convert it to the unit whose factor is 1.
+
+    Raise ValueError, with a remedy, if it is invalid.
+    """
     example = " or ".join(units)
     if isinstance(value, float):  # a default, or from Settings built in Python
         number = value
@@ -51,7 +55,7 @@ def quantity(units: Mapping[str, float], least: float, most: float, value: objec
 
 
 def shown(most: float, unit: str, least: float | None = None) -> str:
-    """Format a range; it begins at -most if `least` is None."""
+    """Format a range. It begins at -most if `least` is None."""
     low = -most if least is None else least
     if most == inf:
         return f"{low:g} {unit} or more"
@@ -81,7 +85,7 @@ class Pose:
     az: Acceleration = 0.0
 
 
-LEVEL = Pose()  # and north, at rest
+LEVEL = Pose()  # level, pointing north, at rest
 
 
 def row(pose: Pose) -> list[float]:

@@ -2,10 +2,10 @@
 
     0 --fast--> +swing, hold, --slow--> -swing, hold, and so on, --fast--> 0, hold: pitch, then yaw, then roll
 
-Dissertation section 5.3: 52.2 and 2.9 rpm, 50, 50 and 80 degrees, servos AX-18A of 0.29 degrees resolution. Their
-positions came over a slow serial line and were interpolated before they went to the emulator. Chosen where it is
-silent: the duration of a hold, the number of swings, the reading interval, and that a servo reaches its speed at
-once.
+Dissertation section 5.3: 52.2 and 2.9 rpm, 50, 50 and 80 degrees, servos AX-18A with a resolution of 0.29 degrees.
+Their positions were read over a slow serial line and interpolated before they were sent to the emulator. Chosen,
+because the dissertation does not state them: the duration of a hold, the number of swings and the reading interval. A
+servo reaches its speed at once.
 """
 
 from __future__ import annotations
@@ -23,12 +23,16 @@ from .quantities import Angle, Rate, Seconds
 
 DEGREE = pi / 180  # rad
 RPM = 2 * pi / 60  # rad/s
-MOST_READS = 1_000_000  # rows of positions held in memory
+MOST_READS = 1_000_000  # maximum number of positions that are held in memory
 
 
 @dataclass(frozen=True)
 class Settings:
-    """resolution 0: exact positions. read_every 0: read continuously, so nothing is interpolated."""
+    """The settings of the servos.
+
+    resolution: 0 for exact positions.
+    read_every: 0 if positions are read continuously, so that nothing is interpolated.
+    """
 
     pitch: Angle = 50 * DEGREE
     yaw: Angle = 50 * DEGREE
@@ -66,7 +70,7 @@ def path(settings: Settings) -> Straight:
 
 
 class Servo:
-    """attitude: as read. rates: the true ones."""
+    """The motion of the servos. Its attitude is the one that is read; its rates are the true ones."""
 
     def __init__(self, settings: Settings) -> None:
         self._path = path(settings)
@@ -97,11 +101,11 @@ class Servo:
         return self._path.rates(times)
 
     def acceleration(self, times: Floats) -> Floats:
-        """Return zeros: the servos rotate the sensors about their own position."""
+        """Return zeros, because the servos rotate the sensors about the sensors' own position."""
         return np.zeros((len(times), 3))
 
     def _positions(self, times: Floats) -> Floats:
-        """Return positions at the servos' resolution."""
+        """Return positions that are rounded to the resolution of the servos."""
         positions = self._path.attitude(times)
         return np.rint(positions / self._resolution) * self._resolution if self._resolution else positions
 

@@ -1,4 +1,4 @@
-"""Motion in sine waves of any of the six values; waves of one value add up.
+"""Motion by sine waves of any of the six values. Waves of the same value are added.
 
 mean = { theta = "10 deg" }
 angles = [ { of = "theta", amplitude = "20 deg", frequency = "0.5 Hz", phase = "90 deg" } ]
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class AngleWave(Table, frozen=True):
-    """amplitude * sin(2 pi frequency t + phase), added to the angle `of`."""
+    """A sine wave, amplitude * sin(2 pi frequency t + phase), that is added to the angle `of`."""
 
     of: Literal["phi", "theta", "psi"]
     amplitude: Angle
@@ -29,7 +29,7 @@ class AngleWave(Table, frozen=True):
 
 
 class AccelerationWave(Table, frozen=True):
-    """A sine wave added to the acceleration `of`."""
+    """A sine wave that is added to the acceleration `of`."""
 
     of: Literal["ax", "ay", "az"]
     amplitude: Acceleration
@@ -39,7 +39,7 @@ class AccelerationWave(Table, frozen=True):
 
 @dataclass(frozen=True)
 class Settings:
-    """mean: the centre of the waves."""
+    """The settings of the waves. mean: the values to which the waves are added."""
 
     angles: tuple[AngleWave, ...] = ()
     accelerations: tuple[AccelerationWave, ...] = ()

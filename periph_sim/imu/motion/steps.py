@@ -1,4 +1,4 @@
-"""Motion in steps: the values of a pose change at given times, and hold in between.
+"""Motion in steps: the values of a pose change at given times and are constant in between.
 
 start = { theta = "10 deg" }
 steps = [ { at = "1 s", theta = "20 deg" }, { at = "2 s", ax = "0.5 g" } ]
@@ -17,7 +17,7 @@ from .quantities import LEVEL, Acceleration, Angle, Pose, Seconds, row
 
 @dataclass(frozen=True)
 class Step:
-    """A change of the given values at this time; the others stay."""
+    """A change of the given values at a time. Other values do not change."""
 
     at: Seconds
     phi: Angle | None = None
@@ -30,14 +30,14 @@ class Step:
 
 @dataclass(frozen=True)
 class Settings:
-    """start: the values before the first step. steps: at rising times."""
+    """The settings of the steps. start: the values before the first step. steps: the steps, at increasing times."""
 
     steps: tuple[Step, ...]
     start: Pose = LEVEL
 
 
 def motion(settings: Settings) -> Held:
-    """Build the motion. Raise BadMotion if the times do not rise."""
+    """Build the motion. Raise BadMotion if the times do not increase."""
     times, rows = [0.0], [row(settings.start)]
     for number, step in enumerate(settings.steps):
         if step.at <= times[-1] and number:

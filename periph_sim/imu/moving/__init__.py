@@ -1,4 +1,4 @@
-"""The moving experiment: the same motion measured by emulator and real chips, both with the same filter.
+"""The moving experiment: a motion is measured by the emulator and by real chips, and both are filtered in the same way.
 
     case --emulator--> SCI, firmware, I2C --+
          --chips-----> ITG-3200 ... , I2C --+--> sensor head --> units, known biases off --> EKF --> attitudes

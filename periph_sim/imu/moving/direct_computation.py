@@ -1,9 +1,9 @@
-"""Codes computed without wires, from frames and their order, one model run after another.
+"""Codes that are calculated without wires, from frames and their order, one run of the models after another.
 
     frames --> int16 counts --> models over arrays, in the firmware's arithmetic, with its noise --> codes
 
-Run n of the models has the noise of number n; run 0 is before the first frame, with zeros. Which frame a run
-uses depends on timing: it is given, or computed from a schedule without jitter.
+Run n of the models has the noise with number n. Run 0 is before the first frame and uses zeros. The frame that a run
+uses depends on timing. It is given, or calculated from a schedule without jitter.
 """
 
 from __future__ import annotations
@@ -25,14 +25,17 @@ from ..rotations import Floats
 from ..samples import Ints, Readings
 from .subject import EmulatorUnderTest
 
-BITS_OF_REQUEST = 3 + 9 * 9  # START, repeated START, STOP; two addresses, a pointer, six bytes
-BITS_OF_BYTE = 10  # start, eight, stop
+BITS_OF_REQUEST = 3 + 9 * 9  # bits for START, repeated START and STOP; two addresses, a pointer, six bytes
+BITS_OF_BYTE = 10  # number of bits of a character: start, eight, stop
 
 
 def emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings:
-    """Return the readings of each round, or of each run of the models if `frames` names the frame of each (-1: none).
+    """Return the readings of the emulator in each round.
 
-    Runs before the first frame have no effect on it, and its rate is zero, as in the firmware.
+    Runs of the models before the first frame do not affect later runs. The rates of the first frame are zero, as in the
+    firmware.
+
+    frames: the frame that each run of the models uses, -1 for none; then the readings are those of each run.
     """
     carried = frames_by_schedule(subject) if frames is None else frames
     counts = _counts(subject, carried)
@@ -56,7 +59,7 @@ def emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings
 
 
 def sensors(subject: EmulatorUnderTest) -> Readings:
-    """Return the readings of real sensors that sample when a round is due, with other noise than the emulator's."""
+    """Return the readings of real sensors that sample when a round is due. Their noise is not that of the emulator."""
     seconds = _due(subject, subject.rounds)
     imu = subject.sensors
     noise = None if subject.seed is None else ImuNoise(imu, subject.seed + 1).values(0, subject.rounds)
@@ -65,11 +68,11 @@ def sensors(subject: EmulatorUnderTest) -> Readings:
 
 
 def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
-    """Return the frame used by the run before each round if nothing is late, -1 for none: int64[rounds]."""
+    """Return the frame that the run before each round uses if nothing is late, int64[rounds]; -1 for none."""
     host, controller = subject.host, subject.controller
     request = BITS_OF_REQUEST / controller.rate + controller.gap
-    over = controller.first + 3 * request - controller.gap  # end of round 0; the models begin then
-    sent = host.first + (FRAME_BYTES * BITS_OF_BYTE + (FRAME_BYTES - 1) * host.gap) / host.baud  # frame 0
+    over = controller.first + 3 * request - controller.gap  # end of round 0, at which the models begin
+    sent = host.first + (FRAME_BYTES * BITS_OF_BYTE + (FRAME_BYTES - 1) * host.gap) / host.baud  # end of frame 0
     found = [-1]
     for number in range(1, subject.rounds):
         begun = over + (number - 1) * controller.period
@@ -79,7 +82,7 @@ def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
 
 
 def _counts(subject: EmulatorUnderTest, carried: Ints) -> Ints:
-    """Return the counts that the firmware reads from each frame, low byte first; zeros for -1: int64[n, 6]."""
+    """Return the counts that the firmware reads from each frame, low byte first, int64[n, 6]; zeros for frame -1."""
     rows = {-1: np.zeros(6, np.int64)}
     for number in sorted(set(carried.tolist()) - {-1}):
         data = encode(subject.frames(number), subject.frames.byte_order)

@@ -3,9 +3,9 @@
 real sensors --EKF-->  A   truth    B, C emulator, gyroscope as built and corrected --EKF-->
                        A - truth, B - truth, B - A, ...  in degrees, one row per round
 
-The emulator's answers are older than a chip's samples: the frame waits for the models, their values wait for the
-next round. While the body turns this causes an angle error that is not the models'; so the lag between the two series
-of attitudes with the best fit is reported separately.
+The emulator's answers are older than a chip's samples, because a frame waits for the models and their values wait for
+the next round. While the body turns, this causes an angle error that is not due to the models. So the lag at which both
+series of attitudes fit best is reported separately.
 """
 
 from __future__ import annotations
@@ -23,22 +23,28 @@ from . import direct_computation as direct
 from . import on_wires
 from .subject import EmulatorUnderTest
 
-STEP, MOST = 0.001, 0.1  # seconds: resolution and range of the search
+STEP, MOST = 0.001, 0.1  # resolution and range of the search for the lag, in seconds
 
 
 @dataclass(frozen=True)
 class Lag:
-    """seconds: the delay; apart: remaining difference when the other one is shifted by it."""
+    """The lag between two series of attitudes.
+
+    seconds: the delay.
+    apart: the difference that remains when the other series is delayed by it.
+    """
 
     seconds: float
     apart: Errors
 
 
 def lag_between(times: Floats, late: Floats, other: Floats) -> Lag:
-    """Find the delay of `late` relative to `other`; both float64[n, 4], at ascending times float64[n].
+    """Find the delay of `late` relative to `other`.
 
-    The one from 0 to 0.1 s with the least mean square of the whole angle. All are compared over the same instants,
-    from 0.1 s after the first on. Without such instants: no delay, and no difference.
+    It is the delay from 0 to 0.1 s with the least mean square of the whole angle. All delays are compared over the same
+    instants, from 0.1 s after the first instant on. If there are no such instants, the delay and the difference are 0.
+
+    times: increasing, float64[n]. late, other: the attitudes at these times, float64[n, 4].
     """
     begins = int(np.searchsorted(times, times[0] + MOST)) if len(times) else 0
     least, found = np.inf, Lag(0.0, errors(late[begins:], other[begins:]))
@@ -55,13 +61,13 @@ def lag_between(times: Floats, late: Floats, other: Floats) -> Lag:
 
 
 def _at(instants: Floats, times: Floats, attitudes: Floats) -> Floats:
-    """Interpolate quaternions linearly and normalise them; accurate enough for steps of a few degrees."""
+    """Interpolate quaternions linearly and normalise them, which is accurate enough for steps of a few degrees."""
     between = np.stack([np.interp(instants, times, column) for column in attitudes.T], axis=1)
     return np.asarray(between / np.linalg.norm(between, axis=1, keepdims=True), np.float64)
 
 
 def _continuous(attitudes: Floats) -> Floats:
-    """Choose of q and -q the one nearer to the previous attitude."""
+    """Return the attitudes with signs such that each quaternion, q or -q, is the one nearer to the previous one."""
     turns = np.sign(np.sum(attitudes[1:] * attitudes[:-1], axis=1))
     signs = np.concatenate([[1.0], np.cumprod(np.where(turns == 0, 1.0, turns))])
     return np.asarray(attitudes * signs[:, np.newaxis], np.float64)
@@ -72,7 +78,7 @@ RATES: tuple[Rates, ...] = ("as built", "corrected")
 
 @dataclass(frozen=True)
 class Estimate:
-    """readings: of the three chips. attitudes: the filter's results, float64[n, 4]."""
+    """The readings of the three chips and the attitudes that the filter estimates from them, float64[n, 4]."""
 
     readings: Readings
     attitudes: Floats
@@ -80,7 +86,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Bytes:
-    """Bytes that the head read from the emulator, and how many differ from those computed without wires."""
+    """The number of bytes that the head read from the emulator, and how many differ from those without wires."""
 
     compared: int
     different: int
@@ -88,9 +94,12 @@ class Bytes:
 
 @dataclass(frozen=True)
 class Outcome:
-    """seconds: float64[n], due times of rounds. truth: float64[n, 4]. emulated: by the gyroscope's rates.
+    """The results of the experiment.
 
-    bytes: None without wires.
+    seconds: the times at which rounds are due, float64[n].
+    truth: the true attitudes, float64[n, 4].
+    emulated: the estimates from the emulator, for each kind of the gyroscope's rates.
+    bytes: None if the experiment had no wires.
     """
 
     subject: EmulatorUnderTest
@@ -101,7 +110,7 @@ class Outcome:
     bytes: Bytes | None
 
     def apart(self) -> dict[str, Errors]:
-        """Return every comparison by name, in the order shown."""
+        """Return all comparisons, indexed by name, in the order in which they are shown."""
         found = {"real sensors less truth": errors(self.real.attitudes, self.truth)}
         for rates, one in self.emulated.items():
             found[f"emulator {rates} less truth"] = errors(one.attitudes, self.truth)
@@ -114,21 +123,27 @@ class Outcome:
 
 
 def attitudes(subject: EmulatorUnderTest, readings: Readings) -> Floats:
-    """Filter the readings, from the true attitude on, as the experiment began at 0: float64[n, 4]."""
+    """Return the attitudes that the filter estimates from readings, float64[n, 4].
+
+    It starts with the true attitude, because the experiment began at a known one.
+    """
     s = readings.samples(subject.sensors)
     start = truth(subject, readings.seconds[:1])[0] if len(readings.seconds) else None
     return estimate(s.seconds, s.gyro, s.accel, s.mag, subject.sensors.magnetometer.earth_field, start=start)
 
 
 def truth(subject: EmulatorUnderTest, seconds: Floats) -> Floats:
-    """Return the true attitude: float64[n, 4]."""
+    """Return the true attitudes at some times, float64[n, 4]."""
     return quaternions(subject.motion.attitude(seconds))
 
 
 def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], None] | None = None) -> Outcome:
-    """Run the experiment over SCI and I2C (`wires`) or computed directly. progress: called with the part done, 0 to 1.
+    """Run the experiment.
 
-    Raise NoAttitude if no round was complete, or the filter's library is missing.
+    wires: True to simulate SCI and I2C; False to calculate the codes directly.
+    progress: a function that is called with the completed share, 0 to 1.
+
+    Raise NoAttitude if no round was complete, or if the library of the filter is missing.
     """
     parts = len(RATES) + 1
 
@@ -161,7 +176,7 @@ def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], Non
 
 
 def _different(came: on_wires.Emulated, computed: Readings) -> int:
-    """Count the bytes read by the head that differ from those of the model run."""
+    """Count the bytes that the head read and that differ from those of the run of the models."""
     found = 0
     for name, codes in came.readings.codes.items():
         apart = (codes ^ computed.codes[name][came.runs]) & 0xFFFF
@@ -170,12 +185,12 @@ def _different(came: on_wires.Emulated, computed: Readings) -> int:
 
 
 def _estimate(subject: EmulatorUnderTest, readings: Readings, seconds: Floats) -> Estimate:
-    """Filter all rounds; keep the attitudes of the common rounds."""
+    """Filter the readings of all rounds. Return the readings and attitudes of the common rounds at `seconds`."""
     return Estimate(readings, attitudes(subject, readings)[np.isin(readings.seconds, seconds)])
 
 
 def _common(read: list[Readings]) -> Floats:
-    """Return the rounds that all of them have."""
+    """Return the times of the rounds that all readings contain."""
     common = read[0].seconds
     for one in read[1:]:
         common = np.intersect1d(common, one.seconds)

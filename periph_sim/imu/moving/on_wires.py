@@ -1,4 +1,4 @@
-"""The experiment over wires, simulated edge by edge: codes read in each round.
+"""The experiment over wires, which is simulated edge by edge: returns the codes that are read in each round.
 
 emulator   host --SCI--> firmware --I2C--> head     chips   motion --> ITG-3200, ADXL345, HMC5883L --I2C--> head
 """
@@ -30,7 +30,7 @@ from .subject import EmulatorUnderTest
 
 Progress = Callable[[float], None]
 
-# Set up beforehand, like the drivers of `sensor_head.SENSORS` do.
+# The settings of the chips before the run, as made by the drivers of `sensor_head.SENSORS`.
 REAL: dict[str, dict[str, Any]] = {
     "gyroscope": {"model": "itg3200", "registers": {"PWR_MGM": 0x01, "SMPLRT_DIV": 0x00, "DLPF_FS": 0x1B}},
     "accelerometer": {"model": "adxl345", "registers": {"BW_RATE": 0x0A, "DATA_FORMAT": 0x08, "POWER_CTL": 0x08}},
@@ -40,9 +40,11 @@ REAL: dict[str, dict[str, Any]] = {
 
 @dataclass(frozen=True)
 class Emulated:
-    """frames: int64, the last host frame that the firmware had read when each model run began, -1 for none.
+    """The readings of the emulator.
 
-    runs: int64[n], the model run whose values each round read.
+    frames: for each run of the models, the last host frame that the firmware had read when it began, int64; -1 for
+        none.
+    runs: for each round, the run of the models whose values it read, int64[n].
     """
 
     readings: Readings
@@ -51,23 +53,23 @@ class Emulated:
 
 
 class ModelRuns:
-    """Follows the model runs of a scene: frames read when each began, and the run that each round read.
+    """Observer of the runs of the models in a scene: the frames that each used, and the run that each round read.
 
-    A frame counts as read when the receive FIFO is read empty, maybe some bits before its last stop bit ends.
+    A frame counts as read when the receive FIFO becomes empty, which may be some bits before its last stop bit ends.
     """
 
     def __init__(self) -> None:
         self.runs: list[int] = []
-        self._sent = [-1]  # numbers of frames; -1 before the first
+        self._sent = [-1]  # numbers of the frames that were sent; -1 before the first frame
         self._taken = 0
-        self._waiting = 0  # words in the FIFO
+        self._waiting = 0  # number of words in the FIFO
         self._begun_with: list[int] = []  # for each model run, the number of frames read when it began
         self._ended = 0
 
     @property
     def frames(self) -> list[int]:
-        """The frame number used by each run, -1 for none."""
-        sent = [*self._sent, self._sent[-1] + 1]  # the run of the scene may end within those bits
+        """The number of the frame that each run used; -1 for none."""
+        sent = [*self._sent, self._sent[-1] + 1]  # the scene may end before the end of the last stop bit
         return [sent[taken] for taken in self._begun_with]
 
     def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
@@ -82,7 +84,7 @@ class ModelRuns:
         self._sent.append(number)
 
     def _words_wait(self, record: Record) -> None:
-        """Record a change of the receive FIFO level."""
+        """Process a change of the number of words in the receive FIFO."""
         self._taken += not record.value and self._waiting > 0
         self._waiting = record.value
 
@@ -120,9 +122,12 @@ def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readi
 
 
 def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Source]:
-    """Return each chip's input in its unit, with cross-axis sensitivity, bias and noise. ticks: per second.
+    """Return the input of each chip in its unit, with cross-axis sensitivity, bias and noise.
 
-    Noise of number n lasts from n to n + 1 periods of the models, since its density refers to that sample rate.
+    The noise with number n is constant from n to n + 1 periods of the models, because its density refers to that sample
+    rate.
+
+    ticks: the number of ticks per second.
     """
     imu = subject.sensors
     felt = SensedMotion(imu, subject.frames.motion)

@@ -1,7 +1,7 @@
-"""Plots of a moving experiment: attitudes (as Figure 5.6) and rates (as Figure B.1).
+"""Plots of a moving experiment: attitudes (as in Figure 5.6) and rates (as in Figure B.1).
 
-attitudes.svg: the true motion, the estimates from real sensors and from the emulator, and their
-differences. rates.svg: rates of the gyroscopes, real, as built and corrected.
+attitudes.svg has the true motion, the estimates from real sensors and from the emulator, and their differences.
+rates.svg has the rates of the gyroscopes: real, as built and corrected.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from .experiment import Outcome
 
 DASHES = ("-", "--", "-.")
 ANGLES = ("roll", "pitch", "yaw")
-POINTS = 1200  # maximum per line: more are not visible and make files larger
+POINTS = 1200  # maximum number of points of a line; more are not visible and make files larger
 
 
 def attitudes(outcome: Outcome, path: Path) -> None:
-    """Write SVG. Equal input gives equal bytes."""
+    """Write the attitudes as SVG. Equal input gives an equal file."""
     panels = [("truth", outcome.truth), ("real sensors", outcome.real.attitudes)]
     panels.append(("emulator", outcome.emulated["corrected"].attitudes))
     with rc_context(STYLE):
@@ -42,7 +42,7 @@ def attitudes(outcome: Outcome, path: Path) -> None:
 
 
 def rates(outcome: Outcome, path: Path) -> None:
-    """Write SVG: rates of the chips' axes in deg/s, biases removed."""
+    """Write the rates about the axes of the chips as SVG, in deg/s without biases."""
     imu = outcome.subject.sensors
     read = {"real": outcome.real.readings}
     read |= {rates: one.readings for rates, one in outcome.emulated.items()}

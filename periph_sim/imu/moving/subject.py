@@ -1,6 +1,7 @@
 """The subject of an experiment: motion, sensors and frames of a case.
 
-The case's host needs a motion, its firmware sensor models, and its controller must read the three known chips.
+The host of the case must have a motion, the firmware must have sensor models, and the controller must read the three
+known chips.
 """
 
 from __future__ import annotations
@@ -21,7 +22,11 @@ from ..sensors import SENSORS
 
 @dataclass(frozen=True)
 class EmulatorUnderTest:
-    """unit: the one whose firmware is the emulator. seed: of the emulator's noise; None without noise."""
+    """The case of an experiment.
+
+    unit: the name of the unit whose firmware is the emulator.
+    seed: the seed of the emulator's noise; None for no noise.
+    """
 
     case: Case
     unit: str
@@ -39,7 +44,7 @@ class EmulatorUnderTest:
         return self.frames.motion.truth
 
     def with_rates(self, rates: Rates) -> EmulatorUnderTest:
-        """Return the same with a gyroscope as built, or corrected."""
+        """Return the same subject with a gyroscope as built or corrected."""
         sensors = structs.replace(self.sensors, gyroscope=structs.replace(self.sensors.gyroscope, rates=rates))
         unit = self.case.unit[self.unit]
         unit = unit.model_copy(update={"settings": {**unit.settings, "parameters": sensors}})
@@ -48,15 +53,18 @@ class EmulatorUnderTest:
 
     @property
     def rounds(self) -> int:
-        """Rounds that are due before the end."""
+        """The number of rounds that are due before the end."""
         left = self.duration - self.controller.first
         most = max(0, -(-left // self.controller.period))
         return most if self.controller.rounds is None else min(most, self.controller.rounds)
 
 
 def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTest:
-    """Check a case; raise BadCase with file and line if unsuitable. duration: seconds, else the case's."""
-    case = case.model_copy(update={"budget": (), "breaks": ()})  # a copy keeps its source
+    """Return the subject of a case. Raise BadCase, with file and line, if the case is unsuitable.
+
+    duration: the duration of the experiment in seconds; None for that of the case.
+    """
+    case = case.model_copy(update={"budget": (), "breaks": ()})  # a copy, which still knows its file for messages
     scene = Scene(case)
     if case.host is None or not isinstance(scene.frames, MotionFrames):
         raise case.mistake("a moving experiment needs a motion; give host.motion", "host")

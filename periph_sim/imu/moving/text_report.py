@@ -21,7 +21,7 @@ def rms(values: Floats) -> float:
 
 
 def lines(outcome: Outcome) -> Iterator[str]:
-    """Yield a table of all comparisons, and the main result as a sentence."""
+    """Yield the lines of a table of all comparisons, and the main result as a sentence."""
     subject, count = outcome.subject, len(outcome.seconds)
     noise = "no noise" if subject.seed is None else f"noise of seed {subject.seed}"
     how = "computed without wires" if outcome.bytes is None else "over SCI, firmware and I2C"
@@ -42,7 +42,7 @@ def lines(outcome: Outcome) -> Iterator[str]:
 
 
 def _point(outcome: Outcome, rates: Rates) -> str:
-    """State the emulator's difference to the real sensors, and without its delay, if it has one."""
+    """Return a sentence on the difference of the emulator from the real sensors, with and without its delay."""
     apart, late = outcome.apart(), outcome.behind(rates)
     between = rms(apart[f"emulator {rates} less real sensors"].total)
     said = f"{rates}: emulator and real sensors {between:.3f} degrees apart (rms)"
@@ -52,7 +52,7 @@ def _point(outcome: Outcome, rates: Rates) -> str:
 
 
 def as_json(outcome: Outcome) -> dict[str, Any]:
-    """Return the results as a dictionary; angles in degrees."""
+    """Return the results as a dictionary with angles in degrees."""
     read = outcome.bytes
     return {
         "case": outcome.subject.case.name,

@@ -1,1 +1,1 @@
-"""Arithmetics of firmware: float64, float32, Q formats, and their costs. Independent of sensors."""
+"""Arithmetics of firmware and their costs: float64, float32 and Q formats. They are independent of sensors."""

@@ -2,8 +2,8 @@
 
     equations --add, mul, sin ...--> Arithmetic[T] --> float64, float32, Q16, arrays of them, or counts
 
-A model is written once, against this protocol. T is an arithmetic's representation of numbers: a float, an int that
-stands for value * 2**16, an array of either. Angles are in radians.
+A model is written once, with the operations of this protocol. T is an arithmetic's representation of numbers: a float,
+an int that means value * 2**16, or an array of these. Angles are in radians.
 """
 
 from __future__ import annotations
@@ -17,9 +17,12 @@ Rounding = Literal["nearest", "floor", "toward zero"]
 
 
 class Arithmetic(Protocol[T]):
-    """One kind of numbers and the operations on them. No value raises an exception: each kind documents its result.
+    """A kind of numbers and the operations on them.
 
-    name: for tables. constant: converts constants of the compiled program, which cost nothing at run time.
+    No operation raises an exception for any value; each kind documents the results.
+
+    name: the name in tables.
+    constant: converts a constant of the compiled program, which takes no time when the program runs.
     """
 
     name: str
@@ -28,7 +31,7 @@ class Arithmetic(Protocol[T]):
         """Return the number nearest to `value`."""
 
     def value(self, x: T) -> Any:
-        """Return the value of a number of this kind: float, or float64[n]."""
+        """Return the value of a number of this kind as a float, or as float64[n]."""
 
     def scaled(self, count: T, lsb: float) -> T:
         """Convert a whole number of steps of `lsb`, such as an int16 of a host frame."""
@@ -41,30 +44,30 @@ class Arithmetic(Protocol[T]):
     def sqrt(self, x: T) -> T: ...
 
     def mag(self, x: T, y: T) -> T:
-        """Return the square root of x**2 + y**2, without forming the squares in this kind of numbers."""
+        """Return the square root of x**2 + y**2. The squares need not be representable in this kind of numbers."""
 
     def sincos(self, x: T) -> tuple[T, T]:
-        """Return sine and cosine of an angle: all models need both."""
+        """Return the sine and the cosine of an angle, since all models need both."""
 
     def atan(self, x: T) -> T: ...
 
     def atan2(self, y: T, x: T) -> T:
-        """Return the angle of the point (x, y), -pi to pi."""
+        """Return the angle of the point (x, y), from -pi to pi."""
 
     def select_greater(self, x: T, y: T, yes: T, no: T) -> T:
         """Return `yes` where x > y, else `no`."""
 
     def clamp(self, x: T, low: T, high: T) -> T:
-        """Return the nearest number to x from low to high."""
+        """Return x limited to the range from low to high."""
 
     def to_integer(self, x: T, rounding: Rounding) -> T:
-        """Return a whole number: a count of LSB, no longer a number of this kind."""
+        """Round x to a whole number, which is a count of LSB and no longer a number of this kind."""
 
 
 class Vectors(Generic[T]):
-    """Operations on vectors by their numbers x, y, z.
+    """Operations on vectors of three numbers x, y, z.
 
-    Each consists of the arithmetic's own operations, in an order that is part of the result: they round and overflow.
+    Each consists of operations of the arithmetic. Their order affects the result, because they round and overflow.
     """
 
     def __init__(self, a: Arithmetic[T]) -> None:
@@ -86,7 +89,7 @@ class Vectors(Generic[T]):
         return mul(u[0], k), mul(u[1], k), mul(u[2], k)
 
     def transformed(self, rows: tuple[Triple[T], ...], u: Triple[T]) -> Triple[T]:
-        """Return a matrix of three rows times u."""
+        """Return the product of a matrix, given by three rows, and u."""
         first, second, third = rows
         return self._dot(first, u), self._dot(second, u), self._dot(third, u)
 
@@ -101,12 +104,12 @@ class Vectors(Generic[T]):
         return sub(mul(y, r), mul(z, q)), sub(mul(z, p), mul(x, r)), sub(mul(x, q), mul(y, p))
 
     def turned(self, c: T, s: T, x: T, y: T) -> tuple[T, T]:
-        """Return x and y in axes turned by the angle of this cosine and sine: c x + s y, c y - s x."""
+        """Return x and y in axes that are rotated by the angle with cosine c and sine s: c x + s y, c y - s x."""
         mul = self._a.mul
         return self._a.add(mul(c, x), mul(s, y)), self._a.sub(mul(c, y), mul(s, x))
 
     def whole(self, u: Triple[T], low: T, high: T, rounding: Rounding) -> Triple[T]:
-        """Return the nearest vector to u with numbers from low to high, as whole numbers: counts of LSB."""
+        """Limit the numbers of u to the range from low to high, and round them to whole numbers of LSB."""
         clamp, to_integer = self._a.clamp, self._a.to_integer
         x, y, z = clamp(u[0], low, high), clamp(u[1], low, high), clamp(u[2], low, high)
         return to_integer(x, rounding), to_integer(y, rounding), to_integer(z, rounding)

@@ -1,4 +1,4 @@
-"""Arithmetics by name: "float64", "float32", "q16", "q12 saturating", "q16 rounded".
+"""Names of arithmetics: "float64", "float32", "q16", "q12 saturating", "q16 rounded".
 
 name --> scalar(name)   one number at a time, as firmware does
      --> arrays(name)   element by element
@@ -23,11 +23,11 @@ EXAMPLES = ("float64", "float32", "q16", "q16 rounded", "q16 saturating")
 
 
 class NoSuchArithmetic(InputError):
-    """The name of an unknown arithmetic; the message is one sentence."""
+    """There is no arithmetic with this name. The message is one sentence."""
 
 
 class Format(NamedTuple):
-    """A Q format. Saturating products are rounded too, as IQrsmpy does."""
+    """A Q format. If products saturate, they are also rounded, as by IQrsmpy."""
 
     bits: int
     overflow: Overflow
@@ -35,7 +35,7 @@ class Format(NamedTuple):
 
 
 def format_of(name: str) -> Format | None:
-    """Return the Q format of a name; None for float32 and float64. NoSuchArithmetic for anything else."""
+    """Return the Q format with a name; None for float32 and float64. Raise NoSuchArithmetic for any other name."""
     if name in ("float32", "float64"):
         return None
     found = re.fullmatch(r"q(\d{1,3})( saturating| rounded)?", name)
@@ -47,7 +47,10 @@ def format_of(name: str) -> Format | None:
 
 
 def scalar(name: str) -> Arithmetic[Any]:
-    """Return the arithmetic of a name. NoSuchArithmetic or DoesNotFit if there is none."""
+    """Return the arithmetic with a name.
+
+    Raise NoSuchArithmetic if there is none, and DoesNotFit if the number of bits is impossible.
+    """
     q = format_of(name)
     if q is not None:
         return (Q if q.product == "cut" else RoundedQ)(q.bits, q.overflow)
@@ -68,7 +71,7 @@ def arrays(name: str) -> Arithmetic[Any]:
 
 
 def _float32() -> Arithmetic[Any]:
-    from .float32 import Float32  # computed by numpy, also for one number
+    from .float32 import Float32  # imported here, because it uses numpy even for one number
 
     return Float32()
 

@@ -1,14 +1,15 @@
-"""Estimate of cycles, by part and kind of operation, from a model's operation counts and a library's costs.
+"""Estimate of the cycles of each part and kind of operation, from the operation counts of a model and costs of a
+library.
 
-    {"gyroscope": {"mul": 15, ...}, ...} x costs --> Estimate --> total, by part, by kind, rest of a measured time
+    {"gyroscope": {"mul": 15, ...}, ...} x costs --> Estimate --> total, per part, per kind, rest of a measured time
 
-Included: the operations of the equations, loads and stores of their operands (assumed: one cycle a number, from
-memory without wait states, nothing kept in registers). Not included: all else in the program, such as noise,
-conversions between blocks, function prologues, interrupts.
+The estimate includes the operations of the equations, and loads and stores of their operands. These are assumed to take
+one cycle per number, in memory without wait states and without numbers in registers. It does not include the rest of
+the program, such as noise, conversions between blocks, function prologues and interrupts.
 
-A cost is a range: a published figure is both its ends; without a published figure the ends are a stated guess, or are
-derived from published figures of instructions. A figure holds for code and data in memory without wait states. Tables
-of a library may be in the boot ROM, which has one: its cost is listed separately.
+A cost is a range. A published figure is both of its ends. Without a published figure, the ends are a stated guess or
+are derived from published figures of instructions. Figures are for code and data in memory without wait states. The
+tables of a library may be in the boot ROM, which has one wait state; the cost of this is listed separately.
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ from msgspec import Struct, field
 
 Tables = Literal["RAM", "boot ROM"]
 
-# Operands and results of an operation.
+# The numbers of operands and results of each operation.
 OPERANDS = {
     "scaled": 2,
     "add": 3,
@@ -44,7 +45,10 @@ OPERANDS = {
 
 
 class Cost(Struct, frozen=True):
-    """SYSCLKOUT cycles, from low to high. guessed: based on experience, not on a published figure."""
+    """A cost in SYSCLKOUT cycles, from low to high.
+
+    guessed: True if it is based on experience and not on a published figure.
+    """
 
     low: int
     high: int
@@ -57,7 +61,11 @@ def exactly(cycles: int, source: str) -> Cost:
 
 
 class Library(Struct, frozen=True):
-    """rom: cycles added by tables in the boot ROM. with_operands: operations whose figure includes loads and stores."""
+    """The costs of the operations of a library.
+
+    rom: the additional cycles of each operation if its tables are in the boot ROM.
+    with_operands: the operations whose figure includes loads and stores.
+    """
 
     name: str
     source: str
@@ -95,7 +103,7 @@ FASTRTS = Library(
         "atan": exactly(49, FASTRTS_GUIDE),
         "atan2": exactly(50, FASTRTS_GUIDE),
     },
-    rom={"sincos": 2, "atan": 3, "atan2": 3},  # a cycle for each number read from a table
+    rom={"sincos": 2, "atan": 3, "atan2": 3},  # a cycle for each number that is read from a table
 )
 
 RTS = Library(
@@ -176,12 +184,16 @@ DOUBLE = Library(
 )
 
 
-SYSCLK = 150_000_000  # Hz: the dissertation's board
-MEASURED = Fraction(250, 1_000_000)  # seconds, section 5.4: GPIO high to low, code in RAM
+SYSCLK = 150_000_000  # SYSCLKOUT of the dissertation's board in Hz
+MEASURED = Fraction(250, 1_000_000)  # seconds that section 5.4 measured from GPIO high to low, with code in RAM
 
 
 class Line(Struct, frozen=True):
-    """One kind of operation in one part of the model. low, high: cycles of all of them; operands: in addition."""
+    """One kind of operation in one part of the model.
+
+    low, high: the cycles of all these operations.
+    operands: the additional cycles for loads and stores.
+    """
 
     part: str
     kind: str
@@ -198,7 +210,7 @@ class Estimate(Struct, frozen=True):
 
     @property
     def low(self) -> int:
-        """Cycles of all operations with their operands, by the ranges' lower ends."""
+        """The cycles of all operations with their operands, with the lower ends of the ranges."""
         return sum(line.low + line.operands for line in self.lines)
 
     @property
@@ -207,12 +219,12 @@ class Estimate(Struct, frozen=True):
 
     @property
     def middle(self) -> Fraction:
-        """Cycles half way between the ends, if a single number is needed."""
+        """The cycles in the middle of the range, for uses that need a single number."""
         return Fraction(self.low + self.high, 2)
 
     @property
     def guessed(self) -> bool:
-        """True if a figure is a guess."""
+        """True if any figure is a guess."""
         return any(self.library.costs[line.kind].guessed for line in self.lines)
 
     def seconds(self) -> Fraction:
@@ -224,25 +236,25 @@ class Estimate(Struct, frozen=True):
         return list(dict.fromkeys(line.part for line in self.lines))
 
     def part(self, name: str) -> tuple[int, int]:
-        """Return the cycles of one part, low and high, with its operands."""
+        """Return the cycles of one part with its operands, as (low, high)."""
         own = [line for line in self.lines if line.part == name]
         return sum(line.low + line.operands for line in own), sum(line.high + line.operands for line in own)
 
     def counts(self) -> Counter[str]:
-        """Return the number of operations of each kind, over all parts."""
+        """Return the number of operations of each kind in all parts together."""
         found: Counter[str] = Counter()
         for line in self.lines:
             found[line.kind] += line.count
         return found
 
     def left_of(self, measured: Fraction = MEASURED) -> tuple[int, int]:
-        """Return the cycles of a measured time that the estimate does not explain, least and most."""
+        """Return the least and the most cycles of a measured time that the estimate does not explain."""
         cycles = round(measured * SYSCLK)
         return cycles - self.high, cycles - self.low
 
 
 def estimate(counts: Mapping[str, Mapping[str, int]], library: Library, tables: Tables = "RAM") -> Estimate:
-    """Estimate the cycles. counts: by part, then by kind."""
+    """Estimate the cycles. counts: for each part the number of operations of each kind."""
     lines = []
     for part, kinds in counts.items():
         for kind, count in sorted(kinds.items()):

@@ -1,15 +1,15 @@
-"""float32 as the C28x FPU and TI's fastRTS compute: every result is rounded to 24 bits, for one number or arrays.
+"""float32 as calculated by the C28x FPU and TI's fastRTS, where every result is rounded to 24 bits.
 
     float32 --> ADDF32, MPYF32 (no fused operation) --> float32
             --> fastRTS tables (sin, cos, atan2), Newton (divide, sqrt) --> float32
 
-Rounding is to nearest even: TI's start-up code and interrupt entries set RNDF32 (after reset it is toward zero).
-Denormal results become 0; comparisons, and so `clamp`, treat a NaN as an infinity of its sign (SPRUEO2A, CMPF32,
-MAXF32, MINF32). The sign of an arithmetic NaN is not documented; IEEE's is used.
+Results are rounded to nearest even, because TI's start-up code and interrupt entries set RNDF32; after reset, rounding
+is toward zero. Denormal results become 0. Comparisons, and so `clamp`, treat a NaN as an infinity with its sign
+(SPRUEO2A, CMPF32, MAXF32, MINF32). The sign of an arithmetic NaN is not documented; that of IEEE is used.
 
-Accuracy of software functions, against the exact value, in the tests: sin, cos 4e-7 to 2 pi (the argument is
-reduced in float32, so the error grows with the angle: 1e-4 rad at 1000 rad); atan, atan2 4e-7; divide and sqrt
-two units in the last place. The guide states no errors. atan2(0, 0) divides 0 by 0 in fastRTS and is NaN here.
+The guide states no errors of the software functions. In the tests, the errors are as follows: sin and cos 4e-7 up to
+2 pi (the argument is reduced in float32, so the error grows with the angle: 1e-4 rad at 1000 rad); atan and atan2 4e-7;
+divide and sqrt two units in the last place. atan2(0, 0) divides 0 by 0 in fastRTS and is NaN here.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ A0, A1, A2 = (np.array([a[i] for a in ARCTANGENT], dtype=np.float32) for i in ra
 
 
 class Float32:
-    """T = float32[n], or 0-dimensional. The caller silences numpy's warnings (np.errstate)."""
+    """The arithmetic of float32. T is float32[n], or 0-dimensional. The caller turns off warnings of numpy."""
 
     name = "float32"
 
@@ -60,22 +60,25 @@ class Float32:
         return _flushed(x * y)
 
     def div(self, x: Singles, y: Singles) -> Singles:
-        """Return x times the reciprocal of y, each rounded."""
+        """Return x times the reciprocal of y. The reciprocal and the product are rounded."""
         return _flushed(x * _flushed(np.reciprocal(y)))
 
     def neg(self, x: Singles) -> Singles:
         return -x
 
     def sqrt(self, x: Singles) -> Singles:
-        """Return x times the reciprocal of its root, each rounded."""
+        """Return x times the reciprocal of its root. The reciprocal and the product are rounded."""
         return np.where(x == 0, np.float32(0), _flushed(x * _flushed(np.reciprocal(np.sqrt(x)))))
 
     def mag(self, x: Singles, y: Singles) -> Singles:
-        """Return the root of the sum of squares, which can overflow; there is no library function."""
+        """Return the root of the sum of the squares.
+
+        The sum can overflow, since there is no library function for this.
+        """
         return self.sqrt(self.add(self.mul(x, x), self.mul(y, y)))
 
     def sincos(self, x: Singles) -> tuple[Singles, Singles]:
-        """Return both, each by its own cubic, as in sinf and cosf."""
+        """Return the sine and the cosine. Each is calculated with a cubic of its own, as in sinf and cosf."""
         k, over = _step(x)
         s, c, sixth = SINE[k], COSINE[k], _flushed(SIXTH * over)
         bend_s = _flushed(_flushed(HALF * s) + _flushed(sixth * c))
@@ -119,12 +122,12 @@ def _comparable(x: Singles) -> Singles:
 
 
 def _step(angle: Singles) -> tuple[Any, Singles]:
-    """Return an angle's step of the table, 0 to 511, and the rest in radians."""
+    """Return the step of the table for an angle, 0 to 511, and the rest of the angle in radians."""
     exact = _flushed(angle * STEPS_PER_RADIAN)
     whole = np.trunc(exact)
     return _whole(np.remainder(whole, np.float32(TURN)), TURN - 1), _flushed(_flushed(exact - whole) * RADIANS_PER_STEP)
 
 
 def _whole(x: Singles, most: int) -> Any:
-    """Return an index into a table, 0 to most; 0 for NaN, whose result is NaN anyway."""
+    """Convert a number to an index of a table, 0 to `most`. NaN becomes 0; the result is NaN anyway."""
     return np.nan_to_num(np.clip(x, 0, most), nan=0.0).astype(np.intp)

@@ -1,7 +1,7 @@
-"""float64: the reference for the other arithmetics, for one number; `float64_arrays` is for arrays.
+"""float64 for single numbers, the reference for the other arithmetics. `float64_arrays` is for arrays.
 
-Both follow IEEE 754: x/0 is infinite, 0/0 and the like are NaN, without exceptions. A NaN has no whole number; it
-becomes 0 here, so it must be detected before the last block.
+Both follow IEEE 754: x/0 is infinite, and 0/0 and the like are NaN, without exceptions. A NaN cannot be rounded to a
+whole number. It becomes 0, so a model must check for NaN before its last block, which rounds.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ F = TypeVar("F", float, "Floats")
 
 
 class Float64Operators(Generic[F]):
-    """The operations that Python writes alike for one number and for arrays."""
+    """The operations that are written in the same way for one number and for arrays."""
 
     name = "float64"
 
@@ -42,7 +42,7 @@ class Float64Operators(Generic[F]):
 
 
 class Float64(Float64Operators[float]):
-    """One number at a time, T = float."""
+    """The arithmetic of float64 for single numbers: T = float."""
 
     def constant(self, value: float) -> float:
         return float(value)

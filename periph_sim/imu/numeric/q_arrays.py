@@ -1,4 +1,4 @@
-"""Fixed point over arrays: the numbers of q.py, element by element, as int64[n] that hold 32-bit values."""
+"""Fixed point for arrays: the arithmetic of q.py element by element, with 32-bit values in int64[n]."""
 
 from __future__ import annotations
 
@@ -47,7 +47,10 @@ def atan2_of_arrays(y: Ints, x: Ints, bits: int) -> Ints:
 
 
 def root_of_arrays(square: NDArray[np.uint64]) -> Ints:
-    """Return roots of whole numbers up to 2**63, rounded to nearest; float64's root is corrected by one if needed."""
+    """Return roots of whole numbers up to 2**63, rounded to nearest.
+
+    The root in float64 is corrected by 1 if needed.
+    """
     near = np.rint(np.sqrt(square.astype(np.float64))).astype(np.uint64)
     near = near - ((near > 0) & (square <= near * near - near)).astype(np.uint64)
     near = near + (square > near * near + near).astype(np.uint64)
@@ -55,10 +58,13 @@ def root_of_arrays(square: NDArray[np.uint64]) -> Ints:
 
 
 class QArrays:
-    """T = int64[n]: value * 2**bits. `overflown`: True for elements with a result that did not fit, bool[n]."""
+    """The arithmetic of a Q format for arrays. T = int64[n]: value * 2**bits.
+
+    overflown: True for elements of which a result did not fit, bool[n].
+    """
 
     def __init__(self, bits: int = 16, overflow: Overflow = "wrap", product: Product = "cut") -> None:
-        self._one_number = (Q if product == "cut" else RoundedQ)(bits, overflow)  # constants, names and their checks
+        self._one_number = (Q if product == "cut" else RoundedQ)(bits, overflow)  # for constants, the name and checks
         self.name = self._one_number.name
         self.bits = bits
         self.overflown = np.zeros((), dtype=np.bool_)

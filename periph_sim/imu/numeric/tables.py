@@ -1,8 +1,9 @@
-"""Tables of TI's mathematics libraries, recomputed from their description.
+"""Tables of TI's mathematics libraries, calculated from their description.
 
-IQmath and fastRTS both look up 512 sines a turn and continue with a cubic, and both approximate the arctangent of 0 to
-1 by 64 parabolas. The sources' comments describe both, but not TI's parabolas, so ours are fitted: each passes through
-the arctangent at the three Chebyshev points of its interval, with an error below 4e-8 rad.
+Both IQmath and fastRTS use a table of 512 sines per turn and a cubic, and approximate the arctangent of 0 to 1 by 64
+parabolas. Comments in the sources describe these methods, but not the coefficients of the parabolas. So the parabolas
+are fitted: each passes through the arctangent at the three Chebyshev points of its interval, with an error below 4e-8
+rad.
 
 Source: comments of IQNsin, IQNcos, IQNatan2 (IQmath V1.4, C28x) and of FastRTS_sin, FastRTS_atan2 (FPU fastRTS V2).
 """
@@ -11,7 +12,7 @@ from __future__ import annotations
 
 from math import atan, cos, pi, sin
 
-TURN = 512  # sines in a turn
+TURN = 512  # number of sines in a turn
 PARABOLAS = 64
 
 SINES: tuple[float, ...] = tuple(sin(2 * pi * k / TURN) for k in range(TURN))
@@ -19,7 +20,7 @@ COSINES: tuple[float, ...] = tuple(cos(2 * pi * k / TURN) for k in range(TURN))
 
 
 def _parabola(low: float, high: float) -> tuple[float, float, float]:
-    """Return a0, a1, a2 so that a0 + r (a1 + a2 r) is near atan(r) from low to high."""
+    """Return a0, a1, a2 with which a0 + r (a1 + a2 r) approximates atan(r) from low to high."""
     middle, half = (low + high) / 2, (high - low) / 2
     x = [middle + half * cos(pi * (2 * i + 1) / 6) for i in range(3)]
     y = [atan(at) for at in x]

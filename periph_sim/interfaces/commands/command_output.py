@@ -20,7 +20,8 @@ VERSION = 2  # incremented when a key is removed or changes its meaning, not for
 def print_json(command: str, answer: Mapping[str, object]) -> None:
     """Print one object on standard output. Its `schema` is the command, and its `schema_version` is VERSION.
 
-    Its last key, `form`, is the form of the core that was used."""
+    Its last key, `form`, is the form of the core that was used.
+    """
     answer_object = {"schema": f"periph-sim {command}", "schema_version": VERSION, **answer, "form": form.running}
     click.echo(json.dumps(answer_object, indent=2, ensure_ascii=False))
 

@@ -18,10 +18,10 @@ ADDRESSES = range(0x08, 0x78)  # the 7-bit addresses that are not reserved
 class I2C:
     """A `busio.I2C` on the bus of a session. frequency: the frequency of SCL in Hz.
 
-    pause: the simulated time that passes before each call, because a driver's `time.sleep` has no effect on it.
+    pause: the simulated time that passes before each call, because a driver's `time.sleep` does not advance it.
 
-    OSError, as on hardware: ENODEV if the address is not acknowledged, EIO if a byte is not acknowledged, ETIMEDOUT if
-    the bus is held.
+    Raise OSError with the codes of hardware: ENODEV if the address is not acknowledged, EIO if a byte is not
+    acknowledged, ETIMEDOUT if the bus is held.
     """
 
     def __init__(self, session: Session, frequency: int = 100_000, pause: str = "100 us") -> None:
@@ -41,7 +41,7 @@ class I2C:
         self._locked = False
 
     def try_lock(self) -> bool:
-        """Lock the bus for the caller. False if it is locked already."""
+        """Lock the bus for the caller. Return False if it is locked already."""
         if self._locked:
             return False
         self._locked = True
@@ -51,7 +51,7 @@ class I2C:
         self._locked = False
 
     def scan(self) -> list[int]:
-        """Return the addresses that are acknowledged."""
+        """Return the addresses that a target acknowledges."""
         return [address for address in ADDRESSES if self._asks(address)]
 
     def writeto(self, address: int, buffer: bytes | Buffer, *, start: int = 0, end: int | None = None) -> None:

@@ -1,9 +1,9 @@
-"""`/dev/i2c-N` for code that opens it by number, as smbus2 does: within a block, such files access given sessions.
+"""`/dev/i2c-N` for code that opens it by number, as smbus2 does. Within a block, these files access given sessions.
 
     os.open, open --unused file number-------> ioctl: address, SMBus transfer, messages --> Master --> SDA, SCL
                                                read, write: plain transfers
 
-Other files are not affected, nor are these files outside of the block.
+Other files are not affected. Outside of the block, these files are not affected either.
 
 Source: Linux 6.6 Documentation/i2c/dev-interface.rst, smbus-protocol.rst and fault-codes.rst; include/uapi/linux/i2c.h
 and i2c-dev.h.
@@ -36,11 +36,11 @@ class SmbusTransfer:
         S address W command [data ...] [PEC] P
         S address W command [data ...] Sr address R data ... [PEC] N P
 
-    The code is of every byte of the transfer, addresses included: CRC-8, x^8 + x^2 + x + 1 (System Management Bus 3.2,
+    The code covers all bytes of the transfer, addresses included: CRC-8, x^8 + x^2 + x + 1 (System Management Bus 3.2,
     sections 6.4 and 6.5).
 
-    OSError, as from a kernel: ENXIO if the address is not acknowledged, EIO if a byte is not acknowledged, EBADMSG for
-    a wrong code, EPROTO for a block of an invalid length.
+    Raise OSError with the codes of a kernel: ENXIO if the address is not acknowledged, EIO if a byte is not
+    acknowledged, EBADMSG for a wrong packet error code, EPROTO for a block of an invalid length.
     """
 
     def __init__(self, master: Master, address: int, checks: bool = False) -> None:
@@ -56,7 +56,7 @@ class SmbusTransfer:
         self._add(self._address << 1 | reads)
 
     def send(self, data: Iterable[int], answered: bool = False) -> None:
-        """Write bytes. answered: a read follows, which includes the code."""
+        """Write bytes. answered: True if a read follows, in which the target sends the packet error code."""
         self.begin(reads=False)
         for byte in data:
             self._send(byte)
@@ -107,7 +107,7 @@ SLAVE, TENBIT, FUNCS, SLAVE_FORCE, RDWR, PEC, SMBUS = 0x703, 0x704, 0x705, 0x706
 QUICK, BYTE, BYTE_DATA, WORD_DATA, PROC_CALL, BLOCK_DATA, BLOCK_PROC_CALL, I2C_BLOCK = 0, 1, 2, 3, 4, 5, 7, 8
 FUNCTIONS = 0x1 | 0x8 | 0x8000 | 0x0FFF_0000  # plain I2C; PEC; block process call; all SMBus transfers
 READS = 1  # value of `read_write` for a read, and the same bit in the flags of a message
-FIRST_FILE = 1 << 20  # the first file number that is used, above those of any process
+FIRST_FILE = 1 << 20  # the first file number that is used; no process has numbers as high as this
 
 
 class _SmbusTransfer(ctypes.Structure):
@@ -155,7 +155,7 @@ class Adapter:
         elif request == PEC:
             self._checks = bool(int(argument))
         elif request in (RETRIES, TIMEOUT):
-            pass  # retries after lost arbitration, and the time-out of a held bus: 25 ms here
+            pass  # number of retries after lost arbitration, and time-out of a held bus: ignored, the time-out is 25 ms
         elif request == SMBUS:
             self._on_bus(self._smbus, _SmbusTransfer.from_address(ctypes.addressof(argument)))
         elif request == RDWR:
@@ -261,11 +261,12 @@ class _Opened(io.RawIOBase):
 
 @contextmanager
 def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[None]:
-    """Within the block `/dev/i2c-N` is the bus of the session with that number. For Linux, where such code runs.
+    """Make `/dev/i2c-N` the bus of the session with that number, within a block. This requires Linux.
 
-    pause: the simulated time that passes before each transfer, because `time.sleep` has no effect on it.
-    OSError as from a kernel: ENXIO if the address is not acknowledged, EIO if a byte is not acknowledged, ETIMEDOUT if
-    the bus is held, EAGAIN if arbitration is lost, ENOENT for a number that is not given.
+    pause: the simulated time that passes before each transfer, because `time.sleep` does not advance it.
+
+    The files raise OSError with the codes of a kernel: ENXIO if the address is not acknowledged, EIO if a byte is not
+    acknowledged, ETIMEDOUT if the bus is held, EAGAIN if arbitration is lost, ENOENT for a number without a session.
     """
     import fcntl
 

@@ -1,9 +1,9 @@
-"""The I2CDriver's serial protocol, without a port: bytes of its client in, its answers out.
+"""The serial protocol of an I2CDriver, without a port: converts bytes of its client to transfers and answers.
 
     client --'s' 0xD0, 0xC0 0x00, 'p' ...--> I2cDriver --start, write, stop--> Master --> SDA, SCL
            <--report: '0' | lost, timeout, ACK----
 
-An adapter with a serial port for a PC (i2cdriver.com). Its programs run on it unmodified.
+The I2CDriver is an adapter with a serial port for a PC (i2cdriver.com). Its programs run unmodified.
 
     s ADDRESS+R/W    START: report              e BYTE    the same byte             ?   status, 80 characters
     0xC0+n-1 DATA    n bytes written: report    1, 4      100, 400 kHz              J   introspection, 80 characters
@@ -15,9 +15,9 @@ An adapter with a serial port for a PC (i2cdriver.com). Its programs run on it u
 
 Source: the I2CDriver's firmware (github.com/jamesbowman/i2cdriver, firmware/main.fs and capture.fs).
 
-Chosen: 5 V, 0 mA, 25 degrees. The checksum covers each byte of the bus once, addresses included. A line that `b` would
-drive high is released: the bus is open drain. 'v' with its byte and 'w', which test pull-ups, do nothing. A line held
-for more than 25 ms is a time-out in the next report.
+Chosen: the status states 5 V, 0 mA, 25 degrees. The checksum covers each byte of the bus once, addresses included. A
+line that `b` would drive high is released, because the bus is open drain. 'v' with its byte and 'w', which test
+pull-ups, do nothing. If a line is held for more than 25 ms, the next report contains a time-out.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ WIRES = ("SDA", "SCL")
 class I2cDriver:
     """The adapter on the bus of a session.
 
-    pause: ticks that pass before each START, because a client's own pauses have no effect on simulated time.
+    pause: the ticks that pass before each START, because a client's own pauses do not advance simulated time.
     """
 
     def __init__(self, session: Session, pause: int) -> None:
@@ -148,7 +148,7 @@ class I2cDriver:
         self._say(0x30 | self._lines())
 
     def _bang(self) -> Service:
-        """Apply each byte: SDA driven, its level, SCL driven, its level, report the lines."""
+        """Apply each byte, whose bits are: SDA is driven, its level, SCL is driven, its level, report the lines."""
         session = self._session
         self._let_go()
         while (bits := (yield)) != ord("@"):

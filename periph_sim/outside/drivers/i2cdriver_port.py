@@ -32,8 +32,8 @@ class I2cDriverPort:
     pause: the simulated time that passes before each START, because a program's own pauses have no effect on it. During
         a capture, time passes by itself.
 
-    BadCase and OutsideError as from a `Session`; OutsideError if `link` exists (see `PseudoTerminal`). Later errors are
-    raised at the end of the block.
+    Raise BadCase and OutsideError like a `Session`, and OutsideError if `link` exists (see `PseudoTerminal`). Later
+    errors are raised at the end of the block.
     """
 
     path: str
@@ -94,7 +94,7 @@ class _Thread(threading.Thread):
         self.result: Result | None = None
 
     def open_port(self, link: Path | None) -> str:
-        """Open the pseudo-terminal and return its path, or the link's."""
+        """Open the pseudo-terminal. Return its path, or that of the link if there is one."""
         from ..live.pseudo_terminal import PseudoTerminal
 
         self._terminal = PseudoTerminal(link)
@@ -124,7 +124,10 @@ class _Thread(threading.Thread):
         self.ready.set()
 
     def _turn(self, session: Session, adapter: I2cDriver) -> bool:
-        """Wait for commands of the client or a step of a capture, and answer. Return False if the block was left."""
+        """Wait for commands of the client, or for a step of a capture, and send the answers.
+
+        Return False if the block was left.
+        """
         files = [self._terminal.file, self._wake_read]
         ready, _, _ = select.select(files, [], [], TURN if adapter.capturing else None)
         if self._wake_read in ready:

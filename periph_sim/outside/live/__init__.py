@@ -1,1 +1,1 @@
-"""A session in real time: one loop steps it by a clock; doors transfer bytes between its steps."""
+"""A session in real time: a loop steps it by a clock, and doors transfer bytes between the steps."""

@@ -1,6 +1,6 @@
 """Bytes that an SCI has sent and no client has read.
 
-A client that is away, or does not read, finds the last megabyte; older bytes are discarded, and counted.
+The last megabyte is kept for a client that is not connected or does not read. Older bytes are discarded and counted.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Backlog:
     def flush(self, write: Callable[[bytes], int]) -> None:
         """Pass the bytes to `write`, until it accepts none.
 
-        write: returns the number of bytes accepted; BlockingIOError for none.
+        write: a function that returns the number of accepted bytes, and raises BlockingIOError if it accepts none.
         """
         while self._bytes:
             try:
@@ -51,12 +51,15 @@ class Backlog:
         return taken
 
     def clear(self) -> None:
-        """Drop all bytes."""
+        """Discard all bytes."""
         self._bytes.clear()
 
 
 def left_there(read: Callable[[], bytes]) -> int:
-    """Discard and count the bytes that the system received from a client. read: returns b"" if none is left."""
+    """Discard and count the bytes that the system has received from a client.
+
+    read: a function that returns some of them, and b"" if none is left.
+    """
     count = 0
     while count < MOST_HELD and (data := read()):
         count += len(data)

@@ -1,9 +1,9 @@
 """Preparation of a case for an external party that drives some of its lines.
 
-at an SCI      its RX
-at SDA, SCL    both
+a party at an SCI      drives its RX
+a party at SDA, SCL    drives both
 
-`scene.outside_parties` defines which parties of the case it replaces there.
+`scene.outside_parties` defines which parties of the case are replaced by it.
 """
 
 from __future__ import annotations

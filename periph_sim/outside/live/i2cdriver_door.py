@@ -2,8 +2,8 @@
 
 client --/dev/pts/N, or LINK--> I2cDriver --> SDA, SCL
 
-A transfer is done at once, and advances the session by its duration on the wires; the loop then waits for the clock.
-Commands of a client that reads no answers are not executed once a megabyte of answers waits; the answers are
+A transfer is executed at once and advances the session by its duration on the wires; the loop then waits for the clock.
+If a client does not read its answers, its commands are not executed while a megabyte of answers waits. The answers are
 discarded when another client connects.
 """
 
@@ -44,7 +44,7 @@ class I2cDriverDoor:
         return [self._terminal.file] if len(self.back) < MOST else []
 
     def turn(self) -> None:
-        """Execute received commands, up to a few kilobytes; the rest remains for the next turn."""
+        """Execute up to a few kilobytes of received commands. The others remain for the next turn."""
         if self._terminal.clients()[1]:  # a new client must not receive the answers for the previous one
             self.back.clear()
             self._terminal.discard_unread()

@@ -1,4 +1,4 @@
-"""The loop of the thread that owns a session: steps time by a pacer; between steps its doors transfer bytes.
+"""The loop of the thread that owns a session. A pacer determines its steps, between which the doors transfer bytes.
 
 doors --turn--> session --advance a step--> doors --turn--> ...      until `stop`, or a tick
 """
@@ -18,16 +18,16 @@ STEP = "1 ms"  # simulated time of a step, which is the maximum delay of a byte
 
 
 class Door(Protocol):
-    """A connection that transfers bytes. files: returns the files whose input ends a wait; they may change."""
+    """A connection that transfers bytes. files: returns the files whose input ends a wait, which may change."""
 
     def files(self) -> Sequence[int]: ...
 
     def turn(self) -> None:
-        """Transfer bytes in both directions. Called in the session's thread, between steps; may advance its time."""
+        """Transfer bytes in both directions. The session's thread calls this between steps. It may advance the time."""
 
 
 class Loop:
-    """Steps a session. step: the simulated time between two turns of the doors."""
+    """Loop that steps a session. step: the simulated time between two turns of the doors."""
 
     def __init__(self, session: Session, pacer: Pacer, doors: Sequence[Door], step: str = STEP) -> None:
         self._session = session
@@ -37,7 +37,7 @@ class Loop:
         self._stopped = False
 
     def stop(self) -> None:
-        """End `run` after the present step; callable from any thread, or a signal handler."""
+        """End `run` after the present step. Any thread or signal handler may call this."""
         self._stopped = True
 
     def run(self, until: int | None = None) -> None:
@@ -54,7 +54,7 @@ class Loop:
         self._turn()
 
     def _wait(self, due: int) -> None:
-        """Wait until the step is due; input of a door is processed at once, at the simulated time of the next step."""
+        """Wait until the step is due. Input of a door ends the wait; it is processed at the time of the next step."""
         left = self._pacer.wait(due)
         while left > 0 and not self._stopped:
             files = [file for door in self._doors for file in door.files()]
@@ -70,7 +70,10 @@ class Loop:
 
 @contextmanager
 def signals_calling(on_signal: Callable[[int, Any], None]) -> Iterator[None]:
-    """Call a function on Ctrl-C and TERM; a shell ignores Ctrl-C for commands in the background."""
+    """Call a function on Ctrl-C and SIGTERM within a block.
+
+    SIGTERM is needed because commands that a shell runs in the background ignore Ctrl-C.
+    """
     before = {number: signal.signal(number, on_signal) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         yield

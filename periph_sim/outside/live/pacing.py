@@ -1,8 +1,8 @@
 """Pacing of simulated time by a clock: how long to wait, and the lateness.
 
-    due(tick) = when the tick is to be reached; lateness = the delay after that
+    due(tick) = the time of the clock at which a tick is due; lateness = the delay after this time
 
-Lateness is a property of this computer: nothing in the simulation depends on it.
+Lateness is a property of this computer, and nothing in the simulation depends on it.
 """
 
 from __future__ import annotations
@@ -23,11 +23,11 @@ STEPS = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.010, 0.020, 0.050, 0.100
 class Pacer:
     """Schedule of the simulation's steps on a clock.
 
-    pace: simulated seconds in a second of the clock; 0: full speed.
+    pace: the number of simulated seconds in a second of the clock; 0 for full speed.
     when_late: the reaction to a lateness above TOLERATED. "slip": all later ticks are due later by the lateness;
-        "catch-up": the simulation runs without waiting until it is on time; "stop": OutsideError.
+        "catch-up": the simulation runs without waiting until it is on time; "stop": OutsideError is raised.
     worst: the largest lateness, in seconds.
-    late: number of times that the lateness was above TOLERATED.
+    late: the number of steps whose lateness was above TOLERATED.
     """
 
     def __init__(
@@ -48,7 +48,7 @@ class Pacer:
         self._origin: float | None = None
 
     def wait(self, tick: int) -> float:
-        """Return the seconds until this tick is due, 0 if it is. The clock starts with the first call."""
+        """Return the seconds until this tick is due; 0 if it is due already. The clock starts with the first call."""
         if not self._per_second:
             return 0.0
         now = self._clock()

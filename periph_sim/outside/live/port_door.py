@@ -2,8 +2,8 @@
 
     SCI <--bits--> SerialLine <--bytes--> /dev/ttyUSB0 <--> a board, a host
 
-Needs pyserial. A port's driver does not mark characters with a wrong parity or stop bit. A port that vanishes is
-reported, and opened again once it is back; meanwhile the SCI's bytes wait.
+pyserial is required. A port's driver does not mark characters with a wrong parity or stop bit. A port that vanishes is
+reported, and opened again when it returns. Meanwhile the SCI's bytes wait.
 """
 
 from __future__ import annotations
@@ -38,7 +38,10 @@ WHY = {
 
 
 def in_our_words(port: str, error: BaseException) -> str:
-    """Return "PORT: reason". Other errors keep the text of the system or pyserial."""
+    """Return the message for an error of a port as "PORT: reason".
+
+    For errors without a text of ours, the reason is the text of the system or of pyserial.
+    """
     text = str(error)
     if (isinstance(error, OSError) and error.errno == errno.EIO) or text.startswith(USED):
         return f"{port}: {GONE}"
@@ -81,7 +84,7 @@ class PortDoor:
         self._line = line
         self._notify = notify
         self._clock = clock
-        self._again = 0.0  # time of the next attempt
+        self._again = 0.0  # time of the next attempt to open the port
         self._errors = (serial.SerialException, OSError)
         bits, parity, stop = parts_of_format(form)
         self._given = {"bytesize": bits, "parity": parity.upper(), "stopbits": stop, "baudrate": baud}

@@ -3,8 +3,8 @@
     client's thread --write--> queue --.                        .--> SerialLine --> RX
                     <--read--  queue <-- loop, in its own thread      <--        TX
 
-pace: simulated seconds in a second. With 0, the loop has no thread: time passes at full speed while the client reads or
-flushes, and the client's time-outs are in simulated time.
+pace: the number of simulated seconds in a second. With 0, the loop has no thread: time passes at full speed while the
+client reads or flushes, and the client's time-outs are in simulated time.
 
 Source: pyserial 3.5, serial.serialutil.SerialBase, and its protocol handlers.
 """
@@ -35,8 +35,8 @@ from .pacing import Pacer
 
 KEYS = ("port", "pace", "log", "set")
 SLOWER = "write more slowly, or give a longer write_timeout"
-WAITED = 0.01  # seconds, of the port's own clock, between checks for room
-FOREVER = 3600  # simulated seconds that a read without time-out waits at most, at full speed
+WAITED = 0.01  # seconds of the port's own clock between checks whether the line accepts more bytes
+FOREVER = 3600  # maximum time in simulated seconds that a read without time-out waits at full speed
 
 
 class _Queue:
@@ -70,7 +70,7 @@ class _Queue:
                 self.changed.notify_all()
 
     def put(self, data: bytes | memoryview) -> int:
-        """Queue bytes and return the number accepted: a client is at most a megabyte ahead of the line."""
+        """Queue bytes. Return the number of accepted bytes: a client may be at most a megabyte ahead of the line."""
         with self.changed:
             taken = data[: max(0, MOST - self.waits())]
             self._to_line += taken
@@ -112,7 +112,7 @@ class _Queue:
 
 
 class ClosedError(PortNotOpenError):  # type: ignore[misc]
-    """Error for use of a closed port, with its URL; programs can catch it as pyserial's."""
+    """A closed port was used. The message contains its URL. Programs can catch this as pyserial's error."""
 
     def __init__(self, url: str) -> None:
         SerialException.__init__(self, f"{url} is closed; open() restarts its case")
@@ -170,10 +170,10 @@ class Serial(SerialBase):  # type: ignore[misc]
         mistakes: list[Exception] = []
 
         def live() -> None:
-            """Build, run and end the session: firmware stays in the thread that began it."""
+            """Build, run and end the session in one thread: firmware must stay in the thread that started it."""
             try:
                 self._build(path, port, pace, given.get("log"), changes)
-            except Exception as error:  # raised in the client's thread
+            except Exception as error:  # it will be raised in the client's thread
                 mistakes.append(error)
                 return
             finally:
@@ -202,7 +202,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._loop = Loop(self._session, self.pacer, [self._queue])
 
     def _end(self) -> None:
-        """End the session and drop every reference to it, in the thread that ran it."""
+        """End the session and delete all references to it. The thread that ran the session must call this."""
         self.result = self._session.finish()
         self.lost = self._queue.lost
         self._queue.leave()
@@ -289,7 +289,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._queue.read(self._queue.available())
 
     def reset_output_buffer(self) -> None:
-        """Do nothing: bytes written to a line cannot be taken back."""
+        """Do nothing, because bytes that were written to a line cannot be withdrawn."""
         self._must_be_open()
 
     def _step_until(self, over: Any, timeout: float | None) -> None:
@@ -333,7 +333,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._queue.send_break(f"{duration * 1e6:.0f} us")
 
     def _update_rts_state(self) -> None:
-        """Do nothing: an SCI has no such lines."""
+        """Do nothing, because an SCI has no RTS line."""
 
     _update_dtr_state = _update_rts_state
     cts = dsr = ri = cd = property(lambda self: False)

@@ -1,4 +1,4 @@
-"""The serving side of a pseudo-terminal: reads what clients write, and writes to them; it outlives its clients.
+"""The serving side of a pseudo-terminal. It remains open when clients come and go.
 
 client --/dev/pts/N, or LINK--> read      write --> client
 """
@@ -17,7 +17,7 @@ from ..errors import OutsideError
 from .backlog import AT_ONCE
 
 OPENED, CLOSED = 0x20, 0x08 | 0x10  # IN_OPEN; IN_CLOSE_WRITE and IN_CLOSE_NOWRITE, in sys/inotify.h
-EVENT = struct.Struct("iIII")  # watch, mask, cookie, length of a name
+EVENT = struct.Struct("iIII")  # an inotify event: watch, mask, cookie, length of a name
 EVENTS_AT_ONCE = 4096  # maximum number of bytes of events that are read in one call
 
 
@@ -65,7 +65,7 @@ class Openings:
 
 
 class PseudoTerminal:
-    """A new pseudo-terminal. Raise OutsideError if `link` exists and is not left by an earlier session.
+    """A new pseudo-terminal. Raise OutsideError if `link` exists, unless an earlier session left it.
 
     path: the path that clients open.
     link: the path of a symbolic link to it, or None.
@@ -110,13 +110,13 @@ class PseudoTerminal:
         return self._openings.passed()
 
     def read(self) -> bytes:
-        """Return received bytes, up to a few kilobytes; b"" for none."""
+        """Return received bytes, up to a few kilobytes; b"" if there are none."""
         try:
             return os.read(self.file, AT_ONCE)
         except BlockingIOError:
             return b""
         except OSError as error:
-            if error.errno != errno.EIO:  # no client has it open
+            if error.errno != errno.EIO:  # EIO: no client has opened the terminal
                 raise
             return b""
 

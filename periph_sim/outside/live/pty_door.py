@@ -1,10 +1,11 @@
 """A serial line at a pseudo-terminal: an SCI receives the bytes that a client writes, and the client reads its bytes.
 
     client --/dev/pts/N, or LINK--> terminal --bytes--> SerialLine --bits--> RX
-                  rate set by the client -------------> bits' length
+                  rate set by the client -------------> length of a bit
 
-The client's rate becomes the line's, so that a mismatch causes framing errors and breaks. A pseudo-terminal carries no
-parity and no breaks: the line's format is given at creation. It survives clients that close it or die.
+The client's rate becomes that of the line, so that a mismatch causes framing errors and breaks. A pseudo-terminal
+transfers no parity and no breaks, so the format of the line is given at creation. The terminal remains open when
+clients close it or end.
 """
 
 from __future__ import annotations

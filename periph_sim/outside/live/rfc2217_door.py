@@ -3,9 +3,9 @@
     client, rfc2217://127.0.0.1:4000 --TCP--> PortManager --bytes--> SerialLine --bits--> RX
                                               baud, format, break --^
 
-pyserial's PortManager implements Telnet. There is one client at a time: a second one is rejected with the name of the
-first. A client that sends invalid Telnet is disconnected, and its bytes before that are kept. A program without RFC
-2217, such as netcat, uses the line with the rate and format of its creation.
+pyserial's PortManager implements Telnet. There is one client at a time: a second client is rejected, with the name of
+the first one. A client that sends invalid Telnet is disconnected; its earlier bytes are kept. A program without RFC
+2217, such as netcat, uses the line with the rate and format that it had at its creation.
 
 Source: RFC 2217; RFC 854; pyserial 3.5, serial.rfc2217.PortManager.
 """
@@ -22,7 +22,7 @@ from ..serial_line import SerialLine, parts_of_format
 from .backlog import AT_ONCE, MOST, Backlog, left_there
 
 LOOPBACK = "127.0.0.1"
-WHILE = 0.05  # seconds to wait for bytes that the system has not delivered yet
+WHILE = 0.05  # seconds for which bytes are awaited that the system has not delivered yet
 LONGEST_OPTION = 256  # maximum number of bytes of a subnegotiation; those of RFC 2217 have at most seven
 KEEPALIVE = {"TCP_KEEPIDLE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}  # a dead client is disconnected in 25 s
 
@@ -102,7 +102,8 @@ class Rfc2217Door:
             return
         name = f"client {address[0]}:{address[1]}"
         connection.setblocking(False)
-        if self._client is not None and self._client.closed():  # its unread bytes precede the end of its connection
+        # Its unread bytes are processed before the end of its connection.
+        if self._client is not None and self._client.closed():
             self._let_go(self._client, "left")
         if self._client is not None:
             with connection:
@@ -121,7 +122,7 @@ class ClientDisconnected(Exception):
 
 
 class Client:
-    """One connection."""
+    """The connection to a client, which separates data from Telnet commands."""
 
     def __init__(self, connection: socket.socket, name: str, line: SerialLine, port: Port, manager_of: Any) -> None:
         self.name = name
@@ -148,20 +149,20 @@ class Client:
         return bool(poll.poll(0))
 
     def receive_rest(self) -> bytes:
-        """Return bytes that arrive, Telnet included; b"" if none arrives for WHILE or the connection is closed."""
+        """Return bytes that arrive, Telnet included; b"" if none arrives within WHILE or the connection is closed."""
         try:
             return self._connection.recv(MOST) if select.select([self.file], [], [], WHILE)[0] else b""
-        except (OSError, ValueError):  # ValueError: it is closed
+        except (OSError, ValueError):  # ValueError: the connection is closed
             return b""
 
     def write(self, data: bytes) -> None:
-        """Queue Telnet's answers; called by the PortManager."""
+        """Queue Telnet answers. The PortManager calls this."""
         self._out += data
 
     def receive(self) -> bool:
         """Process received data and commands. Return False if nothing has arrived.
 
-        ClientDisconnected if the client has closed the connection, or must be disconnected.
+        Raise ClientDisconnected if the client has closed the connection, or must be disconnected.
         """
         try:
             came = self._connection.recv(AT_ONCE)
@@ -185,12 +186,12 @@ class Client:
         return True
 
     def _put(self) -> None:
-        """Put received data on the line, before a command changes the line."""
+        """Put received data on the line. This is done before a command changes the settings of the line."""
         self._line.write(bytes(self._data))
         self._data.clear()
 
     def send(self, back: Backlog) -> None:
-        """Send Telnet's answers first, then the SCI's bytes, as far as the client accepts them."""
+        """Send Telnet answers and then bytes from the SCI, until the client accepts no more."""
         back.flush(self._escaped)
         self._send()
 
@@ -213,16 +214,17 @@ class Client:
 
 
 class Port:
-    """The port that a PortManager controls. ValueError, by the line, for an unsupported rate or format.
+    """The port that a PortManager controls. Its line raises ValueError for an unsupported rate or format.
 
-    An SCI has no modem lines, and TCP's flow control holds back a client that is ahead: these settings are constant.
+    The settings of modem lines and flow control are constant, because an SCI has no modem lines, and TCP's flow control
+    delays a client that is ahead.
     """
 
     xonxoff = rtscts = cts = dsr = ri = cd = False
     rts = dtr = True
 
     def __init__(self, line: SerialLine, baud: int, form: str, door: Rfc2217Door) -> None:
-        self.before: Callable[[], None] = lambda: None  # called before a command
+        self.before: Callable[[], None] = lambda: None  # a function that is called before each command
         self._line = line
         self._door = door
         self._baud = baud
@@ -280,11 +282,11 @@ class Port:
         self._door.back.clear()
 
     def reset_output_buffer(self) -> None:
-        """Do nothing: bytes on their way to the line cannot be taken back."""
+        """Do nothing, because bytes that were sent to the line cannot be withdrawn."""
 
 
 def _try_to_send(connection: socket.socket, data: bytes) -> None:
     try:
         connection.send(data)
     except OSError:
-        return  # it has left already
+        return  # the client has disconnected already

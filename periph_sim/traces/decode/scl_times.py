@@ -26,7 +26,8 @@ class LongLows(NamedTuple):
 
     rises: every rising SCL of the capture.
     which: the indices of the rises that follow a long low phase.
-    lengths: the lengths of these low phases in positions."""
+    lengths: the lengths of these low phases in positions.
+    """
 
     rises: Positions
     which: Positions

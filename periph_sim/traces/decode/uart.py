@@ -213,7 +213,8 @@ def _frames(wire: Channel, line: Line, width: Fraction, end: int, step: int, vot
 def _seen(edges: Positions, first: int, taken: NDArray[np.int64], looks: Positions) -> NDArray[np.int32]:
     """Return the levels at the sample points of each frame, as bits; 1 is the idle level.
 
-    Each edge of a frame inverts the levels at all sample points after it. Edge 0 is the start edge."""
+    Each edge of a frame inverts the levels at all sample points after it. Edge 0 is the start edge.
+    """
     begin = 2 * taken + first
     if not len(begin):
         return np.empty(0, np.int32)

@@ -139,7 +139,8 @@ class Variable(NamedTuple):
     """A variable to be written.
 
     name: the name with its scopes, `dsp.I2C_A.I2CSTR`.
-    changes: (time, value) in order, from time 0 on. A value has `width` letters of 0, 1, x, or is a text."""
+    changes: (time, value) in order, from time 0 on. A value has `width` letters of 0, 1, x, or is a text.
+    """
 
     name: str
     width: int

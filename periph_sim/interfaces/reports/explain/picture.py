@@ -95,7 +95,8 @@ def flags_shown(window: Window) -> list[tuple[str, str]]:
     """Return the place and the name of each field that is shown.
 
     These are fields that are related to the measure and changed within the picture, and all fields that the explanation
-    names."""
+    names.
+    """
     changed = {(r.where, r.what) for r in window.between(*window.drawn, Kind.FLAG)}
     known = {(r.where, r.what) for r in window.all_records if r.kind is Kind.FLAG}
     changed |= {(where, what) for where, what in known if _is_named(window, where, what)}

@@ -47,7 +47,8 @@ def timeline(window: Window, cycles: dict[str, float], frame_bit: int = 0, most:
 
     cycles: the number of ticks per cycle of SYSCLKOUT for each unit.
     frame_bit: the number of ticks per bit of the host; 0 if there is no host.
-    most: the maximum number of events."""
+    most: the maximum number of events.
+    """
     return _Lanes(window, cycles, frame_bit, most).timeline()
 
 

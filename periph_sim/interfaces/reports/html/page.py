@@ -46,7 +46,8 @@ def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
     """Return the page as HTML without references to other files.
 
     title: the title of the page, and of the overview if there are several cases.
-    command: the command line that made the page."""
+    command: the command line that made the page.
+    """
     rows = _worst_first(cases)
     return _template().render(
         cases=cases,

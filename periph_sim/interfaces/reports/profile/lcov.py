@@ -22,7 +22,8 @@ class FileCoverage:
 
     lines: the count of each line.
     branches: for each (line, address), how often the branch was not taken and taken.
-    functions: the line and the count of each function."""
+    functions: the line and the count of each function.
+    """
 
     def __init__(self) -> None:
         self.lines: dict[int, int] = {}

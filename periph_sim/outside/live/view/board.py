@@ -10,7 +10,7 @@ from .status import Snapshot, Status
 
 
 class Board:
-    """Snapshots are numbered from 1. A slow reader misses some; the writer never waits."""
+    """The latest snapshot and its number, counted from 1. A slow reader misses snapshots; the writer never waits."""
 
     def __init__(self) -> None:
         self._changed = threading.Condition()
@@ -25,7 +25,7 @@ class Board:
             self._changed.notify_all()
 
     def close(self) -> None:
-        """End the sequence of snapshots."""
+        """End the sequence of snapshots, so that no reader waits for another one."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
@@ -48,7 +48,7 @@ EVERY = 0.25  # seconds between two snapshots
 
 
 class ViewDoor:
-    """The view as one of a session's doors: puts a snapshot on its board several times per second."""
+    """The display as a door of a session, which puts a snapshot on its board several times per second."""
 
     def __init__(self, status: Status, board: Board, clock: Callable[[], float] = time.monotonic) -> None:
         self._status, self._board, self._clock = status, board, clock
@@ -64,6 +64,6 @@ class ViewDoor:
             self._board.put(self._status.snapshot())
 
     def close(self) -> None:
-        """Put the last snapshot, at the end."""
+        """Put the last snapshot on the board and close the board."""
         self._board.put(self._status.snapshot(over=True))
         self._board.close()

@@ -1,10 +1,10 @@
 """The view as a web page for browsers of this computer, updated from a board.
 
     GET /        the page
-    GET /events  its snapshots as server-sent events, one for each new one
+    GET /events  snapshots as server-sent events, one for each new snapshot
 
-Uses its own threads, which only read the board. It listens on the loopback address by default, and there answers only
-requests to names of this computer, so that no other page can read it.
+The server has its own threads, which only read the board. By default it listens on the loopback address and answers
+only requests to names of this computer, so that no other page can read the view.
 
 Source: WHATWG HTML, section 9.2, server-sent events.
 """
@@ -23,7 +23,7 @@ from .board import Board
 PAGE = Path(__file__).with_name("page.html")
 LOOPBACK = "127.0.0.1"
 OURS = ("127.0.0.1", "localhost", "[::1]")
-PATIENCE = 1.0  # seconds without news, after which a client's presence is checked
+PATIENCE = 1.0  # seconds without a new snapshot after which the server checks if the client is connected
 END_SEEN = 0.05  # interval, in seconds, at which the server checks if it must stop
 RULES = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'; img-src data:"
 
@@ -44,7 +44,7 @@ class Browser:
         self._thread.start()
 
     def close(self) -> None:
-        """Stop the server. Call after the board is closed: clients receive its last snapshot."""
+        """Stop the server. Call this after the board is closed, so that clients receive the last snapshot."""
         self._server.shutdown()
         self._server.server_close()
         self._thread.join()
@@ -58,7 +58,7 @@ class _Server(ThreadingHTTPServer):
 
 class _Handler(BaseHTTPRequestHandler):
     server_version, sys_version = "periph-sim", ""
-    timeout = 10  # seconds that a client may take for its request
+    timeout = 10  # maximum time in seconds that a client may take for its request
 
     def do_GET(self) -> None:
         server = cast(_Server, self.server)
@@ -95,7 +95,7 @@ class _Handler(BaseHTTPRequestHandler):
                 self.wfile.write(f"{event}\n\n".encode())
                 self.wfile.flush()
         except OSError:
-            return  # the client has left
+            return  # the client has disconnected
 
     def log_message(self, format: str, *arguments: object) -> None:
-        """Do nothing: requests are not logged."""
+        """Do nothing, because requests are not logged."""

@@ -1,6 +1,6 @@
 """The waveform of the last round, from the edges of wires as they are recorded.
 
-    edges --the last 1 << 14--> begin and end of a round --> per wire: its first level and its edges
+    edges --the last 1 << 14--> those from begin to end of a round --> for each wire its first level and its edges
 
 If no rounds are defined, it is the last transfer; if there is no bus, the last activity of the serial lines.
 """

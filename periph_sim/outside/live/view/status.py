@@ -25,8 +25,8 @@ from ..pacing import STEPS, TOLERATED, Pacer
 from .last_round import LastRound, Wave
 
 WINDOW = 2.0  # seconds over which rates are averaged
-SELDOM = 10.0  # seconds between computations of a percentile, which needs all values
-SAID = 3  # number of sentences of doors that are shown
+SELDOM = 10.0  # seconds between calculations of a percentile, which needs all values
+SAID = 3  # number of sentences from doors that are shown
 FLAGS = {
     "SCI": ("SCIRXST.BRKDT", "SCIRXST.FE", "SCIRXST.OE", "SCIRXST.PE", "SCIFFRX.RXFFOVF"),
     "I2C": ("I2CSTR.AL", "I2CSTR.NACK", "I2CSTR.NACKSNT", "I2CSTR.RSFULL", "I2CSTR.SDIR", "I2CSTR.BB"),
@@ -56,7 +56,7 @@ class Lateness(TypedDict):
 
     steps: the upper bounds of the classes, in seconds.
     counts: the number of steps in each class; the last is for those beyond all bounds.
-    late: the number of steps later than `tolerated`.
+    late: the number of steps whose lateness exceeds `tolerated`.
     """
 
     steps: list[float]
@@ -92,7 +92,7 @@ class Snapshot(TypedDict):
 
 
 class Status:
-    """Makes snapshots of a session.
+    """Maker of snapshots of a session.
 
     where: the address for clients.
     line: the serial line, or None for a bus.
@@ -132,7 +132,7 @@ class Status:
             wave.listen(scene)
 
     def say(self, sentence: str) -> None:
-        """Display a sentence of a door about clients that come and go."""
+        """Add a sentence from a door about clients that come and go."""
         self._said.append(sentence)
 
     def snapshot(self, over: bool = False) -> Snapshot:
@@ -172,7 +172,7 @@ class Status:
         self._rounds += 1
 
     def _attitude(self) -> list[float] | None:
-        """Return the attitude if the firmware's model knows it from the readings."""
+        """Return the attitude if the firmware's model can calculate it from the readings; else None."""
         model = self._session.scene.model
         readings = {name: reading["values"] for name, reading in self._readings.items()}
         return None if model is None else model.attitude(readings)

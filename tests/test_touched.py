@@ -19,7 +19,7 @@ def of(*changed: str) -> list[str]:
     ("changed", "reached"),
     [
         ("periph_sim/core/wire.py", "tests/core/test_wire.py"),
-        ("periph_sim/records/lints/i2c_flags.py", "tests/records/test_lint.py"),
+        ("periph_sim/records/lints/i2c.py", "tests/records/test_lint.py"),
         ("periph_sim/interfaces/commands/lint.py", "tests/interfaces/commands/test_cli.py"),
         ("periph_sim/bus/faults/spike.py", "tests/bus/faults/test_faults.py"),
         ("tests/interfaces/reports/baselines/conftest.py", "tests/interfaces/reports/baselines/test_check.py"),
@@ -34,7 +34,7 @@ def test_a_change_reaches(changed: str, reached: str):
 
 
 def test_what_a_change_does_not_reach_is_left_out():
-    of_lint = of("periph_sim/records/lints/i2c_flags.py")
+    of_lint = of("periph_sim/records/lints/i2c.py")
     assert "tests/core/test_wire.py" not in of_lint and str(PAGES) not in of_lint
     assert of("tests/waves.py") != [] and "tests/traces/decode/test_uart_guess.py" not in of("tests/waves.py")
     assert of() == []

@@ -1,12 +1,16 @@
-"""Lints of flags in I2CSTR: cleared unseen, left from an earlier transfer, or taken for another one."""
+"""Lints of the I2C module: its flags, the bytes in I2CDRR and I2CDXR, and its settings."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
-from ...f28335.i2c.register_map import I2CDXR, I2CFFTX, I2CMDR, I2CSTR
+from ...core.counted import counted
+from ...core.records import Kind
+from ...core.registers import Register
+from ...f28335.i2c.register_map import I2CDRR, I2CDXR, I2CFFRX, I2CFFTX, I2CMDR, I2COAR, I2CPSC, I2CSTR
 from ..lint import Fault, Options, accesses, finds, held
 from ..read_modify_write import read_modify_writes
 from ..register_maps import one_clears
@@ -122,3 +126,102 @@ def _sdir_wiped_by(run: Run, group: Group) -> Rows:
     by = np.where(last >= 0, run.made_by(last), -1)
     here = (last > since) & (since >= 0) & (value[last] == 0) & (value[since] == 1) & np.isin(by, writes)
     return np.where(here, by, -1)
+
+
+EARLY = "reads I2CDRR while RRDY = 0: no byte came since it was read last"
+OVERWRITTEN = "writes I2CDXR while XRDY = 0: the byte written before was not taken yet, and is overwritten"
+
+
+@finds("I2CDRR read with RRDY = 0: no byte came since the read before")
+def receive_register_early(run: Run, options: Options) -> Iterator[Fault]:
+    """Yield reads of I2CDRR without a byte in it: none ever came, or the last one was read before."""
+    for group in accesses(run, "R", I2CDRR):
+        changes = run.changes(group.unit, group.module, I2CSTR, I2CSTR["RRDY"])
+        last = np.append(changes, -1)[np.searchsorted(changes, group.rows) - 1]
+        empty = ~held(run, group, I2CSTR, "RRDY")
+        # A byte whose RRDY was cleared by a write, or by a reset, may be read still.
+        by_read = (last < 0) | np.isin(run.made_by(last), group.rows)
+        plain = ~held(run, group, I2CFFRX, "RXFFRST")
+        enabled = held(run, group, I2CMDR, "IRS")
+        rows = group.rows[empty & by_read & plain & enabled]
+        yield Fault(group.unit, rows, EARLY, "SPRUG03B table 10 (RRDY), table 19")
+
+
+@finds("I2CDRR never read though RRDY rose")
+def receive_register_unread(run: Run, options: Options) -> Iterator[Fault]:
+    """Yield the access that first saw RRDY = 1, of a unit that received bytes and never read I2CDRR."""
+    for unit, modules in run.units.items():
+        for module in (module for module in modules if module.startswith("I2C")):
+            rises = run.rises(unit, module, I2CSTR, I2CSTR["RRDY"])
+            if not len(rises) or len(run.accesses_of(unit, "R", module, I2CDRR.name)):
+                continue
+            reads = run.accesses_of(unit, "R", module, I2CSTR.name)
+            saw = reads[run.table.value[reads] & I2CSTR["RRDY"].mask != 0]
+            rows = saw if len(saw) else run.rows(Kind.ACCESS, unit)
+            text = f"{module}.I2CDRR is never read, though RRDY rose {counted(len(rises), 'time')}"
+            yield Fault(unit, np.array(rows[:1]), text, "SPRUG03B table 10 (RRDY, RSFULL), table 19")
+
+
+@finds("I2CDXR written twice in a transfer with XRDY = 0 in between")
+def transmit_register_overwritten(run: Run, options: Options) -> Iterator[Fault]:
+    """Yield writes of I2CDXR while the byte before, of the same transfer, still waits in it (XRDY = 0) and is lost.
+
+    In FIFO mode XRDY does not tell whether a byte can be taken; there nothing is judged.
+    """
+    for group in accesses(run, "W", I2CDXR):
+        before = np.append(-1, group.rows[:-1])
+        of = group.unit, group.module
+        waits = ~held(run, group, I2CSTR, "XRDY")
+        plain = ~held(run, group, I2CFFTX, "I2CFFEN")
+        enabled = held(run, group, I2CMDR, "IRS")
+        others = [run.changes(*of, I2CSTR, I2CSTR[name]) for name in ("AAS", "BB")]
+        news = np.sort(np.concatenate([run.rises(*of, I2CSTR, I2CSTR["XRDY"]), *others]))
+        still = np.searchsorted(news, group.rows) == np.searchsorted(news, before)
+        rows = group.rows[(before >= 0) & waits & plain & enabled & still]
+        yield Fault(group.unit, rows, OVERWRITTEN, "SPRUG03B table 10 (XRDY), table 20")
+
+
+OWN_ADDRESS = (
+    "changes I2COAR while I2CSTR.BB = 1: which address the transfer under way is compared with is not documented"
+)
+PRESCALER = "changes I2CPSC.IPSC while I2CMDR.IRS = 1; the module clock does not follow before IRS goes from 0 to 1"
+RESET = "clears IRS while the module takes part in a transfer (BB = 1): the byte under way is lost, and SDA is let go"
+
+
+@finds("own address changed in mid-transfer (BB = 1, IRS = 1)")
+def own_address_in_transfer(run: Run, options: Options) -> Iterator[Fault]:
+    """Yield writes of another value into I2COAR while the module is on and the bus is busy."""
+    for group in accesses(run, "W", I2COAR):
+        rows = group.rows[held(run, group, I2CSTR, "BB") & _changed_while_on(run, group, I2COAR, "OAR")]
+        yield Fault(group.unit, rows, OWN_ADDRESS, "SPRUG03B section 4 and table 17")
+
+
+@finds("IPSC changed while IRS = 1")
+def prescaler_while_enabled(run: Run, options: Options) -> Iterator[Fault]:
+    """Yield writes of another value into I2CPSC while IRS = 1: the prescaler may change in reset only."""
+    for group in accesses(run, "W", I2CPSC):
+        rows = group.rows[_changed_while_on(run, group, I2CPSC, "IPSC")]
+        yield Fault(group.unit, rows, PRESCALER, "SPRUG03B section 1.4 and table 12")
+
+
+@finds("IRS cleared in mid-transfer: as slave that is addressed (AAS = 1), or as master, with BB = 1")
+def reset_in_transfer(run: Run, options: Options) -> Iterator[Fault]:
+    """Yield writes of IRS = 0 while the module takes part in a transfer.
+
+    The byte under way is lost, and a master reads FF afterwards.
+    """
+    for group in accesses(run, "W", I2CMDR):
+        enabled = held(run, group, I2CMDR, "IRS")
+        takes_part = held(run, group, I2CMDR, "MST") | held(run, group, I2CSTR, "AAS")
+        busy = held(run, group, I2CSTR, "BB")
+        clears = run.table.value[group.rows] & I2CMDR["IRS"].mask == 0
+        rows = group.rows[enabled & clears & busy & takes_part]
+        yield Fault(group.unit, rows, RESET, "SPRUG03B section 1.3 and table 5 (IRS)")
+
+
+def _changed_while_on(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bool_]:
+    """Return True for each write of another value into a field while IRS = 1."""
+    f = register[name]
+    kept = run.values(group.unit, group.module, register, f, group.rows)
+    changed: NDArray[np.bool_] = kept != run.table.value[group.rows] & f.mask
+    return changed & held(run, group, I2CMDR, "IRS")

@@ -130,15 +130,16 @@ class EventMeasure(Measure):
         super().__init__()
         thing = matchers[0].thing if matchers else None
         self.needs: str = "" if thing is None else thing.needs
-        self.looks_back: str = clauses.said.looks_back
+        self.looks_back = clauses.said.looks_back
         self.counts: bool = form == "count"
         self.weighs: bool = form == "sum"
         self.series: bool = not (self.counts or self.weighs)
+        self.unit: str = "time"
         if form:
-            self.unit: str = "value" if thing is None or self.counts else thing.unit
+            self.unit = "value" if thing is None or self.counts else thing.unit
             if self.unit == "value" and not self.series:
                 self.unit = "count"
-            self.occurrence: str = READ if self.series and thing is not None and thing.by_read else ""
+            self.occurrence = READ if self.series and thing is not None and thing.by_read else ""
         self._is_level: bool = form == "level"
         self._level = 0
         self._clauses: Clauses = clauses

@@ -114,11 +114,9 @@ class Measure(Listener):
     """
 
     STATE = State("_before _uncompared")
-    looks_back: str = "this occurrence"
     unit = "time"
     series = True
     needs = ""  # what a scene must have for this to mean anything: "controller", "rounds", "host", "serial", "SCI"
-    occurrence = ""
     asked = ""
     kinds: frozenset[Kind] = frozenset()
     refuted = ""  # why no value can keep the limit, such as a reply that is not the expected one
@@ -126,6 +124,8 @@ class Measure(Listener):
     refuted_until = NO_TIME
 
     def __init__(self) -> None:
+        self.looks_back = "this occurrence"
+        self.occurrence = ""
         self.count = 0
         self.worst = 0
         self.least = 0

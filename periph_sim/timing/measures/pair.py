@@ -71,7 +71,7 @@ class Between(EventMeasure):
         inside = () if group is None else (group.begin, group.end)
         extra = () if counted is None else (counted,)
         super().__init__(begin, end, *inside, *extra, order=_order(len(inside), len(extra)), clauses=clauses)
-        self.unit: str = "count" if extra else "time"
+        self.unit = "count" if extra else "time"
         self._is_count = bool(extra)
         self.pairing = pairing
         self._extra = FIRST + 2 + len(inside)

@@ -45,12 +45,12 @@ class Race(Measure):
     """
 
     STATE = State("_kept_records")
-    looks_back = "the whole run"
     unit = "cycles"
     kinds = frozenset({Kind.ACCESS, Kind.FLAG})
 
     def __init__(self, watched: Watched) -> None:
         super().__init__()
+        self.looks_back = "the whole run"
         self.watched = watched
         self._kept_records: Columns = Kept(watched)
         self._unplaced = 0

@@ -131,11 +131,11 @@ class TimeIn(EventMeasure):
     def __init__(self, state: StateEvents, form: str, window: Fraction | None = None) -> None:
         super().__init__(*state.enters, *state.leaves, *state.nests)
         self.state = state
-        self.series: bool = form == "each"
+        self.series = form == "each"
         self._is_share: bool = form == "share"
         if self._is_share:
-            self.unit: str = "%"
-            self.looks_back: str = "the whole run"
+            self.unit = "%"
+            self.looks_back = "the whole run"
         self._nests = bool(state.nests)
         self._is_idle: bool = state.is_idle
         self._under_way: list[int] = []  # waits and service routines, the inner ones last

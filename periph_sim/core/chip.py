@@ -65,22 +65,22 @@ class WriteOrigins(Protocol):
 class Chip:
     """Base of chips. Times are cycles of the chip's own clock and never decrease from call to call.
 
-    INPUTS, OUTPUTS and LINES name the bits of input levels, of `out`, and of `requests` and `held`.
+    INPUTS and OUTPUTS name the bits of input levels and of `out`. Those of `requests` and `held` are the interrupts of
+    the module's descriptor.
     """
 
     STATE = State("out held requests loaded writes filter_width", cycles="next_wake")
     MAP: RegisterMap
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
-    LINES: tuple[str, ...] = ()
     mid_byte: tuple[int, ...] = ()  # offsets below 62 of registers to which a write may affect a byte in progress
     steady: tuple[int, ...] = ()  # offsets of register words whose values stay the same while `writes` does
 
     def __init__(self) -> None:
         self.next_wake = NEVER  # no output or readable value changes by itself before this cycle
         self.out = 0  # bit i: level at OUTPUTS[i], of up to 62; for an open-drain pin 1 means released
-        self.requests = 0  # bit i: LINES[i] requested an interrupt since the owner last cleared it
-        self.held = 0  # bit i: LINES[i] is held asserted (requests again as soon as it was served)
+        self.requests = 0  # bit i: interrupt i was requested since the owner last cleared it
+        self.held = 0  # bit i: the line of interrupt i is held asserted (requests again as soon as it was served)
         self.filter_width = 0  # cycles from an input's change to its first effect
         self.notes: list[Note] = []  # the notes since the owner last cleared the list
         self.loaded = 0  # bit i: the data register at offset i took a value since the owner last cleared it

@@ -67,7 +67,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     gate: the field of PCLKCR0 or PCLKCR3 that switches its clock; empty if there is none.
     input_gate: the field that switches the clock of its input paths only.
     clock: the clock that it runs on, "SYSCLKOUT" or "LSPCLK".
-    interrupts: in the order of the chip's LINES.
+    interrupts: in the order of the bits of the chip's `requests`.
     inputs, outputs: signals of the multiplexer's table, in the order of the chip's pins. inputs is None if any pin can
         be an input of the module.
     pins: the GPIO numbers to which TI's start-up code assigns its signals.

@@ -4,7 +4,7 @@
     wire     ___|~~|__|~~|_ ... _|~~|_         later by the delay from output to pin
                ^ the master tries to skip here
 
-`bus.i2c.bit_skip` decides when bits are skipped; `f28335.i2c.bit_skip` has the master's states.
+`bus.i2c.bit_skip` decides when bits are skipped; `f28335.i2c.master` has the master's states.
 """
 
 # core: compiled

@@ -120,7 +120,7 @@ class Interrupts:
         """Fetch the vector of the interrupt that was taken, a code address, from the table in memory."""
         number = self._number
         if number > GROUPS:
-            address, self.taken = self._pie.cpu_vector(cycle, number), f"INT{number}"
+            address, self.taken = self._pie.cpu_vector(number), f"INT{number}"
         else:
             line, address = self._pie.vector(cycle, number)
             self.taken = f"INT{number}.{line}"

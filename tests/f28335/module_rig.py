@@ -20,7 +20,7 @@ class ModuleRig(DiagramRig):
     def __init__(self, chip: Chip) -> None:
         self.chip = chip
         self.now = 0
-        self.asked: dict[str, list[int]] = {line: [] for line in chip.LINES}
+        self.asked: dict[str, list[int]] = {"RXINT": [], "TXINT": []}
         self.edges: list[tuple[int, int]] = []
         self._out = chip.out
         chip.gate(0, True)
@@ -32,7 +32,7 @@ class ModuleRig(DiagramRig):
         if chip.out != self._out:
             self._out = chip.out
             self.edges.append((self.now, chip.out))
-        for i, line in enumerate(chip.LINES):
+        for i, line in enumerate(self.asked):
             if chip.requests >> i & 1:
                 self.asked[line].append(self.now)
         chip.requests = 0

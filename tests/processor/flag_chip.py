@@ -16,7 +16,6 @@ class FlagChip(Chip):
     MAP = FLAGS
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
-    LINES: tuple[str, ...] = ("IRQ0", "IRQ1")
     filter_width = 0
 
     def __init__(self, changes: list[tuple[int, int, int]]) -> None:

@@ -77,7 +77,7 @@ class ScriptedProgram(Program):
                     return Stop.WAITS
             self.pc += 1
             self._doing = BOUNDARY
-            processor.interrupts.core.instruction_done()
+            processor.interrupts.core.owes_instruction = False
 
     def _access_at(self, step: Step) -> int:
         bus, cycle = self._processor.bus, self._processor.time.cycle

@@ -115,7 +115,7 @@ class CpuInterrupts:
         self.sp = SP_RESET
         self.nested = 0  # routines entered that have not returned
         self.ready = now  # no interrupt is taken before this cycle
-        self.owes_instruction = False  # after IRET: one instruction must complete first; see `instruction_done`
+        self.owes_instruction = False  # after IRET: the owner sets this to False when one instruction is over
         self.next_wake = NEVER  # when the next request reaches the IFR
         self._coming.clear()
         self._latched = 0  # IFR bits that hardware set in the cycle `_latched_at`
@@ -234,10 +234,6 @@ class CpuInterrupts:
         self._returned_at = self.ready
         if self.ifr & self.ier or self._coming:
             self._options.irq_after_iret.assume(self.touched)
-
-    def instruction_done(self) -> None:
-        """Record that an instruction of the interrupted code has completed. Call while `owes_instruction` is True."""
-        self.owes_instruction = False
 
     # Instructions -------------------------------------------------------------------
 

@@ -28,7 +28,7 @@ from typing import final
 from ...core.chip import ANY_CHANGED, NEVER, Chip
 from ...core.state import State
 from ..system_options import SystemOptions
-from .register_map import BASES, MAP, PRD, PRDH, TCR, TIM, TIMH, TPR, TPRH
+from .register_map import MAP, PRD, PRDH, TCR, TIM, TIMH, TPR, TPRH
 
 TIF = TCR["TIF"].mask
 TIE = TCR["TIE"].mask
@@ -43,13 +43,11 @@ class CpuTimer(Chip):
 
     STATE = State("_clocked _tcr _prd _tddr _tim _psc", cycles="_since _event_at")
     MAP = MAP
-    LINES: tuple[str, ...] = ("TINT",)
 
     def __init__(self, number: int, options: SystemOptions) -> None:
         if number not in (0, 1, 2):
             raise ValueError(f"there is no CPU timer {number!r}; there are 0, 1 and 2")
         super().__init__()
-        self.base: int = BASES[number]
         self._options = options
         self._on_reload = options.timer_tif_point.unrecorded() == "on_reload"
         self.reset(0)

@@ -42,7 +42,6 @@ class I2cLines(Chip):
     MAP = I2C_MAP
     INPUTS: tuple[str, ...] = ("SCL", "SDA")
     OUTPUTS: tuple[str, ...] = ("SCL", "SDA")
-    LINES: tuple[str, ...] = ("I2CINT1A", "I2CINT2A")
     mid_byte: tuple[int, ...] = (at.MDR, at.CLKL, at.CLKH)
     steady: tuple[int, ...] = (at.OAR, at.IER, at.CLKL, at.CLKH, at.SAR, at.EMDR, at.PSC)
 

@@ -3,9 +3,12 @@
     OFF --START--> ADDRESS --match--> RECEIVE or TRANSMIT --STOP--> OFF
                       +--no match, or NACK received--> IGNORE --START or STOP-->
 
+    7-bit     AAAAAAA r/w
+    10-bit    11110AA w   AAAAAAAA   [Sr  11110AA r]
+
 A byte is n bits (8 for addresses, BC for data). `bit` counts the rises of the present
 byte; "rise 8" and "fall 8" are those of its n-th pulse, "rise 9", "fall 9" of the
-acknowledge. Source: SPRUG03B sections 2 and 3, Table 1, Table 10, Figure 17.
+acknowledge. Source: SPRUG03B sections 2, 3 and 5.8, Table 1, Table 10, Figure 17.
 
 Chosen:
 - A slave that has sent a NACK continues to receive until the START or STOP.
@@ -20,7 +23,6 @@ from __future__ import annotations
 from typing import final
 
 from ...core.chip import NEVER
-from .address import START_BYTE
 from .register_map import (
     MDR_FDF,
     MDR_MST,
@@ -38,6 +40,8 @@ from .register_map import (
 )
 from .slave_data import ADDRESS, ADDRESS_LOW, IGNORE, LISTENS, OFF, RECEIVE, TRANSMIT, I2cSlaveData
 
+GENERAL_CALL, START_BYTE = 0, 1
+TEN_BIT = 0b11110
 MANY = 1 << 30  # edges, for a bus whose bytes are for others
 
 
@@ -83,7 +87,7 @@ class I2cSlave(I2cSlaveData):
             return 1
         if self.phase == RECEIVE:
             return int(options.rrdy_point.unrecorded() != "rise9")
-        return int(not self._address.read or options.dxr_to_xsr_copy_point.unrecorded() != "ack_rise9")
+        return int(not self._read or options.dxr_to_xsr_copy_point.unrecorded() != "ack_rise9")
 
     # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------------
 
@@ -123,7 +127,8 @@ class I2cSlave(I2cSlaveData):
         state.str &= ~flags
         state.wanted = False
         state.set(now, STR_BB)
-        self._address.start()
+        if state.oar != self._latched and state.options.oar_latch.assume(state.touched) == "at_start":
+            self._latched = state.oar
         self.bit = 0
         self._shift = 0
         self._n = 8
@@ -147,7 +152,7 @@ class I2cSlave(I2cSlaveData):
         state.wanted = False
         state.clear(now, flags)
         self.phase = OFF
-        self.own_transfer = self._address.selected = False
+        self.own_transfer = self._selected = False
 
     def rise(self, now: int, sda: int) -> None:
         phase = self.phase
@@ -190,6 +195,35 @@ class I2cSlave(I2cSlaveData):
 
     # Address ------------------------------------------------------------------------
 
+    def _is_ours(self) -> bool:
+        """Return True if the byte addresses this module; set `_read`."""
+        state, options = self.state, self.state.options
+        byte, second = self._shift & 0xFF, self.phase == ADDRESS_LOW
+        if self.muted:  # the module sent this byte itself
+            if byte != GENERAL_CALL or second:
+                return False
+            self._read = False
+            return options.own_general_call.assume(state.touched) == "answered"
+        own = state.oar
+        if own != self._latched and options.oar_latch.assume(state.touched) != "live":
+            own = self._latched
+        self._read = False
+        if second:
+            return byte == own & 0xFF
+        if byte == GENERAL_CALL:
+            return options.general_call.assume(state.touched) == "acknowledged"
+        if byte == START_BYTE:
+            self._read = True
+            if own or state.mdr & MDR_XA:
+                return False
+            return options.oar_zero.assume(state.touched) == "own_address_too"
+        self._read = bool(byte & 1)
+        if state.mdr & MDR_XA:
+            if byte >> 3 != TEN_BIT or byte >> 1 & 3 != own >> 8 & 3:
+                return False
+            return self._selected or not self._read
+        return byte >> 1 == own & 0x7F
+
     def _last_rise(self, now: int) -> None:
         """Process rise 8: sample NACKMOD and, with aas_sdir_point = rise8, compare the address."""
         state = self.state
@@ -199,24 +233,20 @@ class I2cSlave(I2cSlaveData):
         if (
             state.options.aas_sdir_point.unrecorded() == "rise8"  # fall 8 records it
             and not self.muted
-            and self._address.is_ours(self._shift & 0xFF, self.phase == ADDRESS_LOW)
+            and self._is_ours()
         ):
             self._address_flags(now)
 
     def _address_complete(self, now: int) -> None:
         state, options = self.state, self.state.options
-        self._ack = (
-            self._address.is_answered_by_master(self._shift & 0xFF, self.phase == ADDRESS_LOW)
-            if self.muted
-            else self._address.is_ours(self._shift & 0xFF, self.phase == ADDRESS_LOW)
-        )
+        self._ack = self._is_ours()
         if not self._ack:
             start_byte = self._shift & 0xFF == START_BYTE and not self.muted
             if start_byte and options.start_byte_ad0.assume(state.touched) == "set":
                 state.str |= STR_AD0
             if state.mdr & MDR_XA:
                 state.clear(now, STR_AAS)
-                self._address.selected = False
+                self._selected = False
             if state.str & STR_SDIR and options.sdir_clear.assume(state.touched) == "until_next_address":
                 state.str &= ~STR_SDIR
             self.phase = IGNORE
@@ -224,7 +254,7 @@ class I2cSlave(I2cSlaveData):
         if self._nack_armed and options.nackmod_on_address.assume(state.touched) == "address_too":
             self._ack = False
         self.own_transfer = True
-        if self._address.read and state.tx_ready():
+        if self._read and state.tx_ready():
             if options.stale_byte_next_read.assume(state.touched) == "discarded":
                 state.dxr_full = False
                 state.set(now, STR_XRDY)
@@ -237,10 +267,11 @@ class I2cSlave(I2cSlaveData):
 
     def _address_flags(self, now: int) -> None:
         state = self.state
-        if not self._address.is_whole(self._shift & 0xFF, self.phase == ADDRESS_LOW):
+        whole = self.phase == ADDRESS_LOW or self._read or self._shift & 0xFF == GENERAL_CALL
+        if state.mdr & MDR_XA and not whole:  # the first byte of a 10-bit address
             return
         flags = STR_AAS
-        if self._address.read:
+        if self._read:
             flags |= STR_SDIR
             state.wanted = state.bcm_at_address() == 1
         elif state.str & STR_SDIR and state.options.sdir_clear.assume(state.touched) == "until_next_address":
@@ -255,7 +286,7 @@ class I2cSlave(I2cSlaveData):
         """Process rise 9 of a byte that we acknowledge."""
         if self.phase == RECEIVE and not self._rsr_waits and self.state.rrdy_rises_at("rise9"):
             self._store_byte(now)
-        if self._address.read and self.phase == ADDRESS:
+        if self._read and self.phase == ADDRESS:
             self._copy_at_rise9(now)
 
     def _slot_ends(self, now: int) -> None:
@@ -273,7 +304,7 @@ class I2cSlave(I2cSlaveData):
             self._address_flags(now)
         if phase == RECEIVE:
             self._data_slot_ends(now)
-        if self._ack and not self._address.read and state.bcm and state.tx_ready() and self._copies_at("any_ack_fall9"):
+        if self._ack and not self._read and state.bcm and state.tx_ready() and self._copies_at("any_ack_fall9"):
             state.copy_to_xsr(now)
         self._next_byte(now)
 
@@ -285,13 +316,13 @@ class I2cSlave(I2cSlaveData):
         self._first_byte = False
         if phase in (ADDRESS, ADDRESS_LOW) and not self._ack:
             self.phase = IGNORE
-        elif phase == ADDRESS and state.mdr & MDR_XA and not self._address.read and self._shift & 0xFF:
+        elif phase == ADDRESS and state.mdr & MDR_XA and not self._read and self._shift & 0xFF:
             self.phase = ADDRESS_LOW
-        elif phase in (ADDRESS, ADDRESS_LOW) and self._address.read:
+        elif phase in (ADDRESS, ADDRESS_LOW) and self._read:
             self.phase = TRANSMIT
             self._begin_byte(now, first=True)
         elif phase in (ADDRESS, ADDRESS_LOW):
-            self._address.selected = self._address.selected or low
+            self._selected = self._selected or low
             self.phase = RECEIVE
         self._n = 8 if self.phase == ADDRESS_LOW else state.bits()
         if self.phase != TRANSMIT and self._n == 8:

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING
 
 from ...core.chip import NEVER
 from ...core.state import State
-from .address import I2cAddress
 from .register_map import MDR_FDF, MDR_IRS, MDR_MST, SCL, SDA, STR_AAS, STR_NACK, STR_RSFULL, STR_XRDY, STR_XSMT
 from .registers import I2cRegisters
 
@@ -40,7 +39,7 @@ class I2cSlaveData:
     """
 
     STATE = State(
-        "pulls phase bit muted own_transfer _n _shift _ack _nack_armed _address _waits_for_data "
+        "pulls phase bit muted own_transfer _n _shift _ack _nack_armed _read _selected _latched _waits_for_data "
         "_waits_for_room _rsr_waits _sent _first_byte _shifting",
         cycles="due _copy_at _release_at",
     )
@@ -52,7 +51,8 @@ class I2cSlaveData:
         self._n = 8
         self._shift = 0
         self._nack_armed = False
-        self._address = I2cAddress(state)
+        self._read = False  # the last byte compared with the own address requests data from this module
+        self._latched = 0  # I2COAR, for the values of `oar_latch` other than "live"
         self._sent = 0
         self._first_byte = False
         self.reset()
@@ -69,9 +69,10 @@ class I2cSlaveData:
         self._release_lines()
         self.phase = OFF
         self.bit = 0
-        self._rsr_waits = self.own_transfer = self._address.selected = False
+        self._rsr_waits = self.own_transfer = False
+        self._selected = False  # a 10-bit address has matched in full in this transfer
         if self.state.mdr & MDR_IRS:
-            self._address.latch()
+            self._latched = self.state.oar
 
     # Sending ------------------------------------------------------------------------
 

@@ -37,8 +37,8 @@ from .register_map import (
     PIECTRL,
     PIEIER,
     PIEIFR,
-    cpu_vector,
     line_vector,
+    vector_address,
 )
 
 ENPIE = PIECTRL["ENPIE"].mask
@@ -109,25 +109,19 @@ class Pie(Chip):
             self._latch(now, g, bit)
         return line, line_vector(group, line)
 
-    def trap_vector(self, now: int, number: int) -> int:
-        """Return the address for TRAP #number or INTR: for 1 to 12, that of the group's line 1."""
+    def cpu_vector(self, number: int) -> int:
+        """Return the address for INT13, INT14 and up, TRAP #number or INTR: for 1 to 12, that of the group's line 1."""
         if not 0 <= number < 32:
             raise ValueError(f"there is no vector {number}; expected 0 to 31")
         if not self._piectrl & ENPIE or number == CPU_VECTORS["RESET"]:
             return BOOT_ROM_VECTORS + 2 * number
-        address = cpu_vector(number)
+        address = vector_address(number)
         if number <= GROUPS:
             address = line_vector(number, 1)
             text = f"TRAP or INTR took vector {number} with the PIE enabled; it is not meant for vectors 1 to 12"
             self.notes.append(Note("duty", text, "SPRU430F TRAP, INTR"))
         self._fetched(address)
         return address
-
-    def cpu_vector(self, now: int, number: int) -> int:
-        """Return the address for an interrupt without a group: INT13, INT14 and up. ValueError for 1 to 12."""
-        if 1 <= number <= GROUPS:
-            raise ValueError(f"INT{number} is a PIE group; call `vector` for its line")
-        return self.trap_vector(now, number)
 
     # The chip's interface ----------------------------------------------------
 

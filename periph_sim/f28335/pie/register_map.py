@@ -108,13 +108,13 @@ def line_vector(group: int, line: int) -> int:
     return 0x0D40 + 16 * (group - 1) + 2 * (line - 1)
 
 
-def cpu_vector(number: int) -> int:
+def vector_address(number: int) -> int:
     """Return the address of vector 0 to 31: in boot ROM for the reset vector, else in the PIE's table."""
     return VECTOR_TABLE.start + 2 * number if number else BOOT_ROM_VECTORS
 
 
 # Address of every vector, by the name of its source.
 VECTORS: dict[str, int] = {
-    **{name: cpu_vector(number) for name, number in CPU_VECTORS.items()},
+    **{name: vector_address(number) for name, number in CPU_VECTORS.items()},
     **{name: line_vector(group, line) for name, (group, line) in LINES.items()},
 }

@@ -56,7 +56,6 @@ class SciLines(Chip):
     _sync: int
     INPUTS: tuple[str, ...] = ("RXD",)
     OUTPUTS: tuple[str, ...] = ("TXD",)
-    LINES: tuple[str, ...] = ("RXINT", "TXINT")
 
     def __init__(self, name: str = "SCI-A", options: SciOptions = SciOptions()) -> None:  # noqa: B008 (frozen)
         super().__init__()

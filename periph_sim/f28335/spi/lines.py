@@ -88,7 +88,6 @@ class SpiLines(Chip):
     MAP = SPI_MAP
     INPUTS: tuple[str, ...] = PINS
     OUTPUTS: tuple[str, ...] = PINS
-    LINES: tuple[str, ...] = ("RXINT", "TXINT")
 
     def __init__(self, name: str = "SPI-A", options: SpiOptions = SpiOptions()) -> None:  # noqa: B008 (frozen)
         super().__init__()

@@ -94,7 +94,6 @@ class SystemControl(Chip):
         cycles="lspclk_phase _wdflag_at _gates_to_come _wdints_to_come",
     )
     MAP = MAP
-    LINES: tuple[str, ...] = ("WAKEINT",)
 
     def __init__(self, oscclk_hz: int, options: SystemOptions) -> None:
         if oscclk_hz < 1:

@@ -39,7 +39,6 @@ class Xint(Chip):
     STATE = State("enabled _control _count _level", cycles="_since")
     MAP = XINT
     INPUTS = tuple(f"XINT{n}" for n in range(1, LINES + 1))
-    LINES = INPUTS
 
     def __init__(self) -> None:
         super().__init__()
@@ -59,7 +58,7 @@ class Xint(Chip):
         self._level = self._level & self.enabled | levels & ~self.enabled
 
     def pins(self, now: int, levels: int) -> int:
-        """Set the levels on LINES; only those of enabled lines have an effect."""
+        """Set the levels on INPUTS; only those of enabled lines have an effect."""
         moved, self._level = (levels ^ self._level) & self.enabled, levels
         if not moved:
             return NO_CHANGE

@@ -139,7 +139,7 @@ class ImageProgram(LoadedImage):
                     continue
                 if not cpu.left and (core.ifr or core.next_wake <= time.cycle or core.owes_instruction):
                     if self._executed and core.owes_instruction:
-                        core.instruction_done()
+                        core.owes_instruction = False
                     number = core.next_taken(time.cycle)
                     if number:
                         cpu.hand_over()

@@ -116,7 +116,7 @@ class Instructions:
         """Take every interrupt that can be taken at this instruction boundary."""
         time, core = self._time, self._core
         if core.owes_instruction:
-            core.instruction_done()
+            core.owes_instruction = False
         number = core.next_taken(time.cycle)
         while number:
             self._call_routine(number)

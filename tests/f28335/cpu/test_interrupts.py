@@ -423,7 +423,7 @@ def test_open_irq_after_iret_after_one_instruction():
     core.back(now + 20)
     assert core.next_taken(now + 28) == 0
     assert core.owes_instruction
-    core.instruction_done()
+    core.owes_instruction = False
     assert core.next_taken(now + 29) == 9
     assert core.touched == {"int_latency", "irq_after_iret", "vector_fetch_waits"}
 
@@ -433,7 +433,7 @@ def test_a_host_can_plan_with_the_instruction_owed():
     core.raise_line(now, 9)
     core.back(now + 20)
     assert core.earliest() == now + 29
-    core.instruction_done()
+    core.owes_instruction = False
     assert core.earliest() == now + 28
 
 
@@ -517,7 +517,7 @@ def test_trap_and_intr_take_the_vector_of_line_1(number):
     pie.write(0, PIECTRL.offset, 1)
     pie.write(0, PIEIER[number - 1].offset, 4)
     pie.request(0, number, 3)
-    assert pie.trap_vector(1, number) == line_vector(number, 1)
+    assert pie.cpu_vector(number) == line_vector(number, 1)
     assert pie.peek(1, PIEIFR[number - 1].offset) == 4
     assert [note.source for note in pie.notes] == ["SPRU430F TRAP, INTR"]
 

@@ -288,6 +288,5 @@ def test_xrs_brings_every_register_back_and_holds_the_module_in_reset():
     assert rig.status(BB | RRDY) == 0
 
 
-def test_names_of_pins_and_lines():
+def test_names_of_pins():
     assert I2c.INPUTS == I2c.OUTPUTS == ("SCL", "SDA")
-    assert I2c.LINES == ("I2CINT1A", "I2CINT2A")

@@ -341,16 +341,16 @@ def test_with_enpie_0_vectors_come_from_boot_rom_and_the_registers_work():
     assert (chip.read(1, PIEIER[8].offset), chip.read(1, PIEIFR[8].offset)) == (5, 4)
     assert chip.read(1, PIEACK.offset) == 1 << 8
     assert chip.vector(2, 9) == (0, 0x3FFFC0 + 2 * 9)
-    assert chip.cpu_vector(2, 13) == 0x3FFFC0 + 2 * 13
-    assert chip.trap_vector(2, 9) == 0x3FFFC0 + 2 * 9
+    assert chip.cpu_vector(13) == 0x3FFFC0 + 2 * 13
+    assert chip.cpu_vector(9) == 0x3FFFC0 + 2 * 9
     assert chip.read(2, PIECTRL.offset) == 0
 
 
 @pytest.mark.rule("SYS-116")
 def test_with_enpie_1_vectors_come_from_the_table_but_the_reset_vector():
     chip = pie()
-    assert chip.cpu_vector(0, CPU_VECTORS["RESET"]) == 0x3FFFC0
-    assert [chip.cpu_vector(0, n) for n in (13, 14, 15, 16, 17, 18, 19, 20, 31)] == [
+    assert chip.cpu_vector(CPU_VECTORS["RESET"]) == 0x3FFFC0
+    assert [chip.cpu_vector(n) for n in (13, 14, 15, 16, 17, 18, 19, 20, 31)] == [
         *(0xD1A, 0xD1C, 0xD1E, 0xD20, 0xD22, 0xD24, 0xD26, 0xD28, 0xD3E)
     ]
     assert chip.vector(0, 12)[1] == 0xDF0
@@ -363,7 +363,7 @@ def test_piectrl_shows_the_last_vector():
     chip.request(1, 9, 3)
     chip.vector(2, 9)
     assert chip.read(2, PIECTRL.offset) == 0xDC4 | 1
-    chip.cpu_vector(3, 19)
+    chip.cpu_vector(19)
     assert chip.read(3, PIECTRL.offset) == 0xD27  # the manual's own example
     chip.write(4, PIECTRL.offset, 0xFFFE)
     assert chip.read(4, PIECTRL.offset) == 0xD26  # PIEVECT cannot be written
@@ -506,11 +506,8 @@ def test_lines_that_do_not_exist_are_refused(group, line):
 
 
 def test_other_wrong_calls_are_refused():
-    for number in (1, 12):
-        with pytest.raises(ValueError, match=f"INT{number} is a PIE group"):
-            pie().cpu_vector(0, number)
     with pytest.raises(ValueError, match="no vector 32"):
-        pie().trap_vector(0, 32)
+        pie().cpu_vector(32)
     with pytest.raises(ValueError, match="no input pins"):
         pie().pins(0, 1)
 

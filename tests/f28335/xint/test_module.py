@@ -36,7 +36,7 @@ class Rig(DiagramRig):
             for offset in range(7):
                 self.xint.write(now, offset, control(self.polarity, level))
         else:
-            bit = 1 << self.xint.LINES.index(signal)
+            bit = 1 << self.xint.INPUTS.index(signal)
             self.levels = self.levels & ~bit | level * bit
             self.xint.pins(now, self.levels)
 

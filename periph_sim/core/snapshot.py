@@ -106,6 +106,8 @@ class Snapshot(NamedTuple):
     number: the number of the last record.
     cycles: the present cycle of each module; 0 for one without a clock.
     values: the value of each collected attribute and item, by its name.
+    logs: the logs by which programs that have a stack can be re-executed, by unit.
+    base: an earlier snapshot with logs, from which a run leads to this one; None if there is none.
     """
 
     identity: tuple[tuple[str, str], ...]
@@ -113,6 +115,8 @@ class Snapshot(NamedTuple):
     number: int
     cycles: dict[str, int]
     values: dict[str, Any]
+    logs: Mapping[str, Any] = {}
+    base: Snapshot | None = None
 
     def differences(self, other: Snapshot) -> dict[str, tuple[object, object]]:
         """Return the values that differ from those of the other snapshot, by name, as pairs."""

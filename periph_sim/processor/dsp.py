@@ -44,6 +44,7 @@ from .python.firmware_view import FirmwareView
 from .source_location import SourceLocation
 
 if TYPE_CHECKING:
+    from .host_code.firmware import HostFirmware
     from .image.boot import Boot, Stub
     from .image.program import ImageProgram
     from .image_files.model import Image
@@ -129,6 +130,7 @@ class Dsp(FirmwareView):
         self.cpu = Cpu(self.processor, self.clock, recorder, options, code=plan.code, skip_polls=skip)
         self.cpu.program.stall_limit = plan.stall_limit
         self.program: Program = self.cpu.program
+        self.sources: HostFirmware | None = None  # C sources that it runs
         self.router = self._route(plan)
         cycle = self.clock.cycle_at(kernel.now)
         for socket in self._sockets.values():

@@ -65,6 +65,7 @@ class Scene:
     programs: firmware given as Python functions, by unit; of these units the case's `firmware` is only a name.
     keep_values: keep all values of measures that have a series of them, for `timing.values`.
     sources: inputs of sensor chips as functions of the tick, by chip; they replace the case's `values`.
+    restorable: keep a log of the accesses of C sources, so that `restore` need not run the scene from its start.
     """
 
     WIRES = SceneWires
@@ -78,6 +79,7 @@ class Scene:
         *,
         keep_values: bool = False,
         sources: Mapping[str, Source] | None = None,
+        restorable: bool = False,
     ) -> None:
         plan = case if isinstance(case, ScenePlan) else ScenePlan(case)
         self.case = case = plan.case
@@ -120,6 +122,7 @@ class Scene:
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.log_ends_early = ""  # a sentence, if [outside] has the log of an unfinished session
         self.stalled = ""  # a sentence about firmware that let no time pass and so ended the run; "" if there is none
+        self.checkpoint: Snapshot | None = None  # the last state at which `restore` can begin with C sources
         self._wall = 0.0  # seconds of real time that the run has taken
         wire = self.wires.wire
         context = SceneContext(case, self.timebase, self.start, self.kernel, self.recorder, wire, wiring)
@@ -130,6 +133,7 @@ class Scene:
                 context, name, plan.unit(name), program
             )
             self.model = self.model or model
+        self.keeps_logs = restorable and parts.state.keep_logs(self)
         self._build_targets(context, sources or {})
         outside = case.outside
         shared = outside is not None and parts.outside_parties.drives_bus(outside)  # the bus has other parties
@@ -292,6 +296,8 @@ class Scene:
             return
         wall = perf_counter()
         try:
+            if self.keeps_logs:
+                parts.state.run_to_checkpoint(self, until)
             self.kernel.run_until(until)
         except FirmwareStalled as stalled:
             self.stalled = str(stalled)
@@ -309,8 +315,10 @@ class Scene:
         """Continue from a snapshot of a scene of the same case, program and records. This scene must not have run.
 
         If all units run images, budgets begin anew. Otherwise the scene runs from its start to the snapshot's time,
-        since the stack of Python firmware or C sources cannot be restored. NotRestorable, with nothing changed, for a
-        snapshot of another scene; and after such a run, if it ends in another state.
+        since the stack of Python firmware or C sources cannot be restored. If both scenes are `restorable`, C sources
+        are re-executed from their log, the scene runs only from shortly before the snapshot, and budgets begin there.
+        NotRestorable, with nothing changed, for a snapshot of another scene, and for C sources that do something else
+        than their log; and after such a run, if it ends in another state.
         """
         parts.state.restore_scene(self, snapshot)
 

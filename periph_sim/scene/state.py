@@ -3,7 +3,8 @@
     Scene --modules_of--> {"dsp.SCI-A": socket, "SDA": wire, ...} --take--> Snapshot --restore--> Scene
 
 Measures, and attributes that only reports read, are not part of it. Python firmware and C sources keep a part of their
-state on a stack, so their scenes are run up to the time of the snapshot, and then compared with it.
+state on a stack, so their scenes are run up to the time of the snapshot, and then compared with it. The run begins at
+the start, or, if C sources keep logs of their accesses, at a checkpoint: an earlier snapshot with these logs.
 """
 
 from __future__ import annotations
@@ -20,32 +21,35 @@ from .. import __version__
 from ..core.records import RECORDED, Recorder
 from ..core.restore import Finds, NotRestorable, restore
 from ..core.sampler import Sampler
-from ..core.snapshot import Module, Snapshot, class_name, take_snapshot
+from ..core.snapshot import Foreign, Module, Snapshot, absolute, class_name, take_snapshot
 from ..processor.c28x.execution.cpu import Operation
 from ..processor.image.program import ImageProgram
 from ..processor.operand import Operand
 
 if TYPE_CHECKING:
     from ..processor.dsp import Dsp
+    from ..processor.host_code.firmware import HostFirmware
     from ..processor.image.cpu import ImageCpu
     from ..processor.image_files.model import Image
     from .scene import Scene
 
 NO_PART = ("name", "about", "duration", "budget", "breaks")  # keys of a case that do not affect the state
 DIGEST = 8  # length of a digest, in bytes
+WINDOWS = 10_000  # each second; a run looks for its checkpoint in the last window before its end
 
 
 def state_of_scene(scene: Scene) -> Snapshot:
     """Return the state of a scene between two runs. Wires that have not settled do so, as in the next run."""
     scene.kernel.settle()
-    return take_snapshot(modules_of(scene), scene.kernel.now, scene.recorder.number, tuple(_identity(scene)))
+    taken = take_snapshot(modules_of(scene), scene.kernel.now, scene.recorder.number, tuple(_identity(scene)))
+    return taken._replace(base=scene.checkpoint)
 
 
 def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
     """Give a scene that has not run the state of a snapshot: of images by assignment, else by running it up to there.
 
-    NotRestorable, with nothing changed, for a snapshot of another scene; and, after the run, if that ends in another
-    state.
+    NotRestorable, with nothing changed, for a snapshot of another scene, and for C sources that do something else than
+    their log; and, after the run, if that ends in another state.
     """
     if scene.kernel.events or scene.kernel.now != scene.start:
         raise NotRestorable("the scene has run already; restore the snapshot into one that has just been built")
@@ -56,6 +60,8 @@ def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
         scene.kernel.settle()
         restore(snapshot, modules_of(scene), finds_of(scene))
         return
+    if scene.keeps_logs and snapshot.base is not None:
+        _restore_checkpoint(scene, snapshot.base)
     scene.advance(snapshot.tick)
     for place, (before, now) in snapshot.differences(state_of_scene(scene)).items():
         at = scene.timebase.show(snapshot.tick - scene.start)
@@ -89,6 +95,8 @@ def _unit_modules(name: str, dsp: Dsp, cycle: int, keys: Mapping[type, Any]) -> 
     if dsp.router is not None:
         parts[f"{name}.router"] = dsp.router
     parts[f"{name}.program"] = program = dsp.program
+    if dsp.sources is not None:
+        parts[f"{name}.sources"] = dsp.sources
     parts |= {f"{name}.{module}": socket for module, socket in dsp.sockets.items()}
     if isinstance(program, ImageProgram):
         keys = {**keys, Operation: partial(_operation_key, program.cpu)}
@@ -103,6 +111,71 @@ def _samplers(scene: Scene) -> dict[int, Sampler]:
         if dsp.router is not None:
             found.append(dsp.router.pads)
     return {one.rank: one for one in found if isinstance(one, Sampler)}
+
+
+# Checkpoints of C sources -----------------------------------------------------
+
+
+def keep_logs(scene: Scene) -> bool:
+    """Let C sources keep logs of their accesses. Return False for a scene without them, or with Python firmware."""
+    from ..processor.host_code.access_log import LoggedRun
+
+    if not all(dsp.sources is not None or isinstance(dsp.program, ImageProgram) for dsp in scene.units.values()):
+        return False
+    sources = _sources_of(scene)
+    for one in sources.values():
+        one.make_run = LoggedRun
+    return bool(sources)
+
+
+def run_to_checkpoint(scene: Scene, until: int) -> None:
+    """Run to an instant shortly before tick `until`, if there is one, at which logs of all C sources can end.
+
+    The state at this instant is the scene's checkpoint, unless a part of it cannot be restored.
+    """
+    from ..processor.host_code.access_log import log_at_rest
+
+    sources = _sources_of(scene)
+    at = max(scene.kernel.now, until - scene.timebase.per_second // WINDOWS)
+    while at <= until:
+        scene.kernel.run_until(at)
+        logs = {name: log for name, one in sources.items() if (log := log_at_rest(one)) is not None}
+        if logs.keys() == sources.keys():
+            state = state_of_scene(scene)
+            if _is_whole(state):
+                scene.checkpoint = state._replace(logs=logs, base=None)
+            return
+        at = scene.kernel.next_time()
+
+
+def _restore_checkpoint(scene: Scene, checkpoint: Snapshot) -> None:
+    """Restore a checkpoint. Raise NotRestorable, with nothing changed, if C sources do something else than then."""
+    from ..processor.host_code.access_log import re_execute, restart
+
+    fresh, sources = state_of_scene(scene), _sources_of(scene)
+    if not _is_whole(fresh):
+        return
+    try:
+        for name, one in sources.items():
+            time, now = f"{name}.processor.time", checkpoint.cycles[f"{name}.processor"]
+            cycle, until = (absolute(checkpoint.values[f"{time}.{instant}"], now) for instant in ("cycle", "_until"))
+            re_execute(one, checkpoint.logs[name], (cycle, until - cycle))
+        restore(checkpoint, modules_of(scene), finds_of(scene))
+        scene.checkpoint = checkpoint
+    except NotRestorable:
+        for one in sources.values():
+            restart(one)
+        restore(fresh, modules_of(scene), finds_of(scene))
+        raise
+
+
+def _sources_of(scene: Scene) -> dict[str, HostFirmware]:
+    return {name: dsp.sources for name, dsp in scene.units.items() if dsp.sources is not None}
+
+
+def _is_whole(state: Snapshot) -> bool:
+    """Return True if all parts of a state can be restored."""
+    return not any(isinstance(value, Foreign) for value in state.values.values())
 
 
 # Objects that a scene finds again by a key ---------------------------------------
@@ -148,9 +221,10 @@ def _identity(scene: Scene) -> Iterator[tuple[str, str]]:
     for name, dsp in scene.units.items():
         if isinstance(dsp.program, ImageProgram):
             program = _digest_of_image(dsp.program.image)
+        elif dsp.sources is not None:
+            program = _digest(dsp.sources.contents)
         else:
-            sources = scene.case.unit[name].sources or [scene.firmware[name].main.__code__.co_filename]
-            program = _digest(b"".join(_bytes_of(Path(source)) for source in sources))
+            program = _digest(_bytes_of(Path(scene.firmware[name].main.__code__.co_filename)))
         yield f"program in unit {name}", program
     yield "choice of records", _digest(repr(list(_recorded(scene.recorder))).encode())
 

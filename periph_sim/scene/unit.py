@@ -153,6 +153,7 @@ def _started_sources(case: Case, name: str, unit: Unit, dsp: Dsp) -> Firmware:
         firmware = HostFirmware(dsp, Sources(files, folders, defines, given.undefined))
     except BadSources as error:
         raise case.mistake(str(error), "unit", name, "sources") from None
+    dsp.sources = firmware
     dsp.start(firmware.main)
     return Firmware(", ".join(unit.sources), _no_python, None)
 

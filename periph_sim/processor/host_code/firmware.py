@@ -12,12 +12,13 @@ from __future__ import annotations
 import ctypes
 import re
 import signal
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
+from ...core.state import State
 from ...f28335.memory.memory_map import NoSuchAddress
 from ..dsp import Dsp
 from ..image.elsewhere import UnmappedMemory
@@ -40,6 +41,7 @@ from .library import (
     UNWOUND,
     WRITE,
     Library,
+    contents_of,
     enter_c,
     kept_in_c,
     leave_c,
@@ -58,19 +60,34 @@ RPT_NOP = re.compile(r"rpt\s+#(\d+)\s*\|\|\s*nop", re.IGNORECASE)
 
 
 class HostFirmware:
-    """The program of a unit: each call of `main` runs it from the beginning with initialised variables."""
+    """The program of a unit: each call of `main` runs it from the beginning with initialised variables.
+
+    contents: code and initial data.
+    make_run: makes the run of a call of `main`.
+    run: the present run; None before `main` and after it.
+    """
+
+    STATE = State("elsewhere")
 
     def __init__(self, dsp: Dsp, sources: Sources) -> None:
         """Raise BadSources if they cannot be compiled and linked."""
-        self._dsp = dsp
+        self.dsp = dsp
+        self.make_run: Callable[[Dsp, Path, int, RegisterLayout], Run] = Run
+        self.run: Run | None = None
         self._folder = TemporaryDirectory(prefix="periph_sim_", ignore_cleanup_errors=True)
         self._objects = compiled(sources, Path(self._folder.name))
         self._begun = 0
         library = linked(self._objects, FIRST_BASE, Path(self._folder.name) / "checked.so")
+        self.contents = contents_of(library)
         try:
             self._layout = RegisterLayout(library)
         except BadLayout as error:
             raise BadSources(str(error)) from None
+
+    @property
+    def elsewhere(self) -> UnmappedMemory | None:
+        """Words that no modelled module has; None without a run."""
+        return None if self.run is None else self.run.elsewhere
 
     def main(self) -> None:
         """Run main to its end. Raise FirmwareError if there is none, FirmwareLost if it cannot continue."""
@@ -79,16 +96,18 @@ class HostFirmware:
         _taken.add(base)
         try:
             path = linked(self._objects, base, Path(self._folder.name) / f"{self._begun}.so")
-            _Run(self._dsp, path, base, self._layout).main()
+            self.run = self.make_run(self.dsp, path, base, self._layout)
+            self.run.main()
         finally:
+            self.run = None
             _taken.discard(base)
 
 
-class _Run:
+class Run:
     """One run. path: of a library loaded only here, so its variables are not shared."""
 
     def __init__(self, dsp: Dsp, path: Path, base: int, layout: RegisterLayout) -> None:
-        self._dsp = dsp
+        self.dsp = dsp
         self._layout = layout
         self._place = 0  # host address of the current access
         self._raised: BaseException | None = None
@@ -96,10 +115,10 @@ class _Run:
         self._places: list[Place] = []  # written so far; runtime.c uses their numbers, which begin after PROTECTED
         self._numbers: dict[Place, int] = {}
         self._stores: dict[int, tuple[int, int]] = {}  # after an announced write: `RegisterLayout.stored`, by pc
-        self._elsewhere = UnmappedMemory(dsp.core, dsp.processor.notes)
-        self._elsewhere.set_part(dsp.plan.part)
+        self.elsewhere = UnmappedMemory(dsp.core, dsp.processor.notes)
+        self.elsewhere.set_part(dsp.plan.part)
         cpu = dsp.cpu
-        self._assembly: dict[str, Callable[[], None]] = {
+        self.assembly: dict[str, Callable[[], None]] = {
             "clrc intm": cpu.eint,
             "setc intm": cpu.dint,
             "eallow": cpu.eallow,
@@ -109,23 +128,23 @@ class _Run:
             "clrc dbgm": cpu.nop,
             "setc dbgm": cpu.nop,
         }
-        self._library = Library(path, base, self._asked, BLOCKS_AT_ONCE)
+        self.library = Library(path, base, self._asked, BLOCKS_AT_ONCE)
 
     def main(self) -> None:
-        self._dsp.cpu.program.placed = self.place
+        self.dsp.cpu.program.placed = self.place
         try:
-            main = self._library.address_of("main")
+            main = self.library.address_of("main")
             if main is None:
-                raise FirmwareError(f"{self._dsp.name}: no source has a function main")
+                raise FirmwareError(f"{self.dsp.name}: no source has a function main")
             with kept_in_c():
                 self._call(main)
         finally:
-            self._dsp.cpu.program.placed = None
-            self._library.close(len(_taken) == 1)
+            self.dsp.cpu.program.placed = None
+            self.library.close(len(_taken) == 1)
 
     def place(self) -> SourceLocation | None:
         """Return the current statement."""
-        function, file, line = self._library.place_of(self._place)
+        function, file, line = self.library.place_of(self._place)
         if not function:
             return None
         found = SourceLocation(f"{function}:{line}")
@@ -135,21 +154,21 @@ class _Run:
     def _call(self, address: int) -> None:
         """Run a function of the firmware to its end. Raise FirmwareLost for a fault of the host's processor."""
         enter_c()
-        how = self._library.run(address)
+        how = self.library.run(address)
         raised, self._raised = self._raised, None
         if how == UNWOUND and raised is not None:
             raise raised
         leave_c()
         while how == LOOPS:
-            self._dsp.cpu.compute(LOOP_CYCLES)
+            self.compute(LOOP_CYCLES)
         if how == FAULT:
-            number, at, pc = self._library.fault()
+            number, at, pc = self.library.fault()
             self._place = pc or self._place
             name = signal.strsignal(number)
             hint = (
                 "; access a register by its structure's name, not by its address" if at < BYTES // BYTES_A_WORD else ""
             )
-            raise FirmwareLost(f"{self._dsp.name}: {name} at {self.place()}, the host's address {at:#x}{hint}")
+            raise FirmwareLost(f"{self.dsp.name}: {name} at {self.place()}, the host's address {at:#x}{hint}")
 
     # Requests of runtime.c --------------------------------------------------------------
 
@@ -160,7 +179,7 @@ class _Run:
             leave_c()
             self._place = pc
             if blocks:
-                self._dsp.cpu.compute(BLOCK_CYCLES * blocks)
+                self.compute(BLOCK_CYCLES * blocks)
             if what == READ:
                 self._read(at, size)
             elif what == ANNOUNCED:
@@ -173,10 +192,10 @@ class _Run:
             elif what == ASSEMBLY:
                 self._assembled((ctypes.c_char_p(detail).value or b"").decode("latin-1"))
             elif what == DELAY:
-                self._dsp.cpu.compute(DELAY_CALL + DELAY_PASS * detail)
+                self.compute(DELAY_CALL + DELAY_PASS * detail)
             elif what == ENDS:
                 how = (ctypes.c_char_p(detail).value or b"").decode("utf-8", "replace")
-                raise FirmwareLost(f"{self._dsp.name}: {how} at {self.place()}; firmware on the chip cannot end")
+                raise FirmwareLost(f"{self.dsp.name}: {how} at {self.place()}; firmware on the chip cannot end")
             enter_c()
         except BaseException as raised:  # exceptions cannot pass through C: `_call` raises it
             self._raised = raised
@@ -187,8 +206,7 @@ class _Run:
         places = self._layout.read(at, size)
         if not places:
             raise self._no_member(at, size)
-        for place in places:
-            self._load(place)
+        self.load(at, size, places)
 
     def _announced(self, at: int, size: int) -> int:
         """Return the number of the place that is written next, or PROTECTED if only the access itself shows it."""
@@ -199,7 +217,7 @@ class _Run:
             return self._begin_write(self._stored(at, size)) if self._place in self._stores else PROTECTED
         number = self._begin_write(place)
         if not place.partial:
-            self._library.write_as_announced(at, size, number)
+            self.library.write_as_announced(at, size, number)
         return number
 
     def _stored(self, at: int, size: int) -> Place:
@@ -207,7 +225,7 @@ class _Run:
         further, stored = self._stores[self._place]
         if stored > LARGEST:
             raise FirmwareLost(
-                f"{self._dsp.name}: the store at {self.place()} is an instruction that the host cannot follow; write "
+                f"{self.dsp.name}: the store at {self.place()} is an instruction that the host cannot follow; write "
                 "the whole register"
             )
         place = self._layout.stored((at, size), at + further, stored)
@@ -218,7 +236,7 @@ class _Run:
     def _begin_write(self, place: Place) -> int:
         """Return the number of the place written next. For a bit field, read its word first."""
         if place.partial:
-            self._load(place)
+            self.load(place.at, place.size, (place,))
         number = self._numbers.get(place)
         if number is None:
             self._places.append(place)
@@ -227,13 +245,13 @@ class _Run:
 
     def _no_member(self, at: int, size: int) -> FirmwareLost:
         return FirmwareLost(
-            f"{self._dsp.name}: an access of {size} bytes at {self.place()} is not a register's, {at % BYTES_A_WORD} "
+            f"{self.dsp.name}: an access of {size} bytes at {self.place()} is not a register's, {at % BYTES_A_WORD} "
             f"bytes into word {at // BYTES_A_WORD:#06x}; access a register by the member of its structure"
         )
 
     def _load(self, place: Place) -> None:
         """Read a register into its place in memory."""
-        cpu, core, word = self._dsp.cpu, self._dsp.core, place.word
+        cpu, core, word = self.dsp.cpu, self.dsp.core, place.word
         if word in VECTORS:
             return  # memory has it, as a pointer of the host
         if word in (IER, IFR):
@@ -243,64 +261,86 @@ class _Run:
                 value = cpu.load(word, place.width)
             except NoSuchAddress:
                 cpu.nop()
-                value = self._elsewhere.read(cpu.cycle, word)
+                value = self.elsewhere.read(cpu.cycle, word)
                 if place.width > WORD:
-                    value |= self._elsewhere.read(cpu.cycle, word + 1) << WORD
+                    value |= self.elsewhere.read(cpu.cycle, word + 1) << WORD
         if place.signed and value >> place.width - 1:
             value -= 1 << place.width
         value &= (1 << 8 * place.size) - 1
-        self._library.memory[place.at : place.at + place.size] = value.to_bytes(place.size, "little")
+        self.library.memory[place.at : place.at + place.size] = value.to_bytes(place.size, "little")
 
     def _write(self, place: Place) -> None:
         """Write the register of a place written in memory."""
-        cpu, word = self._dsp.cpu, place.word
-        value = int.from_bytes(self._library.memory[place.at : place.at + place.size], "little")
-        if word in VECTORS:
-            self._vector(place, value)
-            return
-        value &= (1 << place.width) - 1
-        if word in (IER, IFR):
-            self._status(word, value)
-            return
-        try:
-            cpu.store(word, value, place.width)
-        except NoSuchAddress:
-            cpu.nop()
-            for index in range(place.width // WORD):
-                self._elsewhere.write(cpu.cycle, word + index, value >> WORD * index & 0xFFFF)
+        value = int.from_bytes(self.library.memory[place.at : place.at + place.size], "little")
+        if place.word in VECTORS:
+            value = self._vector(place, value)
+        self.write_register(place.word, value & (1 << place.width) - 1, place.width)
 
-    def _status(self, word: int, value: int) -> None:
-        cpu, core = self._dsp.cpu, self._dsp.core
-        if word == IER:
-            cpu.and_ier(value)
-            cpu.or_ier(value)
-        else:
-            core.and_ifr(cpu.cycle, value)
-            cpu.nop()
-
-    def _vector(self, place: Place, pointer: int) -> None:
-        """Store a code address for a function pointer in the CPU's vector table."""
-        program = self._dsp.cpu.program
+    def _vector(self, place: Place, pointer: int) -> int:
+        """Return the code address for a function pointer that is stored in the CPU's vector table."""
+        program = self.dsp.cpu.program
         if place.size != POINTER or place.width != 2 * WORD:
-            raise FirmwareLost(f"{self._dsp.name}: {self.place()} stores a vector that is not a function pointer")
+            raise FirmwareLost(f"{self.dsp.name}: {self.place()} stores a vector that is not a function pointer")
         code = self._routines.get(pointer)
         if code is None and pointer:
             code = self._routines[pointer] = ROUTINES + len(self._routines)
-            program.routine(code, partial(self._call, pointer))
-        self._dsp.cpu.store(place.word, code or 0, 2 * WORD)
+            program.routine(code, partial(self.enter, pointer))
+        return code or 0
 
     def _assembled(self, text: str) -> None:
         """Execute asm("...") of the sources. Raise FirmwareLost if it is unknown."""
         said = " ".join(text.lower().split())
         repeated = RPT_NOP.fullmatch(said)
         if repeated:
-            self._dsp.cpu.compute(int(repeated[1]) + 2)
+            self.compute(int(repeated[1]) + 2)
         elif said.startswith("estop0"):
-            raise FirmwareLost(f"{self._dsp.name}: ESTOP0 is reached at {self.place()}")
-        elif said.split(",")[0] in self._assembly:
-            self._assembly[said.split(",")[0]]()
+            raise FirmwareLost(f"{self.dsp.name}: ESTOP0 is reached at {self.place()}")
+        elif said.split(",")[0] in self.assembly:
+            self.execute(said.split(",")[0])
         else:
-            known = ", ".join(sorted(self._assembly))
+            known = ", ".join(sorted(self.assembly))
             raise FirmwareLost(
-                f"{self._dsp.name}: asm({text!r}) is not known on the host, which has {known}, rpt || nop"
+                f"{self.dsp.name}: asm({text!r}) is not known on the host, which has {known}, rpt || nop"
             )
+
+    # Accesses and time of the CPU ------------------------------------------------------
+
+    def compute(self, cycles: int) -> None:
+        self.dsp.cpu.compute(cycles)
+
+    def execute(self, instruction: str) -> None:
+        """Execute an instruction of `_assembly`."""
+        self.assembly[instruction]()
+
+    def enter(self, pointer: int) -> None:
+        """Run the service routine at a host's address. The interrupted access keeps its place."""
+        place = self._place
+        self._call(pointer)
+        self._place = place
+
+    def load(self, at: int, size: int, places: Sequence[Place]) -> None:
+        """Read these bytes, which belong to registers at these places, into memory."""
+        for place in places:
+            self._load(place)
+
+    def write_register(self, word: int, value: int, width: int) -> None:
+        """Write a register."""
+        cpu = self.dsp.cpu
+        if word in (IER, IFR):
+            self._status(word, value)
+            return
+        try:
+            cpu.store(word, value, width)
+        except NoSuchAddress:
+            cpu.nop()
+            for index in range(width // WORD):
+                self.elsewhere.write(cpu.cycle, word + index, value >> WORD * index & 0xFFFF)
+
+    def _status(self, word: int, value: int) -> None:
+        cpu, core = self.dsp.cpu, self.dsp.core
+        if word == IER:
+            cpu.and_ier(value)
+            cpu.or_ier(value)
+        else:
+            core.and_ifr(cpu.cycle, value)
+            cpu.nop()

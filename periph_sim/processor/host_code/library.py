@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import ctypes
 import signal
+from array import array
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,6 +18,7 @@ from pathlib import Path
 from threading import current_thread, main_thread
 from types import FrameType
 
+from elftools.elf.constants import SH_FLAGS
 from elftools.elf.elffile import ELFFile
 from elftools.elf.sections import SymbolTableSection
 
@@ -57,6 +59,12 @@ class Library:
         """Handle each write announced for these bytes as a write of this place, without calling Python."""
         self._numbers[at * (LARGEST + 1) + size] = place
 
+    def answer(self, log: array[int]) -> ctypes.c_uint64:
+        """Answer accesses from these items, but for the last. Return the number of the next item, a variable of C."""
+        ctypes.c_uint64.in_dll(self._library, "c28x_log").value = log.buffer_info()[0]
+        ctypes.c_uint64.in_dll(self._library, "c28x_log_end").value = max(len(log) - 1, 0)
+        return ctypes.c_uint64.in_dll(self._library, "c28x_log_next")
+
     def run(self, address: int) -> int:
         """Call a function at a host's address, to its end: ENDED, UNWOUND, FAULT or LOOPS."""
         how: int = self._library.c28x_run(address)
@@ -71,11 +79,11 @@ class Library:
     def address_of(self, name: str) -> int | None:
         """Return the host address of a function; None if there is none of this name."""
         found = self._functions.get(name)
-        return None if found is None else self._loaded_at + found
+        return None if found is None else self.loaded_at + found
 
     def place_of(self, address: int) -> tuple[str, str, int]:
         """Return (function, file, line) of an instruction at a host address; empty and 0 if unknown."""
-        at = address - self._loaded_at
+        at = address - self.loaded_at
         rows, starts = self._lines
         row = bisect_right(starts, at) - 1
         file, line = rows[row] if row >= 0 else ("", 0)
@@ -90,7 +98,7 @@ class Library:
     # Addresses ----------------------------------------------------------------------
 
     @cached_property
-    def _loaded_at(self) -> int:
+    def loaded_at(self) -> int:
         runs = ctypes.cast(self._library.c28x_run, ctypes.c_void_p).value
         assert runs is not None
         return runs - self._functions["c28x_run"]
@@ -128,6 +136,13 @@ class Library:
                         found[state.address] = (names[state.file - first], state.line)
         starts = sorted(found)
         return [found[start] for start in starts], starts
+
+
+def contents_of(library: Path) -> bytes:
+    """Return code and initial data of a library, without debug information."""
+    with library.open("rb") as file:
+        sections = [one for one in ELFFile(file).iter_sections() if one["sh_flags"] & SH_FLAGS.SHF_ALLOC]
+        return b"".join(one.data() for one in sections if one["sh_type"] == "SHT_PROGBITS")
 
 
 _in_c = _kept = False

@@ -60,3 +60,20 @@ def test_bit_fields_of_the_header_are_those_of_the_maps():
             lsb += int(width)
         assert lsb == 16, name
     assert checked > 40
+
+
+def test_an_access_after_a_service_routine_has_its_own_statement():
+    records: list[Record] = []
+    scene = Scene(
+        load(TIMING / "imu_hil_c.toml"),
+        lambda recorder, _: recorder.subscribe([Kind.IRQ, Kind.ACCESS], records.append),
+    )
+    scene.run()
+    depth, interrupts = 0, 0
+    for record in records:
+        if record.kind is Kind.IRQ:
+            depth += 1 if record.value else -1
+            interrupts += record.value
+        else:
+            assert record.text.startswith("sci_received:") == (depth > 0), record
+    assert interrupts

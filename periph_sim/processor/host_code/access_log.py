@@ -1,0 +1,210 @@
+"""Log of the accesses of C sources, from which a new scene brings them to the instant of a snapshot.
+
+    run that keeps a log:  C code --access--> LoggedRun --> CPU --value--> C code, and an item of the log
+    re-execution:          C code --access--> runtime.c or LoggedRun: equal to the item? --its value--> C code
+
+A log can end only in a computation of main outside of service routines, in which the CPU sleeps; the restored scene
+continues there. An item is made at the end of an access, after the items of service routines that interrupt it:
+
+    kind: 3 bits | bytes of a READ, modulo 8: 3 bits | place: 18 bits | value: 40 bits, signed
+"""
+
+from __future__ import annotations
+
+from array import array
+from collections.abc import Sequence
+from enum import IntEnum
+from functools import partial
+from pathlib import Path
+from typing import NamedTuple
+
+from greenlet import GreenletExit
+
+from ...core.restore import NotRestorable
+from ...f28335.memory.register_names import full_name
+from ..dsp import Dsp
+from ..user_code import FirmwareError
+from .firmware import HostFirmware, Run
+from .register_layout import BYTES_A_WORD, VECTORS, Place, RegisterLayout
+
+ITEM = "Q"
+KIND, SIZE, PLACE = 61, 58, 40  # lowest bits
+VALUE = (1 << PLACE) - 1
+
+
+class Access(IntEnum):
+    """Kinds of items. runtime.c knows COMPUTE and READ."""
+
+    COMPUTE = 1  # value: cycles
+    READ = 2  # place: offset on the host; value: the bytes there
+    WRITE = 3  # place: address on the chip
+    EXECUTE = 4  # place: of the instruction in `Run.assembly`
+    ENTER = 5  # value: address of a service routine in the library
+
+
+def item_of(kind: Access, place: int = 0, value: int = 0, size: int = 0) -> int:
+    return kind << KIND | (size & 7) << SIZE | place << PLACE | value & VALUE
+
+
+class AccessLog(NamedTuple):
+    """The accesses up to an instant. items: of the run, which appends further ones. length: of the items up to there.
+
+    computing: cycles of the computation in which the log ends.
+    """
+
+    items: array[int]
+    length: int
+    computing: int
+
+
+class LoggedRun(Run):
+    """A run that keeps a log, after it has repeated the accesses of an earlier run.
+
+    log: the items so far.
+    computing: cycles of the computation in progress outside of service routines; 0 if there is none.
+    """
+
+    def __init__(
+        self,
+        dsp: Dsp,
+        path: Path,
+        base: int,
+        layout: RegisterLayout,
+        log: AccessLog | None = None,
+        rest: tuple[int, int] = (0, 0),
+    ) -> None:
+        """log: of the earlier run. rest: the cycle at which it ends, and what is left of its computation then."""
+        super().__init__(dsp, path, base, layout)
+        self.log = array(ITEM) if log is None else log.items[: log.length]
+        self.computing = 0
+        self.re_executes = log is not None
+        self._rest = rest
+        self._earlier = array(ITEM, self.log)
+        if log is not None:
+            self._earlier.append(item_of(Access.COMPUTE, value=log.computing))
+        self._next = self.library.answer(self._earlier)
+
+    def compute(self, cycles: int) -> None:
+        item = item_of(Access.COMPUTE, value=cycles)
+        left = cycles
+        if self.re_executes:
+            self._answer(item)
+            if self.re_executes:
+                return
+            self.dsp.processor.time.cycle, left = self._rest
+        self.computing = cycles
+        super().compute(left)
+        self.computing = 0
+        self.log.append(item)
+
+    def load(self, at: int, size: int, places: Sequence[Place]) -> None:
+        if len(places) > 1:
+            for place in places:
+                self.load(place.at, place.size, (place,))
+        elif places[0].word not in VECTORS:
+            item, memory = item_of(Access.READ, at, size=size), self.library.memory[at : at + size]
+            if self.re_executes:
+                memory[:] = (self._answer(item) & (1 << 8 * size) - 1).to_bytes(size, "little")
+            else:
+                super().load(at, size, places)
+                self.log.append(item | int.from_bytes(memory, "little") & VALUE)
+
+    def write_register(self, word: int, value: int, width: int) -> None:
+        item = item_of(Access.WRITE, word, value)
+        if self.re_executes:
+            self._answer(item)
+        else:
+            super().write_register(word, value, width)
+            self.log.append(item)
+
+    def execute(self, instruction: str) -> None:
+        item = item_of(Access.EXECUTE, list(self.assembly).index(instruction))
+        if self.re_executes:
+            self._answer(item)
+        else:
+            super().execute(instruction)
+            self.log.append(item)
+
+    def enter(self, pointer: int) -> None:
+        computing = self.computing
+        if not self.re_executes:
+            self.log.append(item_of(Access.ENTER, value=pointer - self.library.loaded_at))
+        super().enter(pointer)
+        self.computing = computing
+
+    def _answer(self, item: int) -> int:
+        """Return the value of the next item. Raise NotRestorable if the firmware does something else than then."""
+        self._enter_routines()
+        earlier = self._earlier[self._next.value]
+        if (earlier ^ item) >> (PLACE if item >> KIND == Access.READ else 0):
+            raise self._differs(item)
+        self._next.value += 1
+        self.re_executes = self._next.value < len(self._earlier)
+        self.dsp.processor.time.cycle += 1  # so the firmware does not count as stalled
+        value = earlier & VALUE
+        return value - (value >> PLACE - 1 << PLACE)
+
+    def _enter_routines(self) -> None:
+        """Run the service routines that interrupted the firmware here."""
+        while self._earlier[self._next.value] >> KIND == Access.ENTER:
+            offset = self._earlier[self._next.value] & VALUE
+            self._next.value += 1
+            self.enter(self.library.loaded_at + offset)
+
+    def _differs(self, item: int) -> NotRestorable:
+        """Return the error for an access that is not the next one of the log."""
+        place, number = self.place(), self._next.value
+        where = f"access {number + 1}" + ("" if place is None else f" at {place} of {place.path}")
+        return NotRestorable(
+            f"{self.dsp.name}, {where}: the C sources {self._described(item)}, but before the snapshot they "
+            f"{self._described(self._earlier[number])}; what they do depends on more than their accesses, for example "
+            "on time(), rand() or a file of the host"
+        )
+
+    def _described(self, item: int) -> str:
+        value, place = item & VALUE, item >> PLACE & (1 << SIZE - PLACE) - 1
+        match Access(item >> KIND):
+            case Access.COMPUTE:
+                return f"compute for {value} cycles"
+            case Access.READ:
+                return f"read {full_name(place // BYTES_A_WORD)}"
+            case Access.WRITE:
+                return f"write {value:#x} to {full_name(place)}"
+            case Access.EXECUTE:
+                return f"execute {list(self.assembly)[place]}"
+        return "enter a service routine"
+
+
+def log_at_rest(firmware: HostFirmware) -> AccessLog | None:
+    """Return the log if it can end here, in a computation in which the CPU sleeps; otherwise None."""
+    run, processor = firmware.run, firmware.dsp.processor
+    if not isinstance(run, LoggedRun) or not run.computing:
+        return None
+    if not processor.time.asleep or processor.interrupts.core.nested:
+        return None
+    return AccessLog(run.log, len(run.log), run.computing)
+
+
+def re_execute(firmware: HostFirmware, log: AccessLog, rest: tuple[int, int]) -> None:
+    """Bring a program that has not begun to the end of a log. Raise NotRestorable if it does something else.
+
+    Nothing but its CPU and the kernel is changed. rest: see `LoggedRun`.
+    """
+    processor = firmware.dsp.processor
+    firmware.make_run = partial(LoggedRun, log=log, rest=rest)
+    processor.kernel.stop()  # the program returns here as soon as it needs time
+    processor.time.stop()  # it begins now
+    try:
+        processor.act(0)
+    except FirmwareError as error:
+        raise NotRestorable(str(error)) from None
+    firmware.make_run = LoggedRun
+    if firmware.run is None:
+        raise NotRestorable(f"{firmware.dsp.name}: main ended, which it did not before the snapshot")
+
+
+def restart(firmware: HostFirmware) -> None:
+    """Let a program begin again after a re-execution that failed."""
+    firmware.make_run = LoggedRun
+    firmware.dsp.processor.kill(GreenletExit)
+    firmware.dsp.cpu.start(firmware.main)

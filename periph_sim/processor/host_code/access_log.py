@@ -21,7 +21,7 @@ from typing import NamedTuple
 from greenlet import GreenletExit
 
 from ...core.restore import NotRestorable
-from ...f28335.memory.register_names import full_name
+from ...f28335.memory.address_space import full_name
 from ..dsp import Dsp
 from ..user_code import FirmwareError
 from .firmware import HostFirmware, Run

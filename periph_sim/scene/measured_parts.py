@@ -12,8 +12,7 @@ if TYPE_CHECKING:
     from ..core.wire import Wire
     from ..devices.watchers import WireWatcher
     from ..processor.dsp import Dsp
-    from ..timing.measures.reply import Expected, Reply
-    from ..timing.measures.watched_wire import WatchedWire
+    from ..timing.measures.expectations import Expected, Reply, WatchedWire
     from .bus_side import BusSide
     from .context import SceneContext, SceneWires
     from .release_delay import ReleaseDelay

@@ -204,7 +204,7 @@ class Scene:
             what = f"{measure!r} needs {NEEDS.get(needs, needs)} in the scene, which has none"
             raise self.case.mistake(what, "budget", entry, "measure")
         if needs == "serial" and self.case.serial is not None:
-            from ..timing.measures.reply import Reply
+            from ..timing.measures.expectations import Reply
 
             expected = [one.name for one in self.case.serial.expect]
             if isinstance(limit.measure, Reply) and limit.measure.name not in expected:

@@ -14,7 +14,7 @@ from ..core.suggest import did_you_mean
 from ..core.time import Timebase
 from ..core.wire import Wire
 from ..devices.watchers import WatchContext, WireWatcher, watchers
-from ..timing.measures.watched_wire import WatchedWire
+from ..timing.measures.expectations import WatchedWire
 from . import plugins
 from .case.error_text import complaint
 from .case.model import Case

@@ -33,6 +33,7 @@ from tests.timing.measures import (
 from tests.timing.measures import (
     test_value as test_value_measures,
 )
+from tests.timing.measures.test_event import EXAMPLES, IMAGE
 
 ANOTHER_WAY: dict[str, Callable[..., None]] = {
     "from": test_pairs.test_in_order_is_a_queue,
@@ -131,6 +132,13 @@ def test_each_form_tells_its_nearest_misuse(form: str):
     with pytest.raises(BadEvent) as caught:
         measure_named(text, ONE)
     assert said in str(caught.value)
+
+
+def test_five_classes_measure_what_no_sentence_can_say():
+    texts = [*EXAMPLES, *MEASURES, "span:x", "reply:x", "watch:x"]
+    made = {type(measure_named(text, IMAGE)).__name__ for text in texts}
+    of_sentences = {"EventMeasure", "Between", "TimeIn"}
+    assert made - of_sentences == {"Margin", "Race", "LostFlags", "Reply", "WatchedWire"}
 
 
 def test_rounds_need_to_be_known():

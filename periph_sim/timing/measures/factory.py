@@ -22,13 +22,12 @@ from ..language.events import ANYTHING, OF_AGENT, Group, Matcher, matcher, name_
 from ..language.language import FORMS, Said, is_form, measure_of, near_form
 from ..language.scope import BadEvent, Scope
 from .event_pairing import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses, EventMeasure
+from .expectations import Reply, WatchedWire
 from .margin import Margin
 from .measure import Measure
 from .pair import Between
 from .registry import MEASURES, PHRASES, UNNAMED, Sentence
-from .reply import Reply
 from .states import StateEvents, TimeIn
-from .watched_wire import WatchedWire
 
 OVERFLOWS = "overflows"  # of fixed-point arithmetic
 ROLES = {

@@ -119,9 +119,6 @@ class Measure(Listener):
     needs = ""  # what a scene must have for this to mean anything: "controller", "rounds", "host", "serial", "SCI"
     asked = ""
     kinds: frozenset[Kind] = frozenset()
-    refuted = ""  # why no value can keep the limit, such as a reply that is not the expected one
-    refuted_at = NO_TIME
-    refuted_until = NO_TIME
 
     def __init__(self) -> None:
         self.looks_back = "this occurrence"
@@ -139,6 +136,9 @@ class Measure(Listener):
         self._uncompared = 0  # occasions to come that have none before them to be compared with
         self._kept: tuple[array[int], array[int]] | None = None
         self._tally: Tally | None = None
+        self.refuted = ""  # why no value can keep the limit, such as a reply that is not the expected one
+        self.refuted_at = NO_TIME
+        self.refuted_until = NO_TIME
         self.not_judged = ""  # the reason why it is not known whether all occurrences keep the limit
 
     @property
@@ -264,6 +264,11 @@ class Measure(Listener):
             assert self.occasions is not None
             self.occasions += number - self._uncompared
             self._uncompared = 0
+
+    def refute(self, why: str, at: int, until: int = NO_TIME) -> None:
+        """Break the budget, whatever values follow, unless it is broken already. until: the end of what is wrong."""
+        if not self.refuted and at >= self.not_before:
+            self.refuted, self.refuted_at, self.refuted_until = why, at, at if until == NO_TIME else until
 
     def take(self, value: int, at: int) -> None:
         if self.is_jitter:

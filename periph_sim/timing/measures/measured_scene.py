@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Protocol
 if TYPE_CHECKING:
     from ...core.wire import Wire
     from ...devices.watchers import WireWatcher
-    from .reply import Expected, Reply
-    from .watched_wire import WatchedWire
+    from .expectations import Expected, Reply, WatchedWire
 
 
 class Delay(Protocol):

@@ -2,7 +2,14 @@
 
     name --> Sentence: its text, what it costs, how far back it looks, what is said where it measured nothing
 
-A sentence with parameters has them in braces; `factory` fills them in from the words of a budget.
+A sentence with parameters has them in braces; `factory` fills them in from the words of a budget. Five measures are
+classes instead, because no sentence can say what they measure:
+
+    Margin       when a byte is needed: by the wires' parties and by the module's own delay, which no record shows
+    Race         polls that were skipped are put back on their grid, for which all records of a register must be there
+    LostFlags    which flags the firmware means to clear at a place is known after its last write
+    Reply        a reply is compared with the characters that a case expects, and a sentence quotes those that came
+    WatchedWire  a watcher, which may be the user's own, says when an edge was expected
 """
 
 from __future__ import annotations

@@ -25,7 +25,7 @@ from ....records.record_text import happened
 from ....scene.case.model import Case
 from ....scene.firmware_loader import Firmware
 from ....timing.budget_schema import REPLY
-from ....timing.measures.watched_wire import WatchedWire
+from ....timing.measures.expectations import WatchedWire
 from ....timing.verdict import Verdict
 from ....traces.capture.capture import Span
 from ....traces.drawing.capture_lanes import bit_of

@@ -22,9 +22,9 @@ from ....records.record_text import bus_byte, happened, on_the_bus
 from ....scene.case.model import Case
 from ....scene.scope import scope_of_case
 from ....timing.measures.event_pairing import EventMeasure
+from ....timing.measures.expectations import WatchedWire
 from ....timing.measures.factory import measure_named
 from ....timing.measures.measure import Measure
-from ....timing.measures.watched_wire import WatchedWire
 from .chain import Part, Step
 from .cpu_activity import episodes
 from .evidence import Evidence, RecordedPhase, in_time

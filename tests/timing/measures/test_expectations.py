@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from periph_sim.timing.measures.reply import Expected, Reply
+from periph_sim.timing.measures.expectations import Expected, Reply
 from tests.timing.events_by_hand import came
 
 WITHIN = 100

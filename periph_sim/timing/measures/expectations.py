@@ -1,4 +1,6 @@
-"""Measure of the time until an expected reply.
+"""Measures of what a case expects, whose values a party of the scene finds: replies, and edges of watched wires.
+
+A reply comes within a time:
 
 send begins          ends
 |====================|------------- time ------------|
@@ -9,7 +11,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from msgspec import Struct, field
 
@@ -17,6 +19,9 @@ from ...core.state import State
 from ...core.time import NO_TIME
 from .measure import Measure
 from .measured_scene import MeasuredScene
+
+if TYPE_CHECKING:
+    from ...devices.watchers import WireWatcher
 
 BAD = 0x100  # added to a character with a wrong parity or without a stop bit
 
@@ -55,7 +60,6 @@ class Reply(Measure):
     def __init__(self, name: str) -> None:
         super().__init__()
         self.name = name
-        self.refuted = ""
         self._expected: Expected | None = None
         self._open: deque[_Occasion] = deque()
         self._judged = 0
@@ -156,10 +160,8 @@ class Reply(Measure):
         self._wrong += 1
         if now != NO_TIME and occasion.wrong_at == NO_TIME:
             self.take(now - occasion.since, occasion.since)
-        if not self.refuted:
-            self.refuted, self.refuted_at = self._said(occasion), occasion.since
-            over = occasion.since + self._what.within
-            self.refuted_until = over if occasion.wrong_at == NO_TIME else occasion.ended
+        over = occasion.since + self._what.within
+        self.refute(self._said(occasion), occasion.since, over if occasion.wrong_at == NO_TIME else occasion.ended)
 
     def _said(self, occasion: _Occasion) -> str:
         expected = self._what
@@ -198,3 +200,22 @@ class Reply(Measure):
         if self._cut:
             return f"the run ended before the reply from {self._what.source} had to be there; let it last longer"
         return self._why_never()
+
+
+class WatchedWire(Measure):
+    """Between an edge of a watched wire and when it was expected. One that is missing or wrong breaks it."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self.name = name
+        self._watcher: WireWatcher | None = None
+
+    def listen(self, scene: MeasuredScene) -> None:
+        self._watcher = scene.watcher(self)
+
+    def finish(self, now: int) -> None:
+        assert self._watcher is not None
+        self._watcher.finish(now)
+
+    def why_silent(self) -> str:
+        return "" if self._watcher is None else self._watcher.missing()

@@ -28,7 +28,7 @@ from ..core.state import State
 from ..core.suggest import did_you_mean
 from ..core.time import Clock, Timebase
 from ..core.wire import Wire
-from ..f28335.cpu.compiled_code_costs import CodeCosts
+from ..f28335.cpu.code_costs import CodeCosts
 from ..f28335.cpu.interrupts import CpuInterrupts
 from ..f28335.descriptor import ModuleDescriptor, Part
 from ..f28335.memory.memory_map import AddressMap, ModuleRange

@@ -12,7 +12,7 @@ from typing import final
 from ..core.chip import NEVER
 from ..core.socket import ChipObserver, Socket
 from ..core.state import State
-from ..f28335.cpu import instruction_costs as cpu_costs
+from ..f28335.cpu import code_costs as cpu_costs
 from .cpu_time import CpuTime
 from .operand import Operand
 from .source_location import SourceLocation

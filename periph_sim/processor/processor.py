@@ -25,7 +25,7 @@ from ..core.kernel import Kernel
 from ..core.records import Recorder
 from ..core.state import State
 from ..core.time import Clock
-from ..f28335.cpu import instruction_costs as cpu_costs
+from ..f28335.cpu import code_costs as cpu_costs
 from ..f28335.cpu.interrupts import CONTEXT_WORDS, CpuInterrupts
 from ..f28335.memory.memory_map import AddressMap
 from ..f28335.pie.module import Pie

@@ -38,9 +38,7 @@ class ChipOnBus:
 
     @property
     def chip(self) -> RegisterChip:
-        chip = self.pointer.chip
-        assert isinstance(chip, RegisterChip)
-        return chip
+        return self.pointer.chip
 
     @property
     def addresses(self) -> tuple[int, ...]:

@@ -17,7 +17,7 @@ from ..core.options import Answers, Value, options_from
 from ..core.registered import registered
 from ..core.suggest import did_you_mean
 from ..core.table import separate
-from ..f28335.cpu.compiled_code_costs import CodeCosts
+from ..f28335.cpu.code_costs import CodeCosts
 from ..f28335.descriptor import Part, named_class
 from ..f28335.parts import part_named, part_names
 from ..f28335.system_options import SystemOptions

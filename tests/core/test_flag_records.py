@@ -7,7 +7,7 @@ import pytest
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.f28335.cpu.compiled_code_costs import BARE
+from periph_sim.f28335.cpu.code_costs import BARE
 from periph_sim.f28335.i2c.register_map import I2C_MAP
 from periph_sim.processor.dsp import Dsp, DspPlan
 

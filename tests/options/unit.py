@@ -21,7 +21,7 @@ from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.sampler import watch
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Pin, Wire
-from periph_sim.f28335.cpu.compiled_code_costs import BARE
+from periph_sim.f28335.cpu.code_costs import BARE
 from periph_sim.f28335.i2c.options import I2cOptions
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.sci.options import SciOptions

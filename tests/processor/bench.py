@@ -9,7 +9,7 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.socket import Socket
 from periph_sim.core.time import Clock, Timebase
-from periph_sim.f28335.cpu.compiled_code_costs import BARE, CodeCosts
+from periph_sim.f28335.cpu.code_costs import BARE, CodeCosts
 from periph_sim.f28335.cpu.interrupts import CpuInterrupts
 from periph_sim.f28335.descriptor import Frame
 from periph_sim.f28335.memory.memory_map import AddressMap, ModuleRange

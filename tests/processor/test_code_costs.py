@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from periph_sim.f28335.cpu.compiled_code_costs import BARE, CodeCosts
+from periph_sim.f28335.cpu.code_costs import BARE, CodeCosts
 from periph_sim.f28335.descriptor import Frame
 from tests.processor.bench import Bench
 

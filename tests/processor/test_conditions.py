@@ -13,7 +13,7 @@ from msgspec.structs import replace
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.f28335.cpu.compiled_code_costs import BARE
+from periph_sim.f28335.cpu.code_costs import BARE
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.source_location import SourceLocation
 from periph_sim.processor.user_code import FirmwareError, Misuse

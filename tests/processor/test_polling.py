@@ -13,7 +13,7 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
-from periph_sim.f28335.cpu.compiled_code_costs import BARE
+from periph_sim.f28335.cpu.code_costs import BARE
 from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.dsp import Dsp, DspPlan
 from tests.processor.bench import Bench

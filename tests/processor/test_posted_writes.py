@@ -16,7 +16,7 @@ from msgspec.structs import replace
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.f28335.cpu.compiled_code_costs import BARE
+from periph_sim.f28335.cpu.code_costs import BARE
 from periph_sim.f28335.descriptor import Frame
 from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.dsp import Dsp, DspPlan

@@ -11,7 +11,7 @@ from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.registers import Register
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
-from periph_sim.f28335.cpu.compiled_code_costs import BARE
+from periph_sim.f28335.cpu.code_costs import BARE
 from periph_sim.f28335.descriptor import Frame
 from periph_sim.f28335.memory.memory_map import ModuleRange, NoSuchAddress
 from periph_sim.f28335.system_options import SystemOptions

@@ -36,8 +36,8 @@ from typing import NamedTuple
 from ...core.chip import NEVER, Note
 from ...core.state import State
 from ..system_options import SystemOptions
-from . import instruction_costs as cpu_costs
-from .instruction_costs import IFR_DELAY, VECTOR_AND_SAVE
+from . import code_costs as cpu_costs
+from .code_costs import IFR_DELAY, VECTOR_AND_SAVE
 
 # ST1 (SPRU430F section 2.4)
 INTM = 1 << 0

@@ -174,10 +174,9 @@ class GpioSettings(Chip):
 
     def activate(self, now: int) -> None:
         """Apply the active values at `now`."""
-        active = self._active
-        before, self._settings = self._settings, pin_settings_of(tuple([active[offset] for offset in CONFIGURED]))
+        before = self._settings
+        self.restored()
         if self._settings.mux != before.mux:
-            self._routes = self._settings.routes
             self.notes += self._settings.new_notes(before.mux)
             self._note_crowded(before.routes.crowded)
         self._apply_periods(now)

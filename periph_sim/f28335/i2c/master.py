@@ -284,8 +284,7 @@ class I2cMaster(I2cMasterData):
         self._byte_over(now)
 
     def _byte_over(self, now: int) -> None:
-        state = self.state
-        ack = self._sampled == 0 or bool(state.mdr & MDR_DLB)
+        ack = self._sampled == 0 or bool(self.state.mdr & MDR_DLB)
         kind = self._kind
         if kind == START_BYTE:
             self._restart(now, True)

@@ -170,38 +170,43 @@ I2C_MAP = RegisterMap(
 # Word offsets, as indices of the stored values.
 OAR, IER, STR, CLKL, CLKH, CNT, DRR, SAR, DXR, MDR, ISRC, EMDR, PSC = range(0x0D)
 FFTX, FFRX = 0x20, 0x21
-WORDS = 0x22  # length of a list indexed by offset
 
+# Masks of all fields, in the order of the table.
 # I2CSTR; I2CIER has the enables of the lower seven sources, except AAS, in the same positions.
-STR_SDIR = I2CSTR["SDIR"].mask
-STR_NACKSNT = I2CSTR["NACKSNT"].mask
-STR_BB = I2CSTR["BB"].mask
+(
+    STR_SDIR,
+    STR_NACKSNT,
+    STR_BB,
+    STR_RSFULL,
+    STR_XSMT,
+    STR_AAS,
+    STR_AD0,
+    STR_SCD,
+    STR_XRDY,
+    STR_RRDY,
+    STR_ARDY,
+    STR_NACK,
+    STR_AL,
+) = (f.mask for f in I2CSTR.fields)
 STR_RESET = I2CSTR.reset
 STR_CLEARS = I2CSTR.mask(OnWrite.ONE_CLEARS)  # a write has no other effect
-STR_RSFULL = I2CSTR["RSFULL"].mask
-STR_XSMT = I2CSTR["XSMT"].mask
-STR_AAS = I2CSTR["AAS"].mask
-STR_AD0 = I2CSTR["AD0"].mask
-STR_SCD = I2CSTR["SCD"].mask
-STR_XRDY = I2CSTR["XRDY"].mask
-STR_RRDY = I2CSTR["RRDY"].mask
-STR_ARDY = I2CSTR["ARDY"].mask
-STR_NACK = I2CSTR["NACK"].mask
-STR_AL = I2CSTR["AL"].mask
 
-MDR_NACKMOD = I2CMDR["NACKMOD"].mask
-MDR_FREE = I2CMDR["FREE"].mask
-MDR_STT = I2CMDR["STT"].mask
-MDR_STP = I2CMDR["STP"].mask
-MDR_MST = I2CMDR["MST"].mask
-MDR_TRX = I2CMDR["TRX"].mask
-MDR_XA = I2CMDR["XA"].mask
-MDR_RM = I2CMDR["RM"].mask
-MDR_DLB = I2CMDR["DLB"].mask
-MDR_IRS = I2CMDR["IRS"].mask
-MDR_STB = I2CMDR["STB"].mask
-MDR_FDF = I2CMDR["FDF"].mask
-MDR_BC = I2CMDR["BC"].mask
+# I2CMDR
+(
+    MDR_NACKMOD,
+    MDR_FREE,
+    MDR_STT,
+    MDR_STP,
+    MDR_MST,
+    MDR_TRX,
+    MDR_XA,
+    MDR_RM,
+    MDR_DLB,
+    MDR_IRS,
+    MDR_STB,
+    MDR_FDF,
+    MDR_BC,
+) = (f.mask for f in I2CMDR.fields)
 
 # Bits of the pin masks: `out`, and what each side pulls low.
 SCL, SDA = 1, 2

@@ -14,14 +14,7 @@ from typing import final
 
 from ...core.state import State
 from .options import SciOptions
-from .register_map import SCI_MAP
-
-_CCR = SCI_MAP["SCICCR"]
-STOPBITS = _CCR["STOPBITS"].mask
-PARITY = _CCR["PARITY"].mask
-PARITYENA = _CCR["PARITYENA"].mask
-ADDRIDLE_MODE = _CCR["ADDRIDLE_MODE"].mask
-SCICHAR = _CCR["SCICHAR"]
+from .register_map import ADDRIDLE_MODE, PARITY, PARITYENA, SCICHAR, STOPBITS
 
 DUE = {"seven_eighths": 7, "drawing": 6, "stop_end": 8}  # SCICLK periods into the stop bit
 BREAK_TICKS = {"10": 80, "9.625": 77}
@@ -40,7 +33,7 @@ class SciFormat:
     )
 
     def __init__(self, sciccr: int, options: SciOptions) -> None:
-        self.data_bits: int = SCICHAR.extract(sciccr) + 1
+        self.data_bits: int = (sciccr & SCICHAR) + 1
         self.data_mask: int = (1 << self.data_bits) - 1
         self.address = bool(sciccr & ADDRIDLE_MODE)
         self.parity = bool(sciccr & PARITYENA)

@@ -27,21 +27,15 @@ from .autobaud import SciAutobaud
 from .character_format import SciFormat
 from .clock import SciClock
 from .options import SciOptions
-from .receiver import ST_RXWAKE, SciRx
+from .receiver import SciRx
 from .receiver_bits import BREAK, FE, FRAME, IDLE, PE, SciRxBits
-from .register_map import SCI_MAP
+from .register_map import ABD, CDC, FREE, LOOPBKENA, SCI_MAP, SOFT, ST_RXWAKE
 from .transmitter import SciTx
 
 RECEIVED = 1 << SCI_MAP["SCIRXBUF"].offset | 1 << SCI_MAP["SCIRXEMU"].offset
 
 RXINT = 1
 TXINT = 2
-
-LOOPBKENA = SCI_MAP["SCICCR"]["LOOPBKENA"].mask
-ABD = SCI_MAP["SCIFFCT"]["ABD"].mask
-CDC = SCI_MAP["SCIFFCT"]["CDC"].mask
-SOFT = SCI_MAP["SCIPRI"]["SOFT"].mask
-FREE = SCI_MAP["SCIPRI"]["FREE"].mask
 
 
 class SciLines(Chip):

@@ -15,23 +15,29 @@ Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 from __future__ import annotations
 
 from .character_format import SciFormat
-from .lines import ABD, CDC, FREE, LOOPBKENA, RXINT, SOFT, SciLines
-from .register_map import SCI_MAP
-from .transmitter import SCIFFENA, SCIRST
+from .lines import RXINT, SciLines
+from .register_map import (
+    ABD,
+    ABDCLR,
+    CDC,
+    FFTXDLY,
+    FREE,
+    LOOPBKENA,
+    RXBKINTENA,
+    RXENA,
+    RXERRINTENA,
+    SCI_MAP,
+    SCIFFENA,
+    SCIRST,
+    SLEEP,
+    SOFT,
+    SWRESET,
+    TXENA,
+    TXINTENA,
+    TXWAKE,
+)
 
-SCICTL1 = SCI_MAP["SCICTL1"]
-RXERRINTENA = SCICTL1["RXERRINTENA"].mask
-SWRESET = SCICTL1["SWRESET"].mask
-TXWAKE = SCICTL1["TXWAKE"].mask
-SLEEP = SCICTL1["SLEEP"].mask
-TXENA = SCICTL1["TXENA"].mask
-RXENA = SCICTL1["RXENA"].mask
-SCICTL2 = SCI_MAP["SCICTL2"]
-RXBKINTENA = SCICTL2["RXBKINTENA"].mask
-TXINTENA = SCICTL2["TXINTENA"].mask
 SCIFFCT = SCI_MAP["SCIFFCT"]
-ABDCLR = SCIFFCT["ABDCLR"].mask
-FFTXDLY = SCIFFCT["FFTXDLY"].mask
 
 # Word offsets, as in SCI_MAP.
 CCR, CTL1, HBAUD, LBAUD, CTL2, RXST, RXEMU, RXBUF = range(8)

@@ -31,16 +31,8 @@ from ...core.state import State
 from ..interrupt_fifo import ENABLE, OVERFLOW, InterruptFifo
 from .options import SciOptions
 from .receiver_bits import FE, PE
-from .register_map import SCI_MAP
+from .register_map import SCI_MAP, ST_BRKDT, ST_FE, ST_OE, ST_PE, ST_RXERROR, ST_RXRDY, ST_RXWAKE
 
-_RXST = SCI_MAP["SCIRXST"]
-ST_RXERROR = _RXST["RXERROR"].mask
-ST_RXRDY = _RXST["RXRDY"].mask
-ST_BRKDT = _RXST["BRKDT"].mask
-ST_FE = _RXST["FE"].mask
-ST_OE = _RXST["OE"].mask
-ST_PE = _RXST["PE"].mask
-ST_RXWAKE = _RXST["RXWAKE"].mask
 CHARACTER_ERRORS = ST_FE | ST_OE | ST_PE
 
 

@@ -161,3 +161,12 @@ SCI_MAP = RegisterMap(
         ),
     ),
 )
+
+# Masks of all fields of a register, in the order of the table; of SCIFFTX the first two.
+STOPBITS, PARITY, PARITYENA, LOOPBKENA, ADDRIDLE_MODE, SCICHAR = (f.mask for f in SCI_MAP["SCICCR"].fields)
+RXERRINTENA, SWRESET, TXWAKE, SLEEP, TXENA, RXENA = (f.mask for f in SCI_MAP["SCICTL1"].fields)
+TXRDY, TXEMPTY, RXBKINTENA, TXINTENA = (f.mask for f in SCI_MAP["SCICTL2"].fields)
+ST_RXERROR, ST_RXRDY, ST_BRKDT, ST_FE, ST_OE, ST_PE, ST_RXWAKE = (f.mask for f in SCI_MAP["SCIRXST"].fields)
+SCIRST, SCIFFENA = (f.mask for f in SCI_MAP["SCIFFTX"].fields[:2])
+ABD, ABDCLR, CDC, FFTXDLY = (f.mask for f in SCI_MAP["SCIFFCT"].fields)
+SOFT, FREE = (f.mask for f in SCI_MAP["SCIPRI"].fields)

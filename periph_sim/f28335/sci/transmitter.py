@@ -31,15 +31,8 @@ from .character_format import SciFormat
 from .clock import SciClock
 from .options import SciOptions
 from .receiver_bits import FAR
-from .register_map import SCI_MAP
+from .register_map import SCI_MAP, SCIFFENA, SCIRST, TXEMPTY, TXRDY
 from .transmitter_bits import SciTxBits
-
-SCIFFTX = SCI_MAP["SCIFFTX"]
-SCIRST = SCIFFTX["SCIRST"].mask
-SCIFFENA = SCIFFTX["SCIFFENA"].mask
-
-TXRDY = SCI_MAP["SCICTL2"]["TXRDY"].mask
-TXEMPTY = SCI_MAP["SCICTL2"]["TXEMPTY"].mask
 
 
 @final
@@ -66,7 +59,7 @@ class SciTx:
         self.frames = 0  # number of frames whose start bits have begun, since construction
         self.lost: list[str] = []  # messages about lost words
         self.mark = 0
-        self.fifo = InterruptFifo(SCIFFTX, False, options.fifo_int_mode, touched)
+        self.fifo = InterruptFifo(SCI_MAP["SCIFFTX"], False, options.fifo_int_mode, touched)
         self._clock = clock
         self._layout = layout
         self._txshf = 0

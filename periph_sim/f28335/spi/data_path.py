@@ -27,7 +27,7 @@ from ...core.registers import Register
 from ...core.state import State
 from ..interrupt_fifo import ENABLE, OVERFLOW, InterruptFifo
 from .options import SpiOptions
-from .register_map import SPI_MAP
+from .register_map import BUFFULL_FLAG, INT_FLAG, OVERRUN_FLAG, SPI_MAP
 
 
 class SpiFifo(InterruptFifo):
@@ -101,11 +101,6 @@ class SpiFifo(InterruptFifo):
         if held:
             self.clear()
         self.update_flag()
-
-
-OVERRUN_FLAG = SPI_MAP["SPISTS"]["OVERRUN_FLAG"].mask
-INT_FLAG = SPI_MAP["SPISTS"]["INT_FLAG"].mask
-BUFFULL_FLAG = SPI_MAP["SPISTS"]["BUFFULL_FLAG"].mask
 
 
 class TransmitBuffer:

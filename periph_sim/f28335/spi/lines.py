@@ -37,7 +37,7 @@ from ...core.state import State
 from .clock import LspclkTimer
 from .data_path import ReceiveBuffer, SpiShifter, TransmitBuffer
 from .options import SpiOptions
-from .register_map import SPI_MAP
+from .register_map import CLKPOLARITY, FREE, MASTER_SLAVE, SOFT, SPI_MAP, SPILBK, SPIRST, SPISWRESET, TALK
 
 RXINT = 1
 TXINT = 2
@@ -46,17 +46,6 @@ TXINT = 2
 SIMO, SOMI, CLK, STE = 1, 2, 4, 8
 PINS = ("SIMO", "SOMI", "CLK", "STE")
 
-SPICCR = SPI_MAP["SPICCR"]
-SPISWRESET = SPICCR["SPISWRESET"].mask
-CLKPOLARITY = SPICCR["CLKPOLARITY"].mask
-SPILBK = SPICCR["SPILBK"].mask
-SPICTL = SPI_MAP["SPICTL"]
-CLK_PHASE = SPICTL["CLK_PHASE"].mask
-MASTER_SLAVE = SPICTL["MASTER_SLAVE"].mask
-TALK = SPICTL["TALK"].mask
-SPIRST = SPI_MAP["SPIFFTX"]["SPIRST"].mask
-SOFT = SPI_MAP["SPIPRI"]["SOFT"].mask
-FREE = SPI_MAP["SPIPRI"]["FREE"].mask
 
 RECEIVED = 1 << SPI_MAP["SPIRXBUF"].offset | 1 << SPI_MAP["SPIRXEMU"].offset
 

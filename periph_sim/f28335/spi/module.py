@@ -12,24 +12,22 @@ Source: TI SPRUEU3 chapter 2; SPRUFB0D section 5.1 for the clock gate.
 
 from __future__ import annotations
 
-from .data_path import INT_FLAG, OVERRUN_FLAG
-from .lines import (
+from .lines import SpiLines
+from .register_map import (
     CLK_PHASE,
     CLKPOLARITY,
+    INT_FLAG,
     MASTER_SLAVE,
-    SPICCR,
-    SPICTL,
+    OVERRUN_FLAG,
+    OVERRUNINTENA,
+    SPI_MAP,
+    SPICHAR,
+    SPIFFENA,
+    SPIINTENA,
     SPILBK,
     SPIRST,
     SPISWRESET,
-    SpiLines,
 )
-from .register_map import SPI_MAP
-
-SPICHAR = SPICCR["SPICHAR"].mask
-OVERRUNINTENA = SPICTL["OVERRUNINTENA"].mask
-SPIINTENA = SPICTL["SPIINTENA"].mask
-SPIFFENA = SPI_MAP["SPIFFTX"]["SPIFFENA"].mask
 
 CCR, CTL, STS, BRR, RXEMU, RXBUF, TXBUF, DAT, FFTX, FFRX, FFCT, PRI = (register.offset for register in SPI_MAP)
 
@@ -121,7 +119,7 @@ class Spi(SpiLines):
             )
 
     def _write_ccr(self, value: int) -> None:
-        before, self._ccr = self._ccr, SPICCR.write(self._ccr, value)[0]
+        before, self._ccr = self._ccr, SPI_MAP["SPICCR"].write(self._ccr, value)[0]
         if before & self._ccr & SPISWRESET:
             self._check_configuration((before ^ self._ccr) & (CLKPOLARITY | SPILBK | SPICHAR))
         self._shifter.length = (self._ccr & SPICHAR) + 1
@@ -133,7 +131,7 @@ class Spi(SpiLines):
                     fifo.clear()
 
     def _write_ctl(self, value: int) -> None:
-        before, self._ctl = self._ctl, SPICTL.write(self._ctl, value)[0]
+        before, self._ctl = self._ctl, SPI_MAP["SPICTL"].write(self._ctl, value)[0]
         changed = before ^ self._ctl
         self._check_configuration(changed & (MASTER_SLAVE | CLK_PHASE))
         self._shifter.delayed = self._ctl & CLK_PHASE > 0

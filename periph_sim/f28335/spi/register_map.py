@@ -138,3 +138,10 @@ SPI_MAP = RegisterMap(
         ),
     ),
 )
+
+# Masks of all fields of a register, in the order of the table; of SPIFFTX the first two.
+SPISWRESET, CLKPOLARITY, SPILBK, SPICHAR = (f.mask for f in SPI_MAP["SPICCR"].fields)
+OVERRUNINTENA, CLK_PHASE, MASTER_SLAVE, TALK, SPIINTENA = (f.mask for f in SPI_MAP["SPICTL"].fields)
+OVERRUN_FLAG, INT_FLAG, BUFFULL_FLAG = (f.mask for f in SPI_MAP["SPISTS"].fields)
+SPIRST, SPIFFENA = (f.mask for f in SPI_MAP["SPIFFTX"].fields[:2])
+SOFT, FREE = (f.mask for f in SPI_MAP["SPIPRI"].fields)

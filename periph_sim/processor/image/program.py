@@ -19,7 +19,7 @@ from typing import Any
 from ...core.chip import NEVER
 from ...core.state import State
 from ...core.time import Clock
-from ...f28335.cpu import instruction_costs as cpu_costs
+from ...f28335.cpu import code_costs as cpu_costs
 from ...f28335.system_options import SystemOptions
 from ...form.c_types import Text
 from ..c28x.execution.cpu import WRITES, Operation

@@ -16,8 +16,8 @@ from __future__ import annotations
 from typing import final
 
 from ...core.chip import NEVER, Note
-from ...f28335.cpu import instruction_costs as cpu_costs
-from ...f28335.cpu.compiled_code_costs import CodeCosts
+from ...f28335.cpu import code_costs as cpu_costs
+from ...f28335.cpu.code_costs import CodeCosts
 from ...f28335.cpu.interrupts import CpuInterrupts
 from ...f28335.memory.ram import block_at
 from ..bus import Bus

@@ -11,8 +11,8 @@ from collections.abc import Callable
 
 from ...core.records import Recorder
 from ...core.time import Clock
-from ...f28335.cpu import instruction_costs as cpu_costs
-from ...f28335.cpu.compiled_code_costs import BARE, CodeCosts
+from ...f28335.cpu import code_costs as cpu_costs
+from ...f28335.cpu.code_costs import BARE, CodeCosts
 from ...f28335.system_options import SystemOptions
 from ...form.c_types import Text
 from ..processor import Processor

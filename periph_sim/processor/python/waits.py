@@ -30,7 +30,7 @@ from typing import NamedTuple, final
 from ...core.chip import NEVER
 from ...core.options import IntOption
 from ...core.records import Topic
-from ...f28335.cpu import instruction_costs as cpu_costs
+from ...f28335.cpu import code_costs as cpu_costs
 from ...form.c_types import BigInt
 from ..bus import Bus
 from ..cpu_time import CpuTime

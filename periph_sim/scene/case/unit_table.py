@@ -10,7 +10,7 @@ from msgspec import Meta, field
 
 from ...core.settings import Duration
 from ...core.table import Table
-from ...f28335.cpu.compiled_code_costs import CodeCosts
+from ...f28335.cpu.code_costs import CodeCosts
 from .scalars import Answer, CodeCycles, Crystal, PassCycles, Ppm, VariableValues
 
 COMPILED = CodeCosts()

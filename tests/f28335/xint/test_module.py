@@ -7,7 +7,7 @@ import pytest
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
-from periph_sim.f28335.cpu.compiled_code_costs import BARE
+from periph_sim.f28335.cpu.code_costs import BARE
 from periph_sim.f28335.gpio.module import Gpio
 from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.f28335.xint.module import Xint

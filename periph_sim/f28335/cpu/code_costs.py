@@ -1,0 +1,52 @@
+"""Cycles of C28x instructions in SYSCLKOUT, alone and in compiled C code, without the wait states of memory and bus.
+
+These are the instructions that the processor executes itself; `c28x/encodings.toml` has the cycles of all others.
+
+`CodeCosts` was counted in the 127 different F28335 images (COFF, TI compilers 5.2 to 22.6, 3380 functions) of eight
+public repositories, without pipeline stalls; docs/fidelity.md describes the method and shows the sequences.
+
+Source: SPRU430F chapter 6, the CYC line of each instruction; SPRUEO2A (FPU), SPRS439M Table 3-5 (wait states); for
+interrupt delays, the comment at each.
+"""
+
+from __future__ import annotations
+
+from msgspec import Struct
+
+# Loads, stores, arithmetic, tests: MOV, MOVW DP, AND, OR, ADD, CMP, TBIT, ADDB SP, SUBB SP, NOP.
+SIMPLE = 1
+
+SB_NOT_TAKEN = 4
+SB_ALWAYS = 4  # condition UNC
+
+# Interrupt control
+CLRC_INTM = SETC_INTM = 2  # EINT and DINT are the same instructions
+EALLOW = EDIS = 4
+AND_IER = OR_IER = AND_IFR = 2
+TRAP = 8
+IRET = 8
+IDLE = 5
+
+# Interrupt path
+IFR_DELAY = 4  # from a request to the CPU's IFR bit (share of the 14 cycles of `int_latency`, E2E thread)
+VECTOR_AND_SAVE = 9  # from the vector fetch to the first instruction, SPRUFB0D section 8
+
+
+class CodeCosts(Struct, frozen=True):
+    """Cycles of compiled C code besides its register accesses and computations.
+
+    The defaults are the median or the most frequent case; the comments give the range found.
+
+    between_accesses: code before an access: addresses, data, tests, branches.
+    poll_pass: one pass of a loop that polls a register of peripheral frame 2.
+    isr_prologue, isr_epilogue: saving and restoring in a service routine beyond the 14 words that the CPU saves by
+        itself, without IRET.
+    """
+
+    between_accesses: int = 5  # quartiles 1 and 15; 0 for stores in a row
+    poll_pass: int = 10  # 7 (TBIT, SBF) to 21 (a function that returns the bit)
+    isr_prologue: int = 17  # 6 in a routine without calls to 22 with all FPU registers in use
+    isr_epilogue: int = 13  # 3 to 18
+
+
+BARE = CodeCosts(between_accesses=0, isr_prologue=0, isr_epilogue=0)  # accesses and computations only

@@ -112,9 +112,43 @@ class FlagOfPlace:
         self.unseen = Cleared(keeps_ticks)
 
 
-def last_look(looks: dict[str, int], field: str) -> int:
-    """Return the record number of the last read that showed a field; NEVER_YET for none. looks: by name of a field."""
-    return max(looks.get("", NEVER_YET), looks.get(field, NEVER_YET))
+@final
+class Look:
+    """The last read of a field; of the whole register if its name is empty. number: of its record."""
+
+    __slots__ = ("field", "number")
+
+    field: Text
+    number: int
+
+
+@final
+class Looks:
+    """The last read of each field of a register, in a list, since firmware reads few of them."""
+
+    __slots__ = ("_of",)
+
+    def __init__(self) -> None:
+        self._of: list[Look] = []
+
+    def add(self, field: Text, number: int) -> None:
+        """Note a read of a field."""
+        look: Look
+        for look in self._of:
+            if look.field is field:
+                look.number = number
+                return
+        for look in self._of:
+            if look.field == field:  # an equal name that is another object
+                look.field, look.number = field, number
+                return
+        look = Look()
+        look.field, look.number = field, number
+        self._of.append(look)
+
+    def last(self, field: str) -> int:
+        """Return the record number of the last read that showed a field; NEVER_YET for none."""
+        return max((look.number for look in self._of if look.field in ("", field)), default=NEVER_YET)
 
 
 @final
@@ -123,7 +157,7 @@ class Place:
 
     proven: bits that were written as 1 and not read as 1.
     always: bits that were written as 1 each time.
-    looks: record numbers of the last reads made for these writes, by field; "" for the whole register.
+    looks: the last reads made for these writes.
     """
 
     __slots__ = ("always", "count", "flags", "looks", "named", "proven")
@@ -131,7 +165,7 @@ class Place:
     def __init__(self, flags: list[FlagOfPlace]) -> None:
         self.flags = flags
         self.count = 0
-        self.looks: dict[str, int] = {}
+        self.looks = Looks()
         self.proven = 0
         self.always = -1
         self.named: set[str] = set()
@@ -158,7 +192,7 @@ class ClearedRegister:
         self.keeps_ticks = keeps_ticks
         self.flags = [Flag(field, self) for field in register.flags]
         self.status: bool = register.status
-        self.looks: dict[str, int] = {}
+        self.looks = Looks()
         self.places: dict[str, Place] = {}
         self.last: Modify | None = None
 
@@ -171,11 +205,11 @@ class ClearedRegister:
 
     def looked_at(self, flag: Flag, place: Text) -> int:
         """Return the record number of the last read that showed this flag, except reads for the writes of a place."""
-        last: int = last_look(self.looks, flag.name)
+        last: int = self.looks.last(flag.name)
         other: Place
         for at, other in self.places.items():
             if at != place:
-                last = max(last, last_look(other.looks, flag.name))
+                last = max(last, other.looks.last(flag.name))
         return last
 
     def flag_changed(self, flag: Flag, number: int, tick: int, value: int, cause: int) -> None:
@@ -201,7 +235,7 @@ class ClearedRegister:
         made: its write; None of a plain read. All earlier reads have been judged.
         """
         if made is None:
-            self.looks[field] = number
+            self.looks.add(field, number)
             return
         place: Place | None = self.places.get(made.place)
         if place is None:
@@ -224,4 +258,4 @@ class ClearedRegister:
                 of.along.one_more(made.tick)
                 if self.looked_at(flag, made.place) < made.rose[at]:
                     of.unseen.one_more(made.tick)
-        place.looks[field] = number
+        place.looks.add(field, number)

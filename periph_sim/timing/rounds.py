@@ -25,6 +25,7 @@ from msgspec import Struct
 from ..bus.i2c.transfer import Phase, Transfer
 from ..core.time import NO_TIME
 from ..devices.sensor_rounds import Round
+from ..form.c_types import BigInt
 
 
 class Asked(Struct, frozen=True):
@@ -54,8 +55,10 @@ class ByPlan:
         assert asked.first is not None
         self._first: int = asked.first
         self._asked: Asked = asked
-        self._period: Fraction = Fraction(asked.period)
-        self._next = 0
+        period = Fraction(asked.period)
+        self._ticks: BigInt = period.numerator  # of `_periods` periods
+        self._periods: BigInt = period.denominator
+        self._next: BigInt = 0
 
     def begins(self, start: int) -> tuple[list[int], int]:
         """Return (rounds missed since the one before, due time of the one that begins now)."""
@@ -77,7 +80,7 @@ class ByPlan:
         return missed
 
     def _due(self, ahead: int = 0) -> int:
-        return self._first + (self._next + ahead) * self._period // 1
+        return self._first + (self._next + ahead) * self._ticks // self._periods
 
 
 class ByRoundBefore:

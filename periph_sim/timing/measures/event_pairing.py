@@ -153,7 +153,8 @@ class EventMeasure(Measure):
         self.matchers: tuple[Matcher, ...] = matchers
         order = order or range(self._own)
         matchers = (*matchers, *clauses.matchers)
-        self.seen: list[int] = [0] * self._own
+        self._seen_places = 0  # mask of the places whose events happened
+        self.first_seen = 0  # how often the first one happened
         self.spans: set[str] | None = set() if any(m.free for m in matchers) else None  # names that there were
         self._order: Sequence[int] = [*order, *range(self._own, len(matchers))]
         self._heard: tuple[Matcher, ...] = matchers
@@ -231,7 +232,8 @@ class EventMeasure(Measure):
         if place >= self._own:
             self._heed(place - self._own, tick, value)
         else:
-            self.seen[place] += 1
+            self._seen_places |= 1 << place
+            self.first_seen += place == 0
             self.happened(place, tick, value)
 
     def _heed(self, clause: int, tick: int, value: int) -> None:
@@ -342,18 +344,22 @@ class EventMeasure(Measure):
         if self.ungiven:
             return said.unproven
         if said.nothing is not None and self.spans is not None:
-            return "" if self.seen[0] else f"{said.nothing}; {span_hint(self.matchers[0].what, self.spans)}"
+            return "" if self.first_seen else f"{said.nothing}; {span_hint(self.matchers[0].what, self.spans)}"
         if said.nothing is not None:
             return said.nothing
         needed = self.matchers[:1] if self._is_level else self.matchers
-        return self.unmatched([m for m, seen in zip(needed, self.seen, strict=False) if not seen])
+        return self.unmatched([m for place, m in enumerate(needed) if not self.seen(place)])
+
+    def seen(self, place: int) -> bool:
+        """Return True if the event at a place of `matchers` happened."""
+        return self._seen_places >> place & 1 == 1
 
     def unmatched(self, never: list[Matcher]) -> str:
         if never:
             hints = [span_hint(m.what, self.spans) for m in never if m.free and self.spans is not None]
             texts = dict.fromkeys(repr(m.text) for m in never)
             return "; ".join([f"no event matched {' and '.join(texts)}", *hints[:1]])
-        return f"{self.matchers[0].text!r} was seen {counted(self.seen[0], 'time')}, which makes no measurement"
+        return f"{self.matchers[0].text!r} was seen {counted(self.first_seen, 'time')}, which makes no measurement"
 
 
 def _test(matcher: Matcher, kind: Kind, where: str, what: str) -> ValueTest | None:

@@ -33,16 +33,45 @@ FIRST, SECOND, START, STOP = range(4)  # places of a pair's events
 class _Waiting:
     """First events that wait for their second one: the tick of each, and how many events in between came before it.
 
-    counted: events in between, since something waits.
+    oldest, oldest_counted: of the one that waits longest, mostly the only one; oldest is NO_TIME if none waits.
+    since, counted_at: of the others, in order. counted: events in between, since something waits.
     """
 
-    STATE = State("counted counted_at", ticks="since", made=True)
-    __slots__ = ("counted", "counted_at", "since")
+    STATE = State("oldest_counted counted counted_at", ticks="oldest since", made=True)
+    __slots__ = ("counted", "counted_at", "oldest", "oldest_counted", "since")
 
     def __init__(self) -> None:
+        self.oldest = NO_TIME
+        self.oldest_counted = 0
         self.since: deque[int] = deque()
         self.counted_at: deque[int] = deque()
         self.counted = 0
+
+    def add(self, tick: int) -> None:
+        """Have an event wait."""
+        if self.oldest == NO_TIME:
+            self.oldest, self.oldest_counted, self.counted = tick, 0, 0
+        else:
+            self.since.append(tick)
+            self.counted_at.append(self.counted)
+
+    def take_oldest(self) -> None:
+        """Remove the event that waits longest."""
+        self.oldest = NO_TIME
+        if self.since:
+            self.oldest, self.oldest_counted = self.since.popleft(), self.counted_at.popleft()
+
+    def all(self) -> list[tuple[int, int]]:
+        """Return the tick of each event, and how many events in between came before it."""
+        if self.oldest == NO_TIME:
+            return []
+        return [(self.oldest, self.oldest_counted), *zip(self.since, self.counted_at, strict=True)]
+
+    def clear(self) -> None:
+        """Remove all events."""
+        self.oldest = NO_TIME
+        self.since.clear()
+        self.counted_at.clear()
 
 
 class Between(EventMeasure):
@@ -130,7 +159,7 @@ class Between(EventMeasure):
         self._stopped = False
         if self._rule.begins(tick, True, False):
             self._group_over()
-            self._forget()
+            self._waiting.clear()
 
     def _group_over(self) -> None:
         if self._begun:
@@ -142,32 +171,23 @@ class Between(EventMeasure):
         if self._rule is not None and not self._begun:
             self._begun, self._begun_at = True, tick
         waiting = self._waiting
-        if waiting.since:
-            if self._only_last:
-                self._forget()
-            elif self._unsaid and self.again is None:
-                self.again = (waiting.since[0], tick)
-        if not waiting.since:
-            waiting.counted = 0
-        waiting.since.append(tick)
-        waiting.counted_at.append(waiting.counted)
+        if waiting.oldest != NO_TIME and self._only_last:
+            waiting.clear()
+        elif waiting.oldest != NO_TIME and self._unsaid and self.again is None:
+            self.again = (waiting.oldest, tick)
+        waiting.add(tick)
 
     def _second(self, tick: int) -> None:
         waiting = self._waiting
-        if not waiting.since:
+        if waiting.oldest == NO_TIME:
             return
         self._paired = self._rule is not None
-        while waiting.since:
-            at: int = waiting.since.popleft()
-            counted: int = waiting.counted_at.popleft()
+        while waiting.oldest != NO_TIME:
+            at, counted = waiting.oldest, waiting.oldest_counted
+            waiting.take_oldest()
             self.take(waiting.counted - counted if self._is_count else tick - at, at)
             if self._in_order:
                 return
-
-    def _forget(self) -> None:
-        """Remove all events that wait."""
-        self._waiting.since.clear()
-        self._waiting.counted_at.clear()
 
     def finish(self, now: int) -> None:
         super().finish(now)
@@ -179,7 +199,7 @@ class Between(EventMeasure):
             return []
         found: list[tuple[int, int]] = []
         for waiting in self._of_unit.values():
-            for at, counted in zip(waiting.since, waiting.counted_at, strict=True):
+            for at, counted in waiting.all():
                 found.append((waiting.counted - counted if self._is_count else now - at, at))
         return found
 
@@ -199,9 +219,9 @@ class Between(EventMeasure):
             return f"{what}; add after a comma which belong together: in order, next or last"
         if self.ungiven or self._clauses.said.nothing is not None:
             return EventMeasure.why_silent(self)
-        if all(self.seen[:2]) and first != second:
+        if self.seen(FIRST) and self.seen(SECOND) and first != second:
             return f"no {first!r} was followed by {second!r}{self._rule_text}"
-        return self.unmatched([self.matchers[place] for place in (FIRST, SECOND) if not self.seen[place]])
+        return self.unmatched([self.matchers[place] for place in (FIRST, SECOND) if not self.seen(place)])
 
 
 def _order(inside: int, extra: int) -> tuple[int, ...]:

@@ -1,8 +1,8 @@
-"""Register bytes that a controller should read if firmware computes the sensors, from the values of a frame.
+"""Register bytes that a controller should read if firmware calculates them from a frame with sensor models.
 
     six int16 --> attitude (1e-4 rad), acceleration (1e-3 g) --> Imu in the firmware's arithmetic --> bytes, by address
 
-The byte order is the controller's (`sensors`), so that firmware with another one is wrong.
+The byte order is that of the controller (`sensors`), so that firmware with another byte order is detected as wrong.
 """
 
 # core: compiled
@@ -26,7 +26,10 @@ BY_ADDRESS = {chip.address: (name, chip) for name, chip in SENSORS.items()}
 
 @final
 class ModelCodes(ChipModel):
-    """The models as a `ChipModel`. noise_seed: seed of noise, sample n for run n; None for no noise."""
+    """The sensor models as a `ChipModel`.
+
+    noise_seed: the seed of the noise, of which run n of the models uses sample n; None for no noise.
+    """
 
     _model: Imu[Any]
     _a: Arithmetic[Any]
@@ -35,7 +38,8 @@ class ModelCodes(ChipModel):
     def __init__(self, parameters: ImuParameters, arithmetic: str, noise_seed: int | None = None) -> None:
         self._model = model_of(arithmetic, parameters)
         self._a = self._model.a
-        self._warns = self._a.name == "float32"  # numpy warns of divisions by zero, whose results float32 defines
+        # True if numpy would warn of divisions by zero, whose results float32 defines.
+        self._warns = self._a.name == "float32"
         self._noise = model_noise(arithmetic, parameters, noise_seed)
         self.addresses = frozenset(BY_ADDRESS)
         self.no_frame = (0,) * 6

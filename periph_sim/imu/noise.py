@@ -1,12 +1,12 @@
-"""Sensor noise by sample number: float64 noise from a seed, a stream's name and the numbers.
+"""Sensor noise as a function of the sample number: float64 values from a seed, the name of a stream, and the number.
 
     (seed, "gyroscope/x/white") --> Gaussian --> value n, independent of earlier calls
     NoiseTerms of an axis       --> AxisNoise --> white + bias instability + random walk
 
-Value n of a stream is a function of (seed, name, n) alone: a run may be split, resumed or read sample by
-sample, and gives the same bits. Blocks of `BLOCK` values each begin at their own counter of numpy's Philox,
-a counter-based generator (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC11), whose key is a
-hash of seed and name. Only the random walk is a sum and must be run up to n.
+Value n of a stream is a function of (seed, name, n) alone, so a run that is split, resumed or read sample by sample has
+the same bits. Each block of `BLOCK` values begins with its own counter of numpy's Philox, a counter-based generator
+(Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC11). The key is a hash of seed and name. Only the
+random walk is a sum, which must be calculated up to n.
 
 Terms as in IEEE Std 952 annex C: N (white), B (bias instability), K (random walk); dissertation section 4.3.4.
 """
@@ -35,24 +35,24 @@ if TYPE_CHECKING:
 
     Floats: TypeAlias = NDArray[np.float64]
 
-BLOCK = 1024  # values; few enough that a single value at any place costs some 30 us
-OCTAVES = 24  # of the bias instability: flat up to periods of 2**23 samples, 46 h at 50 Hz
-WALKED_AT_ONCE = 1 << 20  # steps of a random walk held in memory while it is run up to a sample
+BLOCK = 1024  # number of values of a block; with this, a single value at any place takes about 30 us
+OCTAVES = 24  # octaves of the bias instability, which is flat up to periods of 2**23 samples, 46 h at 50 Hz
+WALKED_AT_ONCE = 1 << 20  # steps of a random walk that are in memory while it is calculated up to a sample
 AXES = ("x", "y", "z")
 
 
 class BadNoise(InputError):
-    """Invalid parameters of noise; the message names the value and its range."""
+    """A parameter of noise is invalid. The message names the value and its range."""
 
 
 class Gaussian:
-    """Independent standard normal values, each addressed by its number 0, 1, 2 ..."""
+    """Independent standard normal values, which are numbered 0, 1, 2 ..."""
 
     key: BigInt
 
     def __init__(self, seed: int, name: str) -> None:
         self.key = int.from_bytes(blake2b(f"{seed}/{name}".encode(), digest_size=16).digest(), "little")
-        self._block: int | None = None  # the cached one, for access sample by sample
+        self._block: int | None = None  # number of the cached block, for access sample by sample
         self._kept: Sequence[float] = ()
 
     def values(self, first: int, count: int) -> Floats:
@@ -66,7 +66,7 @@ class Gaussian:
         return joined[begin : begin + count]
 
     def at(self, number: int) -> float:
-        """Return one value; quick for rising numbers."""
+        """Return one value. This is quick if numbers increase."""
         place: int
         block, place = number // BLOCK, number % BLOCK
         if block != self._block:
@@ -75,7 +75,7 @@ class Gaussian:
         return self._kept[place]
 
     def near(self, number: int) -> float | None:
-        """Return a value within NEAR of the true one, without numpy; None if that needs numpy."""
+        """Return a value with an error of up to NEAR; None if this is impossible without numpy."""
         block, place = number // BLOCK, number % BLOCK
         return first_of(self.key, block)[place] if place < FEW and number >= 0 else None
 
@@ -86,7 +86,7 @@ class Gaussian:
 def _drawn(key: BigInt, block: int) -> Floats:
     import numpy as np
 
-    # The block's number is the counter's second word: a block may draw 2**64 times before it reaches the next.
+    # The number of the block is the second word of the counter, so blocks with up to 2**64 draws do not overlap.
     generator = np.random.Generator(np.random.Philox(key=key, counter=[0, block, 0, 0]))
     return generator.standard_normal(BLOCK)
 
@@ -97,7 +97,12 @@ def _block_of(key: int, block: int) -> Sequence[float]:
 
 
 class NoiseTerms(Struct, frozen=True):
-    """One axis. density in unit**2 s (N squared), bias_instability in unit (B), random_walk in unit/sqrt(s) (K)."""
+    """The noise terms of one axis.
+
+    density: N squared, in unit**2 s.
+    bias_instability: B, in unit.
+    random_walk: K, in unit/sqrt(s).
+    """
 
     density: float
     bias_instability: float = 0.0
@@ -110,7 +115,7 @@ class NoiseTerms(Struct, frozen=True):
 
 
 class AxisNoise:
-    """The noise of one axis, sampled every `period` seconds; `stream` names it, as in "gyroscope/x"."""
+    """The noise of one axis, sampled every `period` seconds. stream: the name of the axis, such as "gyroscope/x"."""
 
     _step: float
     _white_sigma: float
@@ -121,7 +126,7 @@ class AxisNoise:
             raise BadNoise(f"noise of {stream}: the sampling period is {period} s; expected a finite number above 0")
         self._white_sigma = sqrt(terms.density / period)
         self._white = Gaussian(seed, f"{stream}/white")
-        # Octaves of equal variance v have the one-sided density v / (f ln 2), and B is defined by B**2 / (pi f).
+        # Octaves of equal variance v have the one-sided density v / (f ln 2); that of B is defined as B**2 / (pi f).
         self._octave_sigma = terms.bias_instability * sqrt(log(2) / pi)
         self._octaves = [
             Gaussian(seed, f"{stream}/bias instability/{octave}")
@@ -129,7 +134,7 @@ class AxisNoise:
         ]
         self._step = terms.random_walk * sqrt(period)
         self._walk = Gaussian(seed, f"{stream}/random walk")
-        self._walked = (0, 0.0)  # a number, and the sum of the steps before it
+        self._walked = (0, 0.0)  # the number of a sample, and the sum of the steps before it
 
     def values(self, first: int, count: int) -> Floats:
         """Return samples `first` up to `first + count - 1`, in the sensor's unit."""
@@ -141,7 +146,7 @@ class AxisNoise:
         return noise
 
     def at(self, number: int) -> float:
-        """Return one sample; the same bits as in `values`."""
+        """Return one sample, which has the same bits as in `values`."""
         noise = self._white.at(number) * self._white_sigma
         if self._octaves:
             total = 0.0
@@ -154,7 +159,7 @@ class AxisNoise:
         return noise
 
     def near(self, number: int) -> tuple[float, float] | None:
-        """Return one sample and its maximum error, without numpy; None if that needs numpy."""
+        """Return one sample and its maximum error; None if this is impossible without numpy."""
         white = None if self._octaves or self._step else self._white.near(number)
         return None if white is None else (white * self._white_sigma, NEAR * self._white_sigma)
 
@@ -181,7 +186,10 @@ class AxisNoise:
         return sums[:-1]
 
     def _sums(self, begin: int, count: int, total: float) -> Floats:
-        """Return the walk at `begin`, which is `total`, and after each of `count` further steps, added one by one."""
+        """Return the random walk at `begin` and after each of `count` steps, which are added one by one.
+
+        total: the value at `begin`.
+        """
         import numpy as np
 
         return np.cumsum(np.concatenate([[total], self._walk.values(begin, count) * self._step]))
@@ -194,7 +202,10 @@ class AxisNoise:
         return total
 
     def _walk_before(self, first: int) -> tuple[int, float]:
-        """Return where to continue: the last number computed, or the start if that is after `first`."""
+        """Return the sample from which the walk is continued, and its value.
+
+        It is the last calculated sample, or the start if that sample is after `first`.
+        """
         return self._walked if self._walked[0] <= first else (0, 0.0)
 
 

@@ -3,7 +3,8 @@
     put(tick, levels) --event of that tick--> pins --> wires <-- units, chips
                        on_instant <-----------'        '--our pulls-> changes
 
-All lines of an instant move together, in whatever order they were put. The outside's own pulls are not reported.
+All lines that move at one instant move together, regardless of the order of the calls of `put`. The outside's own pulls
+are not reported.
 """
 
 # core: compiled
@@ -36,8 +37,8 @@ class Change(NamedTuple):
 class Door(Agent):
     """The outside's pins on wires.
 
-    on_instant: called for each instant in which the outside moves lines, in order of time, with the tick and the
-        levels by line.
+    on_instant: a function that is called for each instant at which the outside moves lines, in order of time, with the
+        tick and the levels of these lines.
     """
 
     def __init__(
@@ -49,14 +50,17 @@ class Door(Agent):
         self._pins = {name: wire.attach(WHO) for name, wire in wires.items()}
         self._on_instant = on_instant
         self._put: dict[int, dict[str, int]] = {}
-        self._event: Event | None = None  # the event of the first entry of `_put`
+        self._event: Event | None = None  # the kernel's event for the first entry of `_put`
         self._levels = {name: self.held(name) for name in wires}
         self._changes: list[Change] = []
         for line, wire in enumerate(wires.values()):
             wire.watch_pulls(self, line)
 
     def put(self, at: int, name: Text, level: int) -> None:
-        """Move a line at tick `at`, which must not be past. For one line and tick the last call counts."""
+        """Move a line at tick `at`, which must not be past.
+
+        If a line is moved twice at a tick, the last call counts.
+        """
         self._put.setdefault(at, {})[name] = level
 
     def plan(self) -> None:
@@ -98,7 +102,7 @@ class Door(Agent):
             self._changes.append(Change(now, name, level))
 
     def changes(self) -> list[Change]:
-        """Return the changes since the last call, in order of time, without those undone in the same instant."""
+        """Return the changes since the last call, in order of time. Changes that were undone at once are left out."""
         found = self._changes
         if not found:
             return []

@@ -1,11 +1,11 @@
-"""The earliest tick at which a case may answer, from its kernel's events and edges that were put but not applied yet.
+"""The earliest tick at which a case may answer to moves of the outside.
 
-    events of the kernel            --+--> the first tick at which a pin of ours may move
-    edges: at once, or after a filter -'
+    events of the kernel                                              --+--> the first tick at which our pins may move
+    edges that were put and not applied yet: at once, or after a filter -'
 
 An I2C module that is not a master receives an edge only after its noise filter, and an SCI after its synchroniser. In
-the middle of a byte, edges get no answer at all: the I2C module reports the number of such edges, which is valid as
-long as they are far enough apart and SDA changes only while SCL is low. All other listeners are assumed to answer at
+the middle of a byte, a module does not answer to edges: the I2C module reports the number of such edges, which is valid
+as long as they are far enough apart and SDA changes only while SCL is low. All other listeners are assumed to answer at
 once. A program moves a pin when one of its writes has reached a register.
 """
 
@@ -38,13 +38,16 @@ if TYPE_CHECKING:
     from ..core.wire import Wire
 
 LONG_AGO = -NEVER
-REMEMBERED = 64  # edges kept while `due` is not called
+REMEMBERED = 64  # number of past moves that are kept while `due` is not called
 _tick = itemgetter(0)
 
 
 @final
 class Reaction(Agent):
-    """Computes the earliest answer of a scene. Times are ticks of the kernel. lines: the lines that lead outside."""
+    """Calculator of the earliest answer of a scene. Times are ticks of the kernel.
+
+    lines: the lines that lead outside.
+    """
 
     _kernel: Kernel
     _mark: Event
@@ -58,7 +61,7 @@ class Reaction(Agent):
         self._mark = scene.kernel.schedule(scene.kernel.now, self)
         scene.kernel.cancel(self._mark)
         self._wires = [scene.wires[name] for name in lines]
-        self._version = -1  # the sum of the wires' versions, which only grow
+        self._version = -1  # the sum of the versions of the wires, which only increase
         self._clocks = {socket: dsp.clock for dsp in scene.units.values() for socket in dsp.sockets.values()}
         self._cpu_clocks = {dsp.processor: dsp.clock for dsp in scene.units.values()}
         self._chips = {
@@ -70,7 +73,7 @@ class Reaction(Agent):
         self._listening: list[Socket] = []  # listening modules whose inputs have a filter: I2C and SCI
         self._modules: list[tuple[Socket, I2c]] = []  # the I2C modules in `_listening`
         self._pins: list[list[Pin]] = []  # for each of these modules: the pins of SCL, the pins of SDA
-        self._scl = self._sda = ""  # the lines of these pins; "" if none or several
+        self._scl = self._sda = ""  # the lines of these pins; "" if there are none or several
         self._at_once = True  # True if a listener may answer without a filter
         self._now = scene.kernel.now  # the next tick
         self._levels = dict.fromkeys(lines, 1)  # levels after the moves before `_now`
@@ -99,7 +102,7 @@ class Reaction(Agent):
         """Record that the scene has run up to tick `now`, exclusive."""
         self._now = now
         self._fresh = False
-        if len(self._put) > 2 * REMEMBERED:  # `due` is not called, so nothing else removes them
+        if len(self._put) > 2 * REMEMBERED:  # `due`, which removes past moves, is not called
             self._pass(len(self._put) - REMEMBERED)
 
     def due(self) -> int:
@@ -169,14 +172,14 @@ class Reaction(Agent):
 
     def _lines(self) -> None:
         """Update the lines of the modules' pins."""
-        pins = [pins for socket, _ in self._modules for pins in socket.pins]  # each has two
+        pins = [pins for socket, _ in self._modules for pins in socket.pins]  # each module has two
         if pins != self._pins:
             self._pins = pins
             scl, sda = ({pin.wire.name for some in pins[line::2] for pin in some} for line in (0, 1))
             self._scl, self._sda = (scl.pop(), sda.pop()) if len(scl) == len(sda) == 1 else ("", "")
 
     def _first_event(self) -> int:
-        """Return the tick of the first event that may move a pin; unobservable wake-ups of modules do not count."""
+        """Return the tick of the first event that may move a pin. Unobservable wake-ups of modules do not count."""
         due = NEVER
         event = self._events()
         while event is not None and event.time < due:
@@ -185,15 +188,15 @@ class Reaction(Agent):
         return due
 
     def _events(self) -> Event | None:
-        """Return the kernel's first event; the others follow it."""
+        """Return the first event of the kernel, from which the others can be reached; None if there is none."""
         kernel = self._kernel
-        kernel.reschedule(self._mark, kernel.now, 0)  # the first of all events, because past events have run
+        kernel.reschedule(self._mark, kernel.now, 0)  # this is the first of all events, because past events have run
         event = self._mark.following
         kernel.cancel(self._mark)
         return event
 
     def _effect(self, event: Event) -> int:
-        """Return the tick before which an event moves no pin."""
+        """Return the tick before which an event does not move a pin."""
         agent = event.agent
         if isinstance(agent, Socket):
             socket: Socket = agent
@@ -213,7 +216,7 @@ class Reaction(Agent):
         return event.time
 
     def _weigh(self, tick: int, line: Text, level: int) -> None:
-        """Lower `_due` to the earliest answer to a move, if it may be answered."""
+        """Lower `_due` to the earliest answer to a move, unless no listener can answer to it."""
         if level == self._seen[line]:
             return
         self._seen[line] = level

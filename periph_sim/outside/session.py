@@ -1,11 +1,11 @@
-"""A case stepped from outside: moves lines at given ticks and reports our pins; without own input or output.
+"""A case that is stepped from outside: lines are moved at given ticks, and changes of our pins are returned.
 
     apply(at, levels) --> Door --> wires of the scene <-- units, chips, agents of the case
     advance(until)    --> kernel runs up to `until` --> changes of our own pulls
     finish()          --> Result, as from a run
 
-`now` is the next tick: nothing of it is done yet, so that a level applied at it acts in it. The same calls of `apply`
-give the same records, however time was stepped in between.
+`now` is the next tick, of which no events have run yet, so a level that is applied at it is effective in it. The same
+calls of `apply` give the same records, regardless of the steps in between. A session has no input or output of its own.
 """
 
 # core: compiled
@@ -48,9 +48,10 @@ class Session:
     log: a file for the outside's moves, from which `replay` repeats the run.
     subscribe, programs: as in a `Scene`.
 
-    BadCase if the case cannot be built or has no such wires; OutsideError if the log cannot be written. Times are ticks
-    (`ticks_per_second`), counted from the begin of the case. A session is a context manager; if the block is left
-    without `finish`, the log has no "end" line.
+    Times are ticks (`ticks_per_second`), counted from the beginning of the case. A session is a context manager; if the
+    block is left without `finish`, the log has no "end" line.
+
+    Raise BadCase if the case cannot be built or has no such wires, and OutsideError if the log cannot be written.
     """
 
     scene: Scene
@@ -104,11 +105,14 @@ class Session:
         return self._now
 
     def ticks(self, length: Text) -> int:
-        """Convert a duration such as "5 us" to ticks, rounded to the nearest. ValueError if it is invalid."""
+        """Convert a duration such as "5 us" to ticks, rounded to the nearest. Raise ValueError if it is invalid."""
         return self.scene.timebase.ticks(duration(length), "nearest")
 
     def advance(self, until: BigInt) -> list[Change]:
-        """Run up to tick `until`, exclusive, and return the changes of our own pulls. OutsideError if it is past."""
+        """Run up to tick `until`, exclusive, and return the changes of our own pulls.
+
+        Raise OutsideError if it is past.
+        """
         self._open()
         self._check_tick(until)
         if until < self._now:
@@ -129,10 +133,10 @@ class Session:
         return [change._replace(at=change.at - self._start) for change in changes] if changes else changes
 
     def next_output(self) -> int | None:
-        """Return the tick before which none of our pins moves unless more is put; None if none will move.
+        """Return the tick before which none of our pins moves if the outside makes no further moves; None if none will.
 
-        More is put by `apply` and by writes to a serial line. Where bytes wait for such a line already, the tick is not
-        after the begin of the first of them.
+        Further moves are made by `apply` and by writes to a serial line. If bytes are waiting for such a line, the tick
+        is not after the beginning of the first of them.
         """
         self._open()
         due = self._reaction.due()
@@ -145,8 +149,8 @@ class Session:
     def apply(self, at: int, levels: Mapping[str, int]) -> None:  # core: python
         """Let the outside pull lines low (0) or release them (1) at tick `at`, all of them together.
 
-        For one line and tick the last call counts. OutsideError, without any effect, for the past, for a line that does
-        not lead outside, and for an invalid level.
+        If a line is moved twice at a tick, the last call counts. Raise OutsideError, without any effect, if the tick is
+        past, a line does not lead outside, or a level is invalid.
         """
         self._open()
         self._check_tick(at)
@@ -164,13 +168,16 @@ class Session:
             self._reaction.put(tick, name, int(level))
 
     def pulls(self, line: Text) -> bool:
-        """True if our side pulls a line low, regardless of the outside. OutsideError for a line that is not outside."""
+        """Return True if our side pulls a line low, regardless of the outside.
+
+        Raise OutsideError for a line that is not outside.
+        """
         if line not in self.lines:
             raise OutsideError(f"line {line!r} does not lead outside; {did_you_mean(line, self.lines)}")
         return not self._door.held(line)
 
     def level(self, line: Text) -> int:
-        """Return the level of a wire of the case, with the pulls of both sides, at the end of the last tick run."""
+        """Return the level of a wire, with the pulls of both sides, at the end of the last tick that was run."""
         if line not in self.scene.wires:
             raise OutsideError(f"there is no wire {line!r}; {did_you_mean(line, self.scene.wires)}")
         return self.scene.wires[line].level
@@ -187,7 +194,7 @@ class Session:
     def serial(self, port: Text, baud: BigInt = 115_200, form: Text = "8n1") -> SerialLine:
         """Return the other end of an SCI's lines. port: the SCI, for example "scia", "SCI-A" or "dsp.SCI-A".
 
-        OutsideError if there is no such SCI, its RX does not lead outside, or its other end exists already.
+        Raise OutsideError if there is no such SCI, its RX does not lead outside, or its other end exists already.
         """
         name, line = serial_line(self, port, baud, form)
         if name in self._serial:

@@ -1,21 +1,21 @@
-"""Fixed point as in TI's IQmath: 32-bit numbers with a given number of fraction bits, one number at a time.
+"""Fixed point as in TI's IQmath: 32-bit numbers with a given number of fraction bits, for single numbers.
 
     value * 2**bits --> int32 --> add, mul, sin ... --> int32
 
-Overflow wraps, as additions and IQmpy do, or saturates, as with the overflow mode on and IQrsmpy. Products are cut
-(IQmpy) or rounded (IQrmpy, IQrsmpy). `overflows` counts results that did not fit, wrapped or saturated.
+Overflows wrap, as in additions and IQmpy, or saturate, as with the overflow mode and in IQrsmpy. Products are truncated
+(IQmpy) or rounded (IQrmpy, IQrsmpy). `overflows` counts the results that did not fit and so wrapped or saturated.
 
-IQdiv, IQsqrt, IQmag always saturate; x/0 is the largest number, also for 0/0 and negative x.
+IQdiv, IQsqrt and IQmag always saturate. x/0 is the largest number, also for 0/0 and for negative x.
 
     sine, cosine   512-entry table in Q30 and a cubic, then cut to Q        29 bits (IQNcos.asm)
     arctangent     quotient in Q, 64 parabolas in Q30, then cut to Q         the quotient is cut to Q first
     quotient       rounded to nearest, saturated; x/0 is the largest number  (IQNdiv.asm)
     root           rounded to nearest; of a negative number 0                (IQNsqrt.asm)
 
-Source: comments in the sources of IQmath V1.4 for the C28x. Division and root are two Newton steps from a table there,
-which the comments call 32-bit accurate; here they are exact before rounding. All else follows the sources step by
-step, so the losses of the format are the same. Sine, cosine and arctangent of numbers in the tables serve Python ints
-and int64 arrays alike (`q_arrays`). `bits`: fraction bits, 1 to 29.
+Source: comments in the sources of IQmath V1.4 for the C28x. There, division and root are two Newton steps from a table,
+which the comments call 32-bit accurate; here, they are exact before rounding. Everything else follows the sources step
+by step, so the format has the same losses. The functions for sine, cosine and arctangent accept Python ints and int64
+arrays (`q_arrays`). `bits` is the number of fraction bits, 1 to 29.
 """
 
 # core: compiled
@@ -45,14 +45,16 @@ SIXTH = 0x2AAA  # 1/6 in Q16
 SINE = [round(value * Q30) for value in SINES]
 COSINE = [round(value * Q30) for value in COSINES]
 A0, A1, A2 = ([round(a[i] * Q30) for a in ARCTANGENT] for i in range(3))
-A0[0] = max(A0[0], 0)  # the angle is cut to Q as an unsigned number
+A0[0] = max(A0[0], 0)  # the angle is truncated to Q as an unsigned number
 
 
 def sine_and_cosine(angle: I, bits: int, sines: Any, cosines: Any) -> tuple[I, I]:
-    """Return sine and cosine. sines, cosines: the tables as a list or an array, like `angle`.
+    """Return the sine and the cosine of an angle.
 
-    With x the rest of the angle beyond a step of the table, s and c the table's values there:
+    If x is the rest of the angle beyond a step of the table, and s and c are the values of the tables there, they are
     s + x (c + x (-s/2 - x c/6)) and c + x (-s + x (-c/2 + x s/6)), all in Q30.
+
+    sines, cosines: the tables, as lists if `angle` is a number, or as arrays if it is an array.
     """
     exact: I = abs(angle) * STEPS_PER_RADIAN  # Q(bits + 24)
     exact = exact >> (bits - 8) if bits >= 8 else exact << (8 - bits)  # Q32
@@ -67,7 +69,7 @@ def sine_and_cosine(angle: I, bits: int, sines: Any, cosines: Any) -> tuple[I, I
 
 
 def arctangent(ratio: I, index: I, bits: int, a0: Any, a1: Any, a2: Any) -> I:
-    """Return the angle whose tangent is `ratio`, 0 to 1, by the parabola `index`."""
+    """Return the angle whose tangent is `ratio`, which is from 0 to 1, with the parabola `index`."""
     start: I = a0[index]
     slope: I = a1[index]
     bend: I = a2[index]
@@ -115,11 +117,11 @@ LOW, HIGH = -(1 << 31), (1 << 31) - 1
 
 
 class DoesNotFit(InputError):
-    """A constant that the format cannot hold; the message is one sentence."""
+    """A Q format cannot hold a constant. The message is one sentence."""
 
 
 def nearest_in(value: float, bits: BigInt) -> BigInt:
-    """Return the raw number nearest to a value. DoesNotFit if there is none."""
+    """Return the raw number nearest to a value. Raise DoesNotFit if the format cannot hold the value."""
     if isnan(value):
         raise DoesNotFit(f"nan is no number; Q{bits} has none for it")
     raw = floor(value * (1 << bits) + 0.5) if abs(value) < 1 << 40 else HIGH + 1
@@ -129,7 +131,7 @@ def nearest_in(value: float, bits: BigInt) -> BigInt:
     return raw
 
 
-constant_in = lru_cache(maxsize=4096)(nearest_in)  # scenes of one case repeat the same ones
+constant_in = lru_cache(maxsize=4096)(nearest_in)  # a cache, because scenes of one case use the same constants
 
 
 def factor_of(lsb: float, bits: int) -> tuple[int, int]:
@@ -149,7 +151,10 @@ def name_of(bits: int, overflow: Overflow, product: Product) -> str:
 
 
 class Q:
-    """One number at a time, T = int: value * 2**bits. Limits are literals in hot code: names cost a tenth."""
+    """The arithmetic of a Q format for single numbers. T = int: value * 2**bits.
+
+    Hot code contains limits as literals, because names would take a tenth of its time.
+    """
 
     name: str
     product: Product = "cut"
@@ -168,7 +173,7 @@ class Q:
         return constant_in(value, self.bits)
 
     def nearest(self, value: float) -> BigInt:
-        """Return the same as `constant`, uncached, for values that hardly recur."""
+        """Return the same as `constant` without a cache, for values that seldom occur again."""
         return nearest_in(value, self.bits)
 
     def value(self, x: int) -> float:
@@ -287,7 +292,7 @@ class Q:
 
 
 class RoundedQ(Q):
-    """Q with products rounded to nearest instead of cut."""
+    """A Q format whose products are rounded to nearest and not truncated."""
 
     product: Product = "rounded"
 

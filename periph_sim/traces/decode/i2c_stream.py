@@ -1,15 +1,15 @@
-"""I2C decoder of streams: takes the levels of the lines sample by sample, as they come.
+"""I2C decoder of streams: it receives the levels of the lines sample by sample.
 
-    levels --> START, STOP, rises and falls of SCL; which of them ends a whole byte
+    levels --> START, STOP, rises and falls of SCL, and for each whether it ends a complete byte
 
 Its table of states is also that of the decoder of arrays (`i2c_table`):
 
     EVENTS >> 3 * (before << 2 | now) & 7     event between two samples; levels: bit 0 is SCL, bit 1 is SDA
-    COUNTED[rises]                            bits that count if START or STOP comes after this number of SCL rises
+    COUNTED[rises]                            number of bits if a START or STOP follows this number of rises of SCL
 
-START and STOP are changes of SDA with SCL high in both samples. If both lines change at once, SCL counts. The SCL
-pulse in which START or STOP comes holds no bit, unless it is the ninth: the sender sampled the ACK when SCL rose.
-Agents on the simulated bus have a table of their own, since the decoders are an oracle for them.
+START and STOP are changes of SDA with SCL high in both samples. If both lines change at once, the change is an edge of
+SCL. The pulse of SCL in which a START or STOP lies is no bit, except the ninth: the sender sampled the ACK when SCL
+rose. The agents on the simulated bus have their own table, because the decoders are the test oracle for them.
 
 Source: UM10204 sections 3.1.3 to 3.1.6.
 """
@@ -23,11 +23,11 @@ from typing import final
 from ...core.state import State
 
 SCL, SDA = 1, 2
-BITS = 9  # of a byte, its ACK included
+BITS = 9  # number of bits of a byte with its ACK
 
 NOTHING, FALL, RISE, START, STOP = range(5)
-KINDS = 7  # mask of these
-BYTE = KINDS + 1  # added to the event that ends a byte: SCL's fall, or START or STOP in the ninth pulse
+KINDS = 7  # mask of the events above
+BYTE = KINDS + 1  # flag of the event that ends a byte: a fall of SCL, or a START or STOP in the ninth pulse
 BYTE_OVER = FALL + BYTE
 
 
@@ -45,13 +45,14 @@ COUNTED = (0, *range(BITS - 1), BITS)
 
 @final
 class I2cStream:
-    """levels: SCL is bit 0, SDA bit 1.
+    """Decoder of one I2C bus.
 
+    levels: the levels of the last sample; SCL is bit 0 and SDA bit 1.
     busy: True between a START and its STOP.
-    index: whole bytes since the START, less one: -1 before the address is over.
-    byte, acked: the last whole byte and its ACK.
-    address, read: of the phase's address byte, when it is over.
-    bits: bits of the byte under way, the ninth included.
+    index: the index of the last complete byte since the START; 0 is the address, and -1 means that there is none yet.
+    byte, acked: the last complete byte and its ACK.
+    address, read: address and direction of the phase, valid after its address byte.
+    bits: the number of received bits of the present byte, the ninth included.
     """
 
     STATE = State("levels busy index byte acked address read bits _shifted", made=True)
@@ -69,7 +70,7 @@ class I2cStream:
         self.bits = self._shifted = 0
 
     def sample(self, levels: int) -> int:
-        """Take the levels of the next sample; return the event, with BYTE where it ends a byte."""
+        """Decode the levels of the next sample. Return the event, with BYTE set if it ends a byte."""
         event: int = EVENTS >> 3 * (self.levels << 2 | levels) & KINDS
         self.levels = levels
         if event == RISE:
@@ -86,19 +87,19 @@ class I2cStream:
         return event
 
     def condition(self, start: bool) -> None:
-        """Begin a phase, or end the transfer."""
+        """Begin a phase at a START, or end the transfer at a STOP."""
         self.busy = start
         self.bits = self._shifted = 0
         if start:
             self.index = -1
 
     def bit(self, level: int) -> None:
-        """Take a bit of the byte under way."""
+        """Add a bit to the present byte."""
         self.bits += 1
         self._shifted = self._shifted << 1 | level
 
     def byte_over(self) -> None:
-        """End the byte under way, all of whose bits have come."""
+        """End the present byte, all bits of which have been received."""
         self.byte, self.acked = self._shifted >> 1, not self._shifted & 1
         if self.index < 0:
             self.address, self.read = self.byte >> 1, bool(self.byte & 1)
@@ -106,7 +107,7 @@ class I2cStream:
         self.bits = self._shifted = 0
 
     def skip(self, shown: int) -> None:
-        """Take seven bits of the byte `shown` at once; SCL is low before the eighth."""
+        """Add the first seven bits of the byte `shown` at once. Afterwards SCL is low before the eighth bit."""
         self.levels = SDA if shown & 1 else 0
         if self.busy:
             self.bits, self._shifted = BITS - 2, shown >> 1

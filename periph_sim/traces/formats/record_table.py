@@ -1,9 +1,9 @@
-"""Records as columns: collected during a run, arrays afterwards.
+"""Records as columns, which are collected during a run and converted to arrays afterwards.
 
-    record of a topic --> Columns.keep --> RecordTable: one numpy array a column, each string once in a table
+    record of a topic --> Columns.keep --> RecordTable: one numpy array per column, each string once in a table
 
-A record costs 53 bytes here, and 44 while it is collected: its topic stands for kind, where and what. Records are in
-blocks of fixed length, a number a column, so that no object is created for a record, and none is moved.
+A record takes 53 bytes in the table, and 44 while it is collected, because its topic stands for kind, where and what.
+Collected records are in blocks of fixed length, so that no object is created for a record and no record is moved.
 """
 
 # core: compiled
@@ -28,7 +28,7 @@ Clocks = Mapping[str, Sequence[tuple[int, Fraction]]]
 KINDS = RECORDED
 NUMBER_OF = {kind: number for number, kind in enumerate(KINDS)}
 
-# Column, array's type code, numpy's type; the five strings are indices into the table of that name.
+# For each column its type code in `array` and its type in numpy. The five columns of strings have indices into `names`.
 COLUMNS: dict[str, tuple[str, str]] = {
     "number": ("q", "<i8"),
     "tick": ("q", "<i8"),
@@ -40,8 +40,8 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "cause": ("q", "<i8"),
     "field": ("I", "<u4"),
 }
-BLOCK = 2048  # records
-# Collected columns: array's type code, and bytes. topic: a number for kind, where and what.
+BLOCK = 2048  # number of records of a block
+# For each collected column its type code in `array` and its bytes. topic: a number for kind, where and what.
 COLLECTED = {"topic": ("I", 4), "number": ("q", 8), "tick": ("q", 8), "value": ("q", 8)}
 COLLECTED |= {"cause": ("q", 8), "text": ("I", 4), "field": ("I", 4)}
 EMPTY = {name: array(code, bytes(BLOCK * size)) for name, (code, size) in COLLECTED.items()}
@@ -50,7 +50,11 @@ TOPIC = TABLES[:3]
 
 
 class Topics(NamedTuple):
-    """The combinations of kind, where and what. indices: of each, into `names`. row: the combination of each row."""
+    """The combinations of kind, where and what.
+
+    indices: for each combination, its three indices into `names`.
+    row: the number of the combination of each row.
+    """
 
     indices: NDArray[np.int64]  # [topic, 3]
     row: NDArray[np.uint32]
@@ -58,11 +62,15 @@ class Topics(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class RecordTable:
-    """Columns of equal length; `where`, `what`, `text`, `field` and `kind` are indices into `names` of that column.
+    """Records as columns of equal length.
 
-    per_second: ticks a second, None if unknown. end: the last tick of the run.
-    modules: the units of the run with their modules; empty for a capture. known_topics: those of its rows, if known.
-    clocks: of units, SYSCLKOUT in Hz from each tick on; none in recordings without them.
+    The columns `where`, `what`, `text`, `field` and `kind` contain indices into `names` of that column.
+
+    per_second: the number of ticks per second; None if unknown.
+    end: the last tick of the run.
+    modules: the modules of each unit of the run; empty for a capture.
+    known_topics: the topics of the rows, if they are known.
+    clocks: for each unit the SYSCLKOUT in Hz from each tick on; empty if the recording has none.
     """
 
     columns: dict[str, NDArray[Any]]
@@ -77,7 +85,7 @@ class RecordTable:
         return len(self.columns["tick"])
 
     def topics(self) -> Topics:
-        """Return the combinations of kind, where and what in the rows."""
+        """Return the combinations of kind, where and what that occur in the rows."""
         if self.known_topics is not None:
             return self.known_topics
         three = np.stack([self.columns[name].astype(np.int64) for name in TOPIC], axis=1)
@@ -101,7 +109,7 @@ class RecordTable:
         return self.columns["cause"]
 
     def rows(self, kind: Kind | None = None, where: str | None = None, what: str | None = None) -> NDArray[np.int64]:
-        """Return the rows, in order, of one kind, one place and one thing; None matches all."""
+        """Return the numbers of the rows with this kind, where and what, in order. None matches all."""
         wanted = np.ones(len(self), bool)
         for column, name in (("kind", kind.value if kind else None), ("where", where), ("what", what)):
             if name is not None:
@@ -113,13 +121,13 @@ class RecordTable:
         return np.flatnonzero(wanted)
 
     def texts(self, column: str, rows: NDArray[np.int64] | None = None) -> list[str]:
-        """Return the strings of `kind`, `where`, `what`, `text` or `field`, row by row."""
+        """Return for each row its string in the column `kind`, `where`, `what`, `text` or `field`."""
         places = self.columns[column] if rows is None else self.columns[column][rows]
         names = self.names[column]
         return [names[place] for place in places.tolist()]
 
     def records(self, rows: NDArray[np.int64] | None = None) -> Iterator[Record]:
-        """Yield the records as they were made, piecewise, so that a long run needs no second copy."""
+        """Yield the rows as records. They are made in pieces, so that a long run is not copied as a whole."""
         chosen = np.arange(len(self)) if rows is None else rows
         where, what, text, fields = (self.names[name] for name in ("where", "what", "text", "field"))
         kinds = [Kind(name) for name in self.names["kind"]]
@@ -133,7 +141,7 @@ class RecordTable:
 
 @final
 class _Strings:
-    """The strings of a topic's last record, and their indices: the next one mostly has the same objects."""
+    """The strings of a topic's last record, and their indices. Usually the next record has the same objects."""
 
     __slots__ = ("field", "field_place", "text", "text_place")
 
@@ -156,7 +164,8 @@ class Columns(RecordSink):
 
     def __init__(self) -> None:
         self._topics: dict[tuple[Kind, str, str], int] = {}
-        self._last: list[_Strings] = []  # two a topic: the pulling parties of an edge depend on the level
+        # Two per topic, for even and odd values: the text of an edge depends on its level.
+        self._last: list[_Strings] = []
         self.clear()
 
     def clear(self) -> None:
@@ -179,7 +188,7 @@ class Columns(RecordSink):
         self._values, self._causes = block["value"], block["cause"]
 
     def _column(self, name: str, dtype: str) -> NDArray[Any]:
-        """Return all of a column so far."""
+        """Return a column of all records so far."""
         blocks = [np.frombuffer(block[name], dtype) for block in self._full]
         return np.concatenate([*blocks, np.frombuffer(self._block[name], dtype)[: self._filled]])
 
@@ -211,7 +220,7 @@ class Columns(RecordSink):
             self._begin()
 
     def _place(self, places: dict[str, int], text: Text) -> int:
-        """Return the index of a string, which may be new."""
+        """Return the index of a string, which is added if it is new."""
         return places.setdefault(text, len(places))
 
     def add(self, record: Record) -> None:
@@ -233,13 +242,14 @@ class Columns(RecordSink):
         return RecordTable(in_order, names, per_second, end, modules, topics)
 
     def _topics_in_use(self) -> tuple[dict[str, tuple[str, ...]], Topics]:
-        """Return topics that have records, and their names; both in order of first use."""
+        """Return the strings and the topics that the records use, both in the order of their first use."""
         tags = self._column("topic", "<u4")
         wheres: dict[str, int] = {}
         whats: dict[str, int] = {}
         known = list(self._topics)
         first = np.full(len(known), len(tags))
-        first[tags[::-1]] = np.arange(len(tags))[::-1]  # assigned in reverse, so that each topic's first place remains
+        # Assigned from last to first, so that the first place of each topic remains.
+        first[tags[::-1]] = np.arange(len(tags))[::-1]
         used = np.flatnonzero(first < len(tags))
         used = used[np.argsort(first[used])]
         of = [

@@ -143,7 +143,7 @@ class Archive:
             yield piece
 
     def _ends_at(self, member: Member) -> bool:
-        """True if the archive ends within this member."""
+        """Return True if the archive ends within this member."""
         return member.at + member.packed >= self._file.seek(0, 2)
 
     # Places of the members ---------------------------------------------------------

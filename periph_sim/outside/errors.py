@@ -6,7 +6,7 @@ from __future__ import annotations
 class OutsideError(ValueError):
     """An invalid request from outside.
 
-    The message is a sentence with the place, what was found and expected, a remedy.
+    The message is a sentence with the place, what was found, what was expected, and a remedy.
     """
 
 

@@ -78,7 +78,8 @@ class _Settling:
             for event in events
             if isinstance(event, Frame) or (isinstance(event, RejectedStart) and event.end - event.at >= LIKELY * width)
         ]
-        self._pause = 2 * line.frame * width  # a frame has ended this long after its start, however it is read
+        # Time from the start of a frame after which it has ended in every possible reading.
+        self._pause = 2 * line.frame * width
 
     def result(self) -> Settled:
         done = Settled()

@@ -52,7 +52,7 @@ class Plan:
 
     own: the addresses of the firmware.
     origin: the tick of the beginning of the capture.
-    longest_low: the maximum time, in positions, for which the controller holds SCL low; None: as captured.
+    longest_low: the maximum time, in positions, for which the controller holds SCL low; None if it is as captured.
     least_gap: the minimum time, in ticks, between two transfers. After a delay, the controller shortens pauses down to
         it until the transfers begin as captured. None: pauses are as captured, so that all later transfers are delayed.
     """
@@ -294,7 +294,8 @@ class I2cReplay(BusReplay):
     def _with_agents(self, outcome: Comparison, tolerance: Fraction) -> Comparison:
         """Return the outcome with causes for the differences that the agents also make without the firmware.
 
-        Set `_agents_parted` to the reason why the first judged difference is no error of the firmware; "" if it may be.
+        If the first judged difference is certainly not an error of the firmware, set `_agents_parted` to the reason;
+        otherwise set it to "".
         """
         self._agents_parted = ""
         self._other_events = False  # True if the agents alone make the first judged difference, and it is an event

@@ -235,7 +235,8 @@ class AsTarget:
     address: int
     replies: list[bytes] = field(default_factory=list)  # one for each read
     asleep: Fraction | None = None  # the firmware does not answer from the start up to this time
-    busy: list[Fraction] = field(default_factory=list)  # times without answers after each write that a STOP ended
+    # For each write that ended in a STOP, how long the firmware does not answer after it.
+    busy: list[Fraction] = field(default_factory=list)
     refused: int = 0  # number of NACKs that neither `asleep` nor `busy` can reproduce
 
 

@@ -77,7 +77,7 @@ class SessionReplay(I2cReplay):
     """Replay of an I2C and a UART capture on a case.
 
     offset: seconds from the beginning of the I2C capture to the beginning of the UART capture.
-    wanted: the line format with which RX is decoded; None: as the firmware sets the SCI.
+    wanted: the line format with which RX is decoded; None for the format to which the firmware sets the SCI.
     The other arguments are those of `I2cReplay`.
     """
 

@@ -1,5 +1,6 @@
-"""Reproduction of Table 5.1 of the dissertation: mean, 3 sigma and variance at rest, with published and expected
-values.
+"""Reproduction of Table 5.1 of the dissertation: mean, 3 sigma and variance of the sensors at rest.
+
+Published and expected values are shown beside the reproduced ones.
 
 ours, published --minus expectation, in standard errors of 10 000 samples--> which differences are explained by chance
 

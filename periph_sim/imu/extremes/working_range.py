@@ -38,7 +38,7 @@ class Worst:
         return max(self.error.values())
 
     def allowed(self) -> NDArray[np.float64]:
-        """Return for each axis the largest difference of codes that an error of this size can cause, float64[9]."""
+        """Return for each axis the largest difference of codes that the error before rounding can cause, float64[9]."""
         return np.repeat([np.floor(self.error[name]) + 1 for name in SENSORS], 3)
 
 

@@ -1,5 +1,4 @@
-"""Estimate of the cycles of each part and kind of operation, from the operation counts of a model and costs of a
-library.
+"""Estimate of the cycles that a model takes, from the counts of its operations and the costs of a library.
 
     {"gyroscope": {"mul": 15, ...}, ...} x costs --> Estimate --> total, per part, per kind, rest of a measured time
 

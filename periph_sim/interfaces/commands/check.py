@@ -108,7 +108,8 @@ def check(
         from ..reports.baselines.ci_output import github
 
         for line in github(checks, refused):
-            click.echo(line, err=as_json)  # the service reads both streams; standard output remains one JSON object
+            # GitHub reads both streams; with --json, standard output must remain one JSON object.
+            click.echo(line, err=as_json)
     if refused:
         return 2
     return 0 if passed else 1

@@ -1,5 +1,6 @@
-"""`periph-sim new KIND [NAME]`: a firmware and its case, ready to run; with `--example` a copy of a shipped case,
-with `--live` a case of a live session.
+"""`periph-sim new KIND [NAME]`: write a firmware and its case, ready to run.
+
+With `--example`, it copies a shipped case. With `--live`, it writes the case of a live session.
 """
 
 from __future__ import annotations
@@ -244,7 +245,7 @@ def _imported(program: str) -> list[str]:
 
 
 def write(files: Files) -> None:
-    """Write all files, or none if one exists."""
+    """Write all files. If one of them exists, write none and raise an error."""
     there = [str(path) for path in files if path.exists() or path.is_symlink()]
     if there:
         raise click.ClickException(f"{', '.join(there)}: exists already, and nothing was written; give another name")

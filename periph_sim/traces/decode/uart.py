@@ -256,8 +256,8 @@ def _chain(
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the edges that start a frame, and those that are rejected as starts.
 
-    The first candidate is the first edge, and the next one is the first edge after the last sample point of the frame.
-    A candidate is rejected if its start bit has ended at its sample point.
+    The first candidate is the first edge. The next one is the first edge after the last sample point of the frame, or
+    of the start bit if the candidate is rejected. A candidate is rejected if its start bit is high at its sample point.
     """
     passed = [np.searchsorted(edges, starts + look, side="right") for look in looks[0].tolist()]
     high = sum((done - first & 1 == 0).astype(np.int64) for done in passed)

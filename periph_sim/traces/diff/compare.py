@@ -175,7 +175,8 @@ def compared(
 ) -> TraceDiff:
     """Compare pairs of events.
 
-    tolerance: in seconds; None: one position of each capture, since sampling alone can cause such a difference.
+    tolerance: the allowed difference in seconds. The default, None, is one position of each capture, since sampling
+        alone can cause such a difference.
     """
     rate_a, rate_b = rates
     ticks = lcm(rate_a.numerator, rate_b.numerator)

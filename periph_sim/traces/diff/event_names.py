@@ -3,7 +3,7 @@
     I2C   START, address 53 W, ACK, byte 1D, ACK, STOP     a group is a transfer
     UART  41, 0D FE, break                                 a group is one frame
 
-Two captures of the same behaviour give the same words, whatever their rate and timing.
+Two captures of the same behaviour give the same words, even if their rates and timing differ.
 """
 
 from __future__ import annotations

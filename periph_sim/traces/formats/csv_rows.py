@@ -26,7 +26,7 @@ BELOW_64_BITS = 1 << 62
 
 
 class BadRow(ValueError):
-    """A row that cannot be read: its line, what was found and what was expected."""
+    """A row cannot be read. It has the line, what was found and what was expected."""
 
     def __init__(self, line: int, found: str, expected: str) -> None:
         super().__init__(f"line {line}: found {found}, expected {expected}")
@@ -80,10 +80,10 @@ class Rows:
             self._line_by_line(block)
 
     def changes(self) -> tuple[Positions, int, Levels]:
-        """Return the places of the rows that change a level, the number of decimals of the places, and the rows'
-        levels.
+        """Return the rows that change a level as (places, decimals, levels).
 
-        Places are times, or row numbers if there are no times. Raise OverflowError if the times need over 64 bits.
+        Places are row numbers, or times with this number of decimals. Raise OverflowError if the times need over 64
+        bits.
         """
         decimals = max(self._decimals, default=0)
         scaled = [

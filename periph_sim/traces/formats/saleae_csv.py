@@ -3,8 +3,8 @@
     Time [s],Channel 0,Channel 1      Logic 2: the first row is the start, the last row the end
     Time[s], SCL, SDA                 Logic 1.x: blanks after commas, no row for the end
 
-Chosen: position 0 is the first row, whatever its time. Without a rate, positions are nanoseconds, or
-finer if some row needs it. `X` means that the level is unknown.
+Chosen: position 0 is the first row, even if its time is not 0. Without a rate, positions are nanoseconds, or finer if a
+row needs it. `X` means that the level is unknown.
 
 Captures are written in the form of Logic 2, with a row for the end. Times have nine decimals, or as many as are needed
 to be exact. If no number of decimals is exact (24 MHz), times are rounded so finely that a reader that knows the rate

@@ -154,7 +154,7 @@ class _Reader:
         self._lines: dict[bytes, list[Line]] = {}  # for each identifier its bits, most significant first
         self._now = 0
         self._timed = False  # True if a `#` was read
-        self._moved = False  # True if a change was read after it
+        self._moved = False  # True if a change was read after the last `#`
 
     def read(self, rate: Fraction | None) -> Capture:
         try:

@@ -74,10 +74,9 @@ class Baseline(Table, frozen=True, kw_only=True):
         return self.model_copy(update={"budgets": budgets})
 
     def chains_of(self, other: Baseline) -> dict[str, list[str]] | None:
-        """Return the chains of another baseline if this run must have the same ones; None if a run is needed to find
-        them.
+        """Return the chains of another baseline if this run must have the same chains; else None.
 
-        The chains are the same if the figures and the times of all events are equal.
+        The chains are the same if the figures and the times of all events are equal. Otherwise a run must find them.
         """
         chains = {name: one.chain for name, one in other.budgets.items()}
         same = self.digest and self.digest == other.digest and self.with_chains(chains).budgets == other.budgets

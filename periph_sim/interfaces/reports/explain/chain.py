@@ -1,5 +1,4 @@
-"""The explanation of a worst occurrence: Steps in order of time, and Parts whose lengths add up to that of the
-occurrence.
+"""The explanation of a worst occurrence: Steps in order of time, and Parts that add up to its length.
 
 Window --explain--> Chain(steps, parts, more) --text--> lines, --as_json--> plain numbers in microseconds and cycles
 

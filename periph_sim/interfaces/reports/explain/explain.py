@@ -174,10 +174,10 @@ def _blocked(evidence: Evidence, ends: Ends) -> list[Step]:
 
 
 def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
-    """Return steps for an occurrence on the bus: the transfers, the holds of SCL, and the access that ended the last
-    one.
+    """Return steps for an occurrence on the bus.
 
-    If the time between two rounds is too short, the steps describe the first of these rounds.
+    These are the transfers, the times for which SCL was held low, and the access that released SCL at last. If the
+    occurrence is a time between two rounds that is too short, the steps describe the round before it.
     """
     begin, end = evidence.window.begin, evidence.window.end
     between = _between_rounds(evidence, ends)

@@ -184,7 +184,7 @@ class _Keeper:
         length = round((verdict.worst or 0) * per_second / 1_000_000) if _is_length(verdict) else 0
         if verdict.until_s is not None:
             length = round(verdict.until_s * per_second) - (at - self._start)
-        event = event_of(verdict)  # the instant of an age of data is the read at its end
+        event = event_of(verdict)  # the instant of an age is the read at which it ends
         of_data = event is not None and event.name == Kind.DATA.value
         begin, end = sorted((at - length, at) if of_data else (at, at + length))
         around = self._timebase.ticks(AROUND if _is_length(verdict) else WIDE, "nearest")

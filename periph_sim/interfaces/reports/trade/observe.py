@@ -1,6 +1,6 @@
-"""Observation of one run of a row, and its errors in comparison with another run.
+"""Observation of a run for `periph-sim trade`, and its errors in comparison with another run.
 
-Compared are verdicts and occurrences of budgets, and the data that is read on the I2C bus.
+Verdicts and occurrences of budgets are compared, and the data that is read on the I2C bus.
 """
 
 from __future__ import annotations

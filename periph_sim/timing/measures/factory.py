@@ -38,6 +38,7 @@ ROLES = {
     "unfinished": UNFINISHED,
 }
 JITTER = "jitter of "
+UNSAID = Said("")
 Maker: TypeAlias = Callable[[], Measure]  # shares nothing with a run, so it serves all scenes of a case
 
 
@@ -83,17 +84,18 @@ def _called(name: str, scope: Scope) -> Maker:
     """Return the maker of a measure with a fixed name, or of a span, a reply or a watched wire."""
     if name.startswith(SPAN):
         span = name.removeprefix(SPAN)
-        return _of_sentence(PHRASES["span"], scope, name=span, quoted=f"'{span}'" if '"' in span else f'"{span}"')
+        quoted = f"'{span}'" if '"' in span else f'"{span}"'
+        return _of_sentence(PHRASES["span"], UNSAID, scope, name=span, quoted=quoted)
     for prefix, kind in ((REPLY, Reply), (WATCH, WatchedWire)):
         if name.startswith(prefix):
             return partial(kind, name.removeprefix(prefix))
     if name in MEASURES:
-        return _of_sentence(MEASURES[name], scope, of="")
+        return _of_sentence(MEASURES[name], UNSAID, scope)
     if name == OVERFLOWS:
         if scope.uncounted:
             what = "overflows are counted by Python firmware that reports them"
             raise BadEvent(f"{name!r}: {what}, and {scope.uncounted} does not run such firmware; leave the budget out")
-        return _of_sentence(PHRASES[OVERFLOWS], scope)
+        return _of_sentence(PHRASES[OVERFLOWS], UNSAID, scope)
     raise _unknown(name, scope.measures)
 
 
@@ -112,12 +114,31 @@ def _maker_of_events(said: Said, scope: Scope) -> Maker:
     return _MAKERS[said.form](said, scope)
 
 
-def _of_sentence(sentence: Sentence, scope: Scope, **parameters: str) -> Maker:
-    """Return the maker of a named measure."""
-    text, nothing = sentence.text.format_map(parameters), sentence.nothing
-    cut_off = sentence.cut_off.format_map(parameters)
-    filled = replace(sentence, nothing=nothing and nothing.format_map(parameters), cut_off=cut_off)
-    return _of_events(measure_of(text), scope, filled)
+WORDS: dict[str, Callable[[Said, Scope], str]] = {  # parameters of sentences, from the words of a budget
+    "event": lambda said, scope: said.events[0].text,
+    "cpu": lambda said, scope: scope.unit(said.unit),
+    "i2c": lambda said, scope: scope.owner(said.unit, "I2C-A"),
+    "time": lambda said, scope: f"any {said.window}" if said.window else "time",
+    "of": lambda said, scope: said.name and f" of {said.name}",
+    "chips": lambda said, scope: said.name or " or ".join(known_sensors()),
+    "at": lambda said, scope: " at frame" if said.instant == "frame" else "",
+}
+
+
+def _of_sentence(sentence: Sentence, said: Said, scope: Scope, **given: str) -> Maker:
+    """Return the maker of a named measure. said: the words of a budget. given: parameters besides those of WORDS."""
+    named = f"{sentence.text} {sentence.nothing}"
+    words = given | {name: word(said, scope) for name, word in WORDS.items() if f"{{{name}}}" in named}
+    meant = measure_of(sentence.text.format_map(words))
+    if meant.state is not None:
+        return _time(meant, scope)
+    nothing = sentence.nothing and sentence.nothing.format_map(words)
+    return _of_events(meant, scope, replace(sentence, nothing=nothing, cut_off=sentence.cut_off.format_map(words)))
+
+
+def _phrase(said: Said, scope: Scope) -> Maker:
+    """Return the maker of a sentence that has a parameter or depends on the scene."""
+    return _of_sentence(PHRASES[said.form], said, scope)
 
 
 def _of_events(said: Said, scope: Scope, sentence: Sentence = UNNAMED) -> Maker:
@@ -162,7 +183,7 @@ def _group(said: Said, scope: Scope) -> Group | None:
 
 def _jitter(said: Said, scope: Scope) -> Maker:
     if said.events:
-        make_of = _period(said, scope)
+        make_of = _of_sentence(PHRASES["period"], said, scope)
     else:
         make_of = _called(said.name, scope) if said.of is None else _maker_of_events(said.of, scope)
         if not make_of().series:
@@ -174,10 +195,6 @@ def _jittering(make_of: Maker) -> Measure:
     measure = make_of()
     measure.become_jitter()
     return measure
-
-
-def _period(said: Said, scope: Scope) -> Maker:
-    return _of_sentence(PHRASES["period"], scope, event=said.events[0].text)
 
 
 def _level(said: Said, scope: Scope) -> Maker:
@@ -194,15 +211,10 @@ def _stack(said: Said, scope: Scope) -> Maker:
     return partial(EventMeasure, high, form="value")
 
 
-def _reaction(said: Said, scope: Scope) -> Maker:
-    i2c = f"{scope.owner(said.unit, 'I2C-A')}:I2C-A"
-    return _of_sentence(PHRASES["reaction"], scope, i2c=i2c)
-
-
 def _gap(said: Said, scope: Scope) -> Maker:
     if not scope.rounds:
         raise BadEvent(f"{said.text!r} needs [controller] or [rounds] in the scene, which has none")
-    return _of_sentence(PHRASES["gap"], scope)
+    return _phrase(said, scope)
 
 
 def _latency(said: Said, scope: Scope) -> Maker:
@@ -213,19 +225,12 @@ def _latency(said: Said, scope: Scope) -> Maker:
     group, line = LINES[said.name]
     whose = said.unit or (unit if len(scope.units) > 1 else "")
     asked, vector = name_text(whose, f"PIE.PIEIFR{group}.INTx{line}"), name_text(whose, said.name)
-    if not said.access:
-        return _of_sentence(PHRASES["interrupt"], scope, asked=asked, vector=vector)
-    return _of_sentence(PHRASES["first access"], scope, asked=asked, unit=unit, vector=vector)
+    sentence = PHRASES["first access" if said.access else "interrupt"]
+    return _of_sentence(sentence, said, scope, asked=asked, vector=vector, unit=unit)
 
 
 def _time(said: Said, scope: Scope) -> Maker:
     return partial(TimeIn, _state(said, scope), said.form, duration(said.window) if said.window else None)
-
-
-def _load(said: Said, scope: Scope) -> Maker:
-    time = f"any {said.window}" if said.window else "time"
-    unit = scope.unit(said.unit) if said.form == "cpu" else ""
-    return _maker_of_events(measure_of(PHRASES[said.form].text.format(time=time, unit=unit)), scope)
 
 
 def _state(said: Said, scope: Scope) -> StateEvents:
@@ -257,20 +262,12 @@ def _of_a_race(said: Said, scope: Scope) -> Maker:
 
 
 def _value(said: Said, scope: Scope) -> Maker:
-    if said.events:
-        return _of_events(said, scope)
-    chips = said.name or " or ".join(known_sensors())
-    at = " at frame" if said.instant == "frame" else ""
-    return _of_sentence(PHRASES["value"], scope, at=at, of=_of(said.name), chips=chips)
-
-
-def _of(chip: str) -> str:
-    return chip and f" of {chip}"
+    return _of_events(said, scope) if said.events else _phrase(said, scope)
 
 
 _MAKERS: dict[str, Callable[[Said, Scope], Maker]] = {
     "from": _of_events,
-    "period": _period,
+    "period": _phrase,
     "jitter": _jitter,
     "count": _of_events,
     "sum": _of_events,
@@ -278,20 +275,20 @@ _MAKERS: dict[str, Callable[[Said, Scope], Maker]] = {
     "calls": lambda said, scope: partial(EventMeasure, matcher(said.events[0], scope), form="count"),
     "stack": _stack,
     "interrupt": _latency,
-    "reaction": _reaction,
+    "reaction": _phrase,
     "gap": _gap,
     "margin": lambda said, scope: partial(Margin, scope.owner(said.unit, "I2C-A")),
-    "SCL": lambda said, scope: _of_sentence(PHRASES["SCL"], scope, unit=scope.owner(said.unit, "I2C-A")),
+    "SCL": _phrase,
     "time": _time,
     "each": _time,
     "share": _time,
-    "cpu": _load,
-    "bus": _load,
-    "slack": lambda said, scope: _of_sentence(PHRASES["slack"], scope),
+    "cpu": _phrase,
+    "bus": _phrase,
+    "slack": _phrase,
     "race": _of_a_race,
     "cleared": _of_a_race,
-    "age": lambda said, scope: _of_sentence(MEASURES["age"], scope, of=_of(said.name)),
-    "model": lambda said, scope: _of_sentence(MEASURES["model age"], scope, of=_of(said.name)),
+    "age": lambda said, scope: _of_sentence(MEASURES["age"], said, scope),
+    "model": lambda said, scope: _of_sentence(MEASURES["model age"], said, scope),
     "value": _value,
     "lost": _of_a_race,
 }

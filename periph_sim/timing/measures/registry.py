@@ -148,10 +148,10 @@ PHRASES = {
         cut_off="{event!r} did not come again before the run ended",
     ),
     "overflows": Sentence("count of note overflow", nothing=None),
-    "cpu": Sentence("share of {time} in cpu busy of {unit}", looks_back="the whole run"),
+    "cpu": Sentence("share of {time} in cpu busy of {cpu}", looks_back="the whole run"),
     "bus": Sentence("share of {time} in bus busy", looks_back="the whole run"),
     "SCL": Sentence(
-        "value of record transfer held alone of {unit}, unfinished record transfer unfinished of {unit}",
+        "value of record transfer held alone of {i2c}, unfinished record transfer unfinished of {i2c}",
         looks_back="this transfer",
         cut_off="a transfer was not over when the run ended",
     ),
@@ -169,7 +169,8 @@ PHRASES = {
         cost=45,
     ),
     "reaction": Sentence(
-        "from flag {i2c}.I2CSTR.SDIR rise or flag {i2c}.I2CSTR.XRDY rise to access W {i2c}.I2CDXR, last, same transfer",
+        "from flag {i2c}:I2C-A.I2CSTR.SDIR rise or flag {i2c}:I2C-A.I2CSTR.XRDY rise to access W {i2c}:I2C-A.I2CDXR, "
+        "last, same transfer",
         looks_back="this transfer",
         nothing=None,
         cost=391,

@@ -18,8 +18,7 @@
                         |-- may_be(kind, where, what), value & mask == want   as the run goes on
                         '-- fits(record)                                      for one record
 
-The things of records are in `timing/derived`. Both tests agree on every record: kind, place and thing are equal, and
-`value & mask == want`. `EVENTS` lists the kinds of events.
+The things of records are in `timing/derived`. Both tests agree on every record. `EVENTS` lists the kinds of events.
 """
 
 from __future__ import annotations
@@ -36,7 +35,7 @@ from ...core.records import Kind, Record
 from ...core.suggest import did_you_mean
 from ...devices.sensor_rounds import known_sensors
 from .scope import LINES, RECORDS, BadEvent, Scope, Thing
-from .tokens import Words
+from .tokens import Words, name_text
 
 EVERYTHING = -1  # all bits of a value
 CHANGES = ("rise", "fall", "change")
@@ -108,10 +107,10 @@ class Matcher(Struct, frozen=True, dict=True):
 
     def fits(self, record: Record) -> bool:
         """Return True if a record is this event. Its number within a group is not checked."""
-        return self._fits(record) or any(other._fits(record) for other in self.others)
-
-    def _fits(self, record: Record) -> bool:
-        return self.may_be(record.kind, record.where, record.what) and record.value & self.mask == self.want
+        return any(
+            one.may_be(record.kind, record.where, record.what) and record.value & one.mask == one.want
+            for one in self.each
+        )
 
     def may_be(self, kind: Kind, where: str, what: str) -> bool:
         """Return True if a record of this kind, place and thing is this one event, provided that its value fits."""
@@ -192,49 +191,44 @@ def matcher(event: Event | str, scope: Scope) -> Matcher:
 
 def group_of(event: Event, scope: Scope) -> Group:
     """Return the group in which an event is counted. BadEvent if the scene has no such group."""
-    if event.group == "interrupt":
-        enter, leave = (matcher(f"interrupt {event.routine} {how}", scope) for how in ("enter", "leave"))
-        return Group("interrupt", enter, leave)
-    if event.group != "burst":
-        if not (scope.rounds if event.group == "round" else scope.bus):
-            needs = "[controller] or [rounds]" if event.group == "round" else "SCL and SDA"
-            raise BadEvent(f"{event.text!r}: a {event.group} needs {needs} in the scene, which has none")
-        return stretch_of(event.group, scope)
-    if event.kind != "frame":
-        raise BadEvent(f"{event.text!r}: a burst is one of frames; write of transfer or of round")
-    begin, end = (matcher(f"frame {event.name} {how}", scope) for how in ("begin", "end"))
-    return Group("burst", begin, end)
+    if event.group not in ("burst", "interrupt"):
+        return stretch_of(event.group, scope, f"{event.text!r}: a {event.group}")
+    what, ends = f"interrupt {event.routine}", ("enter", "leave")
+    if event.group == "burst":
+        if event.kind != "frame":
+            raise BadEvent(f"{event.text!r}: a burst is one of frames; write of transfer or of round")
+        what, ends = f"frame {event.name}", ("begin", "end")
+    begin, end = (matcher(f"{what} {how}", scope) for how in ends)
+    return Group(event.group, begin, end)
 
 
-def stretch_of(name: str, scope: Scope) -> Group:
-    """Return the group for a transfer or a round, which begins with a START that is not a repeated one."""
+def stretch_of(name: str, scope: Scope, whose: str, hint: str = "") -> Group:
+    """Return the group for a transfer or a round, which begins with a START that is not a repeated one.
+
+    BadEvent, which begins with `whose`, if the scene has no such group.
+    """
+    if not (scope.rounds if name == "round" else scope.bus):
+        needs = "[controller] or [rounds]" if name == "round" else "SCL and SDA"
+        raise BadEvent(f"{whose} needs {needs} in the scene, which has none{hint}")
     return Group(name, matcher("bus START", scope), matcher("bus STOP", scope))
 
 
-def name_text(unit: str, name: str) -> str:
-    """Return a name as a sentence has it, with its unit if one is given."""
-    return f"{unit}:{name}" if unit else name
-
-
 Parts = tuple[str, str, str, int | None]
-
-
-def read_value(words: Words) -> int:
-    """Read the value behind =."""
-    number = words.number(0xFFFFFFFF)
-    if number is None:
-        raise BadEvent(f"{words.text!r}: a number is expected after =")
-    return number
 
 
 def _read_edge(words: Words) -> Parts:
     return "", words.name("a wire")[1], words.one_of(list(CHANGES)), None
 
 
-def _read_flag(words: Words) -> Parts:
-    unit, name = words.name("a field")
-    how = words.one_of([*CHANGES, "="])
-    return unit, name, how, read_value(words) if how == "=" else None
+def _read_named(expected: str, *hows: str) -> Callable[[Words], Parts]:
+    """Return the parser of a name, and of what happens to it."""
+
+    def read(words: Words) -> Parts:
+        unit, name = words.name(expected)
+        how = words.one_of(list(hows))
+        return unit, name, how, words.value() if how == "=" else None
+
+    return read
 
 
 def _read_access(words: Words) -> Parts:
@@ -243,11 +237,6 @@ def _read_access(words: Words) -> Parts:
         return words.take("a unit"), "", way, None
     unit, name = words.name("a register")
     return unit, name, way, None
-
-
-def _read_interrupt(words: Words) -> Parts:
-    unit, name = words.name("an interrupt's name")
-    return unit, name, words.one_of(["enter", "leave"]), None
 
 
 def _read_span(words: Words) -> Parts:
@@ -259,12 +248,10 @@ def _read_span(words: Words) -> Parts:
 
 def _read_bus(words: Words) -> Parts:
     what = words.one_of([name.split()[0] for name in BUS])
-    if what == "repeated":
-        return "", f"repeated {words.one_of(['START'])}", "", None
+    if more := [name.split()[1] for name in BUS if name.startswith(f"{what} ")]:
+        return "", f"{what} {words.one_of(more)}", "", None
     if what == "NACK":
         return "", what, words.one_of(["address", "byte"]) if words.next in ("address", "byte") else "", None
-    if what == "arbitration":
-        return "", f"arbitration {words.one_of(['lost'])}", "", None
     if what == "address":
         number = words.number(0x7F)
         how = words.one_of(["read", "write"]) if words.next in ("read", "write") else ""
@@ -279,12 +266,6 @@ def _read_frame(words: Words) -> Parts:
     if words.next in FRAME_PARTS:
         return "", wire, words.one_of(list(FRAME_PARTS)), number
     return "", wire, "begin" if number is None else "end", number  # what it carries is known when it is over
-
-
-def _read_variable(words: Words) -> Parts:
-    unit, name = words.name("a variable of an image")
-    how = words.one_of(["change", "="])
-    return unit, name, how, read_value(words) if how == "=" else None
 
 
 def _read_note(words: Words) -> Parts:
@@ -304,8 +285,14 @@ def _read_record(words: Words) -> Parts:
 
 
 def _match_edge(event: Event, scope: Scope) -> Matcher:
-    mask, want = {"rise": (1, 1), "fall": (1, 0), "change": (0, 0)}[event.how]
-    return Matcher(event.text, Kind.EDGE, frozenset((scope.wire(event.name),)), "level", mask, want)
+    return Matcher(event.text, Kind.EDGE, frozenset((scope.wire(event.name),)), "level", *_values(event))
+
+
+def _values(event: Event) -> tuple[int, int]:
+    """Return the mask and the value by which a record shows the change."""
+    if event.how == "change":
+        return 0, 0
+    return EVERYTHING, {"rise": 1, "fall": 0}.get(event.how, event.number or 0)
 
 
 def _match_flag(event: Event, scope: Scope) -> Matcher:
@@ -315,14 +302,8 @@ def _match_flag(event: Event, scope: Scope) -> Matcher:
         raise BadEvent(f"{event.name} has {width} bits and so is never {event.number:#x}")
     if width > 1 and event.how in ("rise", "fall"):
         raise BadEvent(f"{event.name} has {width} bits and so does not {event.how}; write change, or = and a value")
-    mask, want = {
-        "rise": (EVERYTHING, 1),
-        "fall": (EVERYTHING, 0),
-        "change": (0, 0),
-        "=": (EVERYTHING, event.number or 0),
-    }[event.how]
     place = frozenset((f"{unit}.{module}",))
-    return Matcher(event.text, Kind.FLAG, place, f"{register.name}.{field.name}", mask, want)
+    return Matcher(event.text, Kind.FLAG, place, f"{register.name}.{field.name}", *_values(event))
 
 
 def _match_access(event: Event, scope: Scope) -> Matcher:
@@ -386,8 +367,7 @@ def _match_frame(event: Event, scope: Scope) -> Matcher:
 
 def _match_variable(event: Event, scope: Scope) -> Matcher:
     place = frozenset((f"{scope.variable(event.unit, event.name)}.memory",))
-    mask = 0 if event.how == "change" else EVERYTHING
-    return Matcher(event.text, Kind.FLAG, place, event.name, mask, event.number or 0)
+    return Matcher(event.text, Kind.FLAG, place, event.name, *_values(event))
 
 
 def _match_note(event: Event, scope: Scope) -> Matcher:
@@ -408,13 +388,13 @@ class EventKind(NamedTuple):
 
 EVENTS = {
     "edge": EventKind(_read_edge, _match_edge),
-    "flag": EventKind(_read_flag, _match_flag),
+    "flag": EventKind(_read_named("a field", *CHANGES, "="), _match_flag),
     "access": EventKind(_read_access, _match_access),
-    "interrupt": EventKind(_read_interrupt, _match_interrupt),
+    "interrupt": EventKind(_read_named("an interrupt's name", "enter", "leave"), _match_interrupt),
     "span": EventKind(_read_span, _match_span),
     "bus": EventKind(_read_bus, _match_bus),
     "frame": EventKind(_read_frame, _match_frame),
-    "variable": EventKind(_read_variable, _match_variable),
+    "variable": EventKind(_read_named("a variable of an image", "change", "="), _match_variable),
     "note": EventKind(_read_note, _match_note),
     "record": EventKind(_read_record, _match_record),
 }

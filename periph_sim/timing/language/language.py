@@ -48,7 +48,7 @@ from msgspec import Struct
 
 from ...core.settings import duration
 from ...devices.sensor_rounds import known_sensors
-from .events import EVENTS, Event, read_event, read_value
+from .events import EVENTS, Event, read_event
 from .scope import BadEvent
 from .tokens import Words
 
@@ -127,17 +127,15 @@ def _from(words: Words) -> Said:
     words.one_of(["to"])
     end = read_event(words)
     pairing = group = ""
-    while not (pairing and group) and (_took_comma(words) or words.next in ("in", "next", "last", "same")):
+    while not (pairing and group) and (
+        (words.following not in CLAUSES and words.took(",")) or words.next in ("in", "next", "last", "same")
+    ):
         said = words.one_of([word for word in ("in", "next", "last") if not pairing] + ["same"] * (not group))
         if said == "same":
             group = words.one_of(["transfer", "round", "unit"])
         else:
             pairing = f"in {words.one_of(['order'])}" if said == "in" else said
     return Said("from", (begin, end), pairing=pairing, group=group, clauses=_clauses(words))
-
-
-def _took_comma(words: Words) -> bool:
-    return words.following not in CLAUSES and words.took(",")
 
 
 def _clauses(words: Words) -> tuple[tuple[str, Event], ...]:
@@ -255,7 +253,7 @@ def _value_state(words: Words) -> States:
     unit, name = words.name("a field" if kind == "flag" else "a variable of an image")
     place = words.between(begin)
     words.one_of(["="])
-    number = read_value(words)
+    number = words.value()
     enters = Event(kind, words.between(begin), unit, name, "=", number)
     return (enters,), (Event(kind, f"{place} change", unit, name, "change"),)
 
@@ -334,10 +332,6 @@ def _lost(words: Words) -> Said:
     return Said("lost", unit=unit, name=name)
 
 
-def _age(words: Words) -> Said:
-    return Said("age", name=_chip(words))
-
-
 def _model_age(words: Words) -> Said:
     words.one_of(["age"])
     return Said("model", name=_chip(words))
@@ -397,7 +391,7 @@ _MEASURES: dict[str, tuple[str, Callable[[Words], Said]]] = {
     "race": ("race MODULE.REGISTER.FIELD", _phrase("race", name="a field or a register")),
     "lost": ("lost flags", _lost),
     "cleared": ("cleared along MODULE.REGISTER.FIELD", _phrase("cleared", "along", "a field")),
-    "age": ("age of CHIP", _age),
+    "age": ("age of CHIP", lambda words: Said("age", name=_chip(words))),
     "model": ("model age of CHIP", _model_age),
     "value": ("value error of CHIP", _value),
 }

@@ -95,6 +95,13 @@ class Words:
         self._at += 1
         return number
 
+    def value(self) -> int:
+        """Read the number behind =."""
+        number = self.number(0xFFFFFFFF)
+        if number is None:
+            raise BadEvent(f"{self.text!r}: a number is expected after =")
+        return number
+
     def between(self, begin: int) -> str:
         return " ".join(self._words[begin : self._at])
 
@@ -105,3 +112,8 @@ class Words:
     def end(self) -> None:
         if self.next:
             raise BadEvent(f"{self.text!r}: {self.next!r} is more than a measure or event says; leave it out")
+
+
+def name_text(unit: str, name: str) -> str:
+    """Return a name as a sentence has it, with its unit if one is given."""
+    return f"{unit}:{name}" if unit else name

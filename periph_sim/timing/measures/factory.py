@@ -18,9 +18,10 @@ from ...core.suggest import did_you_mean
 from ...devices.sensor_rounds import known_sensors
 from ...f28335.pie.register_map import LINES
 from ..budget_schema import REPLY, SPAN, WATCH
-from ..language.events import ANYTHING, OF_AGENT, Group, Matcher, matcher, name_text, stretch_of
+from ..language.events import ANYTHING, OF_AGENT, Group, Matcher, matcher, stretch_of
 from ..language.language import FORMS, Said, is_form, measure_of, near_form
 from ..language.scope import BadEvent, Scope
+from ..language.tokens import name_text
 from .event_pairing import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses, EventMeasure
 from .expectations import Reply, WatchedWire
 from .margin import Margin
@@ -175,10 +176,7 @@ def _clauses(said: Said, scope: Scope, sentence: Sentence) -> Clauses:
 def _group(said: Said, scope: Scope) -> Group | None:
     if said.group in ("", "unit"):
         return None
-    if not (scope.rounds if said.group == "round" else scope.bus):
-        needs = "[controller] or [rounds]" if said.group == "round" else "SCL and SDA"
-        raise BadEvent(f"'same {said.group}' needs {needs} in the scene, which has none; leave it out")
-    return stretch_of(said.group, scope)
+    return stretch_of(said.group, scope, f"'same {said.group}'", "; leave it out")
 
 
 def _jitter(said: Said, scope: Scope) -> Maker:

@@ -46,7 +46,7 @@ def between(
     first, second = matcher(begin, scope), matcher(end, scope)
     events = [(row, FIRST) for row in rows_of(first, table).tolist()]
     events += [(row, SECOND) for row in rows_of(second, table).tolist()]
-    stretch = stretch_of(group, scope) if group else None
+    stretch = stretch_of(group, scope, f"'same {group}'") if group else None
     if stretch is not None:
         starts = rows_of(stretch.begin, table)
         if group == "round":

@@ -13,7 +13,6 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from enum import IntEnum
 from fractions import Fraction
 
 from ...core.options import Answers, IntOption, TextOption, choice
@@ -103,11 +102,7 @@ DEPTH = 32
 HELD = DEPTH + 1  # including the one at the output of the filter
 
 
-class Mode(IntEnum):
-    BYPASS = 0
-    FIFO = 1
-    STREAM = 2
-    TRIGGER = 3
+BYPASS, FIFO = 0, 1  # values of FIFO_CTL.Mode; 2, stream, and 3, trigger, drop the oldest samples
 
 
 class Fifo:
@@ -123,7 +118,7 @@ class Fifo:
 
     def __init__(self, overrun_when_filled: bool) -> None:
         self.output = bytes(6)
-        self.mode = Mode.BYPASS
+        self.mode = BYPASS
         self.samples = 0  # of FIFO_CTL: the watermark
         self.overrun = False
         self._unread = False  # True if the output register is unread, in bypass
@@ -136,29 +131,29 @@ class Fifo:
 
     @property
     def data_ready(self) -> bool:
-        return self._unread if self.mode is Mode.BYPASS else bool(self._waiting)
+        return self._unread if self.mode == BYPASS else bool(self._waiting)
 
     @property
     def watermark(self) -> bool:
         """True if FIFO_CTL's number of entries is reached; at power-on 0 of 0, hence INT_SOURCE reads 0x02."""
         return self.entries >= self.samples
 
-    def set_up(self, mode: Mode, samples: int) -> None:
+    def set_up(self, mode: int, samples: int) -> None:
         """Apply a write of FIFO_CTL. Bypass empties the FIFO; the other modes keep its contents."""
-        if mode is Mode.BYPASS:
+        if mode == BYPASS:
             self._waiting.clear()
-        if mode is not self.mode:
+        if mode != self.mode:
             self.overrun = self._unread = False
         self.mode, self.samples = mode, samples
 
     def push(self, sample: bytes) -> None:
         """Add a new sample from the filter."""
-        if self.mode is Mode.BYPASS:
+        if self.mode == BYPASS:
             self.overrun |= self._unread
             self.output, self._unread = sample, True
             return
         lost = len(self._waiting) == HELD
-        if not (lost and self.mode is Mode.FIFO):
+        if not (lost and self.mode == FIFO):
             self._waiting.append(sample)
             if lost:
                 self._waiting.popleft()
@@ -249,7 +244,7 @@ class Adxl345(RegisterChip):
         self._taken = max(due, self._taken)
         most = 2 * 33  # more samples have no effect except on the overrun
         if len(new) > most:
-            new = new[:most] if self.fifo.mode is Mode.FIFO else new[-most:]
+            new = new[:most] if self.fifo.mode == FIFO else new[-most:]
         for number in new:
             self.fifo.push(self.formatted(self.source(self._clock.tick(number))))
 
@@ -298,10 +293,13 @@ class Adxl345(RegisterChip):
         elif register.name == "BW_RATE":
             self._rate_changed(now, old)
         elif register.name == "FIFO_CTL":
-            self.fifo.set_up(Mode(self.get("FIFO_CTL", "Mode")), self.get("FIFO_CTL", "Samples"))
+            self.fifo.set_up(self.get("FIFO_CTL", "Mode"), self.get("FIFO_CTL", "Samples"))
         elif register.name == "INT_ENABLE" and value & UNMODELLED:
-            what = "taps, activity, inactivity and free fall are not detected by this model"
-            self.note("unknown", f"INT_ENABLE = {value:#04x}: {what}", f"{SHEET} INT_ENABLE")
+            self.note(
+                "unknown",
+                f"INT_ENABLE = {value:#04x}: taps, activity, inactivity and free fall are not detected by this model",
+                f"{SHEET} INT_ENABLE",
+            )
         elif register.name == "DATA_FORMAT" and value & 0x80:
             self.note("unknown", "SELF_TEST is set; this model adds no force", f"{SHEET} DATA_FORMAT")
 

@@ -307,12 +307,18 @@ def _check_places(settings: Settings) -> None:
         names.add(table.name)
         for pointer in range(table.at, table.at + _span(settings, table)):
             if pointer in taken:
-                what = f"{table.name} and {taken[pointer]} overlap at {pointer:#04x}; move one of them"
-                raise BadDevice(what, "register", entry, "at")
-            if pointer >= reach:
-                size = f"{settings.pointer_bytes} byte{'s' if settings.pointer_bytes > 1 else ''}"
-                what = (
-                    f"{table.name} reaches {pointer:#x}, beyond {reach - 1:#x}, the last that a pointer of {size} names"
+                raise BadDevice(
+                    f"{table.name} and {taken[pointer]} overlap at {pointer:#04x}; move one of them",
+                    "register",
+                    entry,
+                    "at",
                 )
-                raise BadDevice(what, "register", entry, "at")
+            if pointer >= reach:
+                raise BadDevice(
+                    f"{table.name} reaches {pointer:#x}, beyond {reach - 1:#x}, the last that a pointer of "
+                    f"{settings.pointer_bytes} byte{'s' if settings.pointer_bytes > 1 else ''} names",
+                    "register",
+                    entry,
+                    "at",
+                )
             taken[pointer] = table.name

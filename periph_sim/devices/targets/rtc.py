@@ -72,10 +72,9 @@ def time_in(registers: bytes) -> CalendarTime:
         hours = hours % 12 + 12 * bool(hour & PM)
     years = 100 * _number("Y2K", century) + _number("YR", year)
     date = years, _number("MO", month), _number("DT", day)
+    time = hours, _number("MN", minute), _number("SC", second)
     try:
-        at = datetime(*date, hours, _number("MN", minute), _number("SC", second))
-    except BadTime:
-        raise
+        at = datetime(*date, *time)
     except ValueError as error:
         raise BadTime(f"{registers.hex(' ')} is no time: {error}") from None
     if weekday > 6:
@@ -121,13 +120,6 @@ class Settings(Table, frozen=True, kw_only=True):
     write_time: DurationRange = Spread(duration("10 ms"), duration("10 ms"))
 
 
-class _Running(NamedTuple):
-    """A running clock, with `time` at the tick `since`."""
-
-    time: CalendarTime
-    since: int
-
-
 class Rtc:
     """The clock. It is its own reply."""
 
@@ -147,11 +139,11 @@ class Rtc:
         self._stored = bytearray(SIZE)
         self._raw = bytes(len(CLOCK))  # registers of an invalid time
         self._why_none = ""
-        self._running: _Running | None = None
+        self._running: tuple[CalendarTime, int] | None = None  # a time, and its tick; None while the clock is stopped
         self._failed = settings.time is None
         if settings.time is not None:
             weekday = (settings.time.weekday() + 1) % 7  # Sunday is 0
-            self._running = _Running(CalendarTime(settings.time, weekday, whole_day=True), place.start)
+            self._running = CalendarTime(settings.time, weekday, whole_day=True), place.start
         self._forget()
 
     def _forget(self) -> None:
@@ -248,10 +240,8 @@ class Rtc:
         """Return the eight registers of the present time."""
         if self._running is None:
             return self._raw
-        return registers_of(self._time(self._running))
-
-    def _time(self, running: _Running) -> CalendarTime:
-        return running.time.later((self._place.kernel.now - running.since) // self._second)
+        time, since = self._running
+        return registers_of(time.later((self._place.kernel.now - since) // self._second))
 
     def _set(self, written: dict[int, int]) -> None:
         """Set some of the eight registers; the others keep their present values."""
@@ -260,7 +250,7 @@ class Rtc:
             registers[at - CLOCK.start] = value
         self._failed, self._why_none = False, ""
         try:
-            self._running = _Running(time_in(bytes(registers)), self._place.kernel.now)
+            self._running = time_in(bytes(registers)), self._place.kernel.now
         except BadTime as error:
             self._raw, self._running, self._why_none = bytes(registers), None, str(error)
 

@@ -29,8 +29,6 @@ SPRUFB0D section 5.1 for the clock gate.
 
 from __future__ import annotations
 
-from enum import Enum, auto
-
 from ...core.chip import ANY_CHANGED, NEVER, NO_CHANGE, WAKE_CHANGED, Chip, Note
 from ...core.options import TextOption
 from ...core.state import State
@@ -50,15 +48,9 @@ PINS = ("SIMO", "SOMI", "CLK", "STE")
 RECEIVED = 1 << SPI_MAP["SPIRXBUF"].offset | 1 << SPI_MAP["SPIRXEMU"].offset
 
 
-class Step(Enum):
-    """Event for which the timer of a master waits."""
-
-    IDLE = auto()  # nothing
-    BEGIN = auto()  # the LSPCLK edge with which a transfer begins
-    LEADING = auto()
-    TRAILING = auto()
-    DELAY = auto()  # the end of TXDLY
-    RELEASE = auto()  # the rise of SPISTE
+# Events for which the timer of a master waits: none; the LSPCLK edge with which a transfer begins; the two edges of
+# SPICLK; the end of TXDLY; the rise of SPISTE.
+IDLE, BEGIN, LEADING, TRAILING, DELAY, RELEASE = range(6)
 
 
 class SpiLines(Chip):
@@ -108,7 +100,7 @@ class SpiLines(Chip):
     def _halt(self) -> None:
         """Drop the character; SPICLK and SPISTE of a master become inactive."""
         self._timer.cancel()
-        self._step = Step.IDLE
+        self._step = IDLE
         self._clk_active = False  # SPICLK of a master is at its active level
         self._release()
         self._shifter.finish()
@@ -255,10 +247,11 @@ class SpiLines(Chip):
         """Add a note if a leading edge of SPICLK is too early for a slave."""
         period, self._last_leading = now - self._last_leading, now
         if period < 4 * self._timer.divider:
-            text = (
-                f"a slave had an SPICLK period of {period} SYSCLKOUT cycles; at least four LSPCLK cycles are expected"
+            self._note(
+                "duty",
+                f"a slave had an SPICLK period of {period} SYSCLKOUT cycles; at least four LSPCLK cycles are expected",
+                "SPRUEU3 §1.3.2, §2.1.4",
             )
-            self._note("duty", text, "SPRUEU3 §1.3.2, §2.1.4")
 
     def _cuts(self, option: TextOption, answer: str) -> bool:
         """Return True if this answer cuts off a character in progress."""
@@ -293,18 +286,18 @@ class SpiLines(Chip):
 
     # Master -------------------------------------------------------------------
 
-    def _wait(self, now: int, step: Step, edges: int) -> None:
+    def _wait(self, now: int, step: int, edges: int) -> None:
         self._step = step
         self._timer.plan(now, edges)
 
     def _fill(self, now: int) -> None:
         """Load a waiting word into SPIDAT if it is free; a master also begins a transfer."""
-        if not self._enabled or self._shifter.busy or not self._tx.waiting or self._step is Step.DELAY:
+        if not self._enabled or self._shifter.busy or not self._tx.waiting or self._step == DELAY:
             return
         if not self._is_master:
             self._load_next()
         elif self._delay and self.options.txdly_first_word.assume(self.touched) == "delay":
-            self._wait(now, Step.DELAY, self._delay)
+            self._wait(now, DELAY, self._delay)
         else:
             self._shifter.load(self._tx.pop())
             self._begin(now)
@@ -316,38 +309,38 @@ class SpiLines(Chip):
 
     def _begin(self, now: int) -> None:
         """Begin a transfer unless one is in progress."""
-        if self._step in (Step.IDLE, Step.DELAY, Step.RELEASE):
+        if self._step in (IDLE, DELAY, RELEASE):
             aligned = self.options.start_point.assume(self.touched) == "bit_clock"
             edges = self._timer.edges_to_multiple(now, sum(self._halves)) if aligned else 1
-            self._wait(now, Step.BEGIN, edges)
+            self._wait(now, BEGIN, edges)
 
     def _advance(self, at: int) -> None:
         """Process the timer event of a master."""
-        step, self._step = self._step, Step.IDLE
+        step, self._step = self._step, IDLE
         self._timer.cancel()
         active, idle = self._halves
-        if step is Step.BEGIN:
+        if step == BEGIN:
             lead = 0
             if self._ste and self.options.ste_lead.assume(self.touched) == "three_half_bits":
                 lead = active + idle
             self._ste = 0
             self._shifter.present()
-            self._wait(at, Step.LEADING, lead + idle)
-        elif step is Step.LEADING:
+            self._wait(at, LEADING, lead + idle)
+        elif step == LEADING:
             self._begun = self._clk_active = True
             self._clock_edge(True)
-            self._wait(at, Step.TRAILING, active)
-        elif step is Step.TRAILING:
+            self._wait(at, TRAILING, active)
+        elif step == TRAILING:
             self._clk_active = False
             if self._clock_edge(False):
                 self._follow(at)
             else:
-                self._wait(at, Step.LEADING, idle)
-        elif step is Step.DELAY:
+                self._wait(at, LEADING, idle)
+        elif step == DELAY:
             self._ste = 0
             self._load_next()
-            self._wait(at, Step.LEADING, idle)
-        elif step is Step.RELEASE:
+            self._wait(at, LEADING, idle)
+        elif step == RELEASE:
             self._release()
 
     def _follow(self, at: int) -> None:
@@ -356,11 +349,11 @@ class SpiLines(Chip):
             if self._shifter.delayed:
                 self._release()
             else:
-                self._wait(at, Step.RELEASE, self._halves[1])
+                self._wait(at, RELEASE, self._halves[1])
         elif self._delay:
             if self.options.ste_in_txdly.assume(self.touched) == "high":
                 self._ste = STE
-            self._wait(at, Step.DELAY, self._delay)
+            self._wait(at, DELAY, self._delay)
         else:
             self._load_next()
-            self._wait(at, Step.LEADING, self._halves[1])
+            self._wait(at, LEADING, self._halves[1])

@@ -88,8 +88,9 @@ class Xint(Chip):
                     Note("unknown", "XNMI is enabled but not modelled: no NMI will occur", "SPRUFB0D Table 122")
                 )
             return
-        if offset < len(self._since):
-            self._run_counter(now, offset, bool(enable))
+        if offset < len(self._since):  # stop the counter with its count, or let it continue from there
+            self._count[offset] = self._counted(now, offset)
+            self._since[offset] = now - self._count[offset]
         self.enabled = self.enabled & ~(1 << offset) | enable << offset
 
     def _is_valid(self, line: int, level: int) -> bool:
@@ -98,9 +99,3 @@ class Xint(Chip):
 
     def _counted(self, now: int, line: int) -> int:
         return now - self._since[line] & 0xFFFF if self.enabled >> line & 1 else self._count[line]
-
-    def _run_counter(self, now: int, line: int, run: bool) -> None:
-        """Stop a counter with its count, or let it continue from there. Call before `enabled` changes."""
-        count = self._counted(now, line)
-        self._count[line] = count
-        self._since[line] = now - count

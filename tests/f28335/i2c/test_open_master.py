@@ -38,7 +38,6 @@ def test_the_choices_below_are_all_there_are():
         "psc_write_irs1": 2,
         "bc_less_than_8_upper_bits": 2,
         "start_byte_ad0": 2,
-        "cnt_in_slave_tx": 2,
     }
     known = {f.name: len(f.metadata["values"]) for f in dataclasses.fields(I2cOptions) if f.name in tested}
     assert known == tested
@@ -179,22 +178,6 @@ def test_open_bc_less_than_8_upper_bits(how: str, got: list[int]):
     """After the address byte 0xA1 four bits 5, then four bits C."""
     b = Bench(Target(gives=[0x5, 0xC], bits=4), options=with_(bc_less_than_8_upper_bits=how))
     assert b.read_all(2, bc=4) == got
-
-
-@rule("I2C-128")
-@pytest.mark.parametrize("how, read", [("no_effect", [1, 2, 3]), ("counts_bytes", [1, 2, 0xFF])])
-def test_open_cnt_in_slave_tx(how: str, read: list[int]):
-    foreign = Foreign("S 50R ?A ?A ?N P")
-    b = Bench(foreign, options=with_(cnt_in_slave_tx=how))
-    b.w("I2COAR", 0x50)
-    b.w("I2CCNT", 2)
-    b.until(lambda: b.flag("SDIR"))
-    data = [1, 2, 3, 4]
-    while not foreign.done:
-        b.run(25)
-        if b.flag("XRDY") and b.flag("SDIR") and data:
-            b.w("I2CDXR", data.pop(0))
-    assert foreign.got == read
 
 
 # ---- START ----------------------------------------------------------------------------------------------
@@ -402,20 +385,6 @@ def test_open_scl_sync_cycles(extra: int):
 def _scl_pairs(b: Bench) -> list[tuple]:
     edges = [e for e in b.edges if e.line == SCL][1:]
     return list(itertools.pairwise(edges))
-
-
-@rule("I2C-174")
-@pytest.mark.parametrize("width", [0, 1, 2, 5])
-@pytest.mark.parametrize("more", [-1, 1])
-def test_open_noise_filter_cycles(width: int, more: int):
-    """A low pulse on SDA a little shorter or longer than the filter."""
-    if width == 0 and more < 0:
-        pytest.skip("no pulse is shorter than nothing")
-    b = Bench(options=with_(noise_filter_cycles=width))
-    b.run(100)
-    b.pulse(SDA, width * TMOD + more)
-    b.run(300)
-    assert b.flag("SCD") == (more > 0)
 
 
 @rule("I2C-159", "I2C-160", "I2C-174")

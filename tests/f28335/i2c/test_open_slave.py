@@ -331,17 +331,6 @@ def test_open_nackint_in_slave_tx(asks):
     assert rig.asked() == (INT1 if asks else 0)
 
 
-@pytest.mark.rule("I2C-108")
-@pytest.mark.parametrize("clocks", [1, 0, 7])
-def test_open_sda_setup_before_scl_release(clocks):
-    """15 cycles a module clock; with 0 SCL still follows a cycle later, else both together could be a START."""
-    rig = addressed(read=1, sda_setup_before_scl_release=clocks)
-    rig.wait(BIT)
-    rig.write("I2CDXR", 0x00)
-    assert rig.pulling_sda
-    assert rig.wait_for(lambda: not rig.stretching) == max(1, clocks * 15)
-
-
 @pytest.mark.rule("I2C-198", "I2C-199")
 @pytest.mark.parametrize("clear", ["any_start_or_stop", "until_next_address"])
 @pytest.mark.parametrize("address", [OWN, OTHER])

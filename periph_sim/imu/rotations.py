@@ -35,7 +35,7 @@ def angles(attitudes: ArrayLike) -> Floats:
     If the nose points straight up or down, roll is 0.
     """
     m = matrices(attitudes)
-    horizontal = np.hypot(m[:, 2, 1], m[:, 2, 2])  # cos(pitch)
+    horizontal = np.hypot(m[:, 2, 1], m[:, 2, 2])  # the cosine of the pitch
     locked = horizontal < 1e-9
     roll = np.where(locked, 0.0, np.arctan2(m[:, 2, 1], m[:, 2, 2]))
     yaw = np.where(locked, np.arctan2(-m[:, 0, 1], m[:, 1, 1]), np.arctan2(m[:, 1, 0], m[:, 0, 0]))

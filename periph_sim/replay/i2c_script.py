@@ -233,7 +233,7 @@ class AsTarget:
     """The settings of firmware that plays a captured target. Times are in positions of the capture."""
 
     address: int
-    replies: list[bytes] = field(default_factory=list)  # one for each read
+    replies: list[bytes] = field(default_factory=list)  # the data of each read
     asleep: Fraction | None = None  # the firmware does not answer from the start up to this time
     # For each write that ended in a STOP, how long the firmware does not answer after it.
     busy: list[Fraction] = field(default_factory=list)

@@ -22,7 +22,8 @@ from .compare import Change, Divergence, Happened
 from .report import Report
 
 BEFORE, AFTER = 22, 13  # numbers of bits shown before and after the divergence
-ALWAYS = ("AAS", "SDIR", "RRDY", "XRDY", "XSMT", "SCD", "NACK", "BB", "RXFFST", "RXRDY")  # flag lanes, in this order
+# Fields whose lanes are always shown, in this order.
+ALWAYS = ("AAS", "SDIR", "RRDY", "XRDY", "XSMT", "SCD", "NACK", "BB", "RXFFST", "RXRDY")
 MOST_FLAGS = 9
 LINES = ("SCL", "SDA")
 

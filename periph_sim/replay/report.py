@@ -41,7 +41,7 @@ class Report:
 
     case: str
     capture: str
-    kind: str  # i2c, uart or session
+    kind: str  # kind of the capture: i2c, uart or session
     verdict: str  # pass, ambiguous, not judged or fail
     events: int
     agreed: int
@@ -54,7 +54,7 @@ class Report:
     ambiguous: int = 0
     filled: list[str] = field(default_factory=list)
     unjudged: str = ""
-    loop: str = "closed"  # closed or open
+    loop: str = "closed"  # closed loop or open loop
     role: str = "slave"  # I2C: role of the F28335, slave or master
     divergences: list[Divergence] = field(default_factory=list)
     tolerance_us: float = 0.0

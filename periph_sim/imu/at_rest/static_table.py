@@ -22,7 +22,7 @@ from ..models.parameters import NONE, ImuParameters
 from ..noise import AXES
 from .rest import SENSORS, UNITS, Expected, Floats, expected_at_rest, variances_before_rounding
 
-Three = tuple[float, float, float]  # x, y, z
+Three = tuple[float, float, float]  # values on x, y, z
 
 SAMPLES = 10_000
 RATE = 50  # sample rate in Hz

@@ -53,7 +53,7 @@ ODD_CRYSTAL = 143_181_815  # SYSCLKOUT in Hz with a crystal of 28.636363 MHz and
 BAUD = 115_200
 LINES_RUN = "5 ms"
 PPM = (-100_000, -37, 37, 100_000)
-MORE_THAN_A_CENTURY = Fraction(109 * 365 * DAY)  # seconds
+MORE_THAN_A_CENTURY = Fraction(109 * 365 * DAY)  # duration of a run in seconds
 FAR = 10**9  # the number of a distant sample
 TRIED = 1 << 20  # number of samples that are added one by one
 UNIT_ROUNDOFF = 2.0**-53
@@ -192,10 +192,10 @@ def _why(tried: Callable[[], object], error: type[Exception]) -> str:
 
 BRR = 40  # value of the baud rate registers, for 114 329 bit/s
 SAMPLE = 4 * (BRR + 1)  # length of a sample in SYSCLKOUT cycles, with LSPCLK = SYSCLKOUT / 4
-NOMINAL = 8  # samples per bit
+NOMINAL = 8  # samples per bit if the sender has the right rate
 PHASES = 16  # number of phases within a sample at which the first start bit begins
 BYTES = b"\x55\x00\x7f" * 4  # twelve bytes whose last data bit is 0, unlike a stop bit
-LIMITS = {"fast": Fraction(77, 10), "slow": Fraction(76, 9)}  # samples per bit
+LIMITS = {"fast": Fraction(77, 10), "slow": Fraction(76, 9)}  # limits of the samples per bit
 HALVINGS = 8  # number of bisections of an interval of half a sample per bit
 START = 10_000  # cycle of the first start bit
 

@@ -20,8 +20,7 @@ from ..numeric.q_arrays import Ints
 from .frames import REFERENCE, SENSORS, Codes, codes_of
 from .working_range import Worst
 
-# agrees: within the arithmetic's deviation in the working range. exact: no deviation.
-# full scale: the converter's last code, as intended.
+# agrees: as near as in the working range. exact: no deviation. full scale: the converter's last code, as intended.
 Happens = Literal["agrees", "exact", "off", "full scale", "saturates", "wraps", "NaN", "refused"]
 
 
@@ -61,7 +60,7 @@ class Sample:
     """The inputs of a model at one value of a sweep, and those of the reference, which are the same by default."""
 
     imu: parameters.ImuParameters
-    counts: Ints  # int64[12]
+    counts: Ints  # counts of a sample (see `frames`), int64[12]
     true_imu: parameters.ImuParameters | None = None
     true_counts: Ints | None = None
 

@@ -21,8 +21,8 @@ from . import ANGLES, BadMotion
 from .pieces import Floats, Held, Straight
 from .quantities import Angle, Rate, Seconds
 
-DEGREE = pi / 180  # rad
-RPM = 2 * pi / 60  # rad/s
+DEGREE = pi / 180  # a degree in rad
+RPM = 2 * pi / 60  # a revolution per minute in rad/s
 MOST_READS = 1_000_000  # maximum number of positions that are held in memory
 
 

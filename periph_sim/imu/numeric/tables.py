@@ -24,7 +24,7 @@ def _parabola(low: float, high: float) -> tuple[float, float, float]:
     middle, half = (low + high) / 2, (high - low) / 2
     x = [middle + half * cos(pi * (2 * i + 1) / 6) for i in range(3)]
     y = [atan(at) for at in x]
-    first = (y[1] - y[0]) / (x[1] - x[0])  # divided differences
+    first = (y[1] - y[0]) / (x[1] - x[0])  # the divided differences of Newton's interpolation
     second = ((y[2] - y[1]) / (x[2] - x[1]) - first) / (x[2] - x[0])
     return y[0] - first * x[0] + second * x[0] * x[1], first - second * (x[0] + x[1]), second
 

@@ -102,8 +102,8 @@ class Sparse:
         into[self._where[begin:end] - lines.start] = page
 
 
-# A column of the output has the same width in every line. Its `fill` writes the characters of some lines into an array
-# with the shape (number of lines, width).
+# A column has the same width in every line. Its `fill` writes some lines into an array of shape (number of lines,
+# width).
 Column: TypeAlias = "Literal | Digits | Words | Sparse"
 
 

@@ -70,8 +70,7 @@ def check(
             from ..reports.baselines.check import case_files
 
             note_inputs(case_files(paths or project.cases()), but_baselines=update)
-        # Outputs are opened before the runs, so that a file that cannot be written is reported before the time is
-        # spent.
+        # Outputs are opened before the runs, so that a file that cannot be written is reported at once.
         unfinished, unfinished_html = (
             None if file is None else outputs.enter_context(atomic_write(file)) for file in (junit_file, html_file)
         )

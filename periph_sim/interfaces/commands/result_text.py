@@ -12,7 +12,8 @@ from ...timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict, broken, fig
 from .tables import PlainTable, Screen, say
 
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
-THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}  # singular names of counts
+# The singular of the names of counts that are nouns.
+THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 
 

@@ -96,7 +96,7 @@ class Run:
     result: Result
     budgets: Budgets
     timebase: Timebase
-    start: int  # the first tick
+    start: int  # the tick at which the run began
     records: RecordTable | None
     hangs: tuple[str, ...]  # sentences about lines and firmware that are stuck forever
     _transfers: list[Transfer]

@@ -33,7 +33,7 @@ MOST_NAMED = 12  # maximum number of channels that a message names
 MOST_LISTED = 3  # maximum number of spans that a note lists
 UNKNOWN = 2  # the state of a line whose level is unknown, beside the states 0 and 1
 UNITS = {"": 1, "hz": 1, "khz": 10**3, "mhz": 10**6, "ghz": 10**9}
-FASTEST = 10**15  # samples per second
+FASTEST = 10**15  # highest rate that is accepted, in samples per second
 RATE = re.compile(rf"\s*(\d{{1,{MOST_DIGITS}}}(?:\.\d{{0,{MOST_DIGITS}}})?(?:[eE]\+?\d\d?)?)\s*([A-Za-z]*)\s*")
 
 

@@ -12,9 +12,9 @@ from typing import NamedTuple
 
 
 class Mode(Enum):
-    STANDARD = "standard"  # to 100 kHz
-    FAST = "fast"  # to 400 kHz
-    FAST_PLUS = "fast-plus"  # to 1 MHz
+    STANDARD = "standard"  # clock rates up to 100 kHz
+    FAST = "fast"  # clock rates up to 400 kHz
+    FAST_PLUS = "fast-plus"  # clock rates up to 1 MHz
 
 
 class Bounds(NamedTuple):

@@ -177,7 +177,7 @@ class _Part:
         edges = edges_of(scl, sda)
         self.rises, self.conditions, self.is_start = edges.rises, edges.conditions, edges.starts
         self.falls = scl.edges[scl.levels == 0]
-        self.shortest_phase = np.diff(scl.edges).min(initial=np.iinfo(np.int64).max)  # of SCL, in positions
+        self.shortest_phase = np.diff(scl.edges).min(initial=np.iinfo(np.int64).max)  # SCL's, in positions
         self._edges, self._levels = sda.edges, sda.levels
         self.starts = self.conditions[self.is_start]
         # A pulse is the low phase before a rise of SCL and the high phase up to the next fall.

@@ -26,15 +26,14 @@ from .uart_line import Line, line_of
 
 Pulses = NDArray[np.int64]
 
-# Rates in common use.
+# Usual baud rates.
 USUAL = (
     *(50, 75, 110, 134, 150, 200, 300, 600, 1200, 1800, 2400, 4800, 7200, 9600, 14400, 19200, 28800, 31250, 38400),
     *(56000, 57600, 74880, 76800, 100_000, 115_200, 125_000, 153_600, 187_500, 230_400, 250_000, 312_500, 345_600),
     *(375_000, 460_800, 500_000, 576_000, 625_000, 750_000, 921_600, 1_000_000, 1_250_000, 1_500_000, 1_843_200),
     *(2_000_000, 2_500_000, 3_000_000, 3_500_000, 4_000_000, 6_000_000, 8_000_000, 12_000_000),
 )
-# A rate that differs from a usual one by no more than this is rounded to it: receivers tolerate 2.5 %, and the error of
-# a short capture is 1 %.
+# A rate this near to a usual one is rounded to it. Receivers tolerate 2.5 %; the error of a short capture is 1 %.
 NEAR = 0.035
 
 # Shapes in order of preference; the first one that decodes without errors is chosen.

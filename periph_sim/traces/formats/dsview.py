@@ -28,7 +28,7 @@ NAME = "DSView session (.dsl)"
 SUFFIXES = (".dsl",)
 
 WHAT = "DSView session"
-WORD = 8  # bytes: 64 samples
+WORD = 8  # number of bytes of a word, which contains 64 samples
 SALVAGE = "copy or save it again, or read the intact part with --salvage"
 
 

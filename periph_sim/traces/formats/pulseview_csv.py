@@ -35,7 +35,7 @@ from .csv_rows import NUMBER, BadRow, Rows, Time
 NAME = "PulseView or DSView CSV"
 SUFFIXES = (".csv", ".txt")
 
-BLOCK = 1 << 20  # bytes read at once
+BLOCK = 1 << 20  # number of bytes that are read at once
 UNITS = {
     "seconds": 0,
     "milliseconds": 3,

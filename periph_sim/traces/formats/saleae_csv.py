@@ -114,7 +114,7 @@ class _Table:
         self.ticks: array[int] | list[int] = array("q")  # a list if a value exceeds 64 bits
         self.lines = array("q")  # the line of each row
         self._kinds: dict[tuple[str, ...], int] = {}  # numbers of the combinations of cells, which are few
-        self._states: list[list[int]] = []  # states of each combination
+        self._states: list[list[int]] = []  # the states of the channels for each combination
         self._rows = array("I")  # the combination of each row
         self.decimals = LEAST_DECIMALS
         self._first = self._last = 0

@@ -266,8 +266,8 @@ class Evidence:
     def causes(self, record: Record, since: int) -> list[Step]:
         """Return steps for the causes of a record.
 
-        The last two causes are included with the links beside them, and earlier causes only from tick `since` on. Of
-        consecutive edges and events of the bus, only the last one is included.
+        The two nearest causes are included, with links that are `aside`. Earlier causes are included only from tick
+        `since` on, without such links. Of consecutive edges and events of the bus, only the last one is included.
         """
         steps, number, effect = [], 0, record
         for cause, link in islice(self.walk(record), 1, None):

@@ -53,9 +53,10 @@ def places(evidence: Evidence, ends: Ends) -> list[Stretch]:
 
 
 def reached(evidence: Evidence, record: Record) -> Record | None:
-    """Return the first of a record and its causes that is an action of the firmware or not later than the begin.
+    """Follow the causes of a record back in time, and return the first record at which the search ends.
 
-    Return None if there is no such cause.
+    It ends at an action of the firmware, or at a record that is not later than the begin of the occurrence. Return None
+    if the causes lead to neither.
     """
     for cause, link in evidence.walk(record):
         if not link.aside and (cause.kind in IN_FIRMWARE or cause.tick <= evidence.window.begin):
@@ -144,9 +145,9 @@ def _between(evidence: Evidence, ends: Ends) -> list[Step]:
 
 
 def _older(evidence: Evidence, ends: Ends) -> list[Step]:
-    """Return steps for earlier reads of a device within the age of its data, which a read of this device ends.
+    """Return steps for reads that returned older data, if the occurrence is the age of a device's data.
 
-    Return none if the occurrence is not the age of data.
+    The age ends with a read of the device. The steps are earlier reads of the same device within this time.
     """
     begin, end = evidence.window.begin, evidence.window.end
     read = next((p for p in evidence.phases if p.begin == end), None)

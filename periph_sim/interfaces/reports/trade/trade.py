@@ -1,6 +1,7 @@
-"""Comparison of all rows of one scene: errors in comparison with the most accurate row, CPU time, recommended row.
+"""Comparison of the choices for a scene: the errors and the CPU time of each, and a recommendation.
 
-CPU time is measured after the start of the scenes. The measurement is repeated until the rows differ significantly.
+Each choice is a row. Its errors are the differences from the most accurate row. CPU time is measured after the start of
+the scenes. The measurement is repeated until the rows differ significantly.
 """
 
 from __future__ import annotations

@@ -113,7 +113,10 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 
 @pytest.fixture(scope="session")
 def scene(pytestconfig: pytest.Config) -> SceneFactory:
-    """scene(file or firmware function, *changes, seconds=None, record=False, ...) -> Run: builds and runs a case."""
+    """Return a function that builds and runs a case.
+
+    Its signature is scene(file or firmware function, *changes, seconds=None, record=False, ...) -> Run.
+    """
     from .fixtures import SceneFactory
 
     return SceneFactory(pytestconfig)

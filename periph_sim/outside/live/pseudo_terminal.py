@@ -40,7 +40,10 @@ class Openings:
             self._file = -1
 
     def passed(self) -> tuple[bool, bool]:
-        """Return, since the last call: True if the last client left, and True if a client came when there was none."""
+        """Return two flags about the time since the last call.
+
+        The first is True if the last client left, and the second is True if a client came when there was none.
+        """
         left = came = False
         for mask in self._masks():
             before = self._open
@@ -106,7 +109,7 @@ class PseudoTerminal:
         os.close(self.kept)
 
     def clients(self) -> tuple[bool, bool]:
-        """Return, since the last call: True if the last client left, and True if another one came."""
+        """Return two flags about the time since the last call: the last client left, and another one came."""
         return self._openings.passed()
 
     def read(self) -> bytes:

@@ -290,7 +290,10 @@ def _by(executor: Executor, job: Job, parts: Sequence[Texts]) -> Iterator[list[R
 
 
 def _by_processes(job: Job, parts: Sequence[Texts], jobs: int) -> Iterator[list[Row]]:
-    """Like `_by`, in processes of this package. If a process dies, its unfinished runs are repeated one by one."""
+    """Yield the rows in the order of the parts, which own worker processes execute.
+
+    If a process dies, its unfinished runs are repeated one by one.
+    """
     done = 0
     while done < len(parts):
         with processes(jobs) as pool:

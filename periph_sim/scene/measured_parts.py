@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 
 class MeasuredParts:
-    """The parts of a scene that measures use; see `timing.measures.measured_scene.MeasuredScene`."""
+    """The parts of a scene that measures use; see `timing.measures.measure.MeasuredScene`."""
 
     def __init__(
         self,

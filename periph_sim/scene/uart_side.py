@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ..core.wire import Wire
     from ..f28335.sci.module import Sci
     from ..processor.dsp import Dsp
-    from ..timing.measures.measured_scene import MeasuredScene
+    from ..timing.measures.measure import MeasuredScene
     from .host import HostAgent
     from .pairs import Pairs
     from .serial.side import SerialSide

@@ -19,7 +19,7 @@ from ...core.suggest import did_you_mean
 from ...timing.language.events import Matcher, matcher
 from ...timing.language.scope import BadEvent, Scope
 from ...timing.measures.expectations import Expected, Reply
-from ...timing.measures.measured_scene import MeasuredScene
+from ...timing.measures.measure import MeasuredScene
 from ..case.model import Case
 from ..case.serial import ExpectTable, SendTable, SerialTable
 from ..case.wiring import SciLines, sci_lines, sci_named

@@ -24,8 +24,7 @@ from ...core.state import State
 from ...core.suggest import did_you_mean
 from ..language.events import ANYTHING, Matcher
 from .groups import Groups
-from .measure import READ, Measure
-from .measured_scene import MeasuredScene
+from .measure import READ, Measure, MeasuredScene
 from .registry import UNNAMED, Sentence
 
 

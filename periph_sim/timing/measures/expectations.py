@@ -17,8 +17,7 @@ from msgspec import Struct, field
 
 from ...core.state import State
 from ...core.time import NO_TIME
-from .measure import Measure
-from .measured_scene import MeasuredScene
+from .measure import Measure, MeasuredScene
 
 if TYPE_CHECKING:
     from ...devices.watchers import WireWatcher

@@ -15,7 +15,7 @@ from collections.abc import Callable
 from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
-from .measured_scene import MeasuredScene
+from .measure import MeasuredScene
 
 PAUSE = 2  # characters without a frame that end a burst
 

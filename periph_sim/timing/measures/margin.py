@@ -16,8 +16,7 @@ from ...core.records import UNWANTED, Kind, Recorder, Subjects
 from ...core.state import State
 from ...core.time import NO_TIME
 from .bus_from_wires import BusFromWires
-from .measure import Measure
-from .measured_scene import Delay, MeasuredScene
+from .measure import Delay, Measure, MeasuredScene
 
 WRITE, XRDY = 0, 1  # tags of records
 THINGS = {(Kind.ACCESS, "W I2C-A.I2CDXR"), (Kind.FLAG, "I2CSTR.XRDY")}

@@ -1,7 +1,8 @@
 """Base class of all measures, which follow the records of a run and keep the worst value and its tick.
 
 No history of values is kept, so memory does not grow with the run, unless `keep` asks for all values. For percentiles
-`Tally` counts equal values in bounded memory. Measures with a fixed name are rows in `registry`.
+`Tally` counts equal values in bounded memory. Measures with a fixed name are rows in `registry`. A measure may ask the
+scene for what records do not show: `MeasuredScene`.
 """
 
 # core: compiled
@@ -9,16 +10,21 @@ No history of values is kept, so memory does not grow with the run, unless `keep
 from __future__ import annotations
 
 from array import array
-from typing import TYPE_CHECKING, final
+from collections.abc import Callable
+from fractions import Fraction
+from typing import TYPE_CHECKING, Protocol, final
 
 from ...core.records import UNWANTED, Kind, Listener, Recorder, Subjects
 from ...core.state import State
 from ...core.time import NO_TIME
-from .measured_scene import MeasuredScene
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
+
+    from ...core.wire import Wire
+    from ...devices.watchers import WireWatcher
+    from .expectations import Expected, Reply, WatchedWire
 
 
 MOST = 1 << 15  # cells
@@ -209,7 +215,7 @@ class Measure(Listener):
     # Values -----------------------------------------------------------------------------
 
     def become_jitter(self) -> None:
-        """Take differences between successive values from now on. Call it before the first value."""
+        """Take differences between successive values in place of values. Call it before the first value."""
         self.is_jitter = True
         self.looks_back = "the occurrence before"
         self.occurrence = ""
@@ -296,3 +302,40 @@ class Measure(Listener):
         self.cut_off += 1
         if not alone:
             self.least, self.least_at = least, least_at
+
+
+class Delay(Protocol):
+    def ticks(self, written: int) -> int:
+        """Return the delay of a write at this tick, with the present settings."""
+
+
+class MeasuredScene(Protocol):
+    """The questions that a scene answers."""
+
+    def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
+        """Subscribe `reply`. Return the expected reply, and a function that returns why it was never requested."""
+
+    def watcher(self, measure: WatchedWire) -> WireWatcher:
+        """Return the watcher of the wire that the measure is named for, which gives its findings to the measure."""
+
+    def rounds_at_start(self) -> Callable[[], bool]:
+        """Return a function that says, at a START that is no repeated one, whether it begins a round."""
+
+    def began(self) -> int:
+        """Return the tick at which the run begins."""
+
+    def wire(self, name: str) -> Wire: ...
+
+    def level_of(self, wire: str) -> int:
+        """Return the level of a wire now."""
+
+    def value_of(self, place: str, name: str) -> int:
+        """Return what a field holds now: of "dsp.I2C-A" that of "I2CSTR.XRDY"."""
+
+    def ticks_per_second(self) -> int: ...
+
+    def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
+        """Return a unit's SYSCLKOUT in Hz from each tick on, up to now; of the first unit where none is named."""
+
+    def i2c_release_delay(self, unit: str) -> Delay:
+        """Return the delay from a write of I2CDXR that SCL is held for to its release."""

@@ -25,8 +25,7 @@ from ...form.c_types import Text
 from ...processor.source_location import statement
 from ...records.cleared_flags import CLEARABLE, CLEARABLE_FLAGS, Cleared, ClearedRegister, Flag, Modify
 from ...records.register_maps import MODIFY, OVERTAKEN
-from .measure import Measure
-from .measured_scene import MeasuredScene
+from .measure import Measure, MeasuredScene
 from .watched import Watched
 
 

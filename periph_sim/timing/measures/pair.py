@@ -24,7 +24,7 @@ from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
 from .event_pairing import NO_CLAUSES, Clauses, EventMeasure
 from .groups import Groups
-from .measured_scene import MeasuredScene
+from .measure import MeasuredScene
 
 PAIRINGS = ("in order", "next", "last")
 FIRST, SECOND, START, STOP = range(4)  # places of a pair's events

@@ -21,8 +21,7 @@ from ...records.run import NotInRun, Run
 from ...records.subject import groups_of
 from ...traces.formats.record_table import Columns, RecordTable
 from ..language.scope import scope_of_table
-from .measure import Measure
-from .measured_scene import MeasuredScene
+from .measure import Measure, MeasuredScene
 from .watched import Watched, losing, raced
 
 

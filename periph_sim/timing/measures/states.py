@@ -23,8 +23,7 @@ from ...core.time import NO_TIME
 from ...form.c_types import BigInt
 from ..language.events import EVERYTHING, Matcher
 from .event_pairing import EventMeasure
-from .measure import MILLIONTHS
-from .measured_scene import MeasuredScene
+from .measure import MILLIONTHS, MeasuredScene
 
 if TYPE_CHECKING:
     from .event_pairing import Hearing

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import gc
 from typing import NoReturn
 
 from .supervisor import supervise
 
 
 def command_line() -> None:
+    gc.disable()  # until the command is imported, since what is imported stays
     from .cli import run_command
 
     run_command()

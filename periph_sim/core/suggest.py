@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from difflib import get_close_matches
 
 from .shorten import shorten
 
@@ -12,6 +11,8 @@ LONGEST = 60  # characters to which a known name is shortened, and of the misspe
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return a phrase with the nearest known names, or with the first twelve if none is near."""
+    from difflib import get_close_matches  # only for an error
+
     names = [shorten(str(k), LONGEST) for k in known]
     folded = {k.casefold(): k for k in reversed(names)}
     close = [folded[k] for k in get_close_matches(name[:LONGEST].casefold(), list(folded), 3, 0.6)]

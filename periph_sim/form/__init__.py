@@ -1,18 +1,19 @@
 """Selection of the form of the core: its Python sources or the modules compiled from them. Both make equal records.
 
-    sources, build --digests agree--> compiled modules are found first      else: interpreted, and `note` says why
+    sources, build --equal--> compiled modules are found first      else: interpreted, and `note` says why
 
-A build contains the digest of every source that it was made from. A build is ignored if one source differs, so that
+A build contains one digest of all sources that it was made from. A build is ignored if one source differs, so that
 compiled code always matches the sources, or if its library has another size than when it was built, because loading a
-truncated library ends the process without a message. PERIPH_SIM_FORM=interpreted ignores any build;
+truncated library ends the process without a message. Sources are read and compared only if the size or the time of the
+last change of one of them differs from the build's. PERIPH_SIM_FORM=interpreted ignores any build;
 PERIPH_SIM_FORM=hard uses the build for tests, `make core HARD=1`.
 """
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
+import stat
 import sys
 from collections.abc import Callable, Sequence
 from importlib.machinery import (
@@ -40,8 +41,18 @@ running = INTERPRETED
 note = ""  # why a build that is there does not run
 
 
+def stamps(package: Path, modules: Sequence[str]) -> list[list[int]]:
+    """Return the size and the time of the last change of the sources of these modules and of this package."""
+    sources = [f"{package}{os.sep}{module.replace('.', os.sep)}.py" for module in modules]
+    own = Path(__file__).parent
+    found = [os.stat(path) for path in (*sources, *(f"{own}{os.sep}{name}" for name in sorted(os.listdir(own))))]
+    return [[one.st_size, one.st_mtime_ns] for one in found if stat.S_ISREG(one.st_mode)]
+
+
 def digest(package: Path, modules: Sequence[str]) -> str:
     """Return one digest of the sources of these modules ("core.kernel") and of the Python they are compiled for."""
+    import hashlib  # seldom needed
+
     found = hashlib.sha256(SUFFIX.encode())
     for path in (*(source_of(package, module) for module in modules), *sorted(Path(__file__).parent.glob("*.py"))):
         found.update(path.name.encode())
@@ -90,11 +101,15 @@ def finders(package: Path, built: Path, modules: Sequence[str]) -> Callable[[str
             return spec_from_file_location(fullname, library, loader=_Loader(fullname, str(library)))
 
     def finder(folder: str) -> FileFinder:
-        if not Path(folder).resolve().is_relative_to(package):
+        if not _is_inside(folder, package):
             raise ImportError(f"{folder} is not of {package.name}")
         return Finder(folder, (ExtensionFileLoader, EXTENSION_SUFFIXES), (SourceFileLoader, SOURCE_SUFFIXES))
 
     return finder
+
+
+def _is_inside(folder: str, package: Path) -> bool:
+    return f"{folder}{os.sep}".startswith(f"{package}{os.sep}") or Path(folder).resolve().is_relative_to(package)
 
 
 def usable(package: Path, built: Path) -> tuple[list[str], str]:
@@ -108,7 +123,7 @@ def usable(package: Path, built: Path) -> tuple[list[str], str]:
     if not whole:
         return [], "the compiled core is not whole"
     try:
-        same = digest(package, modules) == made_of
+        same = stamps(package, modules) == manifest.get("stamps") or digest(package, modules) == made_of
     except OSError:
         same = False
     return (modules, "") if same else ([], "the compiled core was built of other sources or for another Python")
@@ -130,6 +145,6 @@ def choose() -> None:
         note = f"{why}, so it is left alone and this run is interpreted; `{way()}` builds it anew"
         return
     sys.path_hooks.insert(0, finders(PACKAGE, built, modules))
-    for folder in [folder for folder in sys.path_importer_cache if Path(folder).resolve().is_relative_to(PACKAGE)]:
+    for folder in [folder for folder in sys.path_importer_cache if _is_inside(folder, PACKAGE)]:
         del sys.path_importer_cache[folder]
     running = COMPILED

@@ -38,7 +38,7 @@ from pathlib import Path
 from subprocess import run
 from typing import NamedTuple
 
-from . import BUILT, HARD_BUILT, LIBRARY, MANIFEST, PACKAGE, digest, source_of, symbol, usable
+from . import BUILT, HARD_BUILT, LIBRARY, MANIFEST, PACKAGE, digest, source_of, stamps, symbol, usable
 from .c_checks import CHECK, REFUSAL, arrays_of, never_none, with_index_checks, with_none_refused
 from .compiled_class import BadDeclaration
 from .declarations import declarations, used_by
@@ -268,7 +268,7 @@ def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: 
     """Compile the modules that say so. `built` is replaced when all of it is done, and left alone if it may run."""
     sources = Sources(package)
     cc, modules, last = compiler(), needed(prefixes, sources), last_build(built)
-    made_of = digest(package, modules)
+    written, made_of = stamps(package, modules), digest(package, modules)
     if usable(package, built)[0] == modules:
         print(NOTHING_TO_DO, flush=True)
         return
@@ -293,7 +293,8 @@ def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: 
             print(NOTHING_TO_DO, flush=True)
         link(modules, folder, cc, kind)
         size = (folder / LIBRARY).stat().st_size
-        (folder / MANIFEST).write_text(json.dumps({"digest": made_of, "size": size, "modules": prints}), "utf-8")
+        manifest = {"digest": made_of, "stamps": written, "size": size, "modules": prints}
+        (folder / MANIFEST).write_text(json.dumps(manifest), "utf-8")
         shutil.rmtree(built, ignore_errors=True)
         (built / OBJECTS).mkdir(parents=True)
         for module in modules:

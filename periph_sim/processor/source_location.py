@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import os
 import re
-import sysconfig
 from collections.abc import Callable
 from pathlib import Path
 from types import CodeType, FrameType
@@ -25,7 +24,7 @@ FIRMWARE_ROOMS = (  # exceptions
     f"{PACKAGE}firmware{os.sep}",  # start-up code that firmware imports
     f"{PACKAGE}examples{os.sep}",  # shipped programs, here in a wheel
 )
-STDLIB = f"{sysconfig.get_path('stdlib')}{os.sep}"  # not firmware either; our own calls pass through it
+STDLIB = f"{Path(os.__file__).parent}{os.sep}"  # not firmware either; our own calls pass through it
 INSTALLED = f"{STDLIB}site-packages{os.sep}"  # which may hold firmware
 
 

@@ -14,7 +14,7 @@ from _pytest.assertion.rewrite import AssertionRewritingHook
 from _pytest.config import Config
 
 from periph_sim import cli, form
-from periph_sim.form import LIBRARY, MANIFEST, digest, usable
+from periph_sim.form import LIBRARY, MANIFEST, digest, stamps, usable
 
 MODULES = ["core.one", "core.two"]
 
@@ -36,6 +36,16 @@ def package(tmp_path: Path, monkeypatch) -> Path:
 
 def test_a_build_of_these_sources_runs(package: Path):
     assert usable(package, package.parent / "built") == (MODULES, "")
+
+
+@pytest.mark.parametrize(("unread", "runs"), [(0, True), (1, False)])
+def test_sources_are_compared_only_if_one_was_written_since(package: Path, unread: int, runs: bool):
+    """By size and time; here no digest of the sources agrees."""
+    written = stamps(package, MODULES)
+    written[0][0] += unread
+    manifest = {"digest": "of others", "stamps": written, "size": 0, "modules": MODULES}
+    (package.parent / "built" / MANIFEST).write_text(json.dumps(manifest))
+    assert bool(usable(package, package.parent / "built")[0]) is runs
 
 
 @pytest.mark.parametrize("file", ["one.py", "two.py"])

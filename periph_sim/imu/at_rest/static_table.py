@@ -130,7 +130,7 @@ class Reading:
 
 
 def readings() -> list[Reading]:
-    """Compare the published means with each reading."""
+    """Return all readings, each with its differences from the published means."""
     return [Reading(says, _off(expected_at_rest(imu()))) for says, imu in READINGS]
 
 

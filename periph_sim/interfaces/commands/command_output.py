@@ -104,7 +104,7 @@ def progress(name: str) -> Iterator[Callable[[float], None] | None]:
 def cost_of_form(seconds: float) -> str:
     """Return advice to compile the core after an interpreted run of `seconds`.
 
-    Return "" if the run was short, the user has already been told, or the interpreted form was requested.
+    Return "" if the run was short, a note on this has been printed already, or the interpreted form was requested.
     """
     asked = os.environ.get(form.VARIABLE) == form.INTERPRETED
     if form.running != form.INTERPRETED or form.note or asked or seconds < LONG:

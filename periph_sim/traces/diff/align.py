@@ -204,8 +204,8 @@ def _moved(
     first, last = min(left + 1, before[2]), min(right + 1, behind[2])
     place = np.arange(-first, last)
     short = time_short[before[1 - long] + before[2] + place]
-    early = time_long[end + place] - short  # lateness if these items are before the gap
-    late = time_long[end + gap + place] - short  # lateness if they are after it
+    early = time_long[end + place] - short  # lateness of each item if it is before the gap
+    late = time_long[end + gap + place] - short  # lateness of each item if it is after the gap
     nothing = np.zeros(1)
     until = np.concatenate((nothing, nothing, np.cumsum(np.abs(np.diff(early)))))[: len(place) + 1]
     since = np.concatenate((np.cumsum(np.abs(np.diff(late))[::-1])[::-1], nothing, nothing))[: len(place) + 1]

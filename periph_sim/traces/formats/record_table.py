@@ -2,7 +2,7 @@
 
     record of a topic --> Columns.keep --> RecordTable: one numpy array per column, each string once in a table
 
-A record takes 53 bytes in the table, and 44 while it is collected, because its topic stands for kind, where and what.
+A record takes 53 bytes in the table, and 44 while it is collected, because its topic replaces kind, where and what.
 Collected records are in blocks of fixed length, so that no object is created for a record and no record is moved.
 """
 
@@ -56,7 +56,7 @@ class Topics(NamedTuple):
     row: the number of the combination of each row.
     """
 
-    indices: NDArray[np.int64]  # [topic, 3]
+    indices: NDArray[np.int64]  # shape (topics, 3)
     row: NDArray[np.uint32]
 
 

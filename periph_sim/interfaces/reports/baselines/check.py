@@ -105,7 +105,7 @@ STOPPED = "it was not run to its end, because the check was stopped"
 
 
 def case_files(paths: Iterable[Path | str]) -> list[Path]:
-    """Return the case files at these paths, each once. A folder stands for all cases below it.
+    """Return the case files at these paths, each once. For a folder, these are all cases below it.
 
     Raise BadCheck if there are none.
     """

@@ -12,7 +12,7 @@ continues there. An item is made at the end of an access, after the items of ser
 from __future__ import annotations
 
 from array import array
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from enum import IntEnum
 from functools import partial
 from pathlib import Path
@@ -61,7 +61,7 @@ class LoggedRun(Run):
     """A run that keeps a log, after it has repeated the accesses of an earlier run.
 
     log: the items so far.
-    computing: cycles of the computation in progress outside of service routines; 0 if there is none.
+    computing: cycles of the computation in progress; 0 if there is none.
     """
 
     def __init__(
@@ -110,19 +110,17 @@ class LoggedRun(Run):
                 self.log.append(item | int.from_bytes(memory, "little") & VALUE)
 
     def write_register(self, word: int, value: int, width: int) -> None:
-        item = item_of(Access.WRITE, word, value)
-        if self.re_executes:
-            self._answer(item)
-        else:
-            super().write_register(word, value, width)
-            self.log.append(item)
+        self._make(item_of(Access.WRITE, word, value), partial(super().write_register, word, value, width))
 
     def execute(self, instruction: str) -> None:
         item = item_of(Access.EXECUTE, list(self.assembly).index(instruction))
+        self._make(item, partial(super().execute, instruction))
+
+    def _make(self, item: int, access: Callable[[], None]) -> None:
         if self.re_executes:
             self._answer(item)
         else:
-            super().execute(instruction)
+            access()
             self.log.append(item)
 
     def enter(self, pointer: int) -> None:
@@ -178,9 +176,8 @@ class LoggedRun(Run):
 def log_at_rest(firmware: HostFirmware) -> AccessLog | None:
     """Return the log if it can end here, in a computation in which the CPU sleeps; otherwise None."""
     run, processor = firmware.run, firmware.dsp.processor
-    if not isinstance(run, LoggedRun) or not run.computing:
-        return None
-    if not processor.time.asleep or processor.interrupts.core.nested:
+    in_main = processor.time.asleep and not processor.interrupts.core.nested
+    if not isinstance(run, LoggedRun) or not run.computing or not in_main:
         return None
     return AccessLog(run.log, len(run.log), run.computing)
 

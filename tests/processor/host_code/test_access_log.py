@@ -13,6 +13,7 @@ import pytest
 from periph_sim.core.records import RECORDED, Record
 from periph_sim.core.restore import NotRestorable
 from periph_sim.core.snapshot import Snapshot
+from periph_sim.processor.image_files.assemble import SHIPPED
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene
@@ -37,7 +38,16 @@ baud = 115200
 first = "6 ms"
 period = "20 ms"
 """
-OTHER_UNIT = '[unit.other]\nsources = ["echo.c"]\nmodules = ["GPIO"]\ncompile = { include = ["."] }\n'
+OTHER_UNITS = f"""
+[unit.other]
+sources = ["echo.c"]
+modules = ["GPIO"]
+compile = {{ include = ["."] }}
+
+[unit.image]
+image = "{SHIPPED / "blink.asm"}"
+modules = ["GPIO"]
+"""
 ADC = "extern volatile struct { Uint16 word[32]; } AdcRegs;\n"  # not modelled, so it keeps what is written
 SET_UP = "EALLOW; SysCtrlRegs.WDCR = 0x68; GpioCtrlRegs.GPADIR = 0x80000000; EDIS; "
 
@@ -75,6 +85,7 @@ def states_at(scene: Scene, instants: list[int]) -> list[Snapshot]:
 def goes_on(case: Case, state: Snapshot, until: int, records: list[Record]) -> Scene:
     """Restore a state, run, and compare the records; those from the checkpoint to the state are made again."""
     scene, again = recorded(case)
+    again.clear()  # records of the construction
     scene.restore(state)
     assert state.differences(scene.state()) == {} and scene.kernel.now == state.tick
     assert state.base is not None
@@ -113,8 +124,8 @@ def test_service_routines_are_entered_again_where_they_were(echo: Callable[..., 
 
 @pytest.mark.long
 def test_a_restored_scene_has_states_that_can_be_restored(echo: Callable[..., Case]):
-    """Also twice, and after the first scene has run on."""
-    case = echo(text=HOST + OTHER_UNIT)
+    """Also twice, and after the first scene has run on; with two units of C sources, and one of an image."""
+    case = echo(text=HOST + OTHER_UNITS)
     whole, records = recorded(case)
     (early,) = states_at(whole, [us(whole, 6100)])
     whole.advance(us(whole, 7000))

@@ -3,7 +3,7 @@
     run that keeps a log:  C code --access--> LoggedRun --> CPU --value--> C code, and an item of the log
     re-execution:          C code --access--> runtime.c or LoggedRun: equal to the item? --its value--> C code
 
-A log can end only in a computation of main outside of service routines, in which the CPU sleeps; the restored scene
+A log can end only in a computation of main outside of service routines, in which the CPU sleeps. The restored scene
 continues there. An item is made at the end of an access, after the items of service routines that interrupt it:
 
     kind: 3 bits | bytes of a READ, modulo 8: 3 bits | place: 18 bits | value: 40 bits, signed
@@ -174,10 +174,10 @@ class LoggedRun(Run):
 
 
 def log_at_rest(firmware: HostFirmware) -> AccessLog | None:
-    """Return the log if it can end here, in a computation in which the CPU sleeps; otherwise None."""
+    """Return the log if it can end here: main computes, and the CPU sleeps in that; otherwise None."""
     run, processor = firmware.run, firmware.dsp.processor
-    in_main = processor.time.asleep and not processor.interrupts.core.nested
-    if not isinstance(run, LoggedRun) or not run.computing or not in_main:
+    can_end = processor.time.asleep and not processor.interrupts.core.nested
+    if not isinstance(run, LoggedRun) or not run.computing or not can_end:
         return None
     return AccessLog(run.log, len(run.log), run.computing)
 

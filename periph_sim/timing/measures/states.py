@@ -142,6 +142,8 @@ class TimeIn(EventMeasure):
         self._since = NO_TIME
         self._whole = False  # the begin of the present time was seen
         self._began = 0
+        self._entered = False  # a share has no value before the run ends,
+        self._lasted = 0  # so the sum of its times is kept apart from its values
         self._seconds = window
         self._windows: BusiestWindow | None = None
 
@@ -194,7 +196,8 @@ class TimeIn(EventMeasure):
         self._since, self._whole = at, seen
         if self._windows is not None:
             self._windows.begins(at)
-        if not self.series:
+        self._entered = True
+        if not self.series and not self._is_share:
             if not self.count:
                 self.worst_at = self.least_at = at
             self.count += 1
@@ -204,7 +207,9 @@ class TimeIn(EventMeasure):
         since, self._since = self._since, NO_TIME
         if self._windows is not None:
             self._windows.ends(at)
-        if not self.series:
+        if self._is_share:
+            self._lasted += at - since
+        elif not self.series:
             self.worst = self.least = self.worst + at - since
         elif self._whole:
             self.take(at - since, since)
@@ -219,11 +224,11 @@ class TimeIn(EventMeasure):
             self._ends(now)
         if self._is_share:
             whole = now - self._began
-            self._be_share(_millionths(self.worst, whole) if whole else -1, now)
+            self._be_share(_millionths(self._lasted, whole) if whole else -1, now)
 
     def _be_share(self, share: int, at: int) -> None:
         """Take the only value. share: -1 if there is none. A span that was never entered may be misspelled."""
-        self.count = int(share >= 0 and (self.count > 0 or not self.state.free))
+        self.count = int(share >= 0 and (self._entered or not self.state.free))
         self.worst = self.least = max(0, share)
         self.worst_at = self.least_at = at
 

@@ -183,7 +183,7 @@ class ClearedRegister:
     """A register with flags that writing 1 clears. status: hardware sets flags of it. last: its last read-modify-write.
 
     looks: the last plain reads, as of a place. places: the places of its writes. keeps_ticks: keep the ticks at which
-    flags were cleared.
+    flags were cleared, and count those that only rose between a read and a write.
     """
 
     __slots__ = ("flags", "keeps_ticks", "last", "looks", "places", "status")
@@ -248,8 +248,10 @@ class ClearedRegister:
         at: int
         flag: Flag
         for at, flag in enumerate(self.flags):
-            of: FlagOfPlace = place.flags[at]
             is_cleared = made.cleared & flag.mask != 0
+            if not (is_cleared or self.keeps_ticks):  # those that only rose are not counted
+                continue
+            of: FlagOfPlace = place.flags[at]
             if made.rose[at] > number:
                 of.rose += 1
                 if is_cleared:

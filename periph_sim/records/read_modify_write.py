@@ -14,7 +14,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ..core.records import Kind
 from ..processor.source_location import statement
 from .cleared_flags import CLEARABLE, Clearable, ClearedRegister, FlagOfPlace, Modify
 from .register_maps import MODIFY, OVERTAKEN
@@ -156,19 +155,25 @@ def pairs(run: Run, group: Group) -> tuple[Rows, Rows]:
 def _judged(run: Run, group: Group, clearable: Clearable) -> ClearedRegister:
     """Return a register with all its read-modify-writes in the run judged."""
     judged = ClearedRegister(clearable, keeps_ticks=True)
+    table = run.table
     reads, writes = pairs(run, group)
     changes = [run.changes(group.unit, group.module, group.register, field) for field in clearable.flags]
+    rows = np.sort(np.concatenate([writes, *changes])) if len(writes) else writes
     made: dict[int, Modify] = {}
-    for record in run.records(np.sort(np.concatenate([writes, *changes]))):
-        flag = judged.flag(record.what.partition(".")[2]) if record.kind is Kind.FLAG else None
-        if flag is None:
-            made[record.number] = judged.written(record.number, record.tick, record.value, record.text)
+    figures = (column[rows].tolist() for column in (table.number, table.tick, table.value, table.cause))
+    for number, tick, value, cause, what, text in zip(
+        *figures, table.texts("what", rows), table.texts("text", rows), strict=True
+    ):
+        flag = judged.flag(what.partition(".")[2])
+        if flag is None or what.startswith("W "):
+            made[number] = judged.written(number, tick, value, text)
         else:
-            judged.flag_changed(flag, record.number, record.tick, record.value, record.cause)
-    numbers = run.table.number
-    of_read = {int(numbers[read]): made[int(numbers[write])] for read, write in zip(reads, writes, strict=True)}
-    for record in run.records(np.sort(run.accesses_of(group.unit, "R", group.module, group.register.name))):
-        judged.judge(record.number, record.value, record.field, of_read.get(record.number))
+            judged.flag_changed(flag, number, tick, value, cause)
+    of_read = dict(zip(table.number[reads].tolist(), table.number[writes].tolist(), strict=True))
+    rows = np.sort(run.accesses_of(group.unit, "R", group.module, group.register.name)) if made else writes
+    figures = (column[rows].tolist() for column in (table.number, table.value))
+    for number, value, field in zip(*figures, table.texts("field", rows), strict=True):
+        judged.judge(number, value, field, made.get(of_read.get(number, 0)))
     return judged
 
 

@@ -87,6 +87,10 @@ class Chip:
         self.touched: set[str] = set()  # names of the open questions on which the run depended
         self.writes = 0  # number of actions that may change the steady words: writes, resets, the clock gate
 
+    def note(self, code: str, text: str, source: str) -> None:
+        """Add a note for the user."""
+        self.notes.append(Note(code, text, source))
+
     def pins(self, now: int, levels: int) -> int:
         """Sample the inputs in cycle `now`; bit i of `levels` is INPUTS[i].
 

@@ -16,12 +16,11 @@ from collections.abc import Callable
 from fractions import Fraction
 from random import Random
 
-from ..bus.i2c.target_side import Stretches
 from ..core.chip import Note
 from ..core.settings import duration
 from ..core.wire import Wire
 from ..processor.user_code import FirmwareError, Misuse, UserCode, defined_at
-from .targets import TargetContext
+from .targets import PlainReply, TargetContext
 
 
 class DevicePin:
@@ -97,11 +96,8 @@ HOOKS = {"on_address": 1, "on_write": 1, "on_read": 0, "on_stop": 0}  # and thei
 NEEDED = ("on_write", "on_read")  # at least one of them
 
 
-class PythonTarget:
+class PythonTarget(PlainReply):
     """guard: calls the hooks. make: builds the user's object, again when power returns. It is its own reply."""
-
-    ack = True
-    stretches: Stretches = ()
 
     def __init__(self, guard: UserCode, address: int, make: Callable[[], object]) -> None:
         self.addresses = (address,)

@@ -13,18 +13,15 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from ..bus.i2c.target_side import Stretches
 from ..core.state import State
 from .chips.register_chip import RegisterChip
+from .targets import PlainReply
 
 
-class RegisterPointer:
+class RegisterPointer(PlainReply):
     """The target, and its own reply. now: returns the time in ticks. touched: called after each access."""
 
     STATE = State("chip _number _used")
-
-    ack = True
-    stretches: Stretches = ()
 
     def __init__(self, chip: RegisterChip, now: Callable[[], int], touched: Callable[[], None] = lambda: None) -> None:
         self.chip = chip

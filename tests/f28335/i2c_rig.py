@@ -17,7 +17,7 @@ from periph_sim.f28335.i2c.module import I2c
 from periph_sim.f28335.i2c.options import I2cOptions
 
 from .i2c_bus import RELEASED, SCL, SDA, Bus
-from .i2c_registers import FLAGS, IRS, OFFSET
+from .i2c_registers import FLAGS, IRS, MST, OFFSET, STT, TRX
 
 OWN = 0x48  # the own address of most tests
 OTHER = 0x2A
@@ -43,13 +43,17 @@ class Rig(Bus):
         self.sampled = 1  # SDA just before the last fall of SCL
         self.interrupts: list[tuple[int, int]] = []  # (cycle, lines)
         super().__init__([self.chip])
-        self.chip.gate(0, True)
-        self.write("I2CPSC", 14)
-        self.write("I2CCLKL", 10)
-        self.write("I2CCLKH", 5)
+        self.set_up()
         self.write("I2CSAR", 0)
 
     # Registers
+
+    def set_up(self) -> None:
+        """The module's clock on, and the rates."""
+        self.chip.gate(self.now, True)
+        self.write("I2CPSC", 14)
+        self.write("I2CCLKL", 10)
+        self.write("I2CCLKH", 5)
 
     def read(self, name: str) -> int:
         value = self.chip.read(self.now, OFFSET[name])
@@ -73,6 +77,13 @@ class Rig(Bus):
         """IRS = 0, then 1."""
         self.write("I2CMDR", 0)
         self.write("I2CMDR", mode | IRS)
+
+    def write_other(self, count: int = 1) -> None:
+        """As master: START, and a first byte for OTHER."""
+        self.write("I2CSAR", OTHER)
+        self.write("I2CCNT", count)
+        self.write("I2CDXR", 0x77)
+        self.write("I2CMDR", IRS | MST | TRX | STT)
 
     def reset(self) -> None:
         """XRS, and the module's clock on again."""

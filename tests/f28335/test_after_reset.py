@@ -58,10 +58,7 @@ def all_codes_waiting(rig: Rig) -> None:
 
 def as_master(rig: Rig) -> None:
     rig.begin()
-    rig.write("I2CSAR", OTHER)
-    rig.write("I2CCNT", 3)
-    rig.write("I2CDXR", 0x77)
-    rig.write("I2CMDR", IRS | MST | TRX | STT)
+    rig.write_other(3)
     rig.wait(5 * BIT)
 
 
@@ -114,13 +111,6 @@ USED: list[Callable[[Rig], None]] = [
     halted_as_master,
     emdr_and_prescaler,
 ]
-
-
-def set_up(rig: Rig) -> None:
-    rig.chip.gate(rig.now, True)
-    rig.write("I2CPSC", 14)
-    rig.write("I2CCLKL", 10)
-    rig.write("I2CCLKH", 5)
 
 
 def story(rig: Rig) -> None:
@@ -179,7 +169,7 @@ def test_i2c(use: Callable[[Rig], None]):
     used.interrupts.clear()
     used.wait(BIT)
     for rig in (used, fresh):
-        set_up(rig)
+        rig.set_up()
     assert seen(used, story) == seen(fresh, story)
 
 

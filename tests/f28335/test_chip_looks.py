@@ -9,7 +9,7 @@ import pytest
 
 from periph_sim.core.chip import ANY_CHANGED, NO_CHANGE, PINS_CHANGED, WAKE_CHANGED
 
-from .i2c_registers import BB, IRS, MST, OFFSET, STT, TRX
+from .i2c_registers import BB, OFFSET
 from .i2c_rig import OTHER, OWN, Rig
 from .sci_rig import SciRig, frame
 from .spi_rig import HALF, SLAVE, SpiRig
@@ -135,10 +135,7 @@ def test_i2c_master_is_looked_at_where_a_flag_moves():
     """BB, with the START, XRDY, and NACK with ARDY of an address without an answer; STT falls with the START's end."""
     rig = Rig(noise_filter_cycles=1).begin()
     said = counted(rig.chip)
-    rig.write("I2CSAR", OTHER)
-    rig.write("I2CCNT", 1)
-    rig.write("I2CDXR", 0x77)
-    rig.write("I2CMDR", IRS | MST | TRX | STT)
+    rig.write_other()
     rig.wait(30_000)
     assert said == of((0, 27, 0, 0), (43, 4))
     assert rig.chip.pins(rig.now, rig.line) == NO_CHANGE

@@ -11,7 +11,7 @@ from periph_sim.f28335.cpu_timer.module import CpuTimer
 from periph_sim.f28335.cpu_timer.register_map import PRD, TCR, TPR
 from periph_sim.f28335.system_options import SystemOptions
 
-from .i2c_registers import AAS, FFEN, FFIENA, FFRST, INT1, INT2, IRS, MST, STT, TRX
+from .i2c_registers import AAS, FFEN, FFIENA, FFRST, INT1, INT2
 from .i2c_rig import BIT, OTHER, OWN, Rig
 from .sci_rig import SciRig, frame
 
@@ -60,10 +60,7 @@ def read_and_refused(rig: Rig) -> None:
 
 
 def as_master(rig: Rig) -> None:
-    rig.write("I2CSAR", OTHER)
-    rig.write("I2CCNT", 1)
-    rig.write("I2CDXR", 0x77)
-    rig.write("I2CMDR", IRS | MST | TRX | STT)
+    rig.write_other()
     rig.wait(30 * BIT)
 
 

@@ -19,7 +19,7 @@ from pathlib import Path
 from random import Random
 from typing import Any, Protocol, cast
 
-from ...bus.i2c.target_side import Reply
+from ...bus.i2c.target_side import Reply, Stretches
 from ...core.chip import Note
 from ...core.discover import modules_with
 from ...core.kernel import Kernel
@@ -56,6 +56,17 @@ class TargetContext:
     wire: Callable[[str], Wire]
     hold_clock: Callable[[int], None]
     note: Callable[[Note], None]
+
+    def duty(self, text: str, source: str) -> None:
+        """Note that the controller did what the source forbids."""
+        self.note(Note("duty", text, source))
+
+
+class PlainReply:
+    """Base of replies that acknowledge the address and never stretch the clock."""
+
+    ack = True
+    stretches: Stretches = ()
 
 
 class Target(Protocol):

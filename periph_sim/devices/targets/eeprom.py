@@ -19,16 +19,15 @@ from typing import Annotated, NamedTuple
 
 from msgspec import Meta
 
-from ...bus.i2c.target_side import Stretches
-from ...core.chip import Note
 from ...core.convert import After, Before
 from ...core.input_files import read_input
 from ...core.settings import DurationRange, Spread, duration, hex_bytes
 from ...core.state import State
 from ...core.table import Table
-from . import BadDevice, TargetContext, address_among
+from . import BadDevice, PlainReply, TargetContext, address_among
 
 FIRST = 0x50  # 1010 and three bits
+SHEETS = "24Cxx data sheets, write operations"
 ERASED = 0xFF
 
 
@@ -92,13 +91,10 @@ class Settings(Table, frozen=True, kw_only=True):
     write_protect: bool | str = False
 
 
-class Eeprom:
+class Eeprom(PlainReply):
     """memory: stored bytes. It is its own reply."""
 
     STATE = State("memory _place _pointer _begin _buffer _written", ticks="_busy_until")
-
-    ack = True
-    stretches: Stretches = ()
 
     def __init__(self, part: Part, addresses: tuple[int, ...], settings: Settings, place: TargetContext) -> None:
         self.addresses = addresses
@@ -150,22 +146,21 @@ class Eeprom:
             return
         if not stop or not whole:
             how = "a STOP in the middle of a byte" if stop else "a START instead of a STOP"
-            self._note(f"the write at {self._begin:#06x} is not stored: {how} ended it")
+            self._place.duty(f"the write at {self._begin:#06x} is not stored: {how} ended it", SHEETS)
         elif self._locked or (self._lock is not None and self._lock.level):
-            self._note(f"the write at {self._begin:#06x} is not stored: the memory is write-protected")
+            self._place.duty(f"the write at {self._begin:#06x} is not stored: the memory is write-protected", SHEETS)
         else:
             page = self._begin & -self._page
             if self._begin - page + self._written > self._page:
                 end = page + self._page - 1
-                self._note(f"the write at {self._begin:#06x} went beyond its page's end, {end:#06x}, on to {page:#06x}")
+                self._place.duty(
+                    f"the write at {self._begin:#06x} went beyond its page's end, {end:#06x}, on to {page:#06x}", SHEETS
+                )
             for address, value in buffer.items():
                 self.memory[address] = value
             place = self._place
             least, most = place.ticks(self._write_time.least), place.ticks(self._write_time.most)
             self._busy_until = place.kernel.now + place.random.randint(least, most)
-
-    def _note(self, text: str) -> None:
-        self._place.note(Note("duty", text, "24Cxx data sheets, write operations"))
 
 
 def build(model: str, settings: Settings, place: TargetContext) -> Eeprom:

@@ -16,13 +16,11 @@ from collections.abc import Sequence
 from fractions import Fraction
 from pathlib import Path
 
-from ...bus.i2c.target_side import Stretches
-from ...core.chip import Note
 from ...core.input_files import read_input
 from ...core.settings import duration
 from ...core.state import State
 from ...core.wire import Pin
-from . import BadDevice, Target, TargetContext
+from . import BadDevice, PlainReply, Target, TargetContext
 from .register_settings import RegisterTable, Settings
 
 __all__ = ["MODELS", "Settings", "build"]
@@ -108,13 +106,10 @@ def _rows(path: Path, table: RegisterTable) -> tuple[tuple[Fraction, int], ...]:
     return tuple(rows)
 
 
-class RegisterDevice:
+class RegisterDevice(PlainReply):
     """values: by the registers' names. It is its own reply."""
 
     STATE = State("values _feeds _pointer _byte _taken")
-
-    ack = True
-    stretches: Stretches = ()
 
     def __init__(self, settings: Settings, place: TargetContext, address: int, feeds: dict[str, Feed]) -> None:
         self.addresses = (address,)
@@ -158,7 +153,7 @@ class RegisterDevice:
         self._catch_up()
         table, index = self._cell()
         if table is None:
-            self._note(f"register {self._pointer:#04x} was read, but is not in the map")
+            self._place.duty(f"register {self._pointer:#04x} was read, but is not in the map", SOURCE)
             self._move_on(None)
             return self._settings.unmapped
         if self._taken is None or self._taken[0] != table.name or self._taken[2] != index:
@@ -178,7 +173,9 @@ class RegisterDevice:
         self._catch_up()
         table, index = self._cell()
         if table is None:
-            self._note(f"{value:#04x} was written to register {self._pointer:#04x}, which is not in the map")
+            self._place.duty(
+                f"{value:#04x} was written to register {self._pointer:#04x}, which is not in the map", SOURCE
+            )
             self._move_on(None)
             return True
         if self._taken is None or self._taken[0] != table.name or self._taken[2] != index:
@@ -197,7 +194,7 @@ class RegisterDevice:
     def _write(self, table: RegisterTable, value: int) -> None:
         fixed, clears = table.mask(table.read_only), table.mask(table.write_1_clears)
         if fixed == table.full:
-            self._note(f"{value:#04x} was written to {table.name}, which is read-only")
+            self._place.duty(f"{value:#04x} was written to {table.name}, which is read-only", SOURCE)
         old = self.values[table.name]
         stays = old & (fixed | clears)
         self.values[table.name] = (stays | value & ~(fixed | clears)) & ~(value & clears) & table.full
@@ -257,9 +254,6 @@ class RegisterDevice:
             interrupt, pin = self._interrupt
             pending = bool(self.values[interrupt.register_name] & interrupt.bits)
             pin.drive(int(pending == (interrupt.active == "high")))
-
-    def _note(self, text: str) -> None:
-        self._place.note(Note("duty", text, SOURCE))
 
 
 def _span(settings: Settings, table: RegisterTable) -> int:

@@ -19,13 +19,11 @@ from typing import Annotated, NamedTuple
 
 from msgspec import Meta
 
-from ...bus.i2c.target_side import Stretches
-from ...core.chip import Note
 from ...core.convert import After
 from ...core.settings import DurationRange, Spread, duration
 from ...core.state import State
 from ...core.table import Table
-from . import BadDevice, TargetContext, address_among
+from . import BadDevice, PlainReply, TargetContext, address_among
 
 __all__ = ["MODELS", "Settings", "build"]
 
@@ -120,16 +118,13 @@ class Settings(Table, frozen=True, kw_only=True):
     write_time: DurationRange = Spread(duration("10 ms"), duration("10 ms"))
 
 
-class Rtc:
+class Rtc(PlainReply):
     """The clock. It is its own reply."""
 
     STATE = State(
         "_place _stored _raw _why_none _running _failed _latches _pointer _begin _buffer _shown",
         ticks="_busy_until",
     )
-
-    ack = True
-    stretches: Stretches = ()
 
     def __init__(self, settings: Settings, place: TargetContext, address: int) -> None:
         self.addresses = (address,)
@@ -167,7 +162,7 @@ class Rtc:
             return None
         self._shown = self._clock()
         if address_byte & 1 and self._why_none:
-            self._note(f"{self._why_none}; it does not count from there in this model")
+            self._place.duty(f"{self._why_none}; it does not count from there in this model", DIRECTIVE)
         return self
 
     def send_byte(self, byte: int) -> int:
@@ -181,12 +176,12 @@ class Rtc:
             self._pointer = (0 if byte == 0 else self._pointer << 8) | value
             if byte == 1:
                 if self._pointer >= SIZE:
-                    self._note(f"register {self._pointer:#06x} was named; it has 0 to {SIZE - 1:#04x}")
+                    self._place.duty(f"register {self._pointer:#06x} was named; it has 0 to {SIZE - 1:#04x}", DIRECTIVE)
                     self._pointer %= SIZE
                 self._begin = self._pointer
             return True
         if self._pointer != STATUS and not self._latches & WEL:
-            self._note("a register was written before WEL was set; it is not acknowledged")
+            self._place.duty("a register was written before WEL was set; it is not acknowledged", DIRECTIVE)
             return False
         self._buffer[self._pointer] = value
         page = self._pointer & -PAGE
@@ -199,11 +194,11 @@ class Rtc:
             return
         if not stop or not whole:
             how = "a STOP in the middle of a byte" if stop else "a START instead of a STOP"
-            self._note(f"the write at {self._begin:#04x} has no effect: {how} ended it")
+            self._place.duty(f"the write at {self._begin:#04x} has no effect: {how} ended it", DIRECTIVE)
         elif STATUS in buffer:
             self._unlock(buffer[STATUS])
         elif not self._latches & RWEL:
-            self._note(f"the write at {self._begin:#04x} is ignored: RWEL is not set")
+            self._place.duty(f"the write at {self._begin:#04x} is ignored: RWEL is not set", DIRECTIVE)
         else:
             self._write(buffer)
 
@@ -215,7 +210,7 @@ class Rtc:
             self._latches = value and self._latches | WEL
         else:
             problem = "sets RWEL before WEL" if value == WEL | RWEL else "is none of 0x00, 0x02 and 0x06"
-            self._note(f"{value:#04x} was written to the status register, which {problem}")
+            self._place.duty(f"{value:#04x} was written to the status register, which {problem}", DIRECTIVE)
 
     def _write(self, buffer: dict[int, int]) -> None:
         place = self._place
@@ -232,7 +227,7 @@ class Rtc:
             )
             self._busy_until = place.kernel.now + place.random.randint(least, most)
         if not clock and not stored:
-            self._note(f"register {self._begin:#04x} was written, which it does not have")
+            self._place.duty(f"register {self._begin:#04x} was written, which it does not have", DIRECTIVE)
 
     # The time ------------------------------------------------------------------------
 
@@ -253,9 +248,6 @@ class Rtc:
             self._running = time_in(bytes(registers)), self._place.kernel.now
         except BadTime as error:
             self._raw, self._running, self._why_none = bytes(registers), None, str(error)
-
-    def _note(self, text: str) -> None:
-        self._place.note(Note("duty", text, DIRECTIVE))
 
 
 def build(model: str, settings: Settings, place: TargetContext) -> Rtc:

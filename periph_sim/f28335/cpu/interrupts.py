@@ -54,10 +54,7 @@ SP_RESET = 0x400
 NOT_RESTORED = LOOP | IDLESTAT | M0M1MAP  # by IRET
 
 # Interrupt numbers are vector numbers (SPRUFB0D Table 112); 1 to 14 are INT1 to INT14.
-DLOGINT = 15
-RTOSINT = 16
-EMUINT = 17
-NMI = 18
+DLOGINT, RTOSINT, EMUINT, NMI = range(15, 19)
 MASKABLE = 16  # numbers 1 to 16 have a bit, number - 1, in IFR and IER
 
 # The context: ST0, T, AL, AH, PL, PH, AR0, AR1, ST1, DP, IER, DBGSTAT, PC low, PC high (SPRU430F Table 3-4).
@@ -109,8 +106,7 @@ class CpuInterrupts:
 
     def reset(self, now: int) -> None:
         """Set every register to its value after a hardware reset; nothing is pending or nested."""
-        self.ifr = 0
-        self.ier = 0
+        self.ifr = self.ier = 0
         self.st1 = ST1_RESET
         self.sp = SP_RESET
         self.nested = 0  # routines entered that have not returned
@@ -140,7 +136,7 @@ class CpuInterrupts:
 
     def raise_line(self, now: int, number: int) -> None:
         """Accept a pulse on INT1 to INT14, DLOGINT, RTOSINT, EMUINT or NMI."""
-        self._sync(now)
+        self.wake(now)
         if number in (EMUINT, NMI):
             self._nonmaskable |= 1 << number - EMUINT
         else:
@@ -153,14 +149,11 @@ class CpuInterrupts:
         """Record that the instruction begun now writes PIEACK, for the usage note in `clrc_intm`."""
         self._pieack_end = now + cpu_costs.SIMPLE
 
-    def wake(self, now: int) -> None:
-        self._sync(now)
-
     # Entry and exit ---------------------------------------------------------------
 
     def next_taken(self, now: int) -> int:
         """Return the number of the interrupt to take at this instruction boundary, or 0."""
-        self._sync(now)
+        self.wake(now)
         if now < self.ready or self.owes_instruction:
             return 0
         if self._nonmaskable:
@@ -209,7 +202,7 @@ class CpuInterrupts:
 
     def trap(self, now: int, number: int) -> Context:
         """TRAP #number, 0 to 31: enter its routine regardless of the masks; IFR and IER keep their values."""
-        self._sync(now)
+        self.wake(now)
         if not 0 <= number < 32:
             raise ValueError(f"there is no TRAP #{number}; expected 0 to 31")
         return self.save(number, now + cpu_costs.TRAP + self._options.vector_fetch_waits.assume(self.touched))
@@ -221,10 +214,16 @@ class CpuInterrupts:
 
     def iret(self, now: int, st1: int, ier: int) -> None:
         """IRET. st1, ier: the values that it pops from the stack, where firmware may have changed them."""
-        self._sync(now)
+        self.wake(now)
         if not self.st1 & INTM:
-            text = "IRET was reached with INTM = 0; a routine that enabled interrupts must disable them before its end"
-            self.notes.append(Note("duty", text, "SPRZ272N section 3.1.2"))
+            self.notes.append(
+                Note(
+                    "duty",
+                    "IRET was reached with INTM = 0; a routine that enabled interrupts must disable them before its "
+                    "end",
+                    "SPRZ272N section 3.1.2",
+                )
+            )
         self.nested = max(0, self.nested - 1)
         self.st1 = st1 & ~NOT_RESTORED | self.st1 & NOT_RESTORED
         self.ier = ier
@@ -239,47 +238,51 @@ class CpuInterrupts:
 
     def clrc_intm(self, now: int) -> None:
         """CLRC INTM, EINT."""
-        self._sync(now)
+        self.wake(now)
         self.st1 &= ~INTM
         self._next_boundary(now + cpu_costs.CLRC_INTM)
         if now <= self._pieack_end and self.nested:
-            text = (
-                "interrupts were enabled directly after a write of PIEACK; if a nested interrupt clears PIEIER bits of "
-                "its group, line 1 of that group may interrupt without a request. A NOP between the two prevents it"
+            self.notes.append(
+                Note(
+                    "duty",
+                    "interrupts were enabled directly after a write of PIEACK; if a nested interrupt clears PIEIER "
+                    "bits of its group, line 1 of that group may interrupt without a request. A NOP between the two "
+                    "prevents it",
+                    "SPRZ272N section 3.1.1",
+                )
             )
-            self.notes.append(Note("duty", text, "SPRZ272N section 3.1.1"))
 
     def setc_intm(self, now: int) -> None:
         """SETC INTM, DINT."""
-        self._sync(now)
+        self.wake(now)
         self.st1 |= INTM
         self._next_boundary(now + cpu_costs.SETC_INTM)
 
     def set_eallow(self, now: int, on: bool) -> None:
         """EALLOW or EDIS."""
-        self._sync(now)
+        self.wake(now)
         self.st1 = self.st1 & ~EALLOW | (EALLOW if on else 0)
         self._next_boundary(now + cpu_costs.EALLOW)
 
     def and_ifr(self, now: int, mask: int) -> None:
         """AND IFR, #mask. A bit that hardware sets in this cycle stays set."""
-        self._sync(now)
+        self.wake(now)
         self.ifr = self.ifr & mask | (self._latched if self._latched_at == now else 0)
         self._next_boundary(now + cpu_costs.AND_IFR)
 
     def and_ier(self, now: int, mask: int) -> None:
-        self._sync(now)
+        self.wake(now)
         self.ier &= mask
         self._next_boundary(now + cpu_costs.AND_IER)
 
     def or_ier(self, now: int, mask: int) -> None:
-        self._sync(now)
+        self.wake(now)
         self.ier |= mask & 0xFFFF
         self._next_boundary(now + cpu_costs.OR_IER)
 
     def idle(self, now: int) -> None:
         """IDLE: from now + cpu_costs.IDLE on, the processor calls `idle_ends` after each possible change."""
-        self._sync(now)
+        self.wake(now)
         self.st1 |= IDLESTAT
         self._next_boundary(now + cpu_costs.IDLE)
 
@@ -288,7 +291,7 @@ class CpuInterrupts:
 
         At `ready`, the service routine (`next_taken`) or the next instruction follows.
         """
-        self._sync(now)
+        self.wake(now)
         if now < self.ready or not (self.ifr & self.ier or self._nonmaskable):
             return False
         self.st1 &= ~IDLESTAT
@@ -297,7 +300,7 @@ class CpuInterrupts:
 
     # Inside -----------------------------------------------------------------------
 
-    def _sync(self, now: int) -> None:
+    def wake(self, now: int) -> None:
         """Set the IFR bits of requests that have arrived by now."""
         while self.next_wake <= now:
             cycle, bit = self._coming.popleft()

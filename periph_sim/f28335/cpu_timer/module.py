@@ -30,10 +30,7 @@ from ...core.state import State
 from ..system_options import SystemOptions
 from .register_map import MAP, PRD, PRDH, TCR, TIM, TIMH, TPR, TPRH
 
-TIF = TCR["TIF"].mask
-TIE = TCR["TIE"].mask
-TRB = TCR["TRB"].mask
-TSS = TCR["TSS"].mask
+TIF, TIE, TRB, TSS = (TCR[name].mask for name in ("TIF", "TIE", "TRB", "TSS"))
 AT_TCR, AT_TIM, AT_TIMH, AT_PRD, AT_PRDH, AT_TPR, AT_TPRH = (r.offset for r in (TCR, TIM, TIMH, PRD, PRDH, TPR, TPRH))
 
 

@@ -77,11 +77,18 @@ def note_for(pin: int, mux: int) -> Note | None:
     if name == "GPIO" or name in INPUTS or name in OUTPUTS:
         return None
     if not name:
-        text = f"GPIO{pin} is multiplexed to the reserved value {mux}; choose a value from the table"
-        return Note("duty", text, "SPRUFB0D section 6.5, note")
-    text = f"GPIO{pin} is assigned to {name}, which is not modelled: the pin stays high-impedance"
-    joint = f"pins are assigned to {module_of(name)}, which is not modelled, and stay high-impedance"
-    return Note("unknown", text, "SPRUFB0D Tables 47 to 49", joint, f"GPIO{pin} ({name})")
+        return Note(
+            "duty",
+            f"GPIO{pin} is multiplexed to the reserved value {mux}; choose a value from the table",
+            "SPRUFB0D section 6.5, note",
+        )
+    return Note(
+        "unknown",
+        f"GPIO{pin} is assigned to {name}, which is not modelled: the pin stays high-impedance",
+        "SPRUFB0D Tables 47 to 49",
+        joint=f"pins are assigned to {module_of(name)}, which is not modelled, and stay high-impedance",
+        member=f"GPIO{pin} ({name})",
+    )
 
 
 def module_of(signal: str) -> str:
@@ -125,6 +132,7 @@ class PinSettings:  # core: python
     mux: the multiplexer value of each pin, 0 to 3.
     sampled: (pin, samples) for each pin with a sampling qualifier.
     asynchronous: mask of the pins without synchronisation and qualification.
+    notes: (pin, note) for each pin whose multiplexer value deserves one.
     """
 
     def __init__(self, values: tuple[int, ...]) -> None:
@@ -134,11 +142,7 @@ class PinSettings:  # core: python
         self.routes = Routes(self.mux)
         self.sampled = tuple((pin, SAMPLES[each]) for pin, each in enumerate(select) if each in SAMPLES)
         self.asynchronous = sum(1 << pin for pin, each in enumerate(select) if each == ASYNCHRONOUS)
-        self._notes = [(pin, note) for pin, each in enumerate(self.mux) if (note := note_for(pin, each)) is not None]
-
-    def new_notes(self, before: tuple[int, ...]) -> list[Note]:
-        """Return the notes on pins whose multiplexer value has changed."""
-        return [note for pin, note in self._notes if before[pin] != self.mux[pin]]
+        self.notes = [(pin, note) for pin, each in enumerate(self.mux) if (note := note_for(pin, each)) is not None]
 
 
 @lru_cache(maxsize=256)  # firmware sets its pins in the same steps in each scene
@@ -177,18 +181,9 @@ class GpioSettings(Chip):
         before = self._settings
         self.restored()
         if self._settings.mux != before.mux:
-            self.notes += self._settings.new_notes(before.mux)
+            mux = self._settings.mux
+            self.notes += [note for pin, note in self._settings.notes if before.mux[pin] != mux[pin]]
             self._note_crowded(before.routes.crowded)
-        self._apply_periods(now)
-
-    def _note_crowded(self, before: dict[str, tuple[int, ...]]) -> None:
-        for signal, pins in self._routes.crowded.items():
-            if before.get(signal) != pins:
-                names = " and ".join(f"GPIO{pin}" for pin in pins)
-                text = f"{names} are all assigned to {signal}, so it is a constant {idle_level(signal)}; assign one pin"
-                self.notes.append(Note("duty", text, "SPRUFB0D section 6.5, Table 46"))
-
-    def _apply_periods(self, now: int) -> None:
         port: int
         for port, offset in enumerate(CONTROLS):
             control: int = self._active[offset]
@@ -196,6 +191,16 @@ class GpioSettings(Chip):
             if periods != self._periods[4 * port : 4 * port + 4]:
                 self._periods[4 * port : 4 * port + 4] = periods
                 self._origins[4 * port : 4 * port + 4] = [now] * 4
+
+    def _note_crowded(self, before: dict[str, tuple[int, ...]]) -> None:
+        for signal, pins in self._routes.crowded.items():
+            if before.get(signal) != pins:
+                names = " and ".join(f"GPIO{pin}" for pin in pins)
+                self.note(
+                    "duty",
+                    f"{names} are all assigned to {signal}, so it is a constant {idle_level(signal)}; assign one pin",
+                    "SPRUFB0D section 6.5, Table 46",
+                )
 
     def _ports(self, offsets: tuple[int, ...]) -> BigInt:
         """Combine one register per port into a mask of all pins."""

@@ -46,9 +46,11 @@ class I2cLimits:
         if least <= mhz <= most:
             self._clock_within_tm, self._clock_within_hz = tm, self.sysclk_hz
         else:
-            given = f"I2CPSC = {tm - 1} gives a module clock of {_show(mhz)} MHz"
-            at = f"at SYSCLKOUT = {_show(self.sysclk_hz / 1_000_000)} MHz"
-            self._state.duty(f"{given} {at}; expected {least} to {most} MHz", "SPRUG03B section 1.4")
+            self._state.duty(
+                f"I2CPSC = {tm - 1} gives a module clock of {_show(mhz)} MHz at SYSCLKOUT = "
+                f"{_show(self.sysclk_hz / 1_000_000)} MHz; expected {least} to {most} MHz",
+                "SPRUG03B section 1.4",
+            )
 
     def address(self, name: str, value: int) -> None:
         """Check I2COAR or I2CSAR."""
@@ -66,13 +68,16 @@ class I2cLimits:
         khz = self.sysclk_hz / (low + high) / 1000
         rate_is_right = least <= khz <= most
         if not rate_is_right:
-            text = f"SCL would run at {_show(khz)} kHz; expected {least} to {most} kHz"
-            self._state.duty(text, "SPRUG03B section 1.1")
+            self._state.duty(
+                f"SCL would run at {_show(khz)} kHz; expected {least} to {most} kHz", "SPRUG03B section 1.1"
+            )
         low_us, high_us = 1_000_000 * low / self.sysclk_hz, 1_000_000 * high / self.sysclk_hz
         if low_us < LEAST_LOW_US or high_us < LEAST_HIGH_US:
-            times = f"SCL has {_show(low_us)} us low, {_show(high_us)} us high"
-            least_times = f"at least {_show(LEAST_LOW_US)} us and {_show(LEAST_HIGH_US)} us"
-            self._state.duty(f"{times}; expected {least_times}", "SPRS439M Table 6-31")
+            self._state.duty(
+                f"SCL has {_show(low_us)} us low, {_show(high_us)} us high; expected at least "
+                f"{_show(LEAST_LOW_US)} us and {_show(LEAST_HIGH_US)} us",
+                "SPRS439M Table 6-31",
+            )
         elif rate_is_right:
             self._within = given
 
@@ -80,18 +85,18 @@ class I2cLimits:
         """Check BB when STT is set. bus_busy: the value of BB if the module had monitored the bus all the time."""
         shown = bool(self._state.str & STR_BB)
         if shown != bus_busy:
-            really = "a transfer is in progress" if bus_busy else "the bus is free"
-            text = f"STT was set with BB = {shown:d}, left from before IRS rose, while {really}"
             self._state.duty(
-                f"{text}; wait after IRS = 1 as long as the longest transfer lasts", "SPRUG03B section 5.3"
+                f"STT was set with BB = {shown:d}, left from before IRS rose, while "
+                f"{'a transfer is in progress' if bus_busy else 'the bus is free'}; "
+                "wait after IRS = 1 as long as the longest transfer lasts",
+                "SPRUG03B section 5.3",
             )
 
     def written_while_enabled(self, name: str) -> bool:
         """Return True, and add a note, if a register that must be written with IRS = 0 was written with IRS = 1."""
         if not self._state.mdr & MDR_IRS:
             return False
-        text = f"{name} was written with IRS = 1; write configuration while IRS = 0"
-        self._state.duty(text, "SPRUG03B section 4")
+        self._state.duty(f"{name} was written with IRS = 1; write configuration while IRS = 0", "SPRUG03B section 4")
         return True
 
     def divisor(self, name: str, value: int) -> None:

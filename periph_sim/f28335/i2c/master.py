@@ -105,7 +105,8 @@ class I2cMaster(I2cMasterData):
         elif step == SET_SDA:
             self._set_sda(now)
         elif step == CONDITION:
-            self._condition_low(now)
+            self._drive(self._condition_sda)
+            self._release_after_low(now)
         elif step == START:
             self._start(now)
         elif step == STARTED:
@@ -113,7 +114,8 @@ class I2cMaster(I2cMasterData):
         elif step == STOP:
             self._stop_high()
         elif step == RESTART:
-            self._restart_high(now)
+            self._after_high = FALL
+            self._begin_start(now)
 
     def answers_edges(self) -> bool:
         """Return True if an edge can move a line, or start a timer that does."""
@@ -139,8 +141,12 @@ class I2cMaster(I2cMasterData):
         if self._holds == HELD_FOR_COMMAND:
             if mdr & MDR_STT:
                 self._restart(now, False)
-            else:
-                self._stop_if_allowed(now)
+            elif (
+                self._data_bytes
+                or mdr & MDR_RM
+                or state.options.stop_without_data.assume(state.touched) != "waits_for_data"
+            ):
+                self._stop(now)
         elif self._holds == HELD_FOR_DATA:
             if mdr & MDR_STT:
                 self._restart(now, False)
@@ -277,8 +283,9 @@ class I2cMaster(I2cMasterData):
                 self._choose_answer()
                 if self.state.rrdy_rises_at("fall8"):
                     self._store_byte(now, self._in, self._n)
-            if bit == self._n and self._kind == SEND and self.state.mdr & MDR_DLB:
-                self._loop_back(now)
+            loops_back = bit == self._n and self._kind == SEND and self.state.mdr & MDR_DLB
+            if loops_back and self.state.options.dlb_delay.assume(self.state.touched) == "after_last_bit":
+                self._deliver, self.deliver_at = self._byte & 0xFF, now + 8 * self.state.tm
             self._at(now + self.state.tm, SET_SDA)
             return
         self._byte_over(now)
@@ -318,13 +325,6 @@ class I2cMaster(I2cMasterData):
 
     # STOP, loss -------------------------------------------------------------------------
 
-    def _stop_if_allowed(self, now: int) -> None:
-        state = self.state
-        bare = not self._data_bytes and not state.mdr & MDR_RM
-        if bare and state.options.stop_without_data.assume(state.touched) == "waits_for_data":
-            return
-        self._stop(now)
-
     def lose(self, now: int) -> None:
         """Set AL and become a slave-receiver, because arbitration is lost or another master owns the bus."""
         state = self.state
@@ -334,8 +334,7 @@ class I2cMaster(I2cMasterData):
         state.mdr &= ~cleared
         self.release_lines()
         self._starting = self._stopping = False
-        self._addresses = []
-        self._restart_next = []
+        self._addresses, self._restart_next = [], []
         state.wanted = False
         state.set(now, STR_AL)
 

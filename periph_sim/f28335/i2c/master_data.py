@@ -45,7 +45,7 @@ NO_BYTE, START_BYTE, ADDRESS, SEND, RECEIVE = range(5)
 class I2cMasterData(I2cMasterLines):
     """Adds bytes to the conditions.
 
-    deliver_at: the cycle at which a byte returns in loopback, or NEVER.
+    deliver_at: the cycle at which a byte returns in loopback, 8 module clocks after it was sent or written; or NEVER.
     """
 
     STATE = State(
@@ -57,17 +57,10 @@ class I2cMasterData(I2cMasterLines):
         """Reset the state of the byte in progress."""
         self._kind = NO_BYTE
         self._n = 8
-        self._bit = 0
-        self._byte = 0
-        self._in = 0
+        self._bit = self._byte = self._in = self._data_bytes = self._deliver = 0
         self._sampled = 1
-        self._answer_nack = False
-        self._nack_armed = False
-        self._stp_at_start = False
-        self._rsr_waits = False
-        self._data_bytes = 0
+        self._answer_nack = self._nack_armed = self._stp_at_start = self._rsr_waits = False
         self.deliver_at = NEVER
-        self._deliver = 0
 
     # Receiving ------------------------------------------------------------------------
 
@@ -212,12 +205,6 @@ class I2cMasterData(I2cMasterLines):
         else:
             self._holds = HELD_FOR_COMMAND
 
-    def _loop_back(self, now: int) -> None:
-        """Schedule the return of the sent byte n = 8 module clocks after its last bit (or the write of I2CDXR)."""
-        state = self.state
-        if state.options.dlb_delay.assume(state.touched) == "after_last_bit":
-            self._deliver, self.deliver_at = self._byte & 0xFF, now + 8 * state.tm
-
     def _refused(self, now: int) -> None:
         """Process a NACK of the byte in progress."""
         state = self.state
@@ -227,8 +214,7 @@ class I2cMasterData(I2cMasterLines):
         state.nack_received(
             now, as_slave=False, refused=f"address 0x{state.sar:02X}" if self._kind == ADDRESS else "a byte"
         )
-        self._addresses = []
-        self._restart_next = []
+        self._addresses, self._restart_next = [], []
         if state.options.hold_scl_after_nack.assume(state.touched):
             self._holds = HELD_FOR_COMMAND
         elif state.mdr & MDR_STP:

@@ -53,9 +53,7 @@ class I2cMasterLines:
         self.lines = SCL | SDA
         self.frozen = False  # a debugger halt is in effect
         self.halting = False  # a debugger halt waits for SCL to be low
-        self._released_at = 0
-        self._low_from = 0
-        self._rose_at = 0
+        self._released_at = self._low_from = self._rose_at = 0
         self._condition_sda = 1  # SDA while SCL rises for a STOP (0) or repeated START (1)
         self.release_lines()
 
@@ -143,10 +141,6 @@ class I2cMasterLines:
         self._condition_sda = sda
         self._at(max(now, self._low_from + self.state.tm), CONDITION)
 
-    def _condition_low(self, now: int) -> None:
-        self._drive(self._condition_sda)
-        self._release_after_low(now)
-
     # Debugger ----------------------------------------------------------------------------
 
     def halt(self, now: int) -> None:
@@ -220,10 +214,6 @@ class I2cMasterLines:
         if not own:
             self._latch_command()
         self._begin_condition(now, 1, RESTART)
-
-    def _restart_high(self, now: int) -> None:
-        self._after_high = FALL
-        self._begin_start(now)
 
     def _stop(self, now: int) -> None:
         self.state.clear(now, STR_ARDY)

@@ -52,13 +52,9 @@ class I2cNoiseFilter:
             sda = self._sda_was if self._sda_was < NEVER else now + width
         self._scl_due, self._sda_due = scl, sda
         self.due = scl if scl < sda else sda
-        if scl < NEVER and sda < NEVER and scl != sda and -module_clock < scl - sda < module_clock:
-            self._arrive_apart(max(scl, sda))
-
-    def _arrive_apart(self, later: int) -> None:
-        """Let both pending edges leave with the later one, if `unequal_arrival` is set."""
-        if self.unequal_arrival.assume(self._touched):
-            self.due = self._scl_due = self._sda_due = later
+        apart = scl < NEVER and sda < NEVER and scl != sda and -module_clock < scl - sda < module_clock
+        if apart and self.unequal_arrival.assume(self._touched):
+            self.due = self._scl_due = self._sda_due = max(scl, sda)
 
     def apply_due(self, now: int) -> int:
         """Apply the changes due in cycle `now` and return the levels from then on."""

@@ -129,10 +129,8 @@ class I2cSlave(I2cSlaveData):
         state.set(now, STR_BB)
         if state.oar != self._latched and state.options.oar_latch.assume(state.touched) == "at_start":
             self._latched = state.oar
-        self.bit = 0
-        self._shift = 0
+        self.bit = self._shift = self._sent = 0
         self._n = 8
-        self._sent = 0
         self._nack_armed = False
         self.phase = ADDRESS
         self._first_byte = True

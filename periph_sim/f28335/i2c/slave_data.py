@@ -15,16 +15,11 @@ Chosen:
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from ...core.chip import NEVER
+from ...core.options import TextOption
 from ...core.state import State
 from .register_map import MDR_FDF, MDR_IRS, MDR_MST, SCL, SDA, STR_AAS, STR_NACK, STR_RSFULL, STR_XRDY, STR_XSMT
 from .registers import I2cRegisters
-
-if TYPE_CHECKING:
-    from ...core.options import TextOption
-
 
 OFF, IGNORE, ADDRESS, ADDRESS_LOW, RECEIVE, TRANSMIT = range(6)
 LISTENS = ADDRESS  # in this phase and the following ones, bytes may be for this module
@@ -49,20 +44,16 @@ class I2cSlaveData:
         self._copy_point: TextOption = state.options.dxr_to_xsr_copy_point
         self.muted = False  # this module is master now: it receives, but does not answer
         self._n = 8
-        self._shift = 0
-        self._nack_armed = False
+        self._shift = self._sent = 0
+        self._nack_armed = self._first_byte = False
         self._read = False  # the last byte compared with the own address requests data from this module
         self._latched = 0  # I2COAR, for the values of `oar_latch` other than "live"
-        self._sent = 0
-        self._first_byte = False
         self.reset()
 
     def _release_lines(self) -> None:
         self.pulls = 0
-        self._waits_for_data = self._waits_for_room = False
+        self._waits_for_data = self._waits_for_room = self._shifting = self._ack = False
         self._copy_at = self._release_at = self.due = NEVER
-        self._shifting = False
-        self._ack = False
 
     def reset(self) -> None:
         """Release the lines and drop the transfer, as with IRS = 0."""

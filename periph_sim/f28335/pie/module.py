@@ -24,7 +24,7 @@ from __future__ import annotations
 
 from typing import final
 
-from ...core.chip import Chip, Note
+from ...core.chip import Chip
 from ...core.state import State
 from ..system_options import SystemOptions
 from .register_map import (
@@ -41,8 +41,7 @@ from .register_map import (
     vector_address,
 )
 
-ENPIE = PIECTRL["ENPIE"].mask
-PIEVECT = PIECTRL["PIEVECT"].mask
+PIEVECT, ENPIE = (one.mask for one in PIECTRL.fields)
 
 
 @final
@@ -118,8 +117,11 @@ class Pie(Chip):
         address = vector_address(number)
         if number <= GROUPS:
             address = line_vector(number, 1)
-            text = f"TRAP or INTR took vector {number} with the PIE enabled; it is not meant for vectors 1 to 12"
-            self.notes.append(Note("duty", text, "SPRU430F TRAP, INTR"))
+            self.note(
+                "duty",
+                f"TRAP or INTR took vector {number} with the PIE enabled; it is not meant for vectors 1 to 12",
+                "SPRU430F TRAP, INTR",
+            )
         self._fetched(address)
         return address
 
@@ -173,21 +175,18 @@ class Pie(Chip):
             return
         if self._as_reset >> g & 1:
             self._options.pieack_reset.assume(self.touched)
-            self._note_blocked(g)
+            if self._pieack & ~self._noted_blocked & 1 << g:
+                self._noted_blocked |= 1 << g
+                self.note(
+                    "unknown",
+                    f"request of group {g + 1} is blocked by the reset value of PIEACK (pieack_reset = 0xfff); "
+                    "no interrupt of the group is served before firmware writes PIEACK",
+                    "SPRUFB0D Figure 85",
+                )
         if not self._pieack >> g & 1:
             self._pieack |= 1 << g
             self._as_reset &= ~(1 << g)
             self.pulses |= 1 << g
-
-    def _note_blocked(self, g: int) -> None:
-        """Note, once per group, that PIEACK has blocked a request since reset."""
-        if self._pieack & ~self._noted_blocked & 1 << g:
-            self._noted_blocked |= 1 << g
-            text = (
-                f"request of group {g + 1} is blocked by the reset value of PIEACK (pieack_reset = 0xfff); "
-                "no interrupt of the group is served before firmware writes PIEACK"
-            )
-            self.notes.append(Note("unknown", text, "SPRUFB0D Figure 85"))
 
     def _acknowledge(self, now: int, value: int) -> None:
         opened = self._pieack & value
@@ -195,12 +194,9 @@ class Pie(Chip):
         self._pieack, _ = PIEACK.write(self._pieack, value)
         for g in range(GROUPS):
             if opened >> g & 1:
-                self._open(now, g)
-
-    def _open(self, now: int, g: int) -> None:
-        if self._lines_held[g] and not self._level_sensitive(g):
-            self._latch(now, g, self._lines_held[g])
-        self._send(g)
+                if self._lines_held[g] and not self._level_sensitive(g):
+                    self._latch(now, g, self._lines_held[g])
+                self._send(g)
 
     def _level_sensitive(self, g: int) -> bool:
         """Return True if a PIEIFR bit of this group cannot stay 0 while its line is held."""
@@ -218,11 +214,17 @@ class Pie(Chip):
         name = PIEIFR[g].name
         lost = cleared & ~self._seen[g]
         if lost:
-            text = f"a write of {value:#06x} to {name} erased the requests {lost:#04x}, which firmware had not read yet"
-            self.notes.append(Note("lost", text, "SPRUFB0D section 8.3.1 rule 1"))
+            self.note(
+                "lost",
+                f"a write of {value:#06x} to {name} erased the requests {lost:#04x}, which firmware had not read yet",
+                "SPRUFB0D section 8.3.1 rule 1",
+            )
         if cleared & self._seen[g]:
-            text = f"a write of {value:#06x} to {name} cleared flags; only the service of an interrupt should do so"
-            self.notes.append(Note("duty", text, "SPRUFB0D section 8.3.1 rule 1"))
+            self.note(
+                "duty",
+                f"a write of {value:#06x} to {name} cleared flags; only the service of an interrupt should do so",
+                "SPRUFB0D section 8.3.1 rule 1",
+            )
 
     def _fetched(self, address: int) -> None:
         self._piectrl = self._piectrl & ~PIEVECT | address & PIEVECT

@@ -233,8 +233,8 @@ class SciLines(Chip):
                     self._rx_stopping = False
                     self._rx_clock.stop(at)
             elif event == IDLE:
-                if self.options.rxwake_idle_point.assume(self.touched) == "tenth_bit":
-                    self._rx.line_idle()
+                if self.options.rxwake_idle_point.assume(self.touched) == "tenth_bit" and self._rx.enabled:
+                    self._rx.status |= ST_RXWAKE
             elif event == BREAK:
                 self._break_received(at)
         self._watch_idle(at)

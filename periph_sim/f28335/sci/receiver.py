@@ -55,12 +55,7 @@ class SciRx:
         """Reset by XRS."""
         self.request = False
         # Enables and modes, copied here from the registers of the whole module.
-        self.enabled = False
-        self.sleep = False
-        self.bk_enabled = False
-        self.error_enabled = False
-        self.fifo_mode = False
-        self.parity = False
+        self.enabled = self.sleep = self.bk_enabled = self.error_enabled = self.fifo_mode = self.parity = False
         # The receiver's own state.
         self.status = 0  # BRKDT, FE, OE, PE, RXWAKE, RXRDY in their SCIRXST places
         self.rxbuf = 0
@@ -100,11 +95,6 @@ class SciRx:
         self._set_errors(errors)
         if self.fifo_mode:
             self._watch_level()
-
-    def line_idle(self) -> None:
-        """Set RXWAKE after ten idle bits on the line."""
-        if self.enabled:
-            self.status |= ST_RXWAKE
 
     def line_break(self) -> bool:
         """Receive a complete break; return True if it was accepted."""

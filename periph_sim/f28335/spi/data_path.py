@@ -249,11 +249,9 @@ class SpiShifter:
     STATE = State("dat level length delayed bits loaded")
 
     def __init__(self) -> None:
-        self.dat = self.level = 0
+        self.dat = self.level = self.bits = 0
         self.length = 1
-        self.delayed = False
-        self.bits = 0
-        self.loaded = False
+        self.delayed = self.loaded = False
 
     @property
     def busy(self) -> bool:

@@ -237,21 +237,18 @@ class SpiLines(Chip):
         if selected and (before ^ levels) & CLK:
             leading = bool(levels & CLK) != bool(self._ccr & CLKPOLARITY)
             if leading:
-                self._check_rate(now)
+                period, self._last_leading = now - self._last_leading, now
+                if period < 4 * self._timer.divider:
+                    self._note(
+                        "duty",
+                        f"a slave had an SPICLK period of {period} SYSCLKOUT cycles; at least four LSPCLK cycles are "
+                        "expected",
+                        "SPRUEU3 §1.3.2, §2.1.4",
+                    )
             self._clock_edge(leading)
         if selected and levels & STE and self._cuts(self.options.ste_high_mid_character, "restarts"):
             self._shifter.bits = 0
         self._show(now)
-
-    def _check_rate(self, now: int) -> None:
-        """Add a note if a leading edge of SPICLK is too early for a slave."""
-        period, self._last_leading = now - self._last_leading, now
-        if period < 4 * self._timer.divider:
-            self._note(
-                "duty",
-                f"a slave had an SPICLK period of {period} SYSCLKOUT cycles; at least four LSPCLK cycles are expected",
-                "SPRUEU3 §1.3.2, §2.1.4",
-            )
 
     def _cuts(self, option: TextOption, answer: str) -> bool:
         """Return True if this answer cuts off a character in progress."""

@@ -30,7 +30,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from ...core.chip import ANY_CHANGED, NEVER, Chip, Note
+from ...core.chip import ANY_CHANGED, NEVER, Chip
 from ...core.state import State
 from ..system_options import SystemOptions
 from .oscclk import PARTS, OscClock
@@ -60,10 +60,7 @@ WDFLAG_DELAY = WDRST_CYCLES + 8192  # SYSCLKOUT from a watchdog reset to WDFLAG,
 
 DIVIDE = (4, 4, 2, 1)  # by DIVSEL
 DIVSEL = PLLSTS["DIVSEL"]
-PLLLOCKS = PLLSTS["PLLLOCKS"].mask
-PLLOFF = PLLSTS["PLLOFF"].mask
-OSCOFF = PLLSTS["OSCOFF"].mask
-MCLKOFF = PLLSTS["MCLKOFF"].mask
+PLLLOCKS, PLLOFF, OSCOFF, MCLKOFF = (PLLSTS[name].mask for name in ("PLLLOCKS", "PLLOFF", "OSCOFF", "MCLKOFF"))
 WDINTS = SCSR["WDINTS"].mask
 LPM = LPMCR0["LPM"]
 
@@ -194,35 +191,42 @@ class SystemControl(Chip):
         self._pllsts, _ = PLLSTS.write(before, value)
         divsel = DIVSEL.extract(self._pllsts)
         if divsel != DIVSEL.extract(before) and not before & PLLLOCKS:
-            self._duty(
+            self.note(
+                "duty",
                 f"PLLSTS.DIVSEL was changed to {divsel} while the PLL locks; it may change once PLLLOCKS is 1",
                 "SPRUFB0D section 5.2.4",
             )
         self._check_divsel()
         if self._pllsts & PLLOFF and self._pllcr:
-            self._duty(
-                f"PLLSTS.PLLOFF was set with PLLCR = {self._pllcr}; it may be set in bypass only", "SPRUFB0D Table 22"
+            self.note(
+                "duty",
+                f"PLLSTS.PLLOFF was set with PLLCR = {self._pllcr}; it may be set in bypass only",
+                "SPRUFB0D Table 22",
             )
         if self._pllsts & ~before & OSCOFF:
-            self._unknown("PLLSTS.OSCOFF = 1: missing-clock detection is not modelled", "SPRUFB0D Table 22")
+            self.note("unknown", "PLLSTS.OSCOFF = 1: missing-clock detection is not modelled", "SPRUFB0D Table 22")
         self._tune(now)
 
     def _write_pllcr(self, now: int, value: int) -> None:
         divsel = DIVSEL.extract(self._pllsts)
         self._pllcr, _ = PLLCR.write(self._pllcr, value)
         if divsel:
-            self._duty(f"PLLCR was written with PLLSTS.DIVSEL = {divsel}; it must be 0 first", "SPRUFB0D section 5.2.4")
+            self.note(
+                "duty", f"PLLCR was written with PLLSTS.DIVSEL = {divsel}; it must be 0 first", "SPRUFB0D section 5.2.4"
+            )
         if not self._pllsts & MCLKOFF:
-            self._duty("PLLCR was written with PLLSTS.MCLKOFF = 0; set it first", "SPRUFB0D Figure 22")
+            self.note("duty", "PLLCR was written with PLLSTS.MCLKOFF = 0; set it first", "SPRUFB0D Figure 22")
         if self._watchdog.enabled:
-            self._duty("PLLCR was written with the watchdog on; it should be off", "SPRS439M section 3.6.1.2")
+            self.note("duty", "PLLCR was written with the watchdog on; it should be off", "SPRS439M section 3.6.1.2")
         if self._pllcr > 10:
-            self._duty(f"PLLCR = {self._pllcr} is reserved; expected 0 to 10", "SPRUFB0D Table 21")
+            self.note("duty", f"PLLCR = {self._pllcr} is reserved; expected 0 to 10", "SPRUFB0D Table 21")
         elif self._pllcr and self._pllsts & PLLOFF:
-            self._duty(f"PLLCR = {self._pllcr} was written with PLLSTS.PLLOFF = 1", "SPRUFB0D Table 22")
+            self.note("duty", f"PLLCR = {self._pllcr} was written with PLLSTS.PLLOFF = 1", "SPRUFB0D Table 22")
         vco = self._ratio() * self.oscclk_hz
         if vco > VCO_MAX_HZ:
-            self._duty(f"the PLL would run at {vco} Hz; at most {VCO_MAX_HZ} Hz are allowed", "SPRUFB0D section 5.2.1")
+            self.note(
+                "duty", f"the PLL would run at {vco} Hz; at most {VCO_MAX_HZ} Hz are allowed", "SPRUFB0D section 5.2.1"
+            )
         self._check_divsel()
         self._pllsts &= ~PLLLOCKS
         self._locked_at = self._clock.at(now) + PLL_LOCK_OSCCLKS * PARTS
@@ -240,7 +244,9 @@ class SystemControl(Chip):
             if self.lspclk_divider > 1 and self._options.lspclk_phase.assume(self.touched) == "restart_on_write":
                 self.lspclk_phase = now
         elif register is LPMCR0 and LPM.extract(stored):
-            self._unknown("LPMCR0 selects STANDBY or HALT: the model's IDLE stops the CPU only", "SPRUFB0D section 5.3")
+            self.note(
+                "unknown", "LPMCR0 selects STANDBY or HALT: the model's IDLE stops the CPU only", "SPRUFB0D section 5.3"
+            )
         elif register in (PCLKCR0, PCLKCR3):
             self._gates_to_come.append((now + GATE_DELAY, self._gates()))
 
@@ -319,12 +325,8 @@ class SystemControl(Chip):
 
     def _check_divsel(self) -> None:
         if DIVSEL.extract(self._pllsts) == 3 and self._pllcr:
-            self._duty(
-                f"PLLSTS.DIVSEL = 3 with PLLCR = {self._pllcr}; it is allowed with PLLCR = 0 only", "SPRUFB0D Table 22"
+            self.note(
+                "duty",
+                f"PLLSTS.DIVSEL = 3 with PLLCR = {self._pllcr}; it is allowed with PLLCR = 0 only",
+                "SPRUFB0D Table 22",
             )
-
-    def _duty(self, text: str, source: str) -> None:
-        self.notes.append(Note("duty", text, source))
-
-    def _unknown(self, text: str, source: str) -> None:
-        self.notes.append(Note("unknown", text, source))

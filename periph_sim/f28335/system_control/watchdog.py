@@ -31,13 +31,10 @@ WDINT_OSCCLKS = 512  # width of the reset or interrupt pulse (section 5.4)
 OVERFLOW = 256
 DIVIDER = 512
 
-WDFLAG = WDCR["WDFLAG"].mask
-WDDIS = WDCR["WDDIS"].mask
-WDCHK = WDCR["WDCHK"]
-WDPS = WDCR["WDPS"]
+WDFLAG, WDDIS = WDCR["WDFLAG"].mask, WDCR["WDDIS"].mask
+WDCHK, WDPS = WDCR["WDCHK"], WDCR["WDPS"]
 WDCHK_RIGHT = 5
-WDENINT = SCSR["WDENINT"].mask
-WDOVERRIDE = SCSR["WDOVERRIDE"].mask
+WDENINT, WDOVERRIDE = SCSR["WDENINT"].mask, SCSR["WDOVERRIDE"].mask
 
 PRESCALE = (1, 1, 2, 4, 8, 16, 32, 64)
 
@@ -97,7 +94,10 @@ class Watchdog:
     def write_wdkey(self, position: int, value: int) -> None:
         key = value & 0xFF
         if key == 0xAA and self._armed:
-            self._clear(position)
+            self._count = 0
+            self._since = position
+            if self._options.wd_divider.assume(self._touched) == "restarts_on_clear":
+                self._origin = position
         self._armed = key == 0x55
         wrong = key not in (0x55, 0xAA) and self.enabled
         if wrong and self._options.wd_bad_key.assume(self._touched) == "reset":
@@ -121,12 +121,6 @@ class Watchdog:
         if not self.wdint and not self.scsr & WDENINT:
             self._fire(position)
         self._schedule()
-
-    def _clear(self, position: int) -> None:
-        self._count = 0
-        self._since = position
-        if self._options.wd_divider.assume(self._touched) == "restarts_on_clear":
-            self._origin = position
 
     def _fire(self, position: int) -> None:
         if not self.scsr & WDENINT:

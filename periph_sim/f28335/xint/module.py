@@ -23,7 +23,7 @@ Chosen:
 
 from __future__ import annotations
 
-from ...core.chip import ANY_CHANGED, NO_CHANGE, Chip, Note
+from ...core.chip import ANY_CHANGED, NO_CHANGE, Chip
 from ...core.state import State
 from .register_map import XINT
 
@@ -84,9 +84,7 @@ class Xint(Chip):
         enable = self._control[offset] & ENABLE.mask
         if offset == XNMICR:
             if enable:
-                self.notes.append(
-                    Note("unknown", "XNMI is enabled but not modelled: no NMI will occur", "SPRUFB0D Table 122")
-                )
+                self.note("unknown", "XNMI is enabled but not modelled: no NMI will occur", "SPRUFB0D Table 122")
             return
         if offset < len(self._since):  # stop the counter with its count, or let it continue from there
             self._count[offset] = self._counted(now, offset)

@@ -72,12 +72,18 @@ def bit(number: int) -> int:
 
 def in_isr(number: int = 9, **options: str) -> tuple[Core, int]:
     """A CPU that has just begun a service routine, and that cycle."""
-    core = Core(options_from(SystemOptions, dict(options)))
-    core.ier = 0xFFFF
-    core.st1 &= ~INTM
+    core = cpu(**options)
     core.raise_line(0, number)
     core.enter(IFR_DELAY, number)
     return core, core.ready
+
+
+def returned(**options: str) -> tuple[Core, int]:
+    """A CPU whose routine began in that cycle, and ends with IRET 20 cycles later; the next request waits."""
+    core, now = in_isr(**options)
+    core.raise_line(now, 9)
+    core.back(now + 20)
+    return core, now
 
 
 class Rig(DiagramRig):
@@ -409,18 +415,14 @@ def test_iret_leaves_the_bits_set_that_it_does_not_restore():
 
 @pytest.mark.rule("SYS-142", "SYS-143")
 def test_open_irq_after_iret_at_once():
-    core, now = in_isr(9)
-    core.raise_line(now, 9)
-    core.back(now + 20)
+    core, now = returned()
     assert [core.next_taken(now + 20 + n) for n in range(9)] == [0] * 8 + [9]
     assert core.touched == {"int_latency", "irq_after_iret", "vector_fetch_waits"}
 
 
 @pytest.mark.rule("SYS-142", "SYS-143")
 def test_open_irq_after_iret_after_one_instruction():
-    core, now = in_isr(9, irq_after_iret="after_one_instruction")
-    core.raise_line(now, 9)
-    core.back(now + 20)
+    core, now = returned(irq_after_iret="after_one_instruction")
     assert core.next_taken(now + 28) == 0
     assert core.owes_instruction
     core.owes_instruction = False
@@ -429,18 +431,14 @@ def test_open_irq_after_iret_after_one_instruction():
 
 
 def test_a_host_can_plan_with_the_instruction_owed():
-    core, now = in_isr(9, irq_after_iret="after_one_instruction")
-    core.raise_line(now, 9)
-    core.back(now + 20)
+    core, now = returned(irq_after_iret="after_one_instruction")
     assert core.earliest() == now + 29
     core.owes_instruction = False
     assert core.earliest() == now + 28
 
 
 def test_an_interrupt_instruction_pays_the_one_owed_after_iret():
-    core, now = in_isr(9, irq_after_iret="after_one_instruction")
-    core.raise_line(now, 9)
-    core.back(now + 20)
+    core, now = returned(irq_after_iret="after_one_instruction")
     core.set_eallow(now + 28, True)
     assert core.next_taken(now + 32) == 9
 

@@ -62,10 +62,7 @@ def master_done(ie: int = 0) -> Rig:
     """ARDY = 1: the chip, as master, has sent its one byte and waits for the next command."""
     rig = Rig().begin()
     rig.write("I2CIER", ie)
-    rig.write("I2CSAR", OTHER)
-    rig.write("I2CCNT", 1)
-    rig.write("I2CDXR", 0x77)
-    rig.write("I2CMDR", IRS | MST | TRX | STT)
+    rig.write_other()
     rig.wait_for(lambda: not rig.level[SCL])
     for _ in range(2):
         for pulse in range(9):

@@ -369,10 +369,7 @@ def test_irs_1_asks_anew_for_what_is_1_then():
 @pytest.mark.parametrize("point", ["any_ack_fall9", "eager"])
 def test_irs_0_in_a_transfer_as_master_leaves_a_slave_that_answers(point):
     rig = Rig(dxr_to_xsr_copy_point=point).begin()
-    rig.write("I2CSAR", OTHER)
-    rig.write("I2CCNT", 2)
-    rig.write("I2CDXR", 0x77)
-    rig.write("I2CMDR", IRS | MST | TRX | STT)
+    rig.write_other(2)
     rig.wait_for(lambda: rig.stretching)
     rig.wait(3 * BIT)
     rig.write("I2CMDR", 0)

@@ -27,6 +27,13 @@ def system(**options: str) -> SystemControl:
     return SystemControl(30_000_000, options_from(SystemOptions, dict(options)))
 
 
+def interrupting() -> SystemControl:
+    """Whose overflow requests WAKEINT instead of a reset."""
+    chip = system()
+    chip.write(0, SCSR.offset, WDENINT)
+    return chip
+
+
 def run_until(chip: SystemControl, now: int) -> None:
     while chip.next_wake <= now:
         chip.wake(chip.next_wake)
@@ -158,8 +165,7 @@ def test_wrong_wdchk_resets_at_once(wdchk):
 
 @pytest.mark.rule("SYS-026")
 def test_wrong_wdchk_interrupts_instead_with_wdenint():
-    chip = system()
-    chip.write(0, SCSR.offset, WDENINT)
+    chip = interrupting()
     chip.write(10, WDCR.offset, 0)
     assert chip.requests == WAKEINT
     assert not chip.reset_requested
@@ -218,8 +224,7 @@ def test_wddis_is_fixed_once_wdoverride_is_cleared(was, tried):
 
 @pytest.mark.rule("SYS-029")
 def test_overflow_with_wdenint_pulses_wdint():
-    chip = system()
-    chip.write(0, SCSR.offset, WDENINT)
+    chip = interrupting()
     assert chip.next_wake == OVERFLOW
     chip.wake(OVERFLOW)
     assert (chip.requests, chip.reset_requested) == (WAKEINT, False)
@@ -234,20 +239,12 @@ def test_overflow_with_wdenint_pulses_wdint():
     assert chip.next_wake == 2 * OVERFLOW
 
 
-def test_clearing_wdenint_while_wdint_is_low_resets_at_once():
-    chip = system()
-    chip.write(0, SCSR.offset, WDENINT)
+@pytest.mark.parametrize(("later", "resets"), [(127, True), (128, False)])
+def test_clearing_wdenint_resets_at_once_while_wdint_is_low(later, resets):
+    chip = interrupting()
     chip.wake(OVERFLOW)
-    chip.write(OVERFLOW + 127, SCSR.offset, 0)
-    assert chip.reset_requested
-
-
-def test_clearing_wdenint_after_wdint_rose_does_not():
-    chip = system()
-    chip.write(0, SCSR.offset, WDENINT)
-    chip.wake(OVERFLOW)
-    chip.write(OVERFLOW + 128, SCSR.offset, 0)
-    assert not chip.reset_requested
+    chip.write(OVERFLOW + later, SCSR.offset, 0)
+    assert chip.reset_requested is resets
 
 
 @pytest.mark.rule("SYS-030")
@@ -283,8 +280,7 @@ def test_wdkey_reads_as_wdcr_and_wdchk_as_0():
 
 
 def test_reset_starts_it_afresh():
-    chip = system()
-    chip.write(0, SCSR.offset, WDENINT)
+    chip = interrupting()
     chip.wake(OVERFLOW)
     keys(chip, OVERFLOW, 0x55)
     chip.reset(OVERFLOW + 10)
@@ -297,8 +293,7 @@ def test_reset_starts_it_afresh():
 
 def test_next_wake_is_honest():
     """Cycle by cycle nothing but the running count changes without a write or a due wake."""
-    chip = system()
-    chip.write(0, SCSR.offset, WDENINT)
+    chip = interrupting()
     shown = [r.offset for r in MAP if r.yields is not Yields.TIME]
     before = None
     for now in range(OVERFLOW - 300, OVERFLOW + 300):

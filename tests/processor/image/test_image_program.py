@@ -265,16 +265,15 @@ START = ' .sect ".text", 0x9000\n .global _c_int00\n_c_int00: '
 @pytest.mark.rule("SYS-133", "SYS-134")
 @pytest.mark.parametrize(("sp", "first"), [(0x400, 0x400), (0x401, 0x402)], ids=["even", "odd"])
 def test_an_entry_stores_seven_pairs_at_even_addresses(sp: int, first: int):
-    rig = Rig(START + "TRAP #20\n ESTOP0\n .global _routine\n_routine: ESTOP0")
-    rig.dsp.processor.bus.ram.put_word32(0x0D00 + 2 * 20, 0x9002)
+    set_ar = "MOVL XAR0, #0x8888\n MOVL XAR1, #0x9999\n "
+    rig = Rig(START + set_ar + "TRAP #20\n ESTOP0\n .global _routine\n_routine: ESTOP0")
+    rig.dsp.processor.bus.ram.put_word32(0x0D00 + 2 * 20, 0x9006)
     cpu = rig.cpu
     cpu.sp, cpu.xt, cpu.acc, cpu.p, cpu.dp, cpu.dbgstat = sp, 0x1111_0000, 0x2222_3333, 0x4444_5555, 0x66, 0x77
-    cpu.put_ar(0, 0x8888)
-    cpu.put_ar(1, 0x9999)
     cpu.put_ier(0xAAAA)
     st0, st1 = cpu.st0(), cpu.whole_st1()
     rig.run()
-    stored = [st0, 0x1111, 0x3333, 0x2222, 0x5555, 0x4444, 0x8888, 0x9999, st1, 0x66, 0xAAAA, 0x77, 0x9001, 0]
+    stored = [st0, 0x1111, 0x3333, 0x2222, 0x5555, 0x4444, 0x8888, 0x9999, st1, 0x66, 0xAAAA, 0x77, 0x9005, 0]
     assert [rig.word(first + n) for n in range(14)] == stored
     assert cpu.sp == sp + 15
 

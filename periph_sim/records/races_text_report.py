@@ -71,7 +71,7 @@ def as_json(races: Races) -> dict[str, object]:
                 "lost": modify.lost,
                 "flags": [
                     {
-                        **{k: v for k, v in dataclasses.asdict(flag).items() if k != "first"},
+                        **dataclasses.asdict(flag),
                         "first_s": None if flag.first is None else float(run.seconds(flag.first)),
                     }
                     for flag in modify.flags

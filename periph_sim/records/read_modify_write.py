@@ -93,7 +93,6 @@ class LostFlag:
     along: how often it was set at the read and cleared by the write, though another flag was meant.
     unseen: how many of these `along` the firmware had not read since the flag rose. A read that named another field of
     the register does not count.
-    first: the first of the ticks `cleared`, or None.
     lost: the ticks at which it was cleared without having been read, in order.
     cleared: the ticks at which it was cleared unintentionally, read or not.
     """
@@ -103,9 +102,13 @@ class LostFlag:
     lost_between: int
     along: int
     unseen: int
-    first: int | None
     lost: tuple[int, ...]
     cleared: tuple[int, ...]
+
+    @property
+    def first(self) -> int | None:
+        """The first of the ticks `cleared`."""
+        return self.cleared[0] if self.cleared else None
 
 
 @dataclass(frozen=True)
@@ -197,7 +200,5 @@ def _lost(name: str, found: FlagOfPlace, other: bool) -> LostFlag:
     between, along, unseen = (found.between.ticks or [], found.along.ticks or [], found.unseen.ticks or [])
     if not other:
         along = unseen = []
-    cleared = sorted(between + along)
-    first = cleared[0] if cleared else None
-    lost = tuple(sorted(between + unseen))
-    return LostFlag(name, found.rose, len(between), len(along), len(unseen), first, lost, tuple(cleared))
+    lost, cleared = tuple(sorted(between + unseen)), tuple(sorted(between + along))
+    return LostFlag(name, found.rose, len(between), len(along), len(unseen), lost, cleared)

@@ -75,15 +75,6 @@ class ValueTest:
         return False
 
 
-def value_test(found: Sequence[Matcher]) -> ValueTest:
-    """Return a test for the values that any of these matchers accepts. At least one matcher is required."""
-    test: ValueTest | None = None
-    for one in reversed(found):
-        test = ValueTest(one.mask, one.want, test)
-    assert test is not None
-    return test
-
-
 class Hearing:
     """One of a measure's events, as records of one topic may be it. test: None if they begin or end its group only."""
 
@@ -363,8 +354,11 @@ class EventMeasure(Measure):
 
 def _test(matcher: Matcher, kind: Kind, where: str, what: str) -> ValueTest | None:
     """Return the test of the values that make a record of this kind, place and thing the event; None if it never is."""
-    found = [one for one in matcher.each if one.may_be(kind, where, what)]
-    return value_test(found) if found else None
+    test: ValueTest | None = None
+    for one in reversed(matcher.each):
+        if one.may_be(kind, where, what):
+            test = ValueTest(one.mask, one.want, test)
+    return test
 
 
 def subjects_of(matchers: Sequence[Matcher]) -> dict[Kind, frozenset[str]]:

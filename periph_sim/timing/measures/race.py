@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...core.records import UNWANTED, Kind, Recorder, Subjects
 from ...core.state import State
-from ...records.read_modify_write import ReadModifyWrite, modifies_of
+from ...records.read_modify_write import modifies_of
 from ...records.run import NotInRun, Run
 from ...records.subject import groups_of
 from ...traces.formats.record_table import Columns, RecordTable
@@ -92,13 +92,6 @@ class Race(Measure):
         return f"no read of {self.watched.text} had a change to be compared with"
 
 
-def _modifies(run: Run, watched: Watched) -> tuple[ReadModifyWrite, ...]:
-    try:
-        return modifies_of(run, [group for group, _ in groups_of(run, watched.name)])
-    except NotInRun:
-        return ()
-
-
 class Distances(NamedTuple):
     """cycles: from each read to its nearest change. tick: when the read was, the same length. int64."""
 
@@ -122,6 +115,10 @@ def races(table: RecordTable, name: str, sysclk: Fraction | None = None) -> Dist
 def lost_flags(table: RecordTable, name: str = "") -> NDArray[np.int64]:
     """Return the ticks at which read-modify-writes of a register, or of any, lost a flag. BadEvent as for `races`."""
     unit, _, text = name.rpartition(":")
-    modifies = _modifies(Run(table), losing(unit, text, scope_of_table(table)))
-    lost = sorted(tick for modify in modifies for flag in modify.flags for tick in flag.lost)
+    run, watched = Run(table), losing(unit, text, scope_of_table(table))
+    try:
+        groups = [group for group, _ in groups_of(run, watched.name)]
+    except NotInRun:  # never accessed
+        groups = []
+    lost = sorted(tick for modify in modifies_of(run, groups) for flag in modify.flags for tick in flag.lost)
     return np.array(lost, np.int64)

@@ -19,7 +19,7 @@ from ..core.settings import duration, share
 from ..core.time import NO_TIME, Timebase, round_ratio
 from .budget_schema import Budget
 from .language.scope import BadEvent, Scope
-from .measures.event_pairing import EventMeasure
+from .measures.event import EventMeasure
 from .measures.factory import expanded, maker_of
 from .measures.measure import MILLIONTHS, Measure
 

@@ -30,7 +30,7 @@ CHAINS = {
     ("processor.bus", "Posted", "following"),
     ("processor.python.code_records", "Waited", "following"),
     ("timing.budgets", "BudgetJudge", "same_as"),
-    ("timing.measures.event_pairing", "ValueTest", "others"),
+    ("timing.measures.event", "ValueTest", "others"),
     ("timing.measures.modifies", "Access", "after"),
     ("timing.measures.modifies", "Access", "before"),
 }

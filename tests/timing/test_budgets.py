@@ -8,7 +8,7 @@ from periph_sim.timing.budget_plan import BadBudget
 from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.budgets import BudgetJudge
 from periph_sim.timing.language.scope import Scope
-from periph_sim.timing.measures.event_pairing import EventMeasure
+from periph_sim.timing.measures.event import EventMeasure
 from tests.timing.judges import US, judge, judged, judges
 
 TEXT = "from edge SCL fall to edge SCL rise"

@@ -10,7 +10,7 @@ from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from periph_sim.timing.measures.event_pairing import EventMeasure
+from periph_sim.timing.measures.event import EventMeasure
 from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.registry import MEASURES, PHRASES
 from tests.scene.runs import TIMING, run_case

@@ -10,7 +10,7 @@ import pytest
 from periph_sim.core.records import Kind
 from periph_sim.core.time import NO_TIME
 from periph_sim.timing.language.events import matcher
-from periph_sim.timing.measures.event_pairing import subjects_of
+from periph_sim.timing.measures.event import subjects_of
 from periph_sim.timing.measures.factory import measure_named
 from tests.timing.events_by_hand import ONE, came, records, tell
 from tests.timing.measures.test_event import Rounds

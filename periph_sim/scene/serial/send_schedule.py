@@ -15,7 +15,7 @@ from ...bus.uart.reader import Heard
 from ...core.state import State
 from ...core.time import NO_TIME
 from ...timing.language.events import Matcher
-from ...timing.measures.event_pairing import EventMeasure
+from ...timing.measures.event import EventMeasure
 from ..case.serial import SendTable
 from ..context import SceneContext
 

@@ -22,7 +22,7 @@ from ..language.events import ANYTHING, OF_AGENT, Group, Matcher, matcher, stret
 from ..language.language import FORMS, Said, is_form, measure_of, near_form
 from ..language.scope import BadEvent, Scope
 from ..language.tokens import name_text
-from .event_pairing import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses, EventMeasure
+from .event import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses, EventMeasure
 from .expectations import Reply, WatchedWire
 from .margin import Margin
 from .measure import Measure

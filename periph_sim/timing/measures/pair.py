@@ -22,7 +22,7 @@ from ...core.records import UNWANTED, Kind
 from ...core.state import State
 from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
-from .event_pairing import NO_CLAUSES, Clauses, EventMeasure
+from .event import NO_CLAUSES, Clauses, EventMeasure
 from .groups import Groups
 from .measure import MeasuredScene
 

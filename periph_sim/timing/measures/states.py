@@ -22,11 +22,11 @@ from ...core.state import State
 from ...core.time import NO_TIME
 from ...form.c_types import BigInt
 from ..language.events import EVERYTHING, Matcher
-from .event_pairing import EventMeasure
+from .event import EventMeasure
 from .measure import MILLIONTHS, MeasuredScene
 
 if TYPE_CHECKING:
-    from .event_pairing import Hearing
+    from .event import Hearing
 
 WAIT, ROUTINE = 0, 1  # places of what nests
 

@@ -11,7 +11,7 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import NO_TIME
 from periph_sim.timing.derived.origins import RECENT
 from periph_sim.timing.language.scope import BadEvent
-from periph_sim.timing.measures.event_pairing import EventMeasure
+from periph_sim.timing.measures.event import EventMeasure
 from periph_sim.timing.measures.measure import Tally
 from periph_sim.timing.measures.registry import MEASURES
 from tests.timing.events_by_hand import make, tell

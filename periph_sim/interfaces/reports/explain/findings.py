@@ -21,7 +21,7 @@ from ....core.records import UNWANTED, Kind, Record
 from ....records.record_text import bus_byte, happened, on_the_bus
 from ....scene.case.model import Case
 from ....scene.scope import scope_of_case
-from ....timing.measures.event_pairing import EventMeasure
+from ....timing.measures.event import EventMeasure
 from ....timing.measures.expectations import WatchedWire
 from ....timing.measures.factory import measure_named
 from ....timing.measures.measure import Measure

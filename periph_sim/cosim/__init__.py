@@ -1,7 +1,7 @@
-"""Co-simulation: a case inside a Verilog or VHDL simulator, by cocotb.
+"""Co-simulation: a case runs inside a Verilog or VHDL simulator, connected by cocotb.
 
 dut.scl, dut.sda, dut.rx --> F28335 --> dut.dsp_scl, dut.dsp_sda, dut.tx
-simulate(sources, ...)   --> a run of the simulator, as a test of pytest
+simulate(sources, ...)   --> a run of the simulator, inside a test of pytest
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ["F28335", "OutsideError", "simulate"]
 
 
 def __getattr__(name: str) -> Any:
-    """Import `F28335` on first use: it needs cocotb, which only exists inside a simulator; `simulate` does not."""
+    """Import `F28335` on first use. It needs cocotb, which exists only inside a simulator, unlike `simulate`."""
     if name != "F28335":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     try:

@@ -14,7 +14,10 @@ UNITS = {12: "1ps", 13: "100fs", 14: "10fs", 15: "1fs"}
 
 
 class Axis:
-    """begin: the step at which the session's time begins. Raises OutsideError if a step is longer than a tick."""
+    """Converter between the steps of a simulator and the ticks of a session.
+
+    begin: the step at which the session's time begins. Raise OutsideError if a step is longer than a tick.
+    """
 
     def __init__(self, steps_per_second: int, ticks_per_second: int, begin: int = 0) -> None:
         if steps_per_second < ticks_per_second:
@@ -42,7 +45,7 @@ class Axis:
 
 
 def _length(per_second: int) -> str:
-    """Format a step as in a timescale."""
+    """Return the length of a step as in a timescale, such as "1 ps". per_second: number of steps in a second."""
     power = len(str(per_second)) - 1  # simulators use powers of ten
     for unit, of in (("s", 0), ("ms", 3), ("us", 6), ("ns", 9), ("ps", 12), ("fs", 15)):
         if power <= of:

@@ -3,12 +3,12 @@
     scl, sda (resolved), rx --value change--> apply(floor)   Session   changes --ceil--> scl_o, sda_o, tx
                                                      next_output --> one pending timer
 
-The simulator calls back if a line changes, and a timer when one of our pins may change; time is stepped only by the
-timer. Both are plain callbacks, since waking a task costs several times as much. A pin change of ours at a
-tick is shown in the first step at or after it. A line of the simulator changes in the tick that contains its
-step, together with all lines of that step; a response to our own pin in that very step comes a tick later. The
-level of a resolved line is applied as it is, our own pull included, so a line that others also hold low never
-shows a false rise.
+The simulator calls `_changed` when a line changes, and a timer calls `_woken` when one of our pins may change; only the
+timer advances the session's time. Both are plain callbacks, because waking a task costs several times as much. A change
+of our pin at a tick is shown in the first step at or after it. A change of a line in a step is applied at the tick that
+contains the step, together with the other lines of that step. If the session has already run that tick, because our own
+pin changed in the same step, the change is applied one tick later. The level of a resolved line, which includes our own
+pull, is applied unchanged, so a line that others also hold low never shows a false rise.
 """
 
 from __future__ import annotations
@@ -48,14 +48,19 @@ WAYS_OUT = {
 
 
 class F28335:
-    """A case whose wires are signals of `dut`, from the current simulation time on.
+    """A case that runs from the current simulation time on, and whose wires are signals of `dut`.
 
-    case: from `load` or `make_case`, or a file. scl, sda: the resolved lines, which are read; scl_o, sda_o: our own
-    drive, 0 pulls and 1 releases. rx is read and tx driven. wires: of other units, name -> (read, driven), either None.
-    Each is a signal or its name in `dut`. log: a file of line changes, for `periph_sim.outside.replay`. record:
-    a file for the records, on the simulator's time axis. programs: firmware as functions, by unit.
+    Each signal is given as an object or by its name in `dut`.
+    case: a case from `load` or `make_case`, or the path of a file.
+    scl, sda: the resolved lines, which are read.
+    scl_o, sda_o: the signals of our own drive: 0 pulls, 1 releases.
+    rx, tx: the line that is read and the line that is driven.
+    wires: pairs (read, driven) for wires of other units, by name; either of a pair may be None.
+    log: a file for the line changes, which `periph_sim.outside.replay` can replay.
+    record: a file for the records, on the simulator's time axis.
+    programs: firmware given as functions, by unit.
 
-    Raises OutsideError for signals that are missing or have no level, and for a precision that is too coarse.
+    Raise OutsideError for a signal that is missing or has no level, and for a precision that is too coarse.
     """
 
     def __init__(
@@ -92,11 +97,11 @@ class F28335:
             if log is not None and Path(log).resolve() == Path(record).resolve():
                 raise OutsideError(f"{log}: log and record are the same file; give different files")
         begin = get_sim_time("step")
-        if begin:  # at time 0 initial blocks have not run yet
+        if begin:  # at time 0 initial blocks have not run yet, so the levels are not checked
             for name, signal in read.items():
                 _level(name, signal, "the beginning")
         per_second = get_sim_steps(1, "sec")
-        if begin:  # records also count from the simulator's time 0
+        if begin:  # the times of records count from the simulator's time 0, too
             case = case.model_copy(update={"start": case.start + Fraction(begin, per_second)})
         self._files = ExitStack()
         subscribe, self._ended_at = self._files.enter_context(
@@ -108,13 +113,13 @@ class F28335:
         self._axis = Axis(per_second, self.session.ticks_per_second, begin)
         self._end = self.session.scene.timebase.ticks(case.duration, "up")
         self._result: Result | None = None
-        self.wakes = 0  # calls of the timer
-        self._due = NEVER  # the tick for which it is set
-        self._step = 0  # the step in which it fires
+        self.wakes = 0  # number of times that the timer has fired
+        self._due = NEVER  # the tick for which the timer is set
+        self._step = 0  # the step in which the timer fires
         self._timer: Any = None
         self._failed = Event()
         self._fault: Exception | None = None
-        self._over = False  # events of the simulator are ignored
+        self._over = False  # True after the end or a failure: callbacks of the simulator are then ignored
         for signal in self._driven.values():
             signal.value = 1
         cocotb.start_soon(self._begin(read))
@@ -127,7 +132,7 @@ class F28335:
 
     @property
     def result(self) -> Result:
-        """The result of the run, judged by the case's budgets; the first access ends the run."""
+        """The result of the run with the verdicts of the case's budgets. The first access ends the run."""
         if self._result is None:
             session = self.session
             until = min(self._axis.tick(get_sim_time("step")), max(self._end, session.now))
@@ -147,9 +152,9 @@ class F28335:
         return self.result
 
     def peek(self, place: str) -> int:
-        """Read a register as a debugger does, without side effects: "I2C-A.I2CSTR", "dsp.I2C-A.I2CSTR.SCD".
+        """Return the present value of a register or field, read as a debugger does, without side effects.
 
-        Raise OutsideError for an unknown place.
+        place: for example "I2C-A.I2CSTR" or "dsp.I2C-A.I2CSTR.SCD". Raise OutsideError if it is unknown.
         """
         if self._result is None:
             tick = self._axis.tick(get_sim_time("step"))
@@ -160,7 +165,7 @@ class F28335:
     # Lines ----------------------------------------------------------------------------
 
     async def _begin(self, read: Mapping[str, Any]) -> None:
-        """Apply the initial levels of lines, after initial blocks have run."""
+        """Wait until initial blocks have run, then apply the initial levels of the lines."""
         await ReadWrite()
         if not self._over:
             for name, signal in read.items():
@@ -168,7 +173,7 @@ class F28335:
             self._plan(_now())
 
     def _listen(self, name: str, signal: Any) -> None:
-        """Register a callback for the next change of a line."""
+        """Register `_changed` as the callback for the next change of a line."""
         simulator.register_value_change_callback(signal._handle, self._changed, simulator.VALUE_CHANGE, name, signal)
 
     def _changed(self, name: str, signal: Any) -> None:
@@ -196,13 +201,13 @@ class F28335:
                 signal.value = Immediate(change.level)
 
     def _fail(self, error: Exception) -> None:
-        """Record an error in a callback, where raising would be lost."""
+        """Store an error of a callback for `_last`, because the simulator would discard the exception."""
         self._over = True
         self._fault = error
         self._failed.set()
 
     async def _last(self) -> None:
-        """Run during the whole test: an error of ours ends it, and its end closes the session."""
+        """Run during the whole test. Raise the error of a callback, if any; at the end of the test ignore callbacks."""
         try:
             await self._failed.wait()
             if self._fault is not None:
@@ -213,7 +218,7 @@ class F28335:
     # Time -----------------------------------------------------------------------------
 
     def _plan(self, step: int) -> None:
-        """Set the timer for the next pin change, unless it is set for an earlier one."""
+        """Set the timer for the next change of our pins, unless it is already set for that tick or an earlier one."""
         due = self.session.next_output()
         if due is None or due >= self._due:
             return
@@ -245,7 +250,7 @@ def _now() -> int:
 
 
 def _level(name: str, signal: Any, at: str = "") -> int:
-    """Return 0 or 1. Raise OutsideError with a suggestion for any other level."""
+    """Return the level of a signal, 0 or 1. Raise OutsideError with a suggestion for any other level."""
     level: str = signal._handle.get_signal_val_binstr()
     if level in LEVELS:
         return LEVELS[level]
@@ -255,7 +260,7 @@ def _level(name: str, signal: Any, at: str = "") -> int:
 
 
 def _signal(dut: Any, line: str, given: Any) -> Any:
-    """Return a signal given as itself, or by its name in `dut`."""
+    """Return the signal of a line. given: the signal itself, or its name in `dut`."""
     if not isinstance(given, str):
         return given
     try:

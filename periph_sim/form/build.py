@@ -5,15 +5,16 @@ python -m periph_sim.form.build [--hard] [PREFIX ...]
     core/kernel.py --declarations--> kernel.pxd --Cython--> C --compiler--> core.kernel.o --+--> compiled/core.SUFFIX
     core/wire.py --- ... ------------------------------------------------> core.wire.o ----+    compiled/manifest.json
 
-Needs Cython (the extra `core`) and a C compiler. What is compiled: each module with the line `# core: compiled`, if its
-object file is not in the last build already, made of the same. With prefixes ("core", "f28335.i2c") only the modules
-whose names begin so, and those that they need.
+The build needs Cython (the extra `core`) and a C compiler. It compiles each module with the line `# core: compiled`,
+unless the last build has an object file that was made from the same source, declarations and options. With prefixes
+("core", "f28335.i2c") it compiles only the modules whose names begin with one of them, and the modules they need.
 
---hard makes another build, in a folder of its own, which stops at the first fault (`HARD`). It is for tests:
-`python -m tests.hard` runs them with it.
+--hard makes another build for tests, in a folder of its own: its code stops at the first fault (`HARD`).
+`python -m tests.hard` runs the tests with it.
 
-One library instead of an extension module each: it is loaded once, and its functions lie sorted by name, so that those
-that calculate are apart from what only Python calls, and an event goes through a fraction of the pages of memory.
+There is one library instead of an extension module for each source, so that it is loaded once and the linker can sort
+the functions of all modules by name. The C functions are then apart from the wrappers that only Python calls, so an
+event uses few pages of memory.
 """
 
 from __future__ import annotations
@@ -47,27 +48,32 @@ from .source_copy import declared, prepared, with_constants
 from .sources import UNCHECKED, Sources, header_of
 
 DIRECTIVES = {
-    "annotation_typing": False,  # types are the .pxd's business: annotations are mypy's
+    "annotation_typing": False,  # Cython reads no types from annotations: they are in the .pxd file
     "infer_types": True,
-    "cdivision": False,  # floor division, as Python's
+    "cdivision": False,  # integer division rounds down, as in Python
     "boundscheck": True,
     "binding": False,
     "auto_pickle": False,
     "allow_none_for_extension_args": False,  # a call from Python with None for a typed argument is a TypeError
-    "nonecheck": True,  # an attribute or method of None is an AttributeError, as Python's
+    "nonecheck": True,  # access to an attribute or method of None is an AttributeError, as in Python
 }
-# Chains of objects are freed in a loop, however long. Cython knows this directive at classes, and takes it for all of
-# them only where its options are complete already.
+# With `trashcan`, a chain of objects of any length is freed in a loop instead of by recursion. Cython documents the
+# directive for single classes; it applies to all classes only if it is added to the finished options.
 FOR_ALL_CLASSES = {"trashcan": True}
-NEVER_NONE = "self"  # the argument that is never None: the caller has checked the object whose method it calls
+NEVER_NONE = "self"  # name of the argument that is never None, because the caller has checked the object
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
 NOTHING_TO_DO = "all modules are built already"
 FLAGS = ("-c", "-O2", "-DNDEBUG", "-fPIC", "-fwrapv", "-fno-strict-aliasing", "-ffunction-sections", "-w")
-SANITIZERS = "-fsanitize=address,undefined"  # indices of arrays at the end of a structure are checked by `arrays`
+SANITIZERS = "-fsanitize=address,undefined"  # they miss indices of an array at the end of a structure: see `c_checks`
 
 
 class Kind(NamedTuple):
-    """Settings of a build. directives: for Cython, besides those of every build. link: flags of the linker."""
+    """Settings of a build.
+
+    directives: directives for Cython that replace those of every build or are added to them.
+    flags: flags of the C compiler.
+    link: flags of the linker.
+    """
 
     directives: dict[str, bool]
     flags: tuple[str, ...]
@@ -75,9 +81,10 @@ class Kind(NamedTuple):
 
 
 NORMAL = Kind({}, FLAGS)
-# Every fault ends the process or raises: None and overflows in Cython's code, bad addresses and what C leaves undefined
-# in the sanitizers. Without `-fwrapv`, `-DNDEBUG` and `-w`, which hide faults. `asan-stack=0`: greenlets copy their
-# stacks, so address sanitizer can watch the heap only.
+# In this build every fault raises an exception or ends the process. Cython's code checks for None and for overflows.
+# The sanitizers check for bad addresses and for behaviour that C leaves undefined. The flags `-fwrapv`, `-DNDEBUG` and
+# `-w` would hide faults and are left out. `asan-stack=0` limits the address sanitizer to the heap, because greenlets
+# copy their stacks.
 HARD = Kind(
     {"nonecheck": True, "overflowcheck": True},
     (
@@ -86,16 +93,17 @@ HARD = Kind(
     ),
     (SANITIZERS,),
 )
-# Code that leads to a traceback is cold: the compiler keeps it apart from the code of each event.
+# The function that adds to a traceback is declared `cold`, so that the compiler moves the code of errors away from the
+# code that every event runs.
 PROTOTYPE, COLD = re.compile(r"^static void __Pyx_AddTraceback\b", re.MULTILINE), r"__attribute__((cold)) \g<0>"
-# A method where C expects a function, in the table of its class or of one that it inherits from.
+# Matches a C method of a class, or of a base class, that is passed on as a Python object.
 PASSED_ON = re.compile(r"__Pyx_CFunc_\w+_to_py_\w*\([^;\n]*->(?:__pyx_base\.)*(\w+)\);")
-SORTED = "-Wl,--sort-section=name"  # C functions of all modules first, then what wraps them for Python
+SORTED = "-Wl,--sort-section=name"  # puts the C functions of all modules before their Python wrappers
 OBJECTS = "objects"
 
 
 class NoBuild(Exception):
-    """The core cannot be compiled here; the message says what is missing, or is the output of the compiler."""
+    """The core cannot be compiled here. The message says what is missing, or contains the output of the compiler."""
 
 
 def compiler() -> str:
@@ -119,7 +127,7 @@ def jobs() -> int:
 
 
 def shadow(package: Path, sources: Sources, modules: Sequence[str], folder: Path) -> None:
-    """Write the sources as they are compiled, and their declarations, into `folder`."""
+    """Write the prepared sources that Cython compiles, and their .pxd files, into `folder`."""
     for module in modules:
         names = vars(import_module(f"{package.name}.{module}"))
         pxd = declarations(sources[module])
@@ -135,9 +143,11 @@ def shadow(package: Path, sources: Sources, modules: Sequence[str], folder: Path
 def compile_one(
     module: str, package: str, cc: str, kind: Kind = NORMAL, always_set: Sequence[tuple[str, str]] = ()
 ) -> None:
-    """Compile one module to an object file in the present folder. NoBuild with the output of the compiler.
+    """Compile one module to an object file in the present folder.
 
-    always_set: classes and attributes whose setters refuse None.
+    always_set: pairs (class, attribute) of attributes whose setters refuse None.
+
+    Raise NoBuild with the output of the compiler if it fails.
     """
     c_file = generate(module, package, kind)
     types = types_of(module, Path(package))
@@ -155,7 +165,7 @@ def compile_one(
 
 
 def require_directives(pxd: str, c_file: Path) -> None:
-    """NoBuild if a directive of the .pxd file did not reach the C code, or if Cython calls a method wrongly there."""
+    """Raise NoBuild if a directive of the .pxd file has no effect in the C code, or if a method is called wrongly."""
     text = c_file.read_text("utf-8")
     if passed_on := PASSED_ON.search(text):
         method = f"{c_file.stem}.py passes on the typed method {passed_on[1]}"
@@ -166,9 +176,11 @@ def require_directives(pxd: str, c_file: Path) -> None:
 
 
 def generate(module: str, package: str, kind: Kind = NORMAL) -> Path:
-    """Return the C file of a module, in the present folder. NoBuild with the output of Cython.
+    """Write the C file of a module into the present folder, and return its path.
 
-    In this process: it takes Cython as long to start as to compile a module of usual length.
+    Cython runs in this process, because starting it takes as long as compiling a module of usual length.
+
+    Raise NoBuild with the output of Cython if it fails.
     """
     leave_out_checks_of_self()
     cython = import_module("Cython.Compiler.Main")
@@ -188,22 +200,22 @@ def generate(module: str, package: str, kind: Kind = NORMAL) -> Path:
 
 
 def directives(text: str, kind: Kind = NORMAL) -> dict[str, bool]:
-    """Return Cython's directives for a module with this source."""
+    """Return Cython's directives for a module. text: its source."""
     return {**DIRECTIVES, "nonecheck": header_of(text) != UNCHECKED, **kind.directives}
 
 
 @cache
 def leave_out_checks_of_self() -> None:
-    """Make Cython leave out a check for None at each attribute of `self`."""
+    """Patch Cython so that it does not check `self` for None at each access to an attribute."""
     nodes = import_module("Cython.Compiler.ExprNodes")
     usual = nodes.NameNode.may_be_none
     nodes.NameNode.may_be_none = lambda node: not (node.name == NEVER_NONE and node.entry.is_arg) and usual(node)
 
 
 def link(modules: list[str], folder: Path, cc: str, kind: Kind = NORMAL) -> None:
-    """Link all object files in `folder` to one library. NoBuild with the output of the linker."""
+    """Link the object files of `modules` in `folder` to one library. Raise NoBuild with the output of the linker."""
     command = [*cc.split(), "-shared", *kind.link, *(f"{module}.o" for module in modules), "-o", LIBRARY]
-    for more in ([SORTED], []):  # a linker that does not know the option can do without
+    for more in ([SORTED], []):  # again without the option if the linker does not know it
         done = run([*command, *more], cwd=folder, capture_output=True, text=True, check=False)
         if not done.returncode:
             return
@@ -211,7 +223,7 @@ def link(modules: list[str], folder: Path, cc: str, kind: Kind = NORMAL) -> None
 
 
 def types_of(module: str, folder: Path) -> dict[str, str]:
-    """Return the .pxd files in `folder` that this module's .pxd file depends on, its own included, by module."""
+    """Return the text of a module's .pxd file and of all .pxd files in `folder` that it depends on, by module."""
     found: dict[str, str] = {}
     waiting = [module]
     while waiting:
@@ -226,7 +238,10 @@ def types_of(module: str, folder: Path) -> dict[str, str]:
 def fingerprint(
     module: str, folder: Path, cc: str, kind: Kind = NORMAL, always_set: Sequence[tuple[str, str]] = ()
 ) -> str:
-    """Equal for equal object files. folder: the package as it is compiled."""
+    """Return a digest of the source, declarations, options and tools from which the object file of a module is made.
+
+    folder: the folder of the prepared sources.
+    """
     source = source_of(folder, module).read_text("utf-8")
     types = sorted(types_of(module, folder).items())
     made_of = [
@@ -247,7 +262,7 @@ def fingerprint(
 
 
 def last_build(built: Path) -> dict[str, str]:
-    """Return the object files of the existing build, by module, each with its fingerprint."""
+    """Return the fingerprints of the object files in the existing build, by module."""
     try:
         found = json.loads((built / MANIFEST).read_text("utf-8"))["modules"]
         return {module: made_of for module, made_of in found.items() if (built / OBJECTS / f"{module}.o").is_file()}
@@ -256,7 +271,7 @@ def last_build(built: Path) -> dict[str, str]:
 
 
 def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
-    """Return the modules with these prefixes and those whose types they use; without prefixes, all modules."""
+    """Return the compiled modules with these prefixes and the modules whose types they use; all without prefixes."""
     found = sources.compiled()
     chosen = [one for one in found if any(f"{one}.".startswith(f"{prefix}.") for prefix in prefixes)]
     if prefixes and not chosen:
@@ -265,7 +280,10 @@ def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
 
 
 def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: Sequence[str] = ()) -> None:
-    """Compile the modules that say so. `built` is replaced when all of it is done, and left alone if it may run."""
+    """Compile the modules marked as compiled, and replace the build in `built` when all are done.
+
+    A build that already has these modules and matches the sources is kept.
+    """
     sources = Sources(package)
     cc, modules, last = compiler(), needed(prefixes, sources), last_build(built)
     written, made_of = stamps(package, modules), digest(package, modules)
@@ -304,7 +322,7 @@ def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: 
 
 
 def main(options: Sequence[str] = ()) -> int:
-    """Exit status: 0, or 1 where the core cannot be compiled; then runs are interpreted, as before."""
+    """Build the core and return the exit status: 0, or 1 if it cannot be compiled, and runs stay interpreted."""
     prefixes, hard = [one for one in options if one != "--hard"], "--hard" in options
     try:
         build(PACKAGE, HARD_BUILT if hard else BUILT, jobs(), HARD if hard else NORMAL, prefixes)
@@ -313,7 +331,7 @@ def main(options: Sequence[str] = ()) -> int:
         BadDeclaration,
         OSError,
         BrokenExecutor,
-    ) as why:  # the last: a process was killed, as where memory is short
+    ) as why:  # BrokenExecutor: a process was killed, for example because memory is short
         print(f"the core stays interpreted: {why}", file=sys.stderr)
         return 1
     return 0

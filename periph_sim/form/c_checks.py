@@ -1,16 +1,16 @@
-"""Checks that are inserted into the C code from Cython: of indices of arrays, and of None in setters of attributes.
+"""Checks inserted into the C code that Cython writes: of the indices of arrays, and of None in setters of attributes.
 
     __pyx_v_cpu->xar[__pyx_v_f->n]  -->  __pyx_v_cpu->xar[PERIPH_SIM_INDEX(__pyx_v_f->n, 8, "xar")]
 
-Cython checks indices of lists and not those of arrays. An index outside of its array ends the process with a message
-instead of changing other memory. The compiler leaves the check out where the index cannot be outside: after a mask,
-or in a loop to a constant.
+Cython checks the indices of lists but not those of arrays. With the check, an index outside of its array ends the
+process with a message instead of changing other memory. The C compiler removes the check where the index cannot be
+outside, for example after a mask or in a loop to a constant.
 
     cdef public Kernel kernel    -->  `wire.kernel = None` and `del wire.kernel` are TypeErrors
     cdef public Event following  -->  unchanged, since the source assigns None to it or declares `Event | None`
 
-Cython lets None into an attribute of any compiled class. Modules that are compiled without checks for None rely on
-these setters, and mypy holds the package's own code to the same.
+By itself, Cython accepts None for any attribute whose type is a compiled class. Modules that are compiled without
+checks for None rely on these setters; mypy checks that the package's own code never assigns None.
 """
 
 from __future__ import annotations
@@ -39,11 +39,14 @@ static inline long long __attribute__((unused)) periph_sim_index(long long index
 #define PERIPH_SIM_INDEX(index, length, name) periph_sim_index((long long)(index), length, name)
 #endif
 """  # noqa: E501
-BEGIN = "/* Module declarations from "  # behind what Cython defines for itself, before the module's own functions
+BEGIN = "/* Module declarations from "  # a comment between Cython's own definitions and the module's functions
 
 
 def arrays_of(pxds: Iterable[str]) -> dict[str, int]:
-    """Return the lengths of the arrays that these .pxd files declare, by name. ValueError if two of one name differ."""
+    """Return the lengths of the arrays that these .pxd files declare, by name.
+
+    Raise ValueError if two arrays of one name have different lengths.
+    """
     found: dict[str, int] = {}
     for length, name in (one for pxd in pxds for one in ARRAY.findall(pxd)):
         if found.setdefault(name, int(length)) != int(length):
@@ -52,7 +55,7 @@ def arrays_of(pxds: Iterable[str]) -> dict[str, int]:
 
 
 def with_index_checks(c_text: str, lengths: Mapping[str, int]) -> str:
-    """Return the C code with a check of each index of these arrays that is not a number."""
+    """Return the C code with a check of each index of these arrays, except indices that are literal numbers."""
     if not lengths:
         return c_text
     used = re.compile(rf"->(?:__pyx_base\.)*({'|'.join(map(re.escape, lengths))})\[")
@@ -74,7 +77,7 @@ def _checked(text: str, used: re.Pattern[str], lengths: Mapping[str, int]) -> st
 
 
 def _closing(text: str, at: int) -> int:
-    """Return the place of the bracket that closes the one before `at`."""
+    """Return the index of the closing bracket that matches the opening bracket just before index `at`."""
     depth = 1
     while depth:
         depth += {"[": 1, "]": -1}.get(text[at], 0)
@@ -91,14 +94,17 @@ REFUSAL = """\
 
 
 def never_none(source: Source) -> list[tuple[str, str]]:
-    """Return (class, name) of each attribute whose type is a compiled class and that is never set to None."""
+    """Return (class, attribute) of each attribute whose type is a compiled class and that is never set to None."""
     optional = set(_optional(source.tree))
     typed = [(one.name, name, of) for one in source.classes.values() for name, of in one.attributes.items()]
     return [(owner, name) for owner, name, of in typed if of.kind and name not in optional]
 
 
 def with_none_refused(c_text: str, attributes: Iterable[tuple[str, str]]) -> str:
-    """Return the C code whose setters of these attributes refuse None. ValueError if one has no setter."""
+    """Return the C code, changed so that the setters of these (class, attribute) pairs refuse None.
+
+    Raise ValueError if an attribute does not have exactly one setter.
+    """
     for kind, name in attributes:
         setter = rf"static int __pyx_setprop_\w*?\d{kind}_{name}\(PyObject \*o, PyObject \*v, [\w ]+\*x\) {{\n"
         c_text, found = re.subn(setter, rf"\g<0>{REFUSAL.format(name=f'{kind}.{name}')}", c_text)
@@ -108,7 +114,7 @@ def with_none_refused(c_text: str, attributes: Iterable[tuple[str, str]]) -> str
 
 
 def _optional(tree: ast.Module) -> Iterator[str]:
-    """Yield the names of attributes that may be None, whatever their class."""
+    """Yield the names of attributes that may be None in any class of the module."""
     for node in walked(tree):
         if isinstance(node, ast.FunctionDef):
             arguments = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]

@@ -1,4 +1,4 @@
-"""Types in C, of functions and of the attributes and methods of a class, as a compiled module declares them."""
+"""C types of functions, and of the attributes and methods of a class, as a compiled module declares them."""
 
 from __future__ import annotations
 
@@ -27,11 +27,16 @@ OBJECT, VOID, INTEGER = "object", "void", NUMBERS["int"]
 
 
 class BadDeclaration(Exception):
-    """A source says something about a type that has no declaration in C; the message names file and line."""
+    """An annotation or a mark in a source that cannot be declared in C. The message names file and line."""
 
 
 class Type(NamedTuple):
-    """c: as a .pxd file spells it. kind: the compiled class that it is. optional: None is a value, too."""
+    """A type in C.
+
+    c: its spelling in a .pxd file.
+    kind: the compiled class, if the type is one; else None.
+    optional: True if None is a valid value.
+    """
 
     c: str
     kind: Class | None = None
@@ -39,7 +44,12 @@ class Type(NamedTuple):
 
 
 class Function(NamedTuple):
-    """kind: "cpdef", "cdef" or "def". arguments: the type of each, and whether it has a default."""
+    """The declaration of a function.
+
+    kind: "cpdef" if it is called from Python and C, "cdef" if only from C, "def" if it stays a Python function.
+    arguments: for each argument, its type, and True if it has a default.
+    variables: the types of annotated local variables.
+    """
 
     kind: str
     result: Type
@@ -52,7 +62,7 @@ CLASS_MARKS = re.compile(r"python|freelist \d+")
 
 
 class Class:
-    """A compiled class."""
+    """A compiled class: its base, attributes and methods, with their C types."""
 
     def __init__(self, source: Source, node: ast.ClassDef) -> None:
         self.source, self.node, self.name = source, node, node.name
@@ -72,7 +82,7 @@ class Class:
             one = one.base
 
     def member(self, name: str, called: bool) -> Type | None:
-        """Return the type of an attribute, or of what a method or property returns."""
+        """Return the type of an attribute or property, or the result type of a method if `called`; None if unknown."""
         for one in (self, *self.bases):
             if name in one.defined:
                 is_property = any(ast.unparse(way) == "property" for way in one.defined[name].decorator_list)
@@ -83,7 +93,7 @@ class Class:
 
     @property
     def attributes(self) -> dict[str, Type]:
-        """All attributes that the class adds to its base's."""
+        """The types of all attributes that the class adds to its base. Raise BadDeclaration if a type is unknown."""
         known = self.known
         for name, line in self.assigned_at.items():
             if name not in known:
@@ -92,10 +102,10 @@ class Class:
 
     @cached_property
     def known(self) -> dict[str, Type]:
-        """The attributes whose type is known, by annotation or by first value."""
+        """The types of the attributes whose type follows from an annotation or from the first value."""
         inherited = {name for base in self.bases for name in (*base.known, *base.defined)}
         found: dict[str, Type] = {}
-        self.__dict__["known"] = found  # a value may name another attribute
+        self.__dict__["known"] = found  # set before it is complete, because a value may name another attribute
         for target, annotation in self._annotated():
             if target.isupper():  # a constant that subclasses set
                 continue

@@ -1,4 +1,4 @@
-"""Declarations for Cython: the text of the .pxd file of a module, made from its types.
+"""Declarations for Cython: the text of a module's .pxd file, made from the C types of its classes and functions.
 
 class Event:                                            cdef class Event:
     time: int                                               cdef public long long time
@@ -15,9 +15,10 @@ from collections.abc import Iterator
 from .compiled_class import INTEGER, NUMBERS, OBJECT, VOID, Class, Function, Type
 from .sources import Source, Sources
 
-LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}  # their names in `cython`
-# Value of a C function that has raised an exception. Without it each caller would have to ask Python. A function
-# without a result returns a truth value; a method in Python that overrides it returns None, which is false, too.
+LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}  # names of C types in `cython`
+# The value by which a C function shows that it has raised an exception, by result type. Without it each caller would
+# have to ask Python after each call. A C function without a result returns a truth value, which is false; a Python
+# method that overrides it returns None, which is false, too.
 RAISES = {VOID: " except -1", "bint": " except -1", INTEGER: " except? PERIPH_SIM_RAISED"}
 RAISED = '''\
 cdef extern from *:
@@ -25,7 +26,7 @@ cdef extern from *:
     #define PERIPH_SIM_RAISED (-0x7EDCBA9876543210LL)
     """
     const long long PERIPH_SIM_RAISED
-'''  # a number that hardly any function returns; where one does, Python is asked
+'''  # a number that functions hardly ever return; if one does, the caller asks Python whether it is an exception
 
 
 def declarations(source: Source) -> str:
@@ -34,7 +35,7 @@ def declarations(source: Source) -> str:
 
 
 def used_by(sources: Sources, module: str) -> set[str]:
-    """Return the modules whose types a module uses, directly or not, itself included."""
+    """Return the module and all modules whose types it uses, directly or indirectly."""
     found: set[str] = set()
     waiting = [module]
     while waiting:
@@ -48,7 +49,7 @@ def used_by(sources: Sources, module: str) -> set[str]:
 
 
 class Writer:
-    """Puts the declarations of one module into words. needed: names that are cimported, by module."""
+    """Writes the declarations of one module. needed: the names to cimport, by module."""
 
     def __init__(self, source: Source) -> None:
         self.source = source
@@ -92,7 +93,7 @@ class Writer:
         yield f"cdef class {kind.name}{base}:"
         body = []
         for name, type_ in kind.attributes.items():
-            # Cython shows an array of bytes as text, which ends at the first 0.
+            # Private buffers and byte arrays are not public: Cython would show bytes as text that ends at the first 0.
             hidden = name.startswith("_") and (type_.c.endswith("[::1]") or type_.c.startswith("unsigned char["))
             public = "" if hidden or type_.c in self.source.pointers or name.startswith("__") else "public "
             body.append(f"    cdef {public}{self._spelled(type_)} {name}")
@@ -124,7 +125,7 @@ class Writer:
         return found if found in NUMBERS.values() else OBJECT
 
     def _spelled(self, kind: Type) -> str:
-        """Return the type as written in the file; its class is declared or cimported before."""
+        """Return the type as written in the .pxd file. Note its class, which must be declared before it."""
         owner = kind.kind
         if owner is not None and owner.source is not self.source:
             self.needed.setdefault(owner.source.name, set()).add(owner.name)

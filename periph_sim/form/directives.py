@@ -1,12 +1,12 @@
-"""Check that the C code from Cython obeys the directives of its .pxd file.
+"""Check that the C code that Cython writes obeys the directives of its .pxd file.
 
     @cython.final            the type is no base type
     @cython.freelist(16)     the deallocator keeps objects while there are fewer than 16
     @cython.locals(at=...)   the function declares this variable, of this C type
     trashcan (every class)   a deallocator that releases objects does so in a loop
 
-Cython ignores a directive in a place where it does not expect one, without a word. A directive that is not listed here
-is reported, too: it needs a line that finds it in C.
+Cython silently ignores a directive in a place where it does not expect one. A directive that is not listed above is
+reported, too, because this module has no check for it.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from collections.abc import Iterator
 DIRECTIVE = re.compile(r"cython\.(\w+)(?:\((.*)\))?")
 CLASS = re.compile(r"cdef class (\w+)")
 FUNCTION = re.compile(r"cp?def .*?(\w+)\([^()]*\)")
-# C types of local variables. Python's own types share one; a name without a module is a compiled class.
+# The spelling in C of the types of local variables. Python's own types (`PYTHONS_OWN`) are all `PyObject *`; any other
+# name is that of a compiled class.
 LOCALS = {
     "cython.bint": "int ",
     "cython.double": "double ",
@@ -30,12 +31,12 @@ PYTHONS_OWN = ("bytearray", "bytes", "dict", "list", "object", "set", "str", "tu
 
 
 def disobeyed(pxd: str, c_text: str) -> list[str]:
-    """Return a sentence for each directive of a .pxd file that did not reach the C code."""
+    """Return a sentence for each directive of a .pxd file that has no effect in the C code. pxd: the file's text."""
     return list(_disobeyed(pxd, c_text))
 
 
 def _disobeyed(pxd: str, c_text: str) -> Iterator[str]:
-    inside = ""  # the class whose lines these are
+    inside = ""  # the class that contains the present line; "" outside of classes
     for decorators, line in _decorated(pxd):
         found = CLASS.match(line)
         inside = found[1] if found else inside if line.startswith(" ") else ""
@@ -61,7 +62,7 @@ def _disobeyed(pxd: str, c_text: str) -> Iterator[str]:
 
 
 def _decorated(pxd: str) -> Iterator[tuple[list[str], str]]:
-    """Yield each declaration of a class or function, with the decorators above it, each in one line."""
+    """Yield (decorators, line) for each declaration of a class or function. Each decorator is joined to one line."""
     decorators: list[str] = []
     open_one = ""
     for raw in pxd.split("\n"):
@@ -80,7 +81,7 @@ def _decorated(pxd: str) -> Iterator[tuple[list[str], str]]:
 
 
 def _slot(c_text: str, name: str, slot: str) -> str:
-    """Return the body of a slot function of a class; "" if there is none."""
+    """Return the C body of a slot function of a class, such as its deallocator; "" if there is none."""
     found = re.search(rf"^static \w+ \*?__pyx_{slot}_\w*?\d{name}\(PyObject \*o\) {{\n(.*?)^}}", c_text, _WHOLE)
     found = found or re.search(rf"^static [\w ]+\*?__pyx_{slot}_\w*_{name}\([^\n]*\) {{\n(.*?)^}}", c_text, _WHOLE)
     return found[1] if found else ""

@@ -1,4 +1,4 @@
-"""Sources for Cython: the same lines with Cython's decorators and types, and with constants replaced.
+"""Prepared sources for Cython: the same lines, with Cython's decorators and with constants replaced.
 
     @final                                                      @cython.final is in the .pxd file
     class Event:  # core: freelist 16                           @cython.freelist(16)
@@ -13,9 +13,9 @@
     from ..core.records import Kind                             from ..core.records import Kind; Kind_FLAG = Kind.FLAG
     recorder.wants(Kind.FLAG)                                   recorder.wants(Kind_FLAG)
 
-Cython obeys `freelist` at the class itself and ignores it in a .pxd file. A C function without a result returns whether
-it raised, so its bare `return` needs a value. Constants would be looked up at each use: integers of uppercase names
-become literals, and members of enumerations global names that are bound once.
+Cython obeys `freelist` at the class itself and ignores it in a .pxd file. A C function without a result shows by its
+return value whether it raised, so its bare `return` needs a value. Constants would be looked up at each use, so
+integers with uppercase names become literals, and members of enumerations become global names that are bound once.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ FUTURE = "from __future__ import annotations\n"
 
 
 def prepared(source: Source) -> str:
-    """Return the source, ready for Cython."""
+    """Return the source with all the changes above except that of constants."""
     lines = source.text.split("\n")
     for node in walked(source.tree):
         if isinstance(node, ast.FunctionDef):
@@ -64,7 +64,7 @@ def prepared(source: Source) -> str:
 
 
 def _replace_bare_annotations(body: list[ast.stmt], lines: list[str]) -> None:
-    """Put `pass` where a type is declared without a value: Cython would look the variable up."""
+    """Replace each annotation without a value by `pass`, because Cython would evaluate the variable."""
     for statement in body:
         for node in [statement] if isinstance(statement, ast.ClassDef | ast.FunctionDef) else ast.walk(statement):
             if isinstance(node, ast.AnnAssign) and node.value is None:
@@ -75,7 +75,7 @@ def _replace_bare_annotations(body: list[ast.stmt], lines: list[str]) -> None:
 
 
 def _bare_returns(source: Source) -> Iterator[tuple[int, int]]:
-    """Row and column behind each `return` without a value in C functions without a result."""
+    """Yield row and end column, from 0, of each `return` without a value in C functions without a result."""
     kinds = source.classes.values()
     owners = [({one.name: one for one in source.tree.body if isinstance(one, ast.FunctionDef)}, source.functions)]
     owners += [(kind.defined, kind.methods) for kind in kinds]
@@ -95,7 +95,7 @@ def _returns(body: Iterable[ast.AST]) -> Iterator[ast.Return]:
 
 
 def _remove_names(statement: ast.ImportFrom, names: Collection[str], lines: list[str]) -> None:
-    """Take names out of an import; the statement keeps its number of lines."""
+    """Remove names from an import statement in `lines`. The statement keeps its number of lines."""
     if not any(alias.name in names for alias in statement.names):
         return
     assert statement.end_lineno is not None
@@ -106,10 +106,10 @@ def _remove_names(statement: ast.ImportFrom, names: Collection[str], lines: list
 
 
 def _look_up_spelled_out(source: Source, text: str) -> str:
-    """Replace the last line of the text, which looks a function up by its name, by a comparison for each function.
+    """Replace the last line of the text, if it looks up a function by name, by a comparison for each possible function.
 
-    A C function is no object that a module has by name. `name` may be that of any function without a result that takes
-    an operation.
+    C functions are not in the module's `globals()`. The possible functions are the module's C functions whose names
+    begin with an uppercase letter.
     """
     found = BY_NAME.search(text)
     if not found:
@@ -120,8 +120,8 @@ def _look_up_spelled_out(source: Source, text: str) -> str:
     return text[: found.start()] + "\n".join([*lines, f"{indent}else: raise KeyError({key})"]) + "\n"
 
 
-LITERAL = 2**31 - 1  # larger values become objects in C unless their width is declared
-WORD = 64  # bits of a C integer; larger values stay names and objects
+LITERAL = 2**31 - 1  # the largest literal that Cython makes a C integer; the width of larger ones must be declared
+WORD = 64  # number of bits of a C integer; constants with more bits stay Python objects with names
 
 
 def declared(source: str, pxd: str) -> str:
@@ -137,7 +137,7 @@ def declared(source: str, pxd: str) -> str:
 def with_constants(source: str, names: Mapping[str, object]) -> str:
     """Return the source with its constants replaced. names: the module's globals after its import."""
     tree = ast.parse(source)
-    lines = [line.encode() for line in source.split("\n")]  # columns are in bytes
+    lines = [line.encode() for line in source.split("\n")]  # encoded, because `ast` counts columns in bytes
     imported = {
         alias.asname or alias.name: one
         for one in tree.body
@@ -145,7 +145,7 @@ def with_constants(source: str, names: Mapping[str, object]) -> str:
         for alias in one.names
         if isinstance(names.get(alias.asname or alias.name), EnumMeta)
     }
-    bound: dict[str, ast.ImportFrom] = {}  # the import that each binding follows, by its text
+    bound: dict[str, ast.ImportFrom] = {}  # for the text of each binding, the import that it follows
     for node in sorted(_names(tree), key=lambda one: (one.lineno, one.col_offset), reverse=True):
         value = _integer(node, names)
         if value is not None:
@@ -165,7 +165,7 @@ def with_constants(source: str, names: Mapping[str, object]) -> str:
 
 
 def _names(tree: ast.Module) -> Iterator[ast.Name | ast.Attribute]:
-    """Yield the names inside functions and classes, those of attributes of a name included."""
+    """Yield the names inside functions and classes, and the attributes of names, such as `Kind.FLAG`."""
     outer = [one for one in tree.body if isinstance(one, ast.ClassDef | ast.FunctionDef)]
     for node in (node for one in outer for node in ast.walk(one)):
         if isinstance(node, ast.Name) or (isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)):
@@ -173,7 +173,7 @@ def _names(tree: ast.Module) -> Iterator[ast.Name | ast.Attribute]:
 
 
 def _integer(node: ast.Name | ast.Attribute, names: Mapping[str, object]) -> int | None:
-    """Return the integer of an uppercase name in this module, or in one that it imports; None if it is none."""
+    """Return the integer value of an uppercase name of this module or of a module that it imports; None for others."""
     value: object = None
     if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id.isupper():
         value = names.get(node.id)
@@ -184,7 +184,7 @@ def _integer(node: ast.Name | ast.Attribute, names: Mapping[str, object]) -> int
 
 
 def _enumeration(node: ast.Name | ast.Attribute, names: Mapping[str, object]) -> str:
-    """Return the name of the enumeration of which this is a member; "" if it is none."""
+    """Return the name of the enumeration of which the node is a member; "" if it is no member of one."""
     if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name):
         return ""
     kind = names.get(node.value.id)

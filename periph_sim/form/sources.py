@@ -1,16 +1,17 @@
 """C types of a package's modules, derived from the annotations in their sources.
 
-A module is compiled if it has the line `# core: compiled`. Its classes are compiled if their base is, or if they have
-none and no decorator but `@final`. An attribute has the type of its annotation, or of the first value that says one.
+A module is compiled if it has the line `# core: compiled`. One of its classes is compiled if its base, if any, is
+compiled, and if it has no decorator but `@final`. An attribute has the type of its annotation; without an annotation,
+it has the type of the first assigned value whose type can be derived.
 
-A function is called from Python and from C (cpdef). It is called from C only (cdef) if its name begins with an
-underscore, or is missing in the `__all__` of its module. It stays a function of Python (def) where Cython cannot make a
-C function of it, or where it is handed on as an object. What annotations cannot say is in `c_types`, and in comments of
-this form:
+By default a function can be called from Python and from C (cpdef). It can be called from C only (cdef) if its name
+begins with an underscore or is missing in the `__all__` of its module. It stays a Python function (def) if Cython
+cannot make a C function of it, or if it is passed on as an object. `c_types` and comments of this form express what
+usual annotations cannot:
 
-    class Event:  # core: freelist 16                   keeps up to 16 objects for the next ones
-    class Span:  # core: python                         stays a class of Python's
-    def s16(value: int) -> int:  # core: noexcept       raises nothing
+    class Event:  # core: freelist 16                   keeps up to 16 deleted objects for reuse
+    class Span:  # core: python                         stays a Python class
+    def s16(value: int) -> int:  # core: noexcept       never raises an exception
     def nz16(self, value: int) -> None:  # core: C only
     def listen(self) -> None:  # core: python
 """
@@ -46,7 +47,7 @@ FUNCTION_MARKS = re.compile(r"python|C only|noexcept")
 
 
 class Sources(dict[str, "Source"]):
-    """The modules of a package, each read when it is first needed."""
+    """The modules of a package by name. Each is read when it is first needed."""
 
     def __init__(self, package: Path) -> None:
         super().__init__()
@@ -65,7 +66,7 @@ class Sources(dict[str, "Source"]):
 
 
 class Source:
-    """One module. text: the source."""
+    """One module with its classes, functions and names. text: its source."""
 
     def __init__(self, sources: Sources, name: str, text: str) -> None:
         self.sources, self.name, self.text = sources, name, text
@@ -88,9 +89,9 @@ class Source:
 
     @cached_property
     def classes(self) -> dict[str, Class]:
-        """The compiled classes."""
+        """The compiled classes of the module, by name."""
         found: dict[str, Class] = {}
-        self.__dict__["classes"] = found  # a class may have a base in this module
+        self.__dict__["classes"] = found  # set before it is complete, because a class may have a base in this module
         for node in self.tree.body if self.is_compiled else ():
             if isinstance(node, ast.ClassDef) and self._is_compiled_class(node):
                 found[node.name] = Class(self, node)
@@ -103,7 +104,7 @@ class Source:
         return not decorated and (not node.bases or self.find_class(ast.unparse(node.bases[0])) is not None)
 
     def marks(self, node: ast.ClassDef | ast.FunctionDef, known: re.Pattern[str]) -> list[str]:
-        """Return the marks that follow the head of a class or function."""
+        """Return the marks (`# core: ...`) in the head of a class or function. Raise BadDeclaration for others."""
         found: list[str] = []
         for row in range(node.lineno, max(node.body[0].lineno, node.lineno + 1)):
             mark = MARKS.search(self.text_lines[row - 1])
@@ -119,7 +120,7 @@ class Source:
 
     @cached_property
     def imports(self) -> dict[str, tuple[str, str]]:
-        """Module and name there of each name that is imported from this package."""
+        """(module, name in that module) for each name that is imported from this package."""
         found = {}
         for node in walked(self.tree):
             if isinstance(node, ast.ImportFrom) and node.level:
@@ -130,7 +131,7 @@ class Source:
 
     @cached_property
     def assigned(self) -> dict[str, ast.expr]:
-        """The value of each name that the module assigns; of names that are unpacked, the call that gives them."""
+        """The value of each name that the module assigns; for unpacked names, the call that returns all of them."""
         found: dict[str, ast.expr] = {}
         for node in self.tree.body:
             if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
@@ -142,7 +143,7 @@ class Source:
         return found
 
     def find_class(self, name: str) -> Class | None:
-        """Return the compiled class of a name in this module."""
+        """Return the compiled class that this module knows by a name, its own or imported; None if there is none."""
         if name in self.classes:
             return self.classes[name]
         module, there = self.imports.get(name, ("", ""))
@@ -187,7 +188,7 @@ class Source:
 
     @cached_property
     def fused(self) -> dict[str, list[ast.expr]]:
-        """Type variables with constraints: a function has one body for each of these types."""
+        """The constraints of each type variable that has some; Cython makes a function body for each of these types."""
         calls = {name: one for name, one in self.assigned.items() if isinstance(one, ast.Call)}
         return {
             name: one.args[1:] for name, one in calls.items() if ast.unparse(one.func) == "TypeVar" and one.args[1:]
@@ -195,7 +196,7 @@ class Source:
 
     @cached_property
     def pointers(self) -> dict[str, list[ast.expr]]:
-        """Pointers to C functions: the types of the arguments."""
+        """The argument types of each type that is a pointer to a C function, by its name."""
         found = {}
         for name, value in self.assigned.items():
             if isinstance(value, ast.Subscript) and ast.unparse(value.value) == "CFunction":
@@ -203,7 +204,7 @@ class Source:
         return found
 
     def number(self, node: ast.expr) -> int:
-        """Return the value of a constant expression."""
+        """Return the value of a constant expression, such as an array's length. Raise BadDeclaration for others."""
         match node:
             case ast.Constant(value=int(value)):
                 return value
@@ -217,7 +218,11 @@ class Source:
         raise self.bad(node.lineno, f"the length {ast.unparse(node)} of an array; expected a number")
 
     def type_of_value(self, value: ast.expr, within: Class | None, known: Mapping[str, ast.expr | None]) -> Type | None:
-        """Return the type of an expression if its form shows it, or None. known: annotations of names in it."""
+        """Return the type of an expression, or None if its form does not show it.
+
+        within: the class whose methods contain the expression.
+        known: the annotations of names in the expression.
+        """
         match value:
             case ast.Constant(value=bool() | int() | str() | bytes() as constant):
                 return self._type_named(type(constant).__name__)
@@ -255,7 +260,7 @@ class Source:
         return None
 
     def type_of_constant(self, name: str) -> Type | None:
-        """Return the type of a name that the module assigns or imports."""
+        """Return the type of a constant that the module assigns or imports; None if it is not known."""
         value = self.assigned.get(name)
         if value is not None:
             from_range = isinstance(value, ast.Call) and ast.unparse(value.func) == "range"
@@ -280,7 +285,7 @@ class Source:
 
     @property
     def pointed_at(self) -> set[str]:
-        """Functions that are assigned to an attribute that is a pointer to a C function."""
+        """The names of functions that are assigned to an attribute that is a pointer to a C function."""
         kinds = [kind for name in (*self.classes, *self.imports) if (kind := self.find_class(name))]
         pointers = {name for kind in kinds for name, one in kind.known.items() if one.c in kind.source.pointers}
         return {
@@ -292,19 +297,19 @@ class Source:
 
     @cached_property
     def called_on_others(self) -> set[str]:
-        """Names of methods that the module calls on other objects than `self`, whose classes Cython may not know."""
+        """The names of methods that the module calls on objects other than `self`, whose class may be unknown."""
         calls = (node.func for node in walked(self.tree) if isinstance(node, ast.Call))
         return {one.attr for one in calls if isinstance(one, ast.Attribute) and ast.unparse(one.value) != "self"}
 
     @cached_property
     def called(self) -> set[str]:
-        """Names of functions that the module calls."""
+        """The names of functions that the module calls."""
         calls = (node.func for node in walked(self.tree) if isinstance(node, ast.Call))
         return {one.id for one in calls if isinstance(one, ast.Name)}
 
     @cached_property
     def cimported(self) -> dict[str, str]:
-        """The modules of C functions that this module imports and calls, by name."""
+        """For each imported C function that this module only calls: the module that defines it."""
         found = {}
         called = self.called - read_names(self.tree, "")
         for name, (module, there) in self.imports.items():
@@ -314,7 +319,7 @@ class Source:
         return found
 
     def function(self, node: ast.FunctionDef, kind: str, base: Function | None = None) -> Function:
-        """Return what the head of a function declares. base: the method that it overrides, whose types hold."""
+        """Return the declaration of a function. base: the overridden method, whose kind and types are used, if any."""
         marks = self.marks(node, FUNCTION_MARKS)
         if "C only" in marks:
             kind = "cdef"
@@ -338,18 +343,21 @@ class Source:
             if isinstance(one, ast.AnnAssign) and isinstance(one.target, ast.Name)
         }
         result = base.result if base else self.type_of(node.returns)
-        if result.c.endswith("]"):  # a buffer is the caller's, whatever object it is
+        if result.c.endswith("]"):  # a buffer is returned as the object that it belongs to
             result = Type(OBJECT)
         return Function(kind, result, arguments, variables, marks)
 
     def _argument(self, annotation: ast.expr | None, default: ast.expr | None, kind: str) -> Type:
-        """Called from Python, Cython refuses None for a typed argument whose default is not None."""
+        """Return the type of an argument: `object` if it may be None, but Cython would refuse None from Python callers.
+
+        Cython refuses None for a typed argument whose default is not None.
+        """
         found = self.type_of(annotation)
         takes_none = kind == "cdef" or (isinstance(default, ast.Constant) and default.value is None)
         return Type(OBJECT) if found.optional and not takes_none else found
 
 
 def header_of(text: str) -> str:
-    """Return the text of a source's header line, such as "compiled"; "" if it has none."""
+    """Return the text behind `# core:` in a source's header line, such as "compiled"; "" if there is no such line."""
     found = HEADER.search(text)
     return found[1] if found else ""

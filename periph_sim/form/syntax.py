@@ -38,7 +38,7 @@ def read_names(tree: ast.AST, owner: str) -> set[str]:
 
 
 def pairs(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr | None]]:
-    """Yield each target with its value; None if the value is inside another one."""
+    """Yield each target of an assignment with its value; None if the value comes from unpacking an expression."""
     for target in node.targets:
         if not isinstance(target, ast.Tuple):
             yield target, node.value
@@ -49,7 +49,7 @@ def pairs(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr | None]]:
 
 
 def own_assignments(method: ast.FunctionDef) -> Iterator[tuple[str, ast.expr | None, int]]:
-    """Name, value and line of each assignment to an attribute of `self`."""
+    """Yield (name, value, line) for each assignment to an attribute of `self`; the value is None if it is unpacked."""
     for node in walked(method):
         if isinstance(node, ast.Assign):
             found = list(pairs(node))
@@ -64,9 +64,10 @@ def own_assignments(method: ast.FunctionDef) -> Iterator[tuple[str, ast.expr | N
 
 
 def is_typable(node: ast.FunctionDef, kind: str) -> bool:
-    """Return True if Cython can make a C function of it: positional arguments, no `yield`, no `super`, no closure.
+    """Return True if Cython can make a C function of this function.
 
-    One that only C calls may have closures.
+    Such a function has positional arguments and no decorator, `yield` or `super`. A "cpdef" function must also have no
+    closure.
     """
     if node.decorator_list or node.args.kwonlyargs or node.args.vararg or node.args.kwarg or node.args.posonlyargs:
         return False

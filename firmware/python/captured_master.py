@@ -23,8 +23,8 @@ from periph_sim.core.settings import Duration
 from periph_sim.firmware import After, start_i2c
 from periph_sim.processor.dsp import Dsp
 
-FREE, STT, STP, MST, TRX, RM, IRS = 0x4000, 0x2000, 0x0800, 0x0400, 0x0200, 0x0080, 0x0020  # I2CMDR
-FLAGS = 0x0026  # of I2CSTR, cleared by writing ones: SCD, ARDY, NACK
+FREE, STT, STP, MST, TRX, RM, IRS = 0x4000, 0x2000, 0x0800, 0x0400, 0x0200, 0x0080, 0x0020  # masks in I2CMDR
+FLAGS = 0x0026  # mask of SCD, ARDY and NACK in I2CSTR, which are cleared by writing ones
 REPLAY = ("script", "pauses", "low", "high")  # settings that a replay sets from the capture
 
 
@@ -71,7 +71,7 @@ class Settings:
 
 
 class Master:
-    """got: the bytes of each read, in order."""
+    """The master with the results of its transfers. got: the bytes of each read, in order."""
 
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
         self.dsp = dsp
@@ -108,7 +108,7 @@ class Master:
 
     def read(self, part: Part, count: int, last: bool) -> None:
         i2c, dsp = self.i2c, self.dsp
-        by_command = last and part.ack_last  # the STOP is requested once all bytes are received and acknowledged
+        by_command = last and part.ack_last  # True: STP is set only after all bytes were received and acknowledged
         i2c.I2CCNT.all = count
         i2c.I2CMDR.all = FREE | STT | MST | IRS | (STP if last and not by_command else 0)
         got = bytearray()
@@ -136,7 +136,7 @@ class Master:
         self.end(last)
 
     def end(self, last: bool) -> None:
-        """Wait for the end of a part: the STOP was sent, or the module waits for the next START."""
+        """Wait for the end of a part: until the STOP was sent, or until the module is ready for the next START."""
         i2c, dsp = self.i2c, self.dsp
         if last:
             if dsp.spin_either(lambda: i2c.I2CSTR.SCD == 1, lambda: i2c.I2CSTR.NACK == 1):

@@ -15,7 +15,7 @@ from periph_sim.core.settings import Duration
 from periph_sim.firmware import start_i2c
 from periph_sim.processor.dsp import Dsp
 
-AL, NACK, ARDY, SCD = 0x01, 0x02, 0x04, 0x20  # of I2CSTR, cleared by writing ones
+AL, NACK, ARDY, SCD = 0x01, 0x02, 0x04, 0x20  # masks in I2CSTR; the flags are cleared by writing ones
 
 
 @dataclass
@@ -24,8 +24,8 @@ class Settings:
 
     address: int = 0x57
     byte: int = 0x77
-    begin: Duration = Fraction(1, 1000)  # from the end of start-up to the write of STT
-    period: Duration = Fraction(2, 1000)  # between writes
+    begin: Duration = Fraction(1, 1000)  # time from the end of start-up to the first write of STT
+    period: Duration = Fraction(2, 1000)  # time between writes
     low: int = 45  # I2CCLKL: with 10 MHz and d = 5 the bus runs at 100 kHz
     high: int = 45
 

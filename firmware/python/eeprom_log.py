@@ -18,9 +18,9 @@ from fractions import Fraction
 
 from periph_sim.firmware import Dsp, Duration, HexBytes, start_i2c, start_pie
 
-STT, STP, MST, TRX, RM, IRS = 0x2000, 0x0800, 0x0400, 0x0200, 0x0080, 0x0020  # I2CMDR
+STT, STP, MST, TRX, RM, IRS = 0x2000, 0x0800, 0x0400, 0x0200, 0x0080, 0x0020  # masks in I2CMDR
 FREE = 0x4000
-FLAGS = 0x0026  # of I2CSTR, cleared by writing ones: SCD, ARDY, NACK
+FLAGS = 0x0026  # mask of SCD, ARDY and NACK in I2CSTR, which are cleared by writing ones
 
 
 @dataclass
@@ -28,9 +28,9 @@ class Settings:
     """Settings of a case."""
 
     address: int = 0x50
-    record_at: int = 0x0038  # word address
+    record_at: int = 0x0038  # the record's word address in the EEPROM
     record: HexBytes = bytes(range(0xA0, 0xB0))
-    page: int = 32  # bytes; 0: writes are not divided
+    page: int = 32  # number of bytes in a page; 0: writes are not divided
     period: Duration = Fraction(20, 1000)
     low: int = 45  # I2CCLKL: with 10 MHz and d = 5 the bus runs at 100 kHz
     high: int = 45
@@ -41,15 +41,15 @@ class Log:
         self.dsp = dsp
         self.settings = settings
         self.i2c = dsp.module("I2C-A")
-        self.due = 0  # records due after the first
+        self.due = 0  # number of records that have become due after the first
 
     def tick(self) -> None:
-        """TINT0: a record is due."""
+        """Serve TINT0: one more record is due."""
         self.due += 1
         self.dsp.module("PIE").PIEACK.all = 1
 
     def parts(self) -> Iterator[tuple[int, bytes]]:
-        """Yield word addresses and bytes of writes; none crosses the end of a page."""
+        """Yield the word address and the bytes of each write; no write crosses the end of a page."""
         at, left = self.settings.record_at, self.settings.record
         while left:
             room = len(left) if self.settings.page == 0 else self.settings.page - at % self.settings.page
@@ -57,7 +57,7 @@ class Log:
             at, left = at + room, left[room:]
 
     def begin(self, command: int, count: int = 0) -> None:
-        """Wait for the bus to be free, then START and address."""
+        """Wait for the bus to be free, then start a transfer with START and address."""
         i2c = self.i2c
         self.dsp.spin(lambda: i2c.I2CMDR.STP == 0)
         self.dsp.spin(lambda: i2c.I2CSTR.BB == 0)
@@ -86,7 +86,7 @@ class Log:
         self.end()
 
     def is_ready(self) -> bool:
-        """Return True if the EEPROM acknowledges its address: its write is complete."""
+        """Return True if the EEPROM acknowledges its address, as it does when its write is complete."""
         i2c = self.i2c
         self.begin(TRX | RM)
         self.dsp.spin(lambda: i2c.I2CMDR.STT == 0)

@@ -1,14 +1,14 @@
-"""The IMU emulator with sensors that can be read in any order, or not at all: left to future work in section 6.2.
+"""The IMU emulator with sensors that can be read in any order, or not at all (future work in dissertation section 6.2).
 
     SCI FIFO interrupt --> frame --> models (GPIO high to low) --> data registers of three chips
     SDA, SCL edges ------> software slave: three addresses --> the addressed chip, its pointer and registers
 
-bus = "pins": one unit, without I2C module; slave_pins.py has the three addresses. bus = "module": the unit's I2C-A has
-one address, and three units are the three chips.
+With bus = "pins", one unit is all three chips: slave_pins.py serves three addresses without the I2C module. With
+bus = "module", three units are the three chips: the I2C-A of each unit has one address.
 
-Each chip has registers, with an auto-incremented pointer, and the real chip's identification. All six data
-bytes are from one run of the models: a read sends the values at the time of its address, as the chips do. The models
-run on each frame, and once more when every chip was read since, so noise continues without frames.
+Each chip has registers, an auto-incremented pointer and the identification of the real chip. A read sends the values at
+the time of its address, as the real chips do, so all its data bytes are from one run of the models. The models run on
+each frame, and again once all chips were read since the last run, so noise continues without new frames.
 """
 
 from __future__ import annotations
@@ -32,24 +32,24 @@ CHIPS = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
 DATA_AT = {GYROSCOPE: 0x1D, ACCELEROMETER: 0x32, MAGNETOMETER: 0x03}
 IDENTIFICATION = {GYROSCOPE: (0x00, b"\x68"), ACCELEROMETER: (0x00, b"\xe5"), MAGNETOMETER: (0x0A, b"H43")}
 REGISTERS = 0x40
-BROKEN = 0xC000  # SCIRXBUF: SCIFFFE, SCIFFPE
-GROUP_9 = 0x100  # PIEACK
+BROKEN = 0xC000  # mask of SCIFFFE and SCIFFPE in SCIRXBUF
+GROUP_9 = 0x100  # mask of group 9 in PIEACK
 
 
 @dataclass
 class Settings(ModelSettings):
-    """Settings of a case besides the models: addresses, bus, and behaviour of service routines.
+    """Settings of a case besides those of the models: addresses, bus, and behaviour of service routines.
 
-    nested: edges of the bus may interrupt the SCI's service routine.
+    nested: True if edges of the bus may interrupt the SCI's service routine.
     """
 
     bus: Literal["pins", "module"] = "pins"
     addresses: tuple[int, ...] = CHIPS
     models_run: Literal["round", "frame"] = "frame"
-    frame_cost: Duration = Fraction(0)  # of the SCI service routine's handling of a frame
+    frame_cost: Duration = Fraction(0)  # time that the SCI's service routine takes for a frame
     nested: bool = True
     brr: int = 40
-    pin: int = 34  # high while the models run
+    pin: int = 34  # number of the GPIO that is high while the models run
     costs: PinCosts = field(default_factory=PinCosts)
 
     def __post_init__(self) -> None:
@@ -64,7 +64,7 @@ class Settings(ModelSettings):
 
 
 class Chip(Registers):
-    """One sensor. latched: its registers when the current read began. was_read: since the last model run."""
+    """One sensor. latched: its registers when the current read began. was_read: True if read since the last run."""
 
     def __init__(self, address: int) -> None:
         super().__init__(b"", REGISTERS)
@@ -73,7 +73,7 @@ class Chip(Registers):
         self.registers[at : at + len(name)] = name
         self.latched = bytes(self.registers)
         self.was_read = False
-        self._reads = False  # the current transfer is a read
+        self._reads = False  # True while the current transfer is a read
 
     def show(self, codes: bytes) -> None:
         self.registers[self._data_at : self._data_at + len(codes)] = codes
@@ -99,14 +99,14 @@ class Emulator:
         self.dsp = dsp
         self.settings = settings
         self.frame = NO_FRAME
-        self.frame_waits = False  # a frame waits for the models
+        self.frame_waits = False  # True if the models have not run yet with `frame`
         self.chips = {address: Chip(address) for address in settings.addresses}
         self.pie = dsp.module("PIE")
         self.sci = dsp.module("SCI-A") if dsp.has("SCI-A") else None
         self.cost, self.models = settings.run_cost, models_of(settings, dsp)
 
     def sci_received(self) -> None:
-        """SCIRXINTA: the FIFO holds a complete frame."""
+        """Serve SCIRXINTA: the FIFO holds a complete frame."""
         dsp, sci = self.dsp, self.sci
         assert sci is not None
         if self.settings.nested:
@@ -155,7 +155,7 @@ class Emulator:
             handlers |= {"SCIRXINTA": self.sci_received}
         start_pie(dsp, handlers)
         while True:
-            dsp.dint()  # an interrupt between this check and IDLE ends IDLE at once, and is served after EINT
+            dsp.dint()  # so that an interrupt after the check below ends IDLE at once, and is served after EINT
             if self.models_are_due():
                 dsp.eint()
                 self.model()

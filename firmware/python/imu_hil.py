@@ -3,8 +3,8 @@
     SCI FIFO interrupt --> frame --> models (GPIO high to low) --> data of three chips
     request of the sensor head --> own address, pointer byte, SDIR, I2CDXR/XRDY, SCD
 
-Step by step as in the dissertation (Figs. A.2 and A.4, sections 3.4 and 4.3.5),
-field by field: each assignment to a field reads and writes the whole register.
+The steps are those of the dissertation (Figs. A.2 and A.4, sections 3.4 and 4.3.5). Registers are written
+field by field, as there: each assignment to a field reads and writes the whole register.
 
 A frame is six signed 16-bit values, low byte first: roll, pitch, yaw, then acceleration x, y, z. With arithmetic =
 "bytes" the chips show these values, so a byte on the bus identifies its frame: the gyroscope the angles, the
@@ -30,17 +30,17 @@ GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 
 @dataclass
 class Settings(ModelSettings):
-    """Settings of a case besides the models: the SDIR wait, interrupts during a read, order of service, data."""
+    """Settings of a case besides those of the models: the SDIR wait, interrupts in a read, order of service, data."""
 
-    frame_cost: Duration = Fraction(0)  # of the SCI service routine's handling of a frame
+    frame_cost: Duration = Fraction(0)  # time that the SCI's service routine takes for a frame
     sdir_wait: bool = True
-    mask_during_i2c: bool = False  # INTM is set from own address to the end of the read
+    mask_during_i2c: bool = False  # True: INTM is set from the own address to the end of the read
     order: tuple[int, ...] = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
     count: int = 6
     brr: int = 40
-    fifo_level: int = FRAME_BYTES  # receive FIFO level that causes an interrupt
-    pin: int = 34  # high while the models run
-    table: dict[str, HexBytes] = field(default_factory=dict)  # chip -> bytes served instead of the models' output
+    fifo_level: int = FRAME_BYTES  # level of the receive FIFO that causes an interrupt
+    pin: int = 34  # number of the GPIO that is high while the models run
+    table: dict[str, HexBytes] = field(default_factory=dict)  # address of a chip -> its fixed data, instead of models'
 
 
 class Emulator:
@@ -50,7 +50,7 @@ class Emulator:
         self.dsp = dsp
         self.settings = settings
         self.frame = NO_FRAME
-        self.frame_waits = False  # a frame waits for the models
+        self.frame_waits = False  # True if the models have not run yet with `frame`
         self.data = {address: bytes(6) for address in (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)}
         self.i2c = dsp.module("I2C-A")
         self.cost, self.models = settings.run_cost, models_of(settings, dsp)
@@ -60,7 +60,7 @@ class Emulator:
     # SCI ---------------------------------------------------------------------
 
     def sci_received(self) -> None:
-        """SCIRXINTA: the FIFO holds a complete frame."""
+        """Serve SCIRXINTA: the FIFO holds a complete frame."""
         sci, pie = self.sci, self.pie
         assert sci is not None and pie is not None
         self.frame = bytes(sci.SCIRXBUF.all & 0xFF for _ in range(FRAME_BYTES))
@@ -87,7 +87,7 @@ class Emulator:
     # I2C ---------------------------------------------------------------------
 
     def slave_config(self, address: int) -> None:
-        """I2C_SLAVE_CONFIG (Fig. A.2)."""
+        """Set the own address, as I2C_SLAVE_CONFIG does (Fig. A.2)."""
         i2c = self.i2c
         i2c.I2CMDR.IRS = 0
         i2c.I2CMDR.MST = 0
@@ -95,7 +95,7 @@ class Emulator:
         i2c.I2CMDR.IRS = 1
 
     def batch_read(self, data: bytes) -> int:
-        """i2cBatchRead (Fig. A.4): serve one read; return the NACK flag at its end."""
+        """Serve one read, as i2cBatchRead does (Fig. A.4). Return the NACK flag at its end."""
         i2c, dsp = self.i2c, self.dsp
         dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
         if self.settings.mask_during_i2c:
@@ -135,7 +135,7 @@ class Emulator:
                 self.batch_read(self.data[address])
 
     def serve_frame_by_frame(self) -> None:
-        """Run the models when a frame is complete, between two rounds; after a round without a frame before it."""
+        """Serve rounds. Run the models when a frame is complete between two rounds, and after a round without one."""
         dsp, i2c = self.dsp, self.i2c
         first, *others = self.settings.order
         self.model()
@@ -154,7 +154,7 @@ class Emulator:
 
 
 def endless(data: bytes) -> Iterator[int]:
-    """Yield the bytes at a pointer that C would move past the end of its buffer: zeros follow."""
+    """Yield the data, then zeros without end, like a C pointer that moves past the end of its buffer."""
     yield from data
     while True:
         yield 0

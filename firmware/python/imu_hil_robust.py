@@ -1,10 +1,10 @@
-"""A robust version of the IMU emulator imu_hil, which recovers from every fault.
+"""A robust version of the IMU emulator imu_hil, which recovers from faults on the bus and on the serial line.
 
     SCI FIFO interrupt --> frame, if no character of it is broken   RX idle with characters left: receiver restarted
     frame complete ------> models, unless a round is near           no frame since the last round: models after it
     request -------------> own address, pointer, SDIR, I2CDXR/XRDY  a wait timed out: back to the first chip
 
-Differences to imu_hil, and reasons:
+Differences from imu_hil, with their reasons:
 
 * Every wait is limited by TIMER1 (`patience`): an aborted request costs only its round.
 * It never writes I2CSTR back after reading it: SCD is cleared by writing that bit alone, so no flag is lost. Flags
@@ -32,29 +32,29 @@ from periph_sim.processor.python.register_view import ModulePort
 from .imu_hil import ACCELEROMETER, FRAME_BYTES, GYROSCOPE, MAGNETOMETER, endless
 from .imu_models import NO_FRAME, ModelSettings, models_of, shown
 
-RRDY, XRDY, SCD, AAS, SDIR = 1 << 3, 1 << 4, 1 << 5, 1 << 9, 1 << 14  # I2CSTR
-IRS, FREE = 1 << 5, 1 << 14  # I2CMDR
-BROKEN = 0xC000  # SCIRXBUF: SCIFFFE, SCIFFPE
-RX_ON, RX_CLEAR = 0x2020, 0x4040  # SCIFFRX: RXFIFORESET, RXFFIENA; RXFFOVRCLR, RXFFINTCLR
-RELOAD = 0x8020  # TCR: TIF cleared, TRB
-GROUP_9 = 0x100  # PIEACK
+RRDY, XRDY, SCD, AAS, SDIR = 1 << 3, 1 << 4, 1 << 5, 1 << 9, 1 << 14  # masks in I2CSTR
+IRS, FREE = 1 << 5, 1 << 14  # masks in I2CMDR
+BROKEN = 0xC000  # mask of SCIFFFE and SCIFFPE in SCIRXBUF
+RX_ON, RX_CLEAR = 0x2020, 0x4040  # masks in SCIFFRX: RXFIFORESET and RXFFIENA; RXFFOVRCLR and RXFFINTCLR
+RELOAD = 0x8020  # value of TCR that clears TIF and reloads the timer (TRB)
+GROUP_9 = 0x100  # mask of group 9 in PIEACK
 SYSCLKOUT = 150_000_000
 
 
 @dataclass
 class Settings(ModelSettings):
-    """Settings of a case besides the models: order of service, and times.
+    """Settings of a case besides those of the models: order of service, and times.
 
-    period: of the sensor head's rounds. guard: time before a round in which no models start; longer than they take, the
-    round's jitter and the clock difference in a period. patience: the longest wait. In a round it covers the time from
-    the last I2CDXR write to the STOP, two bytes; outside, RX is idle if no character comes for this long.
+    period: period of the rounds. guard: time before a round in which the models do not start; it must exceed their run
+    time plus the jitter of rounds and the clock error in a period. patience: the longest wait. In a round it must cover
+    two bytes, from the last I2CDXR write to the STOP; outside, RX counts as idle after this time without a character.
     """
 
     models_run: Literal["round", "frame"] = "frame"
-    frame_cost: Duration = Fraction(0)  # of the SCI service routine's handling of a frame
+    frame_cost: Duration = Fraction(0)  # time that the SCI's service routine takes for a frame
     order: tuple[int, ...] = (GYROSCOPE, ACCELEROMETER, MAGNETOMETER)
     brr: int = 40
-    pin: int = 34  # high while the models run
+    pin: int = 34  # number of the GPIO that is high while the models run
     period: Duration = Fraction(20, 1000)
     guard: Duration = Fraction(500, 1_000_000)
     patience: Duration = Fraction(400, 1_000_000)
@@ -72,9 +72,9 @@ class Emulator:
         self.dsp = dsp
         self.settings = settings
         self.frame = NO_FRAME
-        self.frame_waits = False  # a frame waits for the models
-        self.left = 0  # characters in the FIFO at the last check
-        self.overdue = 0  # timed-out waits since the next round was near
+        self.frame_waits = False  # True if the models have not run yet with `frame`
+        self.left = 0  # number of characters in the FIFO at the last check
+        self.overdue = 0  # number of timed-out waits since the guard time of the next round began
         self.data = {address: bytes(6) for address in settings.order}
         self.i2c = dsp.module("I2C-A")
         self.sci = dsp.module("SCI-A")
@@ -86,7 +86,7 @@ class Emulator:
     # SCI ---------------------------------------------------------------------
 
     def sci_received(self) -> None:
-        """SCIRXINTA: the FIFO holds a complete frame."""
+        """Serve SCIRXINTA: the FIFO holds a complete frame."""
         sci = self.sci
         words = [sci.SCIRXBUF.all for _ in range(FRAME_BYTES)]
         if not any(word & BROKEN for word in words):
@@ -130,7 +130,7 @@ class Emulator:
         i2c.I2CMDR.all = FREE | IRS
 
     def wait_for(self, flags: int) -> int:
-        """Wait for these flags of I2CSTR; return those set first, or 0 after a timeout: the request is lost."""
+        """Wait until any of these flags of I2CSTR is set. Return the set ones, or 0 after a timeout."""
         i2c, timer, found = self.i2c, self.wait_timer, 0
 
         def one_of_them() -> bool:
@@ -143,7 +143,7 @@ class Emulator:
         return found
 
     def serve(self, data: bytes) -> bool:
-        """Serve a request after its own address, until its STOP. Return False if it was aborted."""
+        """Serve a request from its own address to its STOP. Return False if the request was aborted."""
         i2c = self.i2c
         while True:
             found = self.wait_for(RRDY | SDIR | SCD)
@@ -225,7 +225,7 @@ class Emulator:
             self.serve_round()
 
     def start_timer(self, timer: ModulePort, length: Fraction) -> None:
-        """Start a timer that sets TIF after each `length`."""
+        """Start a timer that sets TIF each time `length` has passed."""
         timer.PRD.all = int(length * SYSCLKOUT)
         timer.TCR.all = RELOAD
 

@@ -29,12 +29,12 @@ FRAME = Struct("<6h")
 LITTLE, BIG = Struct("<3h"), Struct(">3h")
 MEASURED = Spread(Fraction(250, 1_000_000), Fraction(250, 1_000_000))  # dissertation, section 5.4
 NOTHING = Spread(Fraction(0), Fraction(0))
-NO_FRAME = bytes(FRAME.size)  # input of the models until the first frame
-BYTES = "bytes"  # no models: the chips show the values of the frame
+NO_FRAME = bytes(FRAME.size)  # input of the models before the first frame
+BYTES = "bytes"  # name of the arithmetic without models: the chips show the values of the frame
 
 
 def _ignore() -> None:
-    """Do nothing with an overflow."""
+    """Do nothing: the default for `on_overflow`."""
 
 
 @cache
@@ -63,10 +63,10 @@ ParameterFile = Annotated[ImuParameters, Before(_parameters)]
 class ModelSettings:
     """Settings of the models of an emulator: when they run, how long, and what they compute.
 
-    models_run: "round": once after each round of the sensor head, with the last frame; or "frame": when a frame
-    is complete, between two rounds, and after a round without one before it, so noise continues.
-    model_cost: duration of a run, or "estimate": the cost of its operations; beyond_estimate is then added, for
-    the code beyond the equations. From a range, each run draws a value.
+    models_run: "round": the models run after each round of the sensor head, with the last frame; "frame": they run
+    when a frame is complete between two rounds, and after a round without a frame before it, so noise continues.
+    model_cost: duration of a run, from which each run draws a value if it is a range; or "estimate": the estimated
+    cost of the equations, to which `beyond_estimate` adds the time of all other code of the models.
     """
 
     models_run: Literal["round", "frame"] = "round"
@@ -74,7 +74,7 @@ class ModelSettings:
     beyond_estimate: DurationRange = NOTHING
     arithmetic: ArithmeticName = BYTES
     parameters: ParameterFile = field(default_factory=ImuParameters)  # a TOML file's path, or the name of a shipped set
-    noise_seed: int | None = None  # of the sensors' noise; None: no noise
+    noise_seed: int | None = None  # seed of the sensors' noise; None: no noise
 
     def __post_init__(self) -> None:
         if self.model_cost == "estimate" and self.arithmetic == BYTES:
@@ -89,7 +89,7 @@ class ModelSettings:
 
     @property
     def run_cost(self) -> Spread:
-        """The duration of a model run."""
+        """The duration of a run of the models, as a range."""
         if isinstance(self.model_cost, Spread):
             return self.model_cost
         return self.beyond_estimate + estimated(self.arithmetic, self.parameters)
@@ -100,9 +100,9 @@ class Models:
 
     The first frame has no attitude before it, so its rates are zero: the step from zero to the host's attitude
     within one period would be a rate that no gyroscope shows and that Q16 cannot hold.
-    arithmetic: "float64", "q16", ...
-    noise_seed: of the sensors' noise; sample n is used in the n-th call.
-    on_overflow: called once for each result of a call that did not fit its Q format.
+    arithmetic: its name, such as "float64" or "q16".
+    noise_seed: seed of the sensors' noise; the n-th call uses sample n. None: no noise.
+    on_overflow: called once for each result that does not fit its Q format.
     """
 
     def __init__(
@@ -120,7 +120,7 @@ class Models:
         self._a = self._model.a
         self._state = self._model.at_rest
         self._on_overflow = on_overflow
-        self._quiet = self._a.name != "float32"  # numpy warns, Python's arithmetic does not
+        self._quiet = self._a.name != "float32"  # True without numpy, which would warn of overflows and x/0
         self._noise = ModelNoise(arithmetic, parameters, noise_seed)
         self._number = 0
 
@@ -133,7 +133,7 @@ class Models:
             return self._computed(frame)
         import numpy as np
 
-        with np.errstate(all="ignore"):  # the arithmetic defines x/0 itself
+        with np.errstate(all="ignore"):  # no warnings, because the arithmetic itself defines x/0
             return self._computed(frame)
 
     def _computed(self, frame: bytes) -> tuple[bytes, bytes, bytes]:
@@ -153,7 +153,7 @@ class Models:
         return BIG.pack(*map(int, codes.gyroscope)), LITTLE.pack(*map(int, codes.accelerometer)), _swapped(x, y, z)
 
     def _added(self) -> Noise[Any]:
-        """Return this sample's noise. Its generation costs no time: the dissertation does not describe it."""
+        """Return this sample's noise. It costs no simulated time: the dissertation does not describe how it is made."""
         added = self._noise.at(self._number)
         self._number += 1
         return added
@@ -177,13 +177,13 @@ def shown(frame: bytes) -> tuple[bytes, bytes, bytes]:
 
 
 def _swapped(x: Any, y: Any, z: Any) -> bytes:
-    """Pack x, z, y: the compass sends z before y."""
+    """Pack three values in the order x, z, y, because the compass sends z before y."""
     return BIG.pack(int(x), int(z), int(y))
 
 
 @lru_cache(maxsize=16)
 def estimated(arithmetic: str, parameters: ImuParameters) -> Fraction:
-    """Return the seconds at 150 MHz for the equations; not for "bytes", which has none."""
+    """Return the estimated seconds that the equations take at 150 MHz. "bytes" has no equations, and is not valid."""
     from periph_sim.imu.models.counts import counts_of
     from periph_sim.imu.numeric import arithmetic_names as named
     from periph_sim.imu.numeric.estimate import estimate

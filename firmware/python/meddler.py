@@ -28,9 +28,9 @@ class Settings:
 
     address: int = 0x50
     act: Literal["clear", "gate", "look", "reset", "nothing"] = "nothing"
-    after: Duration = Fraction(0)  # from the START to the action
-    length: Duration = Fraction(10, 1_000_000)  # of a gated clock
-    patience: Duration = Fraction(150, 1_000_000)  # for one byte
+    after: Duration = Fraction(0)  # time from the START to the action
+    length: Duration = Fraction(10, 1_000_000)  # time for which the clock is gated
+    patience: Duration = Fraction(150, 1_000_000)  # maximum time to wait for a byte
     pin: int = 0
 
 
@@ -43,7 +43,7 @@ def meddle(dsp: Dsp, settings: Settings) -> None:
         i2c.I2CMDR.IRS = 0
         i2c.I2CMDR.IRS = 1
     elif settings.act == "look":
-        if dsp.module("GPIO").GPBDAT.GPIO32 == 1:  # SDAA
+        if dsp.module("GPIO").GPBDAT.GPIO32 == 1:  # GPIO32 is the pin SDAA
             dsp.set_pin(settings.pin)
     elif settings.act == "gate":
         clocks = dsp.module("SYS")

@@ -1,8 +1,8 @@
 """A slave with registers, as in most chips: writes store to them, reads return them.
 
-S addr W  pointer  [data ...] P     writes from the pointer on
-S addr W  pointer  Sr addr R  data ... N P     reads from it on
-S addr R  data ... N P     continues after the last byte transferred
+S addr W  pointer  [data ...] P     writes the registers from the pointer on
+S addr W  pointer  Sr addr R  data ... N P     reads the registers from the pointer on
+S addr R  data ... N P     reads from the register after the last byte transferred
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ class Settings:
 
 
 class Registers:
-    """A target with registers. pointer: the register transferred next."""
+    """A target with registers. pointer: number of the register that is transferred next."""
 
     def __init__(self, contents: bytes, size: int) -> None:
         self.registers = bytearray(contents.ljust(size, b"\0"))
         self.pointer = 0
-        self._pointer_comes = False  # the next byte received is the pointer
+        self._pointer_comes = False  # True if the next received byte is the pointer
 
     def addressed(self, reads: bool) -> None:
         self._pointer_comes = not reads

@@ -44,7 +44,7 @@ class Settings:
 
 
 class Responder(SlaveInterrupt):
-    """received: the bytes of each write, in order."""
+    """The slave, with the data that it has received. received: the bytes of each write, in order."""
 
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
         self.dsp = dsp
@@ -55,7 +55,7 @@ class Responder(SlaveInterrupt):
         self._busy = iter(settings.busy)
         self._last = settings.replies[-1] if settings.replies else b""
         self._bytes: Iterator[int] = iter(())
-        self._writing = self._stored = False  # interrupt style: the last address was for a write; a STOP ended it
+        self._writing = self._stored = False  # interrupt style: a write is in progress; a write has ended
         self.waits = self.conditions()
 
     def configure(self) -> None:
@@ -70,11 +70,11 @@ class Responder(SlaveInterrupt):
         i2c.I2CMDR.IRS = 1
 
     def next_reply(self) -> Iterator[int]:
-        """Return the endless bytes of the next read."""
+        """Return the bytes of the next read: its reply, then filler bytes without end."""
         return chain(next(self._replies, self._last), repeat(self.settings.filler))
 
     def be_busy(self) -> None:
-        """Stay unreachable for as long as the imitated device after this write."""
+        """Hold the module in reset, so that it does not acknowledge, for the next time of `busy`."""
         pause = next(self._busy, Fraction(0))
         if pause:
             self.i2c.I2CMDR.IRS = 0
@@ -151,17 +151,17 @@ class Responder(SlaveInterrupt):
                 i2c.I2CFFTX.TXFFRST = 1
                 for _ in range(16):
                     i2c.I2CDXR.all = next(self._bytes)
-                i2c.I2CFFTX.all = 0x6060 | 4  # interrupt when four bytes are left
+                i2c.I2CFFTX.all = 0x6060 | 4  # interrupts when four bytes are left
             else:
                 i2c.I2CDXR.all = next(self._bytes)
                 i2c.I2CIER.XRDY = 1
         else:
             self.received.append(bytearray())
             if self.settings.fifo:
-                i2c.I2CFFRX.all = 0x2061  # interrupt at one byte
+                i2c.I2CFFRX.all = 0x2061  # interrupts as soon as there is one byte
 
     def fifo_interrupt(self) -> None:
-        """I2CINT2A: the transmit FIFO level is low, or a byte was received."""
+        """Serve I2CINT2A: the transmit FIFO level is low, or a byte was received."""
         i2c = self.i2c
         while i2c.I2CFFRX.RXFFST > 0:
             self.received[-1].append(i2c.I2CDRR.all)

@@ -1,6 +1,6 @@
-"""SCI-A echo: received characters are sent back. firmware/c28x/sci_echo.asm is the same program in machine code.
+"""Echo on SCI-A: each received character is sent back. firmware/c28x/sci_echo.asm is the same program in assembly.
 
-It polls the receiver, and waits for TXRDY before sending, without interrupts or FIFO.
+It uses no interrupts and no FIFO: it polls the receiver, and waits for TXRDY before it sends.
 """
 
 from __future__ import annotations

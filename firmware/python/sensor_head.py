@@ -18,7 +18,7 @@ from periph_sim.core.settings import Duration
 from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.processor.dsp import Dsp
 
-CHIPS = {0x68: 0x1D, 0x53: 0x32, 0x1E: 0x03}  # address -> first data register
+CHIPS = {0x68: 0x1D, 0x53: 0x32, 0x1E: 0x03}  # address of each chip -> its first data register
 
 
 @dataclass
@@ -33,7 +33,7 @@ class Settings:
 
 
 class Head:
-    """rounds: data read in each round, by chip; None if a chip did not answer."""
+    """The sensor head. rounds: the data read in each round, by address; None for a chip that did not answer."""
 
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
         self.dsp = dsp
@@ -43,7 +43,7 @@ class Head:
         self.rounds: list[dict[int, bytes | None]] = []
 
     def tick(self) -> None:
-        """TINT0: a round is due."""
+        """Serve TINT0: one more round is due."""
         self.due += 1
         self.dsp.module("PIE").PIEACK.all = 1
 

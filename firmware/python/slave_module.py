@@ -13,9 +13,9 @@ from typing import Protocol
 from periph_sim.firmware import Dsp, start_i2c
 from periph_sim.processor.python.register_view import ModulePort
 
-AAS_CODE, SCD_CODE, XRDY_CODE, RRDY_CODE, NACK_CODE = 7, 6, 5, 4, 2  # I2CISRC
-SDIR, AD0 = 1 << 14, 1 << 8  # I2CSTR
-I2CINT1A_ACK = 0x80  # PIEACK: group 8
+AAS_CODE, SCD_CODE, XRDY_CODE, RRDY_CODE, NACK_CODE = 7, 6, 5, 4, 2  # values of I2CISRC.INTCODE
+SDIR, AD0 = 1 << 14, 1 << 8  # masks in I2CSTR
+I2CINT1A_ACK = 0x80  # mask of group 8, which has I2CINT1A, in PIEACK
 
 
 class Target(Protocol):
@@ -31,14 +31,14 @@ class Target(Protocol):
         """Return the byte that a read sends next."""
 
     def step(self) -> None:
-        """Advance to the next byte: the last one is being sent."""
+        """Advance to the next byte of a read. Called when the shift register has taken the byte before it."""
 
     def over(self) -> None:
         """End the transfer at a STOP."""
 
 
 class SlaveInterrupt:
-    """I2CINT1A of a slave; subclasses handle each interrupt code."""
+    """Service routine of I2CINT1A in a slave. Subclasses define what each interrupt code does."""
 
     dsp: Dsp
     i2c: ModulePort
@@ -62,7 +62,7 @@ class SlaveInterrupt:
         self.dsp.module("PIE").PIEACK.all = I2CINT1A_ACK
 
     def addressed(self) -> None:
-        """Handle AAS: a read needs its first byte, or a write begins."""
+        """Handle AAS: a read begins and needs its first byte, or a write begins."""
         raise NotImplementedError
 
     def next_byte(self) -> int:
@@ -70,22 +70,22 @@ class SlaveInterrupt:
         raise NotImplementedError
 
     def receive_byte(self, byte: int) -> None:
-        """Handle a received byte."""
+        """Handle RRDY: store a byte that was received."""
         raise NotImplementedError
 
     def over(self) -> None:
-        """Handle a STOP."""
+        """Handle SCD: the transfer has ended with a STOP."""
         raise NotImplementedError
 
 
 class SlaveModule(SlaveInterrupt):
-    """I2C-A with one own address, for a target; general calls, acknowledged by the module, are not passed on."""
+    """A slave on I2C-A with one own address. General calls are acknowledged, but not passed on to `target`."""
 
     def __init__(self, dsp: Dsp, target: Target) -> None:
         self.dsp = dsp
         self.i2c = dsp.module("I2C-A")
         self.target = target
-        self._for_all = False  # the current transfer is a general call
+        self._for_all = False  # True while the current transfer is a general call
 
     def start(self, address: int) -> None:
         i2c = self.i2c

@@ -1,4 +1,4 @@
-"""A software slave for any number of addresses: the I2C module's two pins as GPIO, their edges as interrupts.
+"""A software slave for any number of addresses, on the I2C module's two pins as GPIO, whose edges are interrupts.
 
     SDA GPIO32 --XINT3--> which line changed? --> START, STOP --> the address is next, or nothing
     SCL GPIO33 --XINT4-->                       rise: a bit was received, or the master's ACK
@@ -6,9 +6,9 @@
 
     Low is driven: DIR = 1 with the latch at 0. High is released: DIR = 0, with a pull-up.
 
-An interrupt shows that a line changed; the levels of both are then read at once. If both lines have changed, SDA's edge
-was data. Nothing is lost as long as a routine reads the lines before they change again: docs/any_order.md gives the SCL
-rate that allows this. SCL is held at the end of a byte, while the target works.
+An interrupt shows only that a line has changed, so the routine reads the levels of both. If both have changed, the edge
+of SDA was data. No edge is lost if the routine reads the lines before they change again: docs/any_order.md gives the
+SCL rate that allows this. SCL is held at the end of a byte, while the target prepares the next one.
 
 Source: UM10204 sections 3.1.4 to 3.1.10, Table 10; SPRUFB0D sections 6 (GPIO) and 8.6 (XINT).
 """
@@ -23,17 +23,17 @@ from periph_sim.firmware import Dsp
 from .slave_module import Target
 
 SDA, SCL = 1 << 0, 1 << 1  # GPIO32 and 33 in the registers of port B
-BOTH_EDGES = 0xD  # XINTnCR
-GROUP_12 = 0x800  # PIEACK
-IDLE, ADDRESS, RECEIVE, SEND, OTHERS = range(5)  # OTHERS: not for us until the next START or STOP
+BOTH_EDGES = 0xD  # value of XINTnCR for interrupts at both edges
+GROUP_12 = 0x800  # mask of group 12 in PIEACK
+IDLE, ADDRESS, RECEIVE, SEND, OTHERS = range(5)  # OTHERS: the transfer is for another slave
 
 
 @dataclass
 class PinCosts:
-    """Cycles of the code between accesses, not counted in the unit's `code`.
+    """Numbers of cycles that the code between accesses takes, in addition to those of the unit's `code`.
 
-    edge: branches on lines, phase and count, before the edge is handled. byte: the target's part, with SCL held.
-    set_up: from SDA set to SCL released; 38 are the 250 ns of UM10204 Table 10, tSU;DAT.
+    edge: before an edge is handled: branches on lines, phase and count. byte: for the target, while SCL is held.
+    set_up: from the change of SDA to the release of SCL; 38 cycles are the 250 ns of UM10204 Table 10, tSU;DAT.
     """
 
     edge: int = 15
@@ -42,7 +42,7 @@ class PinCosts:
 
 
 class SlavePins:
-    """targets: by address. phase, count: state of the transfer; count: bits of the byte done, 9 with its ACK."""
+    """The slave. targets: by address. phase: state of the transfer. count: bits of the byte done, 9 with its ACK."""
 
     def __init__(self, dsp: Dsp, targets: Mapping[int, Target], costs: PinCosts) -> None:
         self.dsp = dsp
@@ -55,12 +55,12 @@ class SlavePins:
         self.count = 0
         self.shift = 0  # the byte being received or sent
         self.reads = False
-        self.acked = False  # acknowledged by the master
+        self.acked = False  # True if the master has acknowledged the last byte
         self.target: Target | None = None
-        self._others = 0  # other bits of GPBDIR
+        self._others = 0  # the bits of GPBDIR of all other pins
 
     def start(self) -> None:
-        """Set up pins and interrupts; ignore a transfer in progress."""
+        """Set up pins and interrupts. A transfer that is already in progress is ignored."""
         dsp, gpio, xint = self.dsp, self.gpio, self.dsp.module("XINT")
         dsp.eallow()
         gpio.GPIOXINT3SEL.GPIOSEL = 0
@@ -75,7 +75,7 @@ class SlavePins:
             self.phase = IDLE
 
     def interrupt(self) -> None:
-        """XINT3 and XINT4: a line changed, perhaps several times."""
+        """Serve XINT3 and XINT4: a line has changed, perhaps several times."""
         before, lines = self.lines, self.gpio.GPBDAT.all & (SDA | SCL)
         self.lines = lines
         self.dsp.compute(self.costs.edge)
@@ -96,11 +96,11 @@ class SlavePins:
     # Conditions ----------------------------------------------------------------
 
     def began(self) -> None:
-        """START, or repeated START."""
+        """Handle a START or repeated START."""
         self.phase, self.count, self.shift = ADDRESS, 0, 0
 
     def ended(self) -> None:
-        """STOP, also within a byte."""
+        """Handle a STOP, which may also come within a byte."""
         self.phase = IDLE
         target, self.target = self.target, None
         if target is not None:
@@ -140,7 +140,7 @@ class SlavePins:
                 self.drive(0)
 
     def acknowledge(self) -> None:
-        """Acknowledge after the eighth bit."""
+        """Handle the fall of SCL after the eighth bit: acknowledge the byte, unless its address is not ours."""
         if self.phase == ADDRESS:
             target = self.targets.get(self.shift >> 1)
             if target is None:
@@ -157,7 +157,7 @@ class SlavePins:
         self.drive(SDA)
 
     def send(self) -> None:
-        """Send the first bit of a byte; hold SCL until it is set."""
+        """Begin a byte: hold SCL until the target has given the byte and SDA shows its first bit."""
         self.drive(SCL)
         self.dsp.compute(self.costs.byte)
         self.shift, self.count = self.addressee.byte(), 0
@@ -167,7 +167,7 @@ class SlavePins:
         self.drive(first)
 
     def bit(self) -> int:
-        """Return the lines to drive low for the next bit."""
+        """Advance to the next bit, and return the mask of the lines to drive low for it."""
         self.count += 1
         return 0 if self.shift >> 8 - self.count & 1 else SDA
 
@@ -177,6 +177,6 @@ class SlavePins:
         return self.target
 
     def drive(self, low: int) -> None:
-        """Pull these lines low, release the others. Leaves EALLOW set until the routine returns."""
+        """Pull the lines in mask `low` and release the other one. EALLOW stays set until the routine returns."""
         self.dsp.eallow()
         self.gpio.GPBDIR.all = self._others | low

@@ -3,10 +3,10 @@
     RX --> FIFO --polled--> log of words
     BRKDT --> wait for the line to rise --> SW RESET, which is needed to receive again
 
-If SW RESET is released while the line is low, the receiver takes the rest of the break for a start bit: so the line is
-checked first, through GPIO28, if the unit has the GPIO module.
+If SW RESET is released while the line is low, the receiver takes the rest of the break for a start bit. So the logger
+first waits until GPIO28 shows a high line, if the unit has the GPIO module.
 
-The error bits of a word are read from SCIRXBUF with it; those of SCIRXST stay set until SW RESET, so they
+The error bits of each word are read with it from SCIRXBUF. The error bits in SCIRXST stay set until SW RESET, so they
 do not show which word was wrong.
 
 Source: SPRUFZ5A Tables 2-7 (BRKDT) and 2-8 (SCIFFFE, SCIFFPE).
@@ -22,13 +22,13 @@ from periph_sim.firmware import sci_fifo_receiver
 from periph_sim.processor.dsp import Dsp
 
 LSPCLK_HZ = 37_500_000  # SYSCLKOUT/4, as after reset
-FE, PE = 1 << 15, 1 << 14  # of SCIRXBUF
+FE, PE = 1 << 15, 1 << 14  # masks in SCIRXBUF
 REPLAY = ("baud", "bits", "parity", "stop")  # settings that a replay sets from the capture
 
 
 @dataclass
 class Settings:
-    """Settings of a case: the line's format."""
+    """Settings of a case: the format of the line."""
 
     baud: int = 115_200
     bits: Literal[1, 2, 3, 4, 5, 6, 7, 8] = 8
@@ -37,7 +37,7 @@ class Settings:
 
     @property
     def brr(self) -> int:
-        """The divider with the nearest rate: LSPCLK / 8 (BRR + 1)."""
+        """The divider whose rate, LSPCLK / (8 * (BRR + 1)), is nearest to `baud`."""
         return max(1, min(0xFFFF, round(Fraction(LSPCLK_HZ, 8 * self.baud)) - 1))
 
     @property
@@ -47,7 +47,7 @@ class Settings:
 
 
 class Logger:
-    """words: as read from SCIRXBUF, error bits included."""
+    """The receiver with its log. words: the words as read from SCIRXBUF, error bits included."""
 
     def __init__(self, dsp: Dsp, settings: Settings) -> None:
         self.dsp = dsp

@@ -124,14 +124,26 @@ class Interrupts:
         else:
             line, address = self._pie.vector(cycle, number)
             self.taken = f"INT{number}.{line}"
-        if address not in VECTOR_TABLE:
-            raise InterruptFault(
-                f"{self._name}: INT{number} was taken at cycle {cycle} with PIECTRL.ENPIE = 0, so its vector "
-                f"comes from boot ROM ({address:#x}), which has no routine of this firmware; "
-                "set ENPIE before interrupts are enabled"
-            )
+        routine = self._routine(cycle, address, f"INT{number}")
         self.taken = NAME_OF.get(address, self.taken)
-        return self._ram.word32(address) & CODE_ADDRESS
+        return routine
+
+    def fetch_for_trap(self, cycle: int, number: int) -> int:
+        """Fetch the vector of TRAP or INTR, a code address, from the table in memory."""
+        address = self._pie.cpu_vector(number)
+        if self._pie.notes:
+            self._notes.move_from(cycle, self._pie.notes)
+        return self._routine(cycle, address, f"the vector {number} of TRAP or INTR")
+
+    def _routine(self, cycle: int, address: int, what: str) -> int:
+        """Return the vector at an address. Raise InterruptFault if it is in boot ROM."""
+        if address in VECTOR_TABLE:
+            return self._ram.word32(address) & CODE_ADDRESS
+        raise InterruptFault(
+            f"{self._name}: {what} was taken at cycle {cycle} with PIECTRL.ENPIE = 0, so its vector "
+            f"comes from boot ROM ({address:#x}), which has no routine of this firmware; "
+            "set ENPIE before interrupts are enabled"
+        )
 
     def entered(self, cycle: int, where: Text) -> None:
         """Record the entry, at the service routine's first instruction. where: the place of the routine."""

@@ -48,7 +48,6 @@ class CpuTimer(Chip):
         self._options = options
         self._on_reload = options.timer_tif_point.unrecorded() == "on_reload"
         self.reset(0)
-        self.next_wake = self._event_at = NEVER  # the first input schedules
 
     def reset(self, now: int) -> None:
         """Reset by XRS: the count is 0, the period the longest of 16 bits, and the timer runs."""

@@ -16,7 +16,6 @@ from ...core.chip import Note
 from ...core.state import State
 from ...f28335.cpu.interrupts import CONTEXT_SP, EALLOW, INTM, frame_of
 from ...f28335.memory.ram import block_at
-from ...f28335.pie.register_map import VECTOR_TABLE
 from ...f28335.system_options import SystemOptions
 from ..c28x.decoder import decode_at
 from ..c28x.delay_slots import late_results, not_kept
@@ -235,13 +234,14 @@ class ImageCpu(ImageMemory):
 
     def enter(self, vector: int) -> None:
         """Execute TRAP or INTR regardless of masks, with the context at SP."""
+        routine = self._processor.interrupts.fetch_for_trap(self._time.cycle, vector)
         self.hand_over()
         context = self.context()
         saved = self._core.trap(self._time.cycle, vector)
         self.cycles += self._core.vector_waits
         context[8], context[10] = saved.st1, saved.ier
         self._ram.put_words(frame_of(saved.sp), context)
-        self.begin_routine(self._ram.word32(VECTOR_TABLE.start + 2 * vector) & CODE)
+        self.begin_routine(routine)
 
     def intr_clears_flag(self, bit: int) -> bool:
         core = self._core

@@ -105,6 +105,8 @@ def test_reset_state_and_that_it_runs():
     assert [chip.peek(0, MAP[n].offset) for n in names] == expected
     assert [MAP[n].reset for n in names] == expected
     assert [count(chip, now) for now in (1, 2, 3)] == [0xFFFF, 0xFFFE, 0xFFFD]
+    assert chip.next_wake == 0x10000 and chip.peek(0x10000, TCR.offset) == TIF
+    chip = timer()
     chip.write(3, TCR.offset, TSS | TIE)
     chip.reset(1000)
     assert [chip.peek(1000, MAP[n].offset) for n in names] == expected

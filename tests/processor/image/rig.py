@@ -29,6 +29,7 @@ _c_int00: EALLOW
  MOV @WDCR,#0x68
  EDIS
 """
+ENPIE = " MOVW DP,#0x0CE0 >> 6\n MOV @0x0CE0,#1\n"
 
 
 class Rig:

@@ -7,7 +7,7 @@ import pytest
 from periph_sim.processor.image.call_stack import CallListener
 from periph_sim.processor.image_files.assemble import assemble
 
-from .rig import HEAD, Rig
+from .rig import ENPIE, HEAD, Rig
 from .test_image_program import CYCLE, TIMER
 
 
@@ -89,7 +89,9 @@ def test_a_service_routine_interrupts_what_goes_on():
 
 def test_a_trap_is_a_call():
     source = (
-        HEAD + " EALLOW\n MOVL XAR4,#_routine\n MOVL XAR5,#0x0D0A\n MOVL *XAR5,XAR4\n EDIS\n TRAP #5\n NOP\n ESTOP0\n"
+        HEAD
+        + ENPIE
+        + " EALLOW\n MOVL XAR4,#_routine\n MOVL XAR5,#0x0D80\n MOVL *XAR5,XAR4\n EDIS\n TRAP #5\n NOP\n ESTOP0\n"
     )
     told = calls_of(source + " .global _routine\n_routine: NOP\n IRET\n")
     assert told.lines == ["> _c_int00", "> _routine", "< _routine"]

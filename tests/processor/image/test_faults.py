@@ -38,6 +38,7 @@ TAKEN = " OR IFR,#0x1000\n OR IER,#0x1000\n CLRC INTM\n NOP\n ESTOP0"
             HEAD + TAKEN,
             r"^dsp: INT13 was taken at cycle \d+ with PIECTRL.ENPIE = 0, .*; at .*, ACC=0x00000000 .* last jumps",
         ),
+        (HEAD + " TRAP #20", r"^dsp: the vector 20 of TRAP or INTR was taken at cycle \d+ with PIECTRL.ENPIE = 0, .*"),
         (HEAD + " MOV @SP,#0x7000\n" + TAKEN, r"^dsp: SP = 0x7000 at cycle \d+; 0x7000 is not memory; at .*last jumps"),
     ],
 )

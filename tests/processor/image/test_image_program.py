@@ -7,8 +7,9 @@ from itertools import pairwise
 import pytest
 
 from periph_sim.core.records import Kind
+from periph_sim.f28335.pie.register_map import PIECTRL
 from periph_sim.processor.user_code import FirmwareError
-from tests.processor.image.rig import HEAD, Rig
+from tests.processor.image.rig import ENPIE, HEAD, Rig
 
 CYCLE = 400  # ticks, behind reset: 30 MHz / 4, of ticks of 1/3 ns
 COUNT = 0x9100
@@ -103,10 +104,11 @@ def test_idle_sleeps_until_the_timer_and_then_goes_on():
 def test_trap_enters_by_the_table_and_comes_back():
     source = (
         HEAD
+        + ENPIE
         + """
  EALLOW
  MOVL XAR4,#_routine
- MOVL XAR5,#0x0D0A
+ MOVL XAR5,#0x0D80
  MOVL *XAR5,XAR4
  EDIS
  MOVB ACC,#7
@@ -124,6 +126,9 @@ _routine: MOVB ACC,#9
     rig = Rig(source).run()
     assert rig.program.finished
     assert (rig.word(COUNT), rig.cpu.acc, rig.cpu.sp) == (9, 7, 0x400)
+    assert [text for text in rig.notes() if "TRAP" in text] == [
+        "TRAP or INTR took vector 5 with the PIE enabled; it is not meant for vectors 1 to 12"
+    ]
 
 
 def test_eallow_protects_and_a_frame_without_model_keeps_what_is_written_and_is_noted_once():
@@ -267,6 +272,7 @@ START = ' .sect ".text", 0x9000\n .global _c_int00\n_c_int00: '
 def test_an_entry_stores_seven_pairs_at_even_addresses(sp: int, first: int):
     set_ar = "MOVL XAR0, #0x8888\n MOVL XAR1, #0x9999\n "
     rig = Rig(START + set_ar + "TRAP #20\n ESTOP0\n .global _routine\n_routine: ESTOP0")
+    rig.dsp.pie.write(0, PIECTRL.offset, 1)
     rig.dsp.processor.bus.ram.put_word32(0x0D00 + 2 * 20, 0x9006)
     cpu = rig.cpu
     cpu.sp, cpu.xt, cpu.acc, cpu.p, cpu.dp, cpu.dbgstat = sp, 0x1111_0000, 0x2222_3333, 0x4444_5555, 0x66, 0x77
@@ -283,7 +289,8 @@ def test_an_entry_stores_seven_pairs_at_even_addresses(sp: int, first: int):
 @pytest.mark.parametrize("enabled", [0x20, 0x30])
 def test_open_intr_clears_ifr(clears: bool, left: int, enabled: int):
     rig = Rig(START + "INTR INT5\n ESTOP0\n .global _routine\n_routine: ESTOP0", intr_clears_ifr=clears)
-    rig.dsp.processor.bus.ram.put_word32(0x0D00 + 2 * 5, 0x9002)
+    rig.dsp.pie.write(0, PIECTRL.offset, 1)
+    rig.dsp.processor.bus.ram.put_word32(0x0D80, 0x9002)
     rig.cpu.put_ier(enabled)
     rig.cpu.put_ifr(0x30)
     rig.run()

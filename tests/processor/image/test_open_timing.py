@@ -8,7 +8,7 @@ import pytest
 
 from periph_sim.core.options import Value
 from periph_sim.core.records import Kind
-from tests.processor.image.rig import HEAD, Rig
+from tests.processor.image.rig import ENPIE, HEAD, Rig
 
 # Interrupts ---------------------------------------------------------------------------------------------------------
 
@@ -61,7 +61,7 @@ def test_open_vector_fetch_waits(waits: int):
     """Of an interrupt and of TRAP."""
     through, entered = asleep("CLRC")
     assert asleep("CLRC", vector_fetch_waits=waits) == (through + waits, entered + waits * CYCLE)
-    trap = f"{HEAD}{VECTOR} TRAP #5\n ESTOP0\n .global _routine\n_routine: IRET\n".replace("0x0D4C", "0x0D0A")
+    trap = f"{HEAD}{ENPIE}{VECTOR} TRAP #5\n ESTOP0\n .global _routine\n_routine: IRET\n".replace("0x0D4C", "0x0D80")
     took = [Rig(trap, vector_fetch_waits=n).run().program.returned_at for n in (0, waits)]
     assert took[0] is not None and took[1] == took[0] + waits
 

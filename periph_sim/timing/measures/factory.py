@@ -184,8 +184,11 @@ def _jitter(said: Said, scope: Scope) -> Maker:
         make_of = _of_sentence(PHRASES["period"], said, scope)
     else:
         make_of = _called(said.name, scope) if said.of is None else _maker_of_events(said.of, scope)
-        if not make_of().series:
+        made = make_of()
+        if not made.series:
             raise BadEvent(f"{said.text!r}: that is one number a run, so it has no jitter")
+        if made.is_jitter:
+            raise BadEvent(f"{said.text!r}: a jitter has no jitter; name the measure itself")
     return partial(_jittering, make_of)
 
 

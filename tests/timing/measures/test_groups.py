@@ -172,6 +172,10 @@ def test_every_measure_that_takes_values_has_a_jitter(text: str):
     [
         ("jitter of nacked rounds", "'jitter of nacked rounds': that is one number a run, so it has no jitter"),
         ("jitter of bus load", "'jitter of bus load': that is one number a run, so it has no jitter"),
+        (
+            "jitter of jitter of stretch",
+            "'jitter of jitter of stretch': a jitter has no jitter; name the measure itself",
+        ),
         ("jitter of respons", "there is no measure 'respons'; did you mean response?"),
         ("jitter of", "'jitter of' ends where a measure or an event is expected"),
     ],

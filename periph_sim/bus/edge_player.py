@@ -1,7 +1,7 @@
 """Replay of a line from levels with their ticks, one event for each edge.
 
-EdgePlayer --> OneWayWire --> the chip's input      a line that only the player drives: it does not react to the
-                     back <-- the chip's output     chip, whose outputs show on another wire
+EdgePlayer --> OneWayWire --> the chip's input      the chip's input sees only what the player drives;
+                     back <-- the chip's output     the chip's output drives another wire
 """
 
 from __future__ import annotations
@@ -42,9 +42,10 @@ class EdgePlayer:
 
 
 class OneWayWire(Wire):
-    """A wire for two directions. player: the name of the driving party.
+    """A wire that only one party drives; all other parties read this wire, but drive the wire `back`.
 
-    back: the wire that all other parties drive; its edges are not recorded.
+    player: the name of the driving party.
+    back: the wire that all other parties drive. Its edges are not recorded.
     """
 
     def __init__(self, kernel: Kernel, name: str, recorder: Recorder, player: str = "capture") -> None:

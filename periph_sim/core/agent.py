@@ -1,4 +1,4 @@
-"""Parties that act in a simulation: what the kernel notifies them of, and the queue of the events at which they act.
+"""Parties that act in a simulation, how they are notified of settled levels, and the queue of their events.
 
 Events have one total order: by time, by phase, and by the order of scheduling.
 """
@@ -70,7 +70,7 @@ class Settleable:
     then: Settleable | None
 
     def settle(self) -> None:
-        """Take the new level and mark the parties to be notified as `due`."""
+        """Take the new level, and set `due` of the parties that must be notified."""
         raise NotImplementedError
 
     def notify_parties(self, now: int) -> None:
@@ -142,7 +142,9 @@ _order = attrgetter("time", "rank")
 class Event:  # core: freelist 16
     """A scheduled event.
 
-    rank: orders events of one time, by phase and then by number.
+    time: the tick at which it runs.
+    tag: the argument of the call `agent.act(tag)`.
+    rank: orders the events of one tick, by phase and then by number.
     queued: True until the event runs or is cancelled.
     plain: True if the agent calls a function.
     following: the next event in the queue.

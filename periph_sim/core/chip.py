@@ -18,7 +18,7 @@ from typing import NamedTuple, Protocol
 from .registers import RegisterMap
 from .state import State
 
-NEVER = 2**62  # a cycle that no run reaches; compares and adds like any other
+NEVER = 2**62  # a cycle that no run reaches; sums and comparisons with it are valid
 
 # Possible effects of an input: nothing visible; only `next_wake`; `next_wake` and `out`; any attribute or register.
 NO_CHANGE, WAKE_CHANGED, PINS_CHANGED, ANY_CHANGED = range(4)
@@ -73,8 +73,8 @@ class Chip:
     MAP: RegisterMap
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
-    mid_byte: tuple[int, ...] = ()  # offsets below 62 of registers to which a write may affect a byte in progress
-    steady: tuple[int, ...] = ()  # offsets of register words whose values stay the same while `writes` does
+    mid_byte: tuple[int, ...] = ()  # offsets, below 62, of registers to which a write may affect a byte in progress
+    steady: tuple[int, ...] = ()  # offsets of register words whose values change only if `writes` changes
 
     def __init__(self) -> None:
         self.next_wake = NEVER  # no output or readable value changes by itself before this cycle
@@ -132,7 +132,7 @@ class Chip:
 
     @property
     def marks(self) -> WriteOrigins | None:
-        """Origins of writes, for chips whose outputs show written data later; None for others."""
+        """The origins of writes, in chips whose outputs show written data later; None in others."""
         return None
 
     def gate(self, now: int, on: bool) -> None:

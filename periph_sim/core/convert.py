@@ -40,10 +40,10 @@ NAMES |= {bool: "true or false", bytes: "bytes", Path: "a path", list: "a list",
 
 
 def expected(kind: Any, found: object) -> str:
-    """Describe the values of a plain type in a phrase for a message.
+    """Return a phrase that describes the valid values of a plain type, for a message. found: the invalid value.
 
-    Of a union, only the members with limits whose type is that of the found value are described, or all members if
-    there are none.
+    If the type is a union, the phrase describes the members that have limits and the type of `found`; if there is no
+    such member, it describes all members.
     """
     origin, arguments = get_origin(kind), get_args(kind)
     is_enum = isinstance(kind, type) and issubclass(kind, Enum)
@@ -63,7 +63,7 @@ def expected(kind: Any, found: object) -> str:
 
 
 def limits_of(limits: msgspec.Meta) -> str:
-    """Describe the limits of a value or of a list's length in words, for example "1 to 10"."""
+    """Return the limits of a value, or of a list's length, as a phrase such as "1 to 10"."""
     if limits.min_length is not None:
         return f"{limits.min_length} or more entries"
     if limits.ge is None:
@@ -73,11 +73,11 @@ def limits_of(limits: msgspec.Meta) -> str:
 
 T = TypeVar("T")
 Place = tuple[str | int, ...]  # keys and indices that lead to a value, from the outermost table
-NOTHING: Any = msgspec.UNSET  # in place of a value: a message quotes no found value, or a key has no default
+NOTHING: Any = msgspec.UNSET  # placeholder in a message that quotes no value, and for a key without a default
 
 
 class Before(msgspec.Struct, frozen=True):
-    """A function that converts the value in the file before it is checked. said: the type in the file, for editors."""
+    """A function that converts the value in a file before it is checked. said: the type in the file, for the schema."""
 
     function: Callable[[Any], object]
     said: Any = None
@@ -109,7 +109,7 @@ class BadTable(ValueError):
 
     @property
     def first(self) -> Mistake:
-        """The mistake to report first: an unknown key, if any, since it is often a misspelled required key."""
+        """The mistake to report first: an unknown key if there is one, since it is often a misspelled required key."""
         return next((one for one in self.mistakes if one.known is not None), self.mistakes[0])
 
 
@@ -122,7 +122,7 @@ Converter = Callable[[Any, Place, list[Mistake]], Any]  # its result is not vali
 
 
 def convert(kind: type[T], tree: object) -> T:
-    """Return an object of a `Table` or a dataclass made from the keys in a file. BadTable if they do not match it."""
+    """Return a `Table` or a dataclass made from the keys in a file. Raise BadTable if they do not match it."""
     mistakes: list[Mistake] = []
     made: T = converter_of(kind)(tree, (), mistakes)
     if mistakes:
@@ -312,7 +312,7 @@ def _by_msgspec(annotation: Any) -> Converter:
 
 
 def _made(kind: type, value: Any) -> Any:
-    """Convert `value` to a Fraction or a Path, which msgspec cannot decode. ValueError if that is impossible."""
+    """Convert `value` to a Fraction or a Path, which msgspec cannot decode. Raise ValueError if that is impossible."""
     if kind not in (Fraction, Path) or isinstance(value, bool):
         raise ValueError
     try:

@@ -16,8 +16,8 @@ SHOWN = 60  # maximum number of characters that a message quotes
 def exact_number(text: str) -> Fraction:
     """Return the value of "1.5", "1/3" or "2e-6", exactly.
 
-    ValueError, with a phrase that quotes the text, if it is not a number, or has more than 40 digits or an exponent
-    beyond 40: the fraction of "1e999999999" alone would take minutes to compute.
+    Raise ValueError, with a phrase that quotes the text, if it is not a number, or if it has more than 40 digits or an
+    exponent beyond 40: the fraction of "1e999999999" alone would take minutes to compute.
     """
     quoted = shorten(repr(text), SHOWN)
     written = text.strip()

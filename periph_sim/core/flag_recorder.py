@@ -1,6 +1,6 @@
 """Records of the fields of a chip's registers, which are read after each input that may have changed them.
 
-The cause of a change is the input that had its effect last: a chip notices an input some cycles after it was given.
+An input has its effect some cycles after it was given. The cause of a change is the input that had its effect last.
 """
 
 # core: compiled
@@ -15,7 +15,7 @@ from .registers import Register
 from .state import State
 from .time import Clock
 
-MAX_INPUTS = 64  # inputs that may wait; a chip that never wakes needs no more
+MAX_INPUTS = 64  # maximum number of waiting inputs; if a chip never wakes, the earliest is dropped
 
 
 @final
@@ -172,9 +172,9 @@ class FlagRecorder:
         self._moving = [r for r in registers if r.offset not in chip.steady or r.upper not in (0, *chip.steady)]
         self._some_steady = len(self._moving) < len(registers)
         self._loads_data = any(register.data for register in registers)
-        self._read = registers  # the registers that `look` read last
-        self._writes = -1  # the chip's `writes` at that time
-        self._touched: frozenset[str] = frozenset()  # the chip's `touched` before these reads
+        self._read = registers  # the registers that the last call of `look` has read
+        self._writes = -1  # the chip's `writes` at that call
+        self._touched: frozenset[str] = frozenset()  # the chip's `touched` before that call
 
     def look(self, cycle: int) -> bool:
         """Read the registers as a debugger does. Return True if any has changed.

@@ -34,7 +34,10 @@ def inputs_of_one_command() -> Iterator[None]:
 
 
 def open_regular(path: Path, most: int | None = None) -> BinaryIO:
-    """Open a file for reading. OSError if it is a device or a pipe, which might never end, or is longer than `most`."""
+    """Open a file for reading.
+
+    Raise OSError if it is a device or a pipe, which might never end, or if it has more than `most` bytes.
+    """
     try:
         status = os.stat(path)
     except ValueError:
@@ -52,7 +55,7 @@ def open_input(path: Path, most: int | None = None) -> BinaryIO:
 
 
 def read_regular(path: Path, most: int = MOST) -> bytes:
-    """Return the bytes of a file. OSError if it is not a regular file or has more than `most` bytes."""
+    """Return the bytes of a file. Raise OSError if it is not a regular file or has more than `most` bytes."""
     with open_regular(path, most) as file:
         data = file.read(most + 1)
     if len(data) > most:  # the file grew, or the system does not know its size, as in /proc

@@ -41,9 +41,9 @@ from .chip import NEVER
 from .state import State
 
 TIMER, PADS, CHIP, CPU, PROBE = range(5)
-_AFTER_ALL = PROBE + 1  # all phases of an instant
+_AFTER_ALL = PROBE + 1  # a phase after all phases of an instant
 
-STORM = 100_000  # more events than this in one tick are an endless loop
+STORM = 100_000  # maximum number of events in one tick; more are an endless loop
 
 
 class SimulationStuck(Exception):
@@ -93,13 +93,13 @@ class Kernel:
         return self._ranks
 
     def call_at(self, time: int, action: Action, phase: int = TIMER) -> Event:
-        """Schedule a call of `action` at `time` (ticks) and return the event. ValueError if `time` is past."""
+        """Schedule a call of `action` at `time` (ticks) and return the event. Raise ValueError if `time` is past."""
         event = self.schedule(time, Call(action), 0, phase)
         event.plain = True
         return event
 
     def schedule(self, time: int, agent: Agent, tag: int = 0, phase: int = TIMER) -> Event:
-        """Schedule `agent.act(tag)` at `time` (ticks) and return the event. ValueError if `time` is past."""
+        """Schedule `agent.act(tag)` at `time` (ticks) and return the event. Raise ValueError if `time` is past."""
         event = self.event(agent, phase)
         self.reschedule(event, time, tag)
         return event
@@ -115,9 +115,9 @@ class Kernel:
         return event
 
     def reschedule(self, event: Event, time: int, tag: int) -> None:
-        """Schedule an event that is not queued, so that an agent with one event at a time needs only one object.
+        """Queue an existing event that is not queued. An agent with one event at a time thus needs only one object.
 
-        ValueError if `time` is past, or the event is queued.
+        Raise ValueError if `time` is past, or if the event is queued.
         """
         if time < self.now or event.queued:
             self._refuse(event, time)

@@ -66,7 +66,7 @@ class TextOption(Option):
         return answer
 
     def matches(self, answer: str) -> BoolOption:
-        """Return this question as a yes-or-no question: yes if its answer is the given one."""
+        """Return an option of the same name whose answer is True if the answer to this one is `answer`."""
         return BoolOption(self.name, self._answer == answer)
 
 
@@ -142,13 +142,13 @@ def allowed(field: dataclasses.Field[Any]) -> str:
     return f"{field.metadata['least']} to {field.metadata['most']} {field.metadata['unit']}"
 
 
-@cache  # immutable, so all scenes without their own answers share them
+@cache  # answers are immutable, so all scenes without their own answers share one object
 def _defaults(kind: Any) -> object:
     return kind()
 
 
 def options_from(kind: type[T], given: dict[str, Value]) -> T:
-    """Return an instance of `kind` with the given values. ValueError says which are valid."""
+    """Return an instance of `kind` with the given values. Raise ValueError, which says what is valid, for others."""
     if not given:
         return cast(T, _defaults(cast(Hashable, kind)))
     known = {f.name: f for f in dataclasses.fields(kind)}  # type: ignore[arg-type]

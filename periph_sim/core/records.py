@@ -31,21 +31,21 @@ class Kind(Enum):
     EDGE = "edge"  # a wire changed: what = level, text = the pulling parties
     ACCESS = "access"  # a CPU access: what = R or W and the register, value
     FLAG = "flag"  # a register field changed by itself or by an access
-    IRQ = "irq"  # interrupt requested, entered, left
-    SPAN = "span"  # a span of firmware begins (1) or ends (0)
+    IRQ = "irq"  # an interrupt is requested, entered or left
+    SPAN = "span"  # a span of firmware begins (value 1) or ends (value 0)
     BUS = "bus"  # an event on a bus: START, address, byte, ACK, STOP
     FRAME = "frame"  # a UART frame on the wire
     NOTE = "note"  # a violated duty, lost data, unknown behaviour
-    WAIT = "wait"  # firmware begins (1) or ends (0) a wait: what = the fields it polls, or IDLE
-    HOLD = "hold"  # a wire stays low, but other parties pull it: text = their names
+    WAIT = "wait"  # firmware begins (value 1) or ends (value 0) a wait: what = the fields it polls, or IDLE
+    HOLD = "hold"  # the set of parties that pull a wire has changed, and it stays low: text = their names
     # The following are derived from the records above by `scene/derived_records.py`, only if a subscriber names them.
     # Their ticks may be before those of the neighbouring records. They have the number of the record before them.
     TRANSFER = "transfer"  # a complete I2C transfer: its phases, acknowledges, stretches
-    ROUND = "round"  # a round of requests: due, complete, missed
-    RECEIVER = "receiver"  # an SCI's receiver: words waiting, characters received and lost
-    DATA = "data"  # bytes that were read: their correctness, age and error
+    ROUND = "round"  # a round of requests is due, complete or missed
+    RECEIVER = "receiver"  # an SCI's number of waiting words changes, or a character is received or lost
+    DATA = "data"  # bytes that were read, with their correctness, age or error
 
-    __hash__ = object.__hash__  # each kind is one object; Enum's own hash is a call in Python for every record
+    __hash__ = object.__hash__  # by identity, since a member is a single object: Enum's own hash is slow Python code
 
 
 DERIVED = frozenset({Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA})

@@ -1,7 +1,8 @@
 """Imports on demand: a module is imported when one of its names is first needed.
 
-The core imports no module of `HOMES`, which define what the core uses by name, as entry points of this package would.
-The names of a package (`lazy_names`) do not load the package's other modules.
+The modules of `HOMES` define objects that the rest of the program uses only by name, like entry points of this package:
+no module of the core imports them. With `lazy_names`, importing one name of a package does not load the package's other
+modules.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ HOMES = {
 
 
 def registered(what: str) -> ModuleType:
-    """Import and return the module that is registered for one of `HOMES`."""
+    """Import and return the module of an entry in `HOMES`."""
     return import_module(HOMES[what])
 
 

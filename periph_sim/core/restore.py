@@ -2,9 +2,9 @@
 
     snapshot --plan: each value made or found--> assignments --apply--> modules
 
-Nothing is assigned before each value of the snapshot has its place, so a snapshot that does not fit changes nothing.
-Objects that the scene has in the same place are kept, with their wiring, and get the snapshot's attributes. Other
-objects are created.
+Attributes are assigned only after all values of the snapshot have been made or found, so a snapshot that does not fit
+changes nothing. An object that the scene already has as the same attribute is kept, with its wiring, and gets the
+attributes in the snapshot. Other objects are created.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class NotRestorable(ValueError):
 
 
 def restore(snapshot: Snapshot, modules: Mapping[str, Module], finds: Mapping[str, Finds]) -> None:
-    """Set each declared attribute of these modules. NotRestorable, with nothing changed, if one cannot be set.
+    """Set each declared attribute of these modules. Raise NotRestorable, with nothing changed, if one cannot be set.
 
     finds: for each module, the functions that find objects of the classes in `Module.keys`.
     """
@@ -91,7 +91,7 @@ class _Plan:
                 self._assigned.append((target, attribute, value))
 
     def _value(self, name: str, current: Any, time: Time) -> Any:
-        """Return the value of the snapshot with this name. current: the value of the scene in its place."""
+        """Return the object to assign for the snapshot's value of this name. current: the attribute's present value."""
         value = self._values[name]
         match value:
             case Foreign(kind):
@@ -136,7 +136,7 @@ class _Plan:
         return current
 
     def _new(self, name: str, kind: str) -> Any:
-        """Return a new object whose attributes are not set yet, of a class whose STATE lists all of them (`made`)."""
+        """Return a new object whose attributes are not set yet. Its class must list all of them in STATE (`made`)."""
         cls = _class_of(kind)
         state = state_of(cls)
         if state is None or not state.made:

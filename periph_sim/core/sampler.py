@@ -73,7 +73,7 @@ class Sampler(SampledParty):
         self._seen = levels
 
     def listen(self, line: int, wire: Wire) -> None:
-        """Make this line a wire. ValueError if the number is too large."""
+        """Make this line a wire. Raise ValueError if the number is too large."""
         if line >= MAX_PARTIES:
             raise ValueError(f"wire {wire.name} would be line {line}; a sampler has lines 0 to {MAX_PARTIES - 1}")
         self._leave(line).wire = wire
@@ -144,9 +144,9 @@ class Sampler(SampledParty):
 
 
 def watch(wires: Sequence[Wire], watcher: Agent | Watcher) -> Sampler:
-    """Call `watcher(tick, levels)` whenever any of these wires has changed; bit i is wire i. ValueError without wires.
+    """Call `watcher(tick, levels)` whenever any of these wires has changed; bit i is wire i.
 
-    If `watcher` is an agent, its `sampled` is called.
+    If `watcher` is an agent, its `sampled` is called. Raise ValueError if there are no wires.
     """
     if not wires:
         raise ValueError("there is no wire to watch")

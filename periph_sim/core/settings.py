@@ -19,12 +19,12 @@ from .shorten import shorten
 from .time import UNITS as TIMES
 from .time import TimeError, seconds
 
-LOWEST, HIGHEST = Fraction(1, 1000), 10**12  # hertz: a clock has ticks, and a run has a clock's cycles, in 64 bits
+LOWEST, HIGHEST = Fraction(1, 1000), 10**12  # limits in hertz: a cycle in ticks, and a run in cycles, fit 64 bits
 HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000, "GHz": 1_000_000_000}
 
 
 def share(value: object) -> Fraction:
-    """Return a share from 0 to 1 of a text such as "40 %". ValueError with a suggestion otherwise."""
+    """Return the share, from 0 to 1, in a text such as "40 %". Raise ValueError with a suggestion for others."""
     if isinstance(value, Fraction):
         return value
     text = str(value).strip()
@@ -38,7 +38,7 @@ def share(value: object) -> Fraction:
 
 
 def duration(value: object) -> Fraction:
-    """Return seconds. ValueError with a suggestion if the unit is missing or unknown, or the time is negative."""
+    """Return the seconds in a text such as "250 us". Raise ValueError with a suggestion if it is no such text."""
     if isinstance(value, Fraction):
         return value
     if not isinstance(value, str):
@@ -63,7 +63,7 @@ def _length(text: str) -> Fraction | str:
 class Spread:
     """A cost known as a range in seconds. Each occurrence has a value from `least` to `most`, drawn by `Dsp.compute`.
 
-    ValueError for a negative or empty range.
+    Raise ValueError for a negative or empty range.
     """
 
     least: Fraction
@@ -83,7 +83,7 @@ class Spread:
 
 
 def spread(value: object) -> Spread:
-    """Return the range of "240 us to 260 us", or of one duration. ValueError as in `duration`."""
+    """Return the range in "240 us to 260 us", or in one duration. Raise ValueError as `duration` does."""
     if isinstance(value, Spread):
         return value
     if isinstance(value, str):
@@ -103,7 +103,7 @@ def _range(text: str) -> Spread:
 
 
 def frequency(value: object) -> Fraction:
-    """Return hertz. ValueError with a suggestion if the unit is missing or unknown."""
+    """Return the hertz in a text such as "100 kHz". Raise ValueError with a suggestion if it is no such text."""
     if isinstance(value, Fraction):
         return value
     if not isinstance(value, str):

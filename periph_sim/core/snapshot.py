@@ -144,7 +144,10 @@ def class_name(kind: type) -> str:
 
 
 def absolute(value: Any, now: int) -> Any:
-    """Convert an instant counted from `now` to that of the scene; in a tuple, the first instant is converted."""
+    """Return the instant of the scene for one that is counted from `now`.
+
+    In a tuple, only the first number is an instant; the other items stay.
+    """
     if isinstance(value, Fixed):
         return value.value
     if isinstance(value, tuple):
@@ -271,7 +274,7 @@ class _Collector:
 
 
 def _relative(value: Any, now: int, time: Time) -> Any:
-    """Convert an instant to one counted from now; in a tuple, the first instant is converted."""
+    """Return an instant counted from `now`. In a tuple, only the first number is an instant; the other items stay."""
     if isinstance(value, tuple):
         place = _first_instant(value)
         return (*value[:place], _relative(value[place], now, time), *value[place + 1 :])
@@ -288,7 +291,7 @@ def _is_plain(value: object) -> bool:
 
 
 def _are_plain(values: Collection[object]) -> bool:
-    """Return whether all are plain values. Types are compared first, because RAM has 34,816 words."""
+    """Return True if all values are plain. Types are compared first, which is fast for the 34,816 words of RAM."""
     return {*map(type, values)} <= {*PLAIN} or all(map(_is_plain, values))
 
 

@@ -22,8 +22,9 @@ from .state import State
 from .time import Clock
 from .wire import BITS, MAX_PARTIES, Pin
 
-# Tags of events. WAKE: the chip's wake-up. LOOK: sampling of its inputs. n >= 2: output n // 2 - 1 takes level n % 2;
-# for such an event, the bits from bit RECORD up are the number of the record that caused it.
+# Tags of events. WAKE is the chip's wake-up; LOOK is the sampling of its inputs. Other tags are changes of an output:
+# the bits below bit RECORD are a number n >= 2, and output n // 2 - 1 takes level n % 2; the bits from bit RECORD up
+# are the number of the record that caused the change.
 WAKE, LOOK = 0, 1
 RECORD = 16
 MOVE = (1 << RECORD) - 1
@@ -325,7 +326,7 @@ class Socket(Agent):
         return self._recorder.cause
 
     def repeat_output(self, index: int, cause: int) -> None:
-        """Release the pins of an output again, as an effect of the record `cause`."""
+        """Release the pins of an output once more. The record `cause` becomes the cause of the effects."""
         outer, self._recorder.cause = self._recorder.cause, cause
         self._set_pins(index, 1)
         self._recorder.cause = outer

@@ -14,7 +14,7 @@ from enum import Enum
 
 
 class Time(Enum):
-    """Unit of the instants that an attribute contains as integers, or NONE if it contains no instants."""
+    """Unit of the instants that an attribute contains as integers; NONE for attributes without instants."""
 
     NONE = "no time"
     TICKS = "ticks of the kernel"

@@ -78,7 +78,7 @@ def together(text: str) -> str:
 def _fitted(
     rows: Sequence[Cells], titles: Cells, right: Collection[int], width: int, names: Collection[int] = ()
 ) -> list[int]:
-    """Return the width of each column. Titles are broken between words first, then the widest cells, then words."""
+    """Return the width of each column. To fit, titles are broken first, then the widest cells, and then words."""
     places = range(len(rows[0]))
     widths = [max(_longest(row[n]) for row in rows) for n in places]
     words = [max(_longest_word(row[n]) for row in rows) for n in places]

@@ -24,9 +24,9 @@ NO_TIME = -1
 LAST_TICK = NEVER - 1  # also the limit of recordings, whose ticks are int64
 DAY = 86_400
 LONGEST = 365_250 * DAY  # maximum seconds that a user can write: a thousand years, more than 64-bit ticks can count
-MOST_TICKS = LAST_TICK  # maximum length of time
+MOST_TICKS = LAST_TICK  # maximum length of time in ticks
 MOST = NEVER  # maximum product of two numbers that have 64 bits in the compiled form
-USUAL_PER_NS = 1000  # most ticks per nanosecond of a timebase whose clock is a whole number of MHz
+USUAL_PER_NS = 1000  # maximum number of ticks per nanosecond if the clock is a whole number of MHz
 
 UNITS: dict[str, Fraction] = {
     "ns": Fraction(1, GHZ),
@@ -46,7 +46,7 @@ class TimeError(ValueError):
 
 
 def round_ratio(value: Fraction, rounding: Rounding) -> BigInt:
-    """Return `value` rounded to a whole number. TimeError if the rounding is "exact" and it is not whole."""
+    """Return `value` rounded to a whole number. Raise TimeError if the rounding is "exact" and it is not whole."""
     if value.denominator == 1:
         return value.numerator
     if rounding == "down":
@@ -59,7 +59,7 @@ def round_ratio(value: Fraction, rounding: Rounding) -> BigInt:
 
 
 def seconds(text: Text) -> Fraction:
-    """Return the length of "250 us" or "1.5 ms" in seconds, exactly. TimeError if it is not a length, or too long."""
+    """Return the exact seconds in "250 us" or "1.5 ms". Raise TimeError if it is not a length of time, or too long."""
     quoted = shorten(repr(text), SHOWN)
     number, _, unit = text.strip().replace("\u00b5", "u").replace("\u03bc", "u").partition(" ")  # micro sign, mu
     if not unit:
@@ -89,12 +89,12 @@ class Timebase:  # core: python
         self.per_ns = self.per_second // GHZ
 
     def ticks(self, length: Fraction | str, rounding: Rounding = "exact") -> int:
-        """Return a length of time in ticks. TimeError if it is not a whole number and no rounding is given."""
+        """Return a length of time in ticks. Raise TimeError if it is not a whole number and no rounding is given."""
         value = seconds(length) if isinstance(length, str) else length
         return self.fitting(round_ratio(value * self.per_second, rounding))
 
     def fitting(self, ticks: int) -> int:
-        """Return the ticks unchanged. TimeError if a length of time has more than can be counted."""
+        """Return the ticks unchanged. Raise TimeError if a length of time has more than can be counted."""
         if abs(ticks) > MOST_TICKS:
             length, most = days(self.seconds(ticks)), days(self.seconds(MOST_TICKS))
             ticks_are = f"with ticks of 1/{self.per_second} s the longest is {most}{self._way_out}"
@@ -102,7 +102,7 @@ class Timebase:  # core: python
         return ticks
 
     def end_of_run(self, start: int, length: Fraction) -> int:
-        """Return the tick at which a run of `length` seconds ends. TimeError, with the limit, if it is too long."""
+        """Return the tick at which a run of `length` seconds ends. Raise TimeError, with the limit, if it is longer."""
         end = start + round_ratio(length * self.per_second, "nearest")
         if end > LAST_TICK:
             most = self.seconds(LAST_TICK - start)

@@ -68,7 +68,7 @@ class Wire(Settleable):
         self._pulled_under = self._released_under = 0  # the last records that caused pulls and releases in this instant
 
     def attach(self, who: str) -> Pin:
-        """Add a party and return its pin, released. TooManyParties if the wire has MAX_PARTIES parties."""
+        """Add a party and return its pin, released. Raise TooManyParties if the wire has MAX_PARTIES parties."""
         place = len(self._parties)
         if place >= MAX_PARTIES:
             raise TooManyParties(f"wire {self.name}: {who} would be party {place + 1}; a wire has up to {MAX_PARTIES}")

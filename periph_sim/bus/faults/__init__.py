@@ -60,8 +60,9 @@ Count = Annotated[int, Meta(ge=1)]
 
 @dataclass(frozen=True, kw_only=True)
 class When:
-    """at: the time of the first fault, counted from the begin of the run.
+    """Times at which a fault occurs.
 
+    at: the time of the first fault, counted from the begin of the run.
     every: the time from one fault to the next; without it there is only one fault.
     spread: the maximum random delay of each fault.
     times: the maximum number of faults.
@@ -80,7 +81,7 @@ class When:
 
 
 class SdaPuller(Agent):
-    """A party that a fault arms, and that then pulls SDA low in a clock of SCL. `sampled` receives the level of SCL."""
+    """A party that pulls SDA low in a clock of SCL after a fault has armed it. `sampled` receives the level of SCL."""
 
     STATE = State("_armed _pulls")
 
@@ -95,7 +96,7 @@ class SdaPuller(Agent):
         self._armed = True
 
     def _pull(self, pulls: bool) -> None:
-        """Pull SDA, or release it."""
+        """Pull SDA low if `pulls`, else release it."""
         self._pulls = pulls
         self._pin.drive(not pulls)
 
@@ -158,7 +159,7 @@ class FaultContext:
 
 
 class FaultKind(Protocol):
-    """The definitions that the module of each kind of fault has."""
+    """The interface of the module of a kind of fault."""
 
     Settings: type[When]
 

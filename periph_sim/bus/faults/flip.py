@@ -16,7 +16,7 @@ from . import FaultContext, Repeated, SdaPuller, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """The settings of `When`. The first bit that is 1 after the time of the fault becomes 0."""
+    """A wrong bit: the first bit that is 1 after the time of the fault becomes 0."""
 
 
 class Flip(SdaPuller):
@@ -37,7 +37,7 @@ class Flip(SdaPuller):
             self._pull(True)
 
     def pulled(self, line: int, now: int, pulling: int) -> None:
-        """Release SDA if the last other party releases it during a 0 bit: this is a STOP, which must not be blocked."""
+        """Release SDA if the last other party releases it in a bit that is 0: that is a STOP, which must succeed."""
         if self._pulls and self._scl.level and not self._is_one and self._alone():
             self._pull(False)
 

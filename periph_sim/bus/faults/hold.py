@@ -15,8 +15,10 @@ from . import Count, FaultContext, HeldLine, Length, Repeated, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """wire: the name of the wire, such as "SDA". length: the time for which it is held low.
+    """A wire that is held low.
 
+    wire: the name of the wire, such as "SDA".
+    length: the time for which it is held low.
     clocks: instead of `length`, the number of falls of SCL after which it is released.
     """
 

@@ -13,7 +13,7 @@ from . import FaultContext, Length, Repeated, When, pulse
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """unit: the name of the unit that is reset."""
+    """A reset of a unit by its XRS pin. unit: the name of the unit. length: the time for which XRS is low."""
 
     unit: str
     length: Length = Fraction(1, 1000)

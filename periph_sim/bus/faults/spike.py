@@ -15,7 +15,7 @@ from . import FaultContext, Length, Repeated, When, pulse
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """wire: the name of the wire, such as "SCL"."""
+    """A spike on a wire. wire: the name of the wire, such as "SCL". width: the time for which it is pulled low."""
 
     wire: str
     width: Length

@@ -35,7 +35,7 @@ ONES = 0xFF
 class BitTimes:
     """Edges of SCL from a party that clocks in whole ticks.
 
-    since: the tick of the first rise. low, high: the low and the high time of SCL.
+    since: the tick of the first rise. low, high: the low and the high time of SCL, in ticks.
     """
 
     __slots__ = ("high", "low", "since")
@@ -76,7 +76,7 @@ class BitParty(Agent):
     __slots__ = ()
 
     def pulls(self, line: int) -> int:
-        """Return the mask of its pulls on a line, SCL or SDA; 0 if it has none."""
+        """Return the mask of the party's own pulls on a line, SCL or SDA; 0 if it never pulls the line."""
         return 0
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
@@ -145,7 +145,7 @@ class BitSkip(Shortcut):
     def __init__(
         self, kernel: Kernel, scl: Wire, sda: Wire, controller: BitParty | None, stand_in: Mapping[Agent, BitParty]
     ) -> None:
-        """controller: the agent that clocks the bus, or None. stand_in: the parties that represent other agents."""
+        """controller: the agent that clocks the bus, or None. stand_in: by agent, the parties that represent others."""
         self.passed = 0
         self._kernel = kernel
         self._scl = scl

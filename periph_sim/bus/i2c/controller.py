@@ -32,7 +32,7 @@ from .transfer import BusTiming, Phase, Transfer
 # Purposes of events.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 
-OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that the wires do not show
+OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that only the agent can report: the wires do not show them
 ADDRESS = -1  # in place of the number of a data byte: the byte is an address
 NO_BYTE = 1 << 30  # in place of the number of a data byte: STOP or repeated START is next
 
@@ -139,7 +139,7 @@ class I2cController(BitParty):
         self._sda_level = 1
         self._rising = False  # SCL is released and has not risen yet
         self._high = timing.high  # the next high time of SCL
-        self._high_end = BIT_END  # the step at the end of the next high time of SCL
+        self._high_end = BIT_END  # the purpose of the event at the end of the next high time of SCL
         self._let_go_at = 0
         self._transfer = Transfer("", [])
         self._done: Callable[[Transfer], None] = lambda transfer: None
@@ -380,7 +380,7 @@ class I2cController(BitParty):
     def _stuck(self) -> None:
         self._guard = None
         due = self._bus.scl_moved + self._stuck_after
-        if due > self._kernel.now:  # another controller's transfers continued meanwhile
+        if due > self._kernel.now:  # SCL has changed since the check was scheduled
             self._guard = self._kernel.schedule(due, self, STUCK)
             return
         wire = self._sda_wire if self._scl_wire.level else self._scl_wire

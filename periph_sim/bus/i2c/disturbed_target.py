@@ -24,7 +24,7 @@ READ = 1
 
 
 class Answers(Protocol):
-    """The target that is disturbed. addresses: its 7-bit addresses."""
+    """Interface of a target that can be disturbed. addresses: its 7-bit addresses."""
 
     @property
     def addresses(self) -> tuple[int, ...]: ...
@@ -73,7 +73,7 @@ class Rule:
 
     def __init__(self, when: When) -> None:
         self.when = when
-        self.phase = 0  # phases with `when.access` so far
+        self.phase = 0  # number of phases with `when.access` so far
 
     def refuses(self) -> bool:
         """Return True if the byte is not acknowledged."""
@@ -84,7 +84,7 @@ class Rule:
         return value
 
     def strike(self) -> None:
-        """Apply any other effect of the rule. SCL has just fallen before the ACK or before the first bit of a byte."""
+        """Apply the effects of the rule on the lines. Called at the fall of SCL before an ACK or before a first bit."""
 
 
 class Stretch(Rule):
@@ -107,7 +107,7 @@ class Refuse(Rule):
 
 
 class Wrong(Rule):
-    """Replaces the bytes that are sent. value: the byte that is sent instead."""
+    """Replaces each byte that is sent by `value`."""
 
     def __init__(self, when: When, value: int) -> None:
         super().__init__(when)

@@ -55,7 +55,7 @@ class BusRecorder(BitParty):
             self._record(event, busy)
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return True at the begin of a byte; a master that is reset in a byte may leave the next one shifted."""
+        """Return True at the begin of a byte. A master that is reset within a byte may leave the next byte shifted."""
         return not self.stream.bits
 
     def on_bits_skipped(self, shown: int, times: BitTimes) -> None:

@@ -129,7 +129,7 @@ class Answer:
 
 
 class ScriptedTarget(TargetSide):
-    """Answers for the addresses in `answers`. hold: ticks from the fall of SCL to a change of SDA."""
+    """A target that gives listed answers. answers: by address. hold: ticks from the fall of SCL to a change of SDA."""
 
     def __init__(
         self,

@@ -46,10 +46,10 @@ class Reply(Protocol):
     def stretches(self) -> Stretches: ...
 
     def send_byte(self, byte: int) -> int:
-        """Return data byte number 0, 1, ... of a read; called once, when its first bit is due."""
+        """Return the data byte of a read with this number, from 0. It is called once, when the first bit is due."""
 
     def receive_byte(self, byte: int, value: int) -> bool:
-        """Receive data byte number 0, 1, ... of a write. True acknowledges it."""
+        """Receive the data byte of a write with this number, from 0. Return True to acknowledge it."""
 
 
 def _ignore(stop: bool, whole: bool) -> None:
@@ -90,7 +90,7 @@ class TargetSide(BitParty):
         self._does = NOT_MEANT
         self._reply: Reply | None = None
         self._stretches: dict[tuple[int, int], int] = {}  # stretches of this reply: (byte, bit) -> ticks
-        self._bit = 0  # rises of SCL in this byte so far
+        self._bit = 0  # number of rises of SCL in this byte so far
         self._in = 0
         self._out = 0xFF
         self._byte = 0  # number of the data byte

@@ -22,13 +22,13 @@ from .sender import EdgeSender
 
 
 class Drives(Protocol):
-    """The output of a sender: a pin, or a driver that is enabled for each burst."""
+    """Interface of the output of a sender: a pin, or a driver that is enabled for each burst."""
 
     def drive(self, level: int) -> None: ...
 
 
 class Enables(Protocol):
-    """A driver that releases its line between bursts."""
+    """Interface of a driver that can release its line between bursts."""
 
     def enable(self, on: bool) -> None: ...
 
@@ -128,7 +128,7 @@ class BurstSender:
         self.who = who
         self._characters = 0  # number of characters of past bursts
         self._burst: Burst | None = None  # the present burst
-        self._began = self._ends_at = 0  # begin and end of the present or last burst
+        self._began = self._ends_at = 0  # ticks at which the present or last burst begins and ends
         self._kernel = kernel
         self._edges = _Edges(kernel, out)
         self._enabled = enabled

@@ -176,10 +176,11 @@ class UartCounter(Agent):
         self.topics = []
         self._line = line
         self._as: tuple[Fraction, UartFormat] | None = None  # bit time and format of the last character
-        self._lasted = self._taken = 0  # ticks from its begin to the end, and to the middle, of its last stop bit
+        # The number of ticks from the begin of the last character to the end, and to the middle, of its last stop bit.
+        self._lasted = self._taken = 0
         self._begun_at = NO_TIME
-        self._over_at = 0  # the end of its last stop bit
-        self._free_at = 0  # the middle of its last stop bit, from which on a fall is a start bit
+        self._over_at = 0  # the tick at which the last stop bit of the last character ends
+        self._free_at = 0  # the tick in the middle of that stop bit: a fall from then on is a start bit
         watch([wire], self)
 
     def sampled(self, now: int, levels: int) -> None:

@@ -19,7 +19,7 @@ from ...core.time import NO_TIME
 from ...core.wire import Wire
 from .reader import Heard, Line, UartReader
 
-COLLISION, CUT = "collision", "cut"  # records of a pair besides its frames
+COLLISION, CUT = "collision", "cut"  # names of the records that a pair makes besides those of its frames
 
 
 class Rs485Pair:

@@ -119,7 +119,7 @@ class UartSender(EdgeSender):
         self._format = frame_format or UartFormat()
         self._length = self._format.length
         self._edges_of = _known_edges(self._format)
-        self._gap: Fraction | None = None  # gap of the last burst
+        self._gap: Fraction | None = None  # number of idle bits between the bytes of the last burst
         self._begins: list[int] = []  # ticks from the begin of a burst with `_gap` to each bit
         self._ends_at = 0
         self._done: Callable[[int], None] = lambda tick: None
@@ -142,7 +142,7 @@ class UartSender(EdgeSender):
             return
         self._measure(len(data), gap)
         edges = []
-        first = 0  # the first bit of the frame
+        first = 0  # number of the first bit of the frame, in the burst
         byte: int
         for byte in data:
             if self._recorder is not None:
@@ -178,7 +178,7 @@ class UartSender(EdgeSender):
         self._gap = gap
         if known >= frames:
             return
-        parts, pause = gap.denominator, gap.numerator  # a bit has `parts` parts, so that instants are whole numbers
+        parts, pause = gap.denominator, gap.numerator  # a bit has `parts` parts, which make instants whole numbers
         num, den = self._bit.numerator, self._bit.denominator * parts
         frame: BigInt
         for frame in range(known, frames):

@@ -8,7 +8,6 @@ so: what a party did on the wire before an edge, the request for an interrupt, a
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -22,38 +21,21 @@ from .firmware_causes import INFERRED, MOST_ACCESSES, RECORDED, Link, accesses_b
 ROUND_A_GATE = 16  # maximum cycles between a module's request and the flag of the PIE
 
 
-@dataclass(frozen=True)
-class Step:
-    """One record of the walk. known: RECORDED, INFERRED, or "" for the record in question.
-
-    of: the row of the record that it is a cause of; -1 for the record in question. aside: the walk does not continue
-    from it.
-    """
-
-    row: int
-    record: Record
-    known: str
-    because: str = ""
-    of: int = -1
-    aside: bool = False
-
-
-def walk_back(run: Run, row: int, depth: int) -> Iterator[Step]:
+def walk_back(run: Run, row: int, depth: int) -> Iterator[Link]:
     """Yield the record itself, then at most `depth` causes, each after the links beside it."""
-    step = Step(row, run.record(row), "")
+    step = Link(row, run.record(row), "")
     yield step
     flag: Record | None = None
     for _ in range(depth):
         flag = step.record if step.record.kind is Kind.FLAG else flag
         links = [link for link in causes(run, step.row, step.record, flag) if link.row < step.row]
-        told = [_step(run, step.row, link) for link in links]
-        yield from told
-        if not told or told[-1].aside:
+        yield from (link._replace(of=step.row) if link.of < 0 else link for link in links)
+        if not links or links[-1].aside:
             return
-        step = told[-1]
+        step = links[-1]
 
 
-def end_of_walk(run: Run, steps: Sequence[Step], depth: int) -> str:
+def end_of_walk(run: Run, steps: Sequence[Link], depth: int) -> str:
     """Return the reason why a walk ends at its last step, as a clause; "" if there was no step."""
     main = [step for step in steps if not step.aside]
     if not main:
@@ -69,11 +51,6 @@ def end_of_walk(run: Run, steps: Sequence[Step], depth: int) -> str:
     if searched > MOST_ACCESSES:
         return f"its routine read nothing else in the {MOST_ACCESSES} accesses before it; no more were searched"
     return "its routine had read nothing before it"
-
-
-def _step(run: Run, row: int, link: Link) -> Step:
-    of = row if link.of is None else link.of
-    return Step(link.row, run.record(link.row), link.known, link.because, of, link.aside)
 
 
 def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> list[Link]:
@@ -98,10 +75,10 @@ def _recorded(run: Run, record: Record) -> list[Link]:
     found = run.row_of(record.cause)
     if found is None:
         return []
-    if record.kind is not Kind.FLAG:
-        return [Link(found, RECORDED, "caused it")]
-    at_once = int(run.table.tick[found]) == record.tick
-    return [Link(found, RECORDED, "in the same cycle" if at_once else "the last input that had taken effect")]
+    cause, because = run.record(found), "caused it"
+    if record.kind is Kind.FLAG:
+        because = "in the same cycle" if cause.tick == record.tick else "the last input that had taken effect"
+    return [Link(found, cause, RECORDED, because)]
 
 
 def _request(run: Run, row: int, record: Record) -> list[Link]:
@@ -122,7 +99,7 @@ def _request(run: Run, row: int, record: Record) -> list[Link]:
     found = max((one for one in asked if one is not None), default=None)
     if found is None or run.clock(unit).cycles(int(run.table.tick[found]), record.tick) > ROUND_A_GATE:
         return []
-    return [Link(found, INFERRED, "the request that set it")]
+    return [Link(found, run.record(found), INFERRED, "the request that set it")]
 
 
 def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
@@ -135,7 +112,7 @@ def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
     if found is None:
         return _recorded(run, record)
     held = held_up(run, record, found, row)
-    return [*held, Link(found, INFERRED, "the PIE's flag of the interrupt")]
+    return [*held, Link(found, run.record(found), INFERRED, "the PIE's flag of the interrupt")]
 
 
 def _of_party(run: Run, row: int, record: Record) -> list[Link]:
@@ -143,7 +120,8 @@ def _of_party(run: Run, row: int, record: Record) -> list[Link]:
     party = mover(run, row, record)
     rows = np.sort(np.concatenate([run.rows(kind, party) for kind in (Kind.BUS, Kind.FRAME)]))
     found = run.last(rows, record.tick, row)
-    return [] if found is None else [Link(found, INFERRED, f"what {party} did last on the wire")]
+    because = f"what {party} did last on the wire"
+    return [] if found is None else [Link(found, run.record(found), INFERRED, because)]
 
 
 # Parties that pull a wire low --------------------------------------------------
@@ -188,8 +166,8 @@ def causes_of_hold(run: Run, row: int, record: Record) -> list[Link]:
         if before.value or not ours <= set(_named(before.text)):
             break
         joined = earlier
-    who = " and ".join(_named(record.text))
-    return [] if joined == row else [Link(joined, RECORDED, f"since then {who} has held it")]
+    because = f"since then {' and '.join(_named(record.text))} has held it"
+    return [] if joined == row else [Link(joined, run.record(joined), RECORDED, because)]
 
 
 def _before(run: Run, row: int, record: Record) -> Record | None:

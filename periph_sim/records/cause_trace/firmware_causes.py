@@ -28,22 +28,24 @@ MOST_LOOKS = 8  # maximum number of looks at different places or fields that are
 MOST_ACCESSES = 10_000  # searched for looks before a write, within its routine
 MOST_ROUTINES = 3  # number of shown routines that delayed the firmware: the longest ones
 SEEN = "the last change of what it read"
+NEWEST = "the read before it that saw the newest change"
 
 
 class Link(NamedTuple):
-    """A row that is a cause of another row, or is shown beside its cause.
+    """A record of a walk along causes, with its relation to another record.
 
-    known: RECORDED or INFERRED.
+    known: RECORDED, INFERRED, or "" for the record in question.
     because: the relation in words.
-    aside: True if the row is shown beside the cause and is not the cause itself.
-    of: the row that this row is related to; None for the row whose causes are searched.
+    aside: True if the record is shown beside the cause and is not the cause itself; the walk does not continue from it.
+    of: the row of the record that this one is related to; -1 for the record whose causes are searched.
     """
 
     row: int
+    record: Record
     known: str
-    because: str
+    because: str = ""
     aside: bool = False
-    of: int | None = None
+    of: int = -1
 
 
 def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
@@ -53,26 +55,26 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
     flag: the change of a field whose causes led to this access, or None.
     """
     routine = run.row_of(record.cause)
-    entry = [] if routine is None else [Link(routine, RECORDED, "its service routine began")]
+    entry = [] if routine is None else [Link(routine, run.record(routine), RECORDED, "its service routine began")]
     entry_beside = [link._replace(aside=True) for link in entry]
     if record.what.startswith("R "):
         changed = change_seen(run, row, record)
         if changed is None:
             return entry
         between = [link for link in entry_beside if link.row > changed]
-        return [*held_up(run, record, changed, row), *between, Link(changed, INFERRED, SEEN)]
+        return [*held_up(run, record, changed, row), *between, Link(changed, run.record(changed), INFERRED, SEEN)]
     own = _own_read(run, row, record, flag)
     looks = looks_before(run, row, record)
     if not looks and entry:
         return [*own, *entry]
     if not looks:
-        return [*own[:-1], *(link._replace(aside=link.of is None) for link in own[-1:])]
+        return [*own[:-1], *(link._replace(aside=link.of < 0) for link in own[-1:])]
     seen = {look: change_seen(run, look, run.record(look)) for look in looks}
     saw = {look: -1 if change is None else change for look, change in seen.items()}
     newest = max(looks, key=lambda look: (saw[look], look))
     later = [link for look in looks if look > newest for link in _beside(run, look)]
     held = held_up(run, record, newest, row)
-    return [*own, *later, *held, Link(newest, INFERRED, "the read before it that saw the newest change")]
+    return [*own, *later, *held, Link(newest, run.record(newest), INFERRED, NEWEST)]
 
 
 def looks_before(run: Run, row: int, record: Record) -> list[int]:
@@ -99,10 +101,10 @@ def _beside(run: Run, look: int) -> list[Link]:
     """Return links that are only shown: a look after the one that the search follows, its change and its delays."""
     record = run.record(look)
     changed = change_seen(run, look, record)
-    links = [Link(look, INFERRED, "looked at as well", aside=True)]
+    links = [Link(look, record, INFERRED, "looked at as well", aside=True)]
     if changed is not None:
         links += [link._replace(of=look) for link in held_up(run, record, changed, look)]
-        links.append(Link(changed, INFERRED, SEEN, True, look))
+        links.append(Link(changed, run.record(changed), INFERRED, SEEN, True, look))
     return links
 
 
@@ -137,6 +139,7 @@ def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
     return [
         Link(
             int(ends[n]),
+            run.record(int(ends[n])),
             RECORDED,
             f"held the firmware up for {run.length(int(lengths[n]), int(begins[n]), record.where)}",
             aside=True,
@@ -154,14 +157,15 @@ def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[L
     read = read_modify_writes(run, record.where).read_of(row)
     if read is None:
         return []
-    links = [Link(read, INFERRED, "the read of this read-modify-write", aside=True)]
+    links = [Link(read, run.record(read), INFERRED, "the read of this read-modify-write", aside=True)]
     f = None if flag is None else handed_back(record, int(run.table.value[read]), flag)
     if f is not None:
         module, register, _ = looked_at(record)
         assert register is not None
         seen = run.changed_before(record.where, module, register, f, read)
         if seen is not None:
-            links.append(Link(seen, INFERRED, f"{f.name} as that read saw it, and the write gave it back", True, read))
+            because = f"{f.name} as that read saw it, and the write gave it back"
+            links.append(Link(seen, run.record(seen), INFERRED, because, True, read))
     return links
 
 

@@ -17,8 +17,8 @@ from ..record_text import happened_where, number
 from ..register_maps import register_of
 from ..run import Rows, Run
 from ..subject import RecordedSignal, asked
-from .causes import Step, end_of_walk, holders, walk_back, wire_rows
-from .firmware_causes import RECORDED
+from .causes import end_of_walk, holders, walk_back, wire_rows
+from .firmware_causes import RECORDED, Link
 
 DEPTH = 8  # causes walked back
 EFFECTS = 5  # number of shown effects of a record
@@ -45,13 +45,13 @@ class Answer:
     tick: int
     value: int | None
     since: int
-    back: tuple[Step, ...]
+    back: tuple[Link, ...]
     pulled_by: tuple[str, ...]
     held_by: tuple[str, ...]
-    effects: tuple[Step, ...]
-    reader: Step | None
+    effects: tuple[Link, ...]
+    reader: Link | None
     reads: int
-    changed: Step | None
+    changed: Link | None
     ends: str = ""
 
 
@@ -112,7 +112,7 @@ def _reads(run: Run, subject: RecordedSignal, after: int, until: int | None) -> 
     return run.looking_at(rows[np.searchsorted(rows, after, "right") : end], subject.field)
 
 
-def _effects(run: Run, row: int | None) -> tuple[Step, ...]:
+def _effects(run: Run, row: int | None) -> tuple[Link, ...]:
     """Return the records that name this record as their cause."""
     if row is None:
         return ()
@@ -120,8 +120,8 @@ def _effects(run: Run, row: int | None) -> tuple[Step, ...]:
     return tuple(_step(run, int(effect)) for effect in rows)
 
 
-def _step(run: Run, row: int) -> Step:
-    return Step(row, run.record(row), RECORDED)
+def _step(run: Run, row: int) -> Link:
+    return Link(row, run.record(row), RECORDED)
 
 
 def text(answer: Answer) -> str:
@@ -170,7 +170,7 @@ def as_json(answer: Answer) -> dict[str, object]:
     }
 
 
-def said(run: Run, step: Step) -> str:
+def said(run: Run, step: Link) -> str:
     """Return a record as text, for a flag with the section of the manual that describes its register."""
     record = step.record
     words = happened_where(record)
@@ -233,7 +233,7 @@ def _forward(answer: Answer) -> list[str]:
     return [*lines, *paragraph(SKIPPED)] if field else lines
 
 
-def _entry(answer: Answer, step: Step) -> dict[str, object]:
+def _entry(answer: Answer, step: Link) -> dict[str, object]:
     record = step.record
     return {
         "record": record.number,

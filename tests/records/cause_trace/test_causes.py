@@ -8,7 +8,8 @@ from typing import Any
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.records.cause_trace.causes import Step, end_of_walk, walk_back
+from periph_sim.records.cause_trace.causes import end_of_walk, walk_back
+from periph_sim.records.cause_trace.firmware_causes import Link
 from periph_sim.records.cause_trace.why import as_json, text, why
 from periph_sim.records.races import races
 from periph_sim.records.record_text import happened
@@ -47,13 +48,13 @@ def irq(cycle: int, value: int, cause: int = 0) -> tuple[Any, ...]:
     return cycle, Kind.IRQ, "dsp", "SCIRXINTA", value, "sci:7" if value else "", cause
 
 
-def walk(*rows: tuple[Any, ...]) -> list[Step]:
+def walk(*rows: tuple[Any, ...]) -> list[Link]:
     """Back from the last row."""
     run = by_hand(*rows)
     return list(walk_back(run, len(rows) - 1, 8))
 
 
-def numbers(steps: list[Step]) -> list[str]:
+def numbers(steps: list[Link]) -> list[str]:
     """The records of a walk, those beside it in brackets."""
     return [f"({step.record.number})" if step.aside else str(step.record.number) for step in steps]
 

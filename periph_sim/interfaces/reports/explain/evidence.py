@@ -8,22 +8,22 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import islice, pairwise
 
 from ....core.records import Kind, Record
 from ....devices.targets import eeprom
-from ....records.cause_trace.causes import Step as CauseStep
-from ....records.cause_trace.causes import walk_back
+from ....f28335.i2c.descriptor import I2C_A
+from ....records.cause_trace.causes import holders, walk_back, wire_rows
+from ....records.cause_trace.firmware_causes import Link
 from ....records.record_text import BusByte, bus_byte, happened
-from ....records.run import Run
 from ....scene.case.model import Case
 from ....traces.capture.capture import Channel
-from ....traces.formats.record_table import Columns
 from .chain import Chain, FirmwarePlace, Part, Step, place_of
 from .cpu_activity import CODE, DOING, IN_FIRMWARE, Episode, Stretch, episodes, open_at, phrase, timeline, units
 from .window import Window
 
+I2C = I2C_A.name
 SMALL = Fraction(1, 100)  # waits that take a smaller share of an occurrence are left out
 LONG = Fraction(1, 10**6)  # in seconds; longer code without a name or an access is listed separately
 BACK = 16  # maximum number of causes that are followed back from an end
@@ -142,6 +142,28 @@ class Evidence:
         where = f"{self.unit}.{module}"
         return [r for r in self.window.between(begin, end, Kind.FLAG) if r.where == where and r.what in fields]
 
+    def last_change(self, tick: int, field: str, module: str = I2C) -> tuple[Record, Record] | None:
+        """Return the last change of a field up to a tick, and the access that made it in the same cycle.
+
+        The second record is the change itself if there is no such access. Return None if there was no change.
+        """
+        change = self.last(tick, Kind.FLAG, f"{self.unit}.{module}", field)
+        if change is None:
+            return None
+        cause = self.window.by_number.get(change.cause, change)
+        return change, cause if cause.kind is Kind.ACCESS and cause.tick == change.tick else change
+
+    def last_set(self, tick: int, field: str) -> Record | None:
+        """Return the change that set a field of the I2C module; None if the field is 0 at a tick."""
+        change = self.last(tick, Kind.FLAG, f"{self.unit}.{I2C}", field)
+        return change if change is not None and change.value else None
+
+    def last(self, tick: int, kind: Kind, where: str, what: str | None = None) -> Record | None:
+        """Return the last record of a kind, place and thing up to a tick, also before the window."""
+        run = self.window.run
+        row = run.last(run.rows(kind, where, what), tick)
+        return None if row is None else self.window.by_number[int(run.table.number[row])]
+
     # Bus --------------------------------------------------------------------------
 
     @cached_property
@@ -197,13 +219,10 @@ class Evidence:
 
         If the records do not name it, it is the addressed device, or else the unit.
         """
-        held = [
-            r
-            for r in self.window.all_records
-            if r.kind in (Kind.EDGE, Kind.HOLD) and r.where == "SCL" and r.tick <= tick
-        ]
-        names = max(held, key=in_time).text.split(", ") if held else []
-        named = [name.partition(".")[0] for name in names if name not in ("", "controller")]
+        run = self.window.run
+        row = run.last(wire_rows(run, "SCL"), tick)
+        names = () if row is None else holders(run, row, run.record(row))
+        named = [name.partition(".")[0] for name in names if name != "controller"]
         phase = self.phase_at(tick)
         return named[0] if named else self.unit if phase is None else self._devices.get(phase.address, self.unit)
 
@@ -216,7 +235,7 @@ class Evidence:
         table = self.case.controller
         if table is None:
             end = self.window.kept[-1].end
-            return min((rise - fall for fall, rise in self._lows if rise < end), default=0)
+            return min((rise - fall for fall, rise in self._scl_lows if rise < end), default=0)
         return self.window.timebase.ticks(table.low or Fraction(1, 2) / table.rate, "nearest")
 
     @property
@@ -229,24 +248,25 @@ class Evidence:
         """Return the stretches of SCL between two ticks: from the end of the controller's own low time to the rise."""
         return [
             (max(fall + self.low, begin), min(rise, end))
-            for fall, rise in self._lows
+            for fall, rise in self._scl_lows
             if fall + self.low < end and begin < rise and rise - fall > self.low > 0
         ]
 
-    @cached_property
-    def _lows(self) -> list[tuple[int, int]]:
-        """The low phases of SCL in the window as (fall, rise). The last one may end with the window."""
-        scl = self.channel("SCL")
-        if scl is None:
+    def _lows(self, wire: str) -> list[tuple[int, int]]:
+        """Return the low phases of a wire in the window as (fall, rise). The last one may end with the window."""
+        channel = self.channel(wire)
+        if channel is None:
             return []
-        moves = [*zip(scl.edges.tolist(), scl.levels.tolist(), strict=True), (self.window.kept[-1].end, 1)]
+        moves = [*zip(channel.edges.tolist(), channel.levels.tolist(), strict=True), (self.window.kept[-1].end, 1)]
         return [(fall, rise) for (fall, down), (rise, _) in pairwise(moves) if not down]
+
+    @cached_property
+    def _scl_lows(self) -> list[tuple[int, int]]:
+        return self._lows("SCL")
 
     def low_since(self, wire: str, tick: int) -> int | None:
         """Return the tick at which a wire fell that is low at a tick; None if it is high or does not exist."""
-        channel = self.channel(wire)
-        falls = [] if channel is None else channel.edges[channel.edges <= tick].tolist()
-        return falls[-1] if falls and channel is not None and not channel.initial ^ (len(falls) & 1) else None
+        return next((fall for fall, rise in self._lows(wire) if fall <= tick < rise), None)
 
     def channel(self, name: str) -> Channel | None:
         """Return the edges of a wire; None if the scene has no wire with this name."""
@@ -254,14 +274,14 @@ class Evidence:
 
     # Causes -----------------------------------------------------------------------
 
-    def walk(self, record: Record, depth: int = BACK) -> Iterator[tuple[Record, CauseStep]]:
+    def walk(self, record: Record, depth: int = BACK) -> Iterator[tuple[Record, Link]]:
         """Yield a record and its causes, going back in time, each with its link (see `records.cause_trace`).
 
         A link that is `aside` belongs to the effect before it and is not followed further.
         """
-        run, rows, kept = _run_of(self.window, self.case.name, tuple((n, u.modules) for n, u in self.case.unit.items()))
-        for step in walk_back(run, rows[record.number], depth):
-            yield kept[step.record.number], step
+        row = self.window.run.row_of(record.number)
+        for link in walk_back(self.window.run, row, depth) if row is not None else ():
+            yield self.window.by_number[link.record.number], link
 
     def causes(self, record: Record, since: int) -> list[Step]:
         """Return steps for the causes of a record.
@@ -338,23 +358,6 @@ class Evidence:
     def span(self, ticks: int) -> str:
         """Format a length in ticks."""
         return self.window.timebase.show(ticks)
-
-
-@lru_cache(maxsize=1)
-def _run_of(
-    window: Window, name: str, modules: tuple[tuple[str, tuple[str, ...]], ...]
-) -> tuple[Run, dict[int, int], dict[int, Record]]:
-    """Return the records of a window as a run, the row of each record by its number, and the records by number.
-
-    The records by number know the files of their places in the firmware; those in the table of the run do not.
-    """
-    columns = Columns()
-    kept = {one.number: one for one in window.all_records}
-    ordered = sorted(kept.values(), key=lambda r: r.number)
-    for one in ordered:
-        columns.add(one)
-    table = columns.table(Fraction(window.timebase.per_second), window.kept[-1].end, dict(modules))
-    return Run(table, name), {one.number: row for row, one in enumerate(ordered)}, kept
 
 
 def in_time(record: Record) -> tuple[int, int]:

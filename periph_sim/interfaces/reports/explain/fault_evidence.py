@@ -26,9 +26,8 @@ from ....scene.serial.content import content_of
 from ....timing.budget_schema import REPLY
 from .chain import Part, Step
 from .cpu_activity import phrase
-from .evidence import Evidence, RecordedPhase, in_time
+from .evidence import I2C, Evidence, RecordedPhase
 
-I2C = I2C_A.name
 ONES = 0xFF  # the byte that is read when no party drives SDA
 LETS_GO = "the module releases SDA"
 NEEDED = (  # fields that must be 1 for the module to answer, and the effect of 0
@@ -80,12 +79,13 @@ def missing_condition(evidence: Evidence, tick: int) -> list[Step]:
     for module, field, so in NEEDED:
         if module not in there:
             continue
-        last = last_change(evidence, field, tick, module)
+        last = evidence.last_change(tick, field, module)
         if last is None:
             return [evidence.say(tick, f"{field} = 0, so {so}: the firmware has never set it")]
-        if not last.value:
-            text = f"{last.what} cleared, so {so}, {evidence.span(tick - last.tick)} before"
-            return [evidence.step(maker(evidence, last) or last, text)]
+        change, made_by = last
+        if not change.value:
+            text = f"{change.what} cleared, so {so}, {evidence.span(tick - change.tick)} before"
+            return [evidence.step(made_by, text)]
     return []
 
 
@@ -114,17 +114,16 @@ def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step]
 
 def refusing(evidence: Evidence, tick: int) -> list[Step]:
     """Return a step for the write because of which a receiver does not acknowledge a byte at a tick."""
-    last = last_change(evidence, "I2CMDR.NACKMOD", tick)
-    if last is None or not last.value:
+    last = evidence.last_change(tick, "I2CMDR.NACKMOD")
+    if last is None or not last[0].value:
         return missing_condition(evidence, tick)
-    text = f"I2CMDR.NACKMOD set, so the module refuses the next byte, {evidence.span(tick - last.tick)} before"
-    return [evidence.step(maker(evidence, last) or last, text)]
+    text = f"I2CMDR.NACKMOD set, so the module refuses the next byte, {evidence.span(tick - last[0].tick)} before"
+    return [evidence.step(last[1], text)]
 
 
 def is_master(evidence: Evidence, tick: int) -> bool:
     """Return True if the unit's module is the master at a tick, so that another party sent a NACK."""
-    last = last_change(evidence, "I2CMDR.MST", tick)
-    return last is not None and last.value == 1
+    return evidence.last_set(tick, "I2CMDR.MST") is not None
 
 
 def stale(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
@@ -133,11 +132,11 @@ def stale(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
     for look_at in evidence.accesses(phase.begin, phase.end, "R", I2C, "I2CSTR"):
         if look_at.field not in WAITED:
             continue
-        rose = last_change(evidence, f"I2CSTR.{look_at.field}", look_at.tick)
+        rose = evidence.last_set(look_at.tick, f"I2CSTR.{look_at.field}")
         first = next(
             (p.begin for p in reversed(evidence.phases) if p.begin <= phase.begin and p.start == "START"), phase.begin
         )
-        if rose is not None and rose.value and rose.tick < first:
+        if rose is not None and rose.tick < first:
             early = evidence.span(first - rose.tick)
             text = f"the firmware sees I2CSTR.{look_at.field}, which rose {early} before this transfer began"
             steps.append(evidence.step(look_at, text))
@@ -146,17 +145,15 @@ def stale(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
 
 def unread(evidence: Evidence, tick: int) -> list[Step]:
     """Return steps for an unread byte in the receiver (RSFULL): when it was received, and the last read of I2CDRR."""
-    full = last_change(evidence, "I2CSTR.RSFULL", tick)
-    if full is None or not full.value:
+    full = evidence.last_set(tick, "I2CSTR.RSFULL")
+    if full is None:
         return []
     steps = [evidence.step(full, "I2CSTR.RSFULL set: a second byte is in, and I2CDRR is unread")]
-    reads = evidence.accesses(0, tick, "R", I2C, "I2CDRR")
-    if reads:
-        last = max(reads, key=lambda r: r.tick)
+    last = evidence.last(tick, Kind.ACCESS, evidence.unit, f"R {I2C}.I2CDRR")
+    if last is not None:
         return [evidence.step(last, f"I2CDRR read for the last time, {evidence.span(tick - last.tick)} before"), *steps]
-    waits = last_change(evidence, "I2CSTR.RRDY", tick)
-    never = "I2CDRR was not read since" if waits is not None and waits.value else "I2CDRR was not read"
-    return [*([evidence.step(waits, f"I2CSTR.RRDY set; {never}")] if waits is not None and waits.value else []), *steps]
+    waits = evidence.last_set(tick, "I2CSTR.RRDY")
+    return steps if waits is None else [evidence.step(waits, "I2CSTR.RRDY set; I2CDRR was not read since"), *steps]
 
 
 def waited_for(evidence: Evidence, tick: int) -> list[Step]:
@@ -167,34 +164,12 @@ def waited_for(evidence: Evidence, tick: int) -> list[Step]:
     steps = [evidence.step(wait, f"{phrase('wait', wait.what)} begins, and goes on")]
     for field in wait.what.split(" and "):
         module, _, what = field.partition(".")
-        last = last_change(evidence, what, tick, module)
+        last = evidence.last_change(tick, what, module)
         if last is not None:
-            by = maker(evidence, last)
-            steps.append(evidence.step(by or last, f"{happened(last)}{f' by {happened(by)}' if by else ''}"))
+            change, made_by = last
+            by = f" by {happened(made_by)}" if made_by is not change else ""
+            steps.append(evidence.step(made_by, f"{happened(change)}{by}"))
     return steps
-
-
-def last_change(evidence: Evidence, field: str, tick: int, module: str = I2C) -> Record | None:
-    """Return the last change of a field of one of the unit's modules up to a tick."""
-    where = f"{evidence.unit}.{module}"
-    found = [
-        r
-        for r in evidence.window.all_records
-        if r.kind is Kind.FLAG and (r.where, r.what) == (where, field) and r.tick <= tick
-    ]
-    return max(found, key=in_time, default=None)
-
-
-def maker(evidence: Evidence, change: Record) -> Record | None:
-    """Return the access that caused a change in the same cycle; None if there is none."""
-    return next(
-        (
-            r
-            for r in evidence.window.all_records
-            if r.number == change.cause and r.kind is Kind.ACCESS and r.tick == change.tick
-        ),
-        None,
-    )
 
 
 WORD = re.compile(r"0x[0-9a-f]{4}\b")  # a word address in a note

@@ -27,9 +27,8 @@ from ....timing.measures.factory import measure_named
 from ....timing.measures.measure import Measure
 from .chain import Part, Step
 from .cpu_activity import episodes
-from .evidence import Evidence, RecordedPhase, in_time
+from .evidence import I2C, Evidence, RecordedPhase, in_time
 from .fault_evidence import (
-    I2C,
     ONES,
     answering,
     bytes_of_device,

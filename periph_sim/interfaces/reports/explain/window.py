@@ -5,14 +5,13 @@
 
 Runs are deterministic, so the second run has the same occurrences. It ends after the last range. Only the records in
 the ranges are kept, and before each range the last record of each kind, place and thing, which are the state at its
-beginning. So memory does not grow with the length of the run.
+beginning. So memory does not grow with the length of the run. Edges of wires are kept from a little earlier on.
 """
 
 from __future__ import annotations
 
-from collections import deque
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
@@ -20,6 +19,7 @@ from pathlib import Path
 from ....core.records import RECORDED, Kind, Record, Recorder
 from ....core.time import Timebase
 from ....processor.user_code import output_muted
+from ....records.run import Run
 from ....scene.case.model import Case
 from ....scene.firmware_loader import Firmware
 from ....scene.scene import Scene
@@ -29,13 +29,13 @@ from ....timing.measures.registry import MEASURES
 from ....timing.verdict import Verdict
 from ....traces.capture.capture import Capture, Channel, Span, channel_of
 from ....traces.drawing.capture_lanes import bit_of
-from ....traces.formats.record_table import RecordTable
+from ....traces.formats.record_table import Columns, RecordTable
 
 AROUND = Fraction(5, 1000)  # seconds that are kept before and after an interval: a transfer, a frame of the host
 WIDE = Fraction(25, 1000)  # seconds that are kept before and after an instant: a period of rounds
 LATE = ("missed", "stuck")  # records whose instant is the end of a wait that is too long
 LONGEST = Fraction(1, 10)  # seconds that are kept at each end of a long occurrence
-LEAD = 4096  # number of edges of a wire that are kept before a range, so that a transfer in progress can be decoded
+LEAD = Fraction(25, 1000)  # seconds before a range in which edges are kept, so that a transfer in progress is decoded
 BITS = 18  # minimum extent of a picture in bits: two bytes with their ACKs
 BIT = Fraction(1, 100_000)  # length of a bit in seconds if there is no SCL
 
@@ -54,6 +54,7 @@ class Window:
         each range.
     start: the tick at which the run began, from which `verdict.at_s` counts.
     chain_texts: the texts of the steps of the explanation, if there is one. A picture shows the fields that they name.
+    modules: the modules of each unit.
     """
 
     verdict: Verdict
@@ -67,11 +68,25 @@ class Window:
     timebase: Timebase
     start: int
     chain_texts: tuple[str, ...] = ()
+    modules: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
 
     @cached_property
     def all_records(self) -> tuple[Record, ...]:
         """The last records before the first range, followed by those of the ranges."""
         return (*self.before, *self.records)
+
+    @cached_property
+    def by_number(self) -> dict[int, Record]:
+        """All records by number, in order of number. Their places in the firmware know their files."""
+        return {record.number: record for record in sorted(self.all_records, key=lambda r: r.number)}
+
+    @cached_property
+    def run(self) -> Run:
+        """The records as a recorded run, in which causes can be followed; places in it do not know their files."""
+        columns = Columns()
+        for record in self.by_number.values():
+            columns.add(record)
+        return Run(columns.table(Fraction(self.timebase.per_second), self.kept[-1].end, dict(self.modules)))
 
     @property
     def hole(self) -> Span | None:
@@ -111,7 +126,7 @@ def windows(
     scene = Scene(case, subscribe, programs)
     (keeper,) = keepers
     scene.advance(keeper.ends)
-    return keeper.windows(case.name, scene.wires)
+    return keeper.windows(case.name, scene.wires, {name: unit.modules for name, unit in case.unit.items()})
 
 
 def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict], start: int) -> list[Window]:
@@ -127,7 +142,7 @@ def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict],
     for record in table.records():
         keeper.add(record)
     wires = [*dict.fromkeys(table.texts("where", table.rows(Kind.EDGE)))]
-    return keeper.windows(case, wires)
+    return keeper.windows(case, wires, table.modules)
 
 
 def windows_of_edges(edges: Capture, timebase: Timebase, verdicts: Iterable[Verdict], start: int) -> list[Window]:
@@ -138,7 +153,7 @@ def windows_of_edges(edges: Capture, timebase: Timebase, verdicts: Iterable[Verd
     ]
     for number, (at, name, to) in enumerate(sorted(moves), 1):
         keeper.add(Record(number, at, Kind.EDGE, name, "level", to, "", 0))
-    return keeper.windows(str(edges.path), [channel.name for channel in edges.channels])
+    return keeper.windows(str(edges.path), [channel.name for channel in edges.channels], {})
 
 
 @dataclass(frozen=True)
@@ -151,14 +166,6 @@ class _Wanted:
     kept: tuple[Span, ...]
 
 
-@dataclass(frozen=True)
-class _State:
-    """The state at the beginning of a range: the last records, and the last edges of each wire."""
-
-    last: dict[object, Record]
-    edges: dict[str, tuple[Record, ...]]
-
-
 class _Keeper:
     """Receiver of all records of a run in order of creation. It keeps the records around some occurrences."""
 
@@ -168,10 +175,11 @@ class _Keeper:
         self._wanted = [self._want(verdict, verdict.at_s) for verdict in verdicts if verdict.at_s is not None]
         self._ranges = _merged([span for one in self._wanted for span in one.kept])
         self._records: list[list[Record]] = [[] for _ in self._ranges]
-        self._states: list[_State] = []
+        self._edges: list[Record] = []  # of all ranges, and of the time shortly before each
+        self._before: list[dict[object, Record]] = []  # for each range that has begun, the last records before it
         self._place = 0  # index of the current or next range
         self._seen: dict[object, Record] = {}
-        self._lead: dict[str, deque[Record]] = {}
+        self._lead = timebase.ticks(LEAD, "nearest")
 
     @property
     def ends(self) -> int:
@@ -202,42 +210,41 @@ class _Keeper:
             self._enter()
             self._place += 1
         if self._place < len(self._ranges):
-            if tick >= self._ranges[self._place].begin:
+            begin = self._ranges[self._place].begin
+            if tick >= begin:
                 self._enter()
                 self._records[self._place].append(record)
-            elif len(self._states) > self._place:  # a record from before the range that comes late
-                self._states[self._place].last[record[2:5]] = record
+            elif len(self._before) > self._place:  # a record from before the range that comes late
+                self._before[self._place][record[2:5]] = record
+            if record.kind is Kind.EDGE and tick >= begin - self._lead:
+                self._edges.append(record)
         self._seen[record[2:5]] = record
-        if record.kind is Kind.EDGE:
-            lead = self._lead.get(record.where)
-            if lead is None:
-                lead = self._lead[record.where] = deque(maxlen=LEAD)
-            lead.append(record)
 
     def _enter(self) -> None:
         """Store the state at the beginning of a range, unless it has been stored."""
-        if len(self._states) == self._place:
-            edges = {wire: tuple(lead) for wire, lead in self._lead.items()}
-            self._states.append(_State(dict(self._seen), edges))
+        if len(self._before) == self._place:
+            self._before.append(dict(self._seen))
 
-    def windows(self, name: str, wires: Iterable[str]) -> list[Window]:
+    def windows(self, name: str, wires: Iterable[str], modules: Mapping[str, tuple[str, ...]]) -> list[Window]:
         while self._place < len(self._ranges):  # the remaining ranges have no records
             self._enter()
             self._place += 1
         names = list(wires)
-        return [_with_stretch(self._window(one, name, names)) for one in self._wanted]
+        return [_with_stretch(self._window(one, name, names, modules)) for one in self._wanted]
 
-    def _window(self, one: _Wanted, name: str, wires: list[str]) -> Window:
+    def _window(self, one: _Wanted, name: str, wires: list[str], modules: Mapping[str, tuple[str, ...]]) -> Window:
         places = [_place(self._ranges, span) for span in one.kept]
         records: list[Record] = []
         for place, span in zip(places, one.kept, strict=True):
             records += [r for r in self._records[place] if span.begin <= r.tick < span.end]
         records.sort(key=lambda r: r.tick)
-        last = dict(self._states[places[0]].last)
+        last = dict(self._before[places[0]])
         for record in self._records[places[0]]:
             if record.tick < one.kept[0].begin:
                 last[record[2:5]] = record
-        edges = self._edges(one, places, name, wires)
+        channels = tuple(self._channel(wire, i, one, places) for i, wire in enumerate(wires))
+        per_second = Fraction(self._timebase.per_second)
+        edges = Capture(Path(name), per_second, one.kept[-1].end, channels, sampled=False)
         return Window(
             verdict=one.verdict,
             begin=one.begin,
@@ -249,6 +256,7 @@ class _Keeper:
             edges=edges,
             timebase=self._timebase,
             start=self._start,
+            modules=modules,
         )
 
     def _drawn(self, one: _Wanted, bit: int) -> Span:
@@ -266,32 +274,19 @@ class _Keeper:
         last = min(max(end + room, first + least), latest)
         return Span(max(min(first, last - least), earliest), last + 1)
 
-    def _edges(self, one: _Wanted, places: list[int], name: str, wires: list[str]) -> Capture:
-        length = one.kept[-1].end
-        known = [self._lead_of(place) for place in places]
-        channels = tuple(self._channel(wire, i, one, places, known, length) for i, wire in enumerate(wires))
-        return Capture(Path(name), Fraction(self._timebase.per_second), length, channels, sampled=False)
-
-    def _lead_of(self, place: int) -> int:
-        """Return the tick from which all edges before a range are available."""
-        full = [lead[0].tick for lead in self._states[place].edges.values() if len(lead) == LEAD]
-        return max(full, default=self._start)
-
-    def _channel(
-        self, wire: str, index: int, one: _Wanted, places: list[int], known: list[int], length: int
-    ) -> Channel:
+    def _channel(self, wire: str, index: int, one: _Wanted, places: list[int]) -> Channel:
+        """Return the edges of a wire. They are unknown between two ranges, except shortly before the second one."""
         states: dict[int, int | None] = {}
-        for place, span, since in zip(places, one.kept, known, strict=True):
-            earlier = max(states, default=-1)
-            edges = [*self._states[place].edges.get(wire, ()), *_edges_of(self._records[place], wire)]
-            # Otherwise the edges before this range reach back to the range before.
-            if since > earlier + 1 or not states:
-                if states:
-                    states[one.kept[0].end] = None
-                before = [r for r in edges if r.tick <= since]
-                states[since] = before[-1].value if before else (edges[0].value ^ 1 if edges else 1)
-            states |= {r.tick: r.value for r in edges if max(since, earlier) < r.tick < span.end}
-        return channel_of(wire, index, states.keys(), states.values(), length)
+        over = one.kept[0].end
+        for place, span in zip(places, one.kept, strict=True):
+            since = max(self._ranges[place].begin - self._lead, self._start)
+            near = [r for r in self._edges if r.where == wire and since < r.tick < self._ranges[place].end]
+            if not states or since > over:
+                last = self._before[place].get((Kind.EDGE, wire, "level"))
+                states |= {over: None} if states else {}
+                states[since] = near[0].value ^ 1 if near else 1 if last is None else last.value
+            states |= {r.tick: r.value for r in near if r.tick < span.end}
+        return channel_of(wire, index, states.keys(), states.values(), one.kept[-1].end)
 
 
 def event_of(verdict: Verdict) -> Event | None:
@@ -309,10 +304,6 @@ def is_late(verdict: Verdict) -> bool:
 def _is_length(verdict: Verdict) -> bool:
     """Return True if the value is the length of the occurrence, which then is an interval."""
     return verdict.unit == "us" and not verdict.measure.startswith(("jitter of", "time in"))
-
-
-def _edges_of(records: Iterable[Record], wire: str) -> list[Record]:
-    return [r for r in records if r.kind is Kind.EDGE and r.where == wire]
 
 
 def _merged(spans: list[Span]) -> list[Span]:

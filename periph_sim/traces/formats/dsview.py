@@ -1,6 +1,6 @@
 """Reader of DSView sessions, `.dsl`: zip archives with a file for each block of a channel, one bit per sample.
 
-    L-<channel>/0, /1, ... --> words of 64 samples --> words that contain or begin with a change --> edges
+    L-<channel>/0, /1, ... --> a byte per sample --> edges
 
 Chosen: a probe without blocks was not captured. If channels are off, DSView numbers the probes of the header and the
 folders of the blocks differently. So if the number of a probe has no folder, probes and folders are matched in order.
@@ -12,7 +12,6 @@ Source: the demo captures that come with DSView (header versions 2 and 3): INI t
 from __future__ import annotations
 
 import re
-from array import array
 from fractions import Fraction
 from pathlib import Path
 from typing import NamedTuple
@@ -21,14 +20,14 @@ import numpy as np
 
 from ..capture import size_limits as limits
 from ..capture.capture import BadCapture, Capture, Channel, Span
-from .packed_samples import BLOCK
+from .packed_samples import Scan
 from .zip_member import Archive, Damage, ini_keys, samplerate_of
 
 NAME = "DSView session (.dsl)"
 SUFFIXES = (".dsl",)
 
 WHAT = "DSView session"
-WORD = 8  # number of bytes of a word, which contains 64 samples
+BLOCK = 1 << 16  # number of bytes that are unpacked at once; each has eight samples
 SALVAGE = "copy or save it again, or read the intact part with --salvage"
 
 
@@ -55,9 +54,9 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
     length = min(length, there)
     if not length:
         raise BadCapture(path, "its blocks", "no samples", "logic samples", "capture again")
-    channels = tuple(scan.channel(probes[probe], probe, length) for probe, scan in scans.items())
+    channels = tuple(_channel(probes[probe], probe, scan, length) for probe, scan in scans.items())
     if sum(len(channel.edges) for channel in channels) > limits.MOST_EDGES:
-        raise _too_many(path, "its blocks")
+        raise BadCapture(path, "its blocks", f"over {limits.MOST_EDGES} edges", "fewer", "cut the capture")
     return Capture(path, rate, length, channels, notes=tuple(notes))
 
 
@@ -69,85 +68,32 @@ class Folder(NamedTuple):
     size: int
 
 
-class Bits:
-    """Decoder of the blocks of packed samples of one channel. length: the number of samples so far."""
-
-    def __init__(self) -> None:
-        self.length = 0
-        self._rest = b""  # the bytes of an incomplete word at the end of the last block
-        self._first = 0
-        self._last = 0
-        self._edges = array("q")
-
-    def feed(self, block: bytes) -> None:
-        """Read a block of any size."""
-        if self.length == 0 and block:
-            self._first = self._last = block[0] & 1
-        self.length += 8 * len(block)
-        block = self._rest + block if self._rest else block
-        whole = len(block) - len(block) % WORD
-        self._rest = block[whole:]
-        if whole:
-            self._compare(block[:whole], 8 * len(self._rest))
-
-    def mark(self) -> tuple[int, bytes, int, int]:
-        """Return the present state, to which `back` can return."""
-        return self.length, self._rest, self._last, len(self._edges)
-
-    def back(self, mark: tuple[int, bytes, int, int]) -> None:
-        """Discard all blocks that were read after the mark."""
-        self.length, self._rest, self._last, edges = mark
-        del self._edges[edges:]
-
-    def channel(self, name: str, index: int, length: int) -> Channel:
-        """Return the line up to `length`; it is unknown after the last sample. No block may be fed afterwards."""
-        known = min(self.length, length)
-        if self._rest:
-            self._compare(self._rest.ljust(WORD, b"\0"), 8 * (len(self._rest) - WORD))
-            self._rest = b""
-        edges = np.frombuffer(self._edges, np.int64)
-        unknown = (Span(known, length),) if known < length else ()
-        return Channel(name, index, self._first, edges[: np.searchsorted(edges, known)], unknown)
-
-    def __len__(self) -> int:
-        return len(self._edges)
-
-    def _compare(self, block: bytes, behind: int) -> None:
-        """Find the edges in whole words, the last of which ends `behind` samples before `length`."""
-        words = np.frombuffer(block, "<u8")
-        before = words << np.uint64(1)
-        before[1:] |= words[:-1] >> np.uint64(63)
-        before[0] |= np.uint64(self._last)
-        flips = words ^ before
-        busy = np.flatnonzero(flips != 0)
-        if len(busy):
-            bits = np.unpackbits(flips[busy].astype("<u8").view(np.uint8), bitorder="little").view(np.bool_)
-            at = np.flatnonzero(bits)
-            start = self.length - behind - 8 * len(block)
-            self._edges.frombytes(((busy[at >> 6] << 6) + (at & 63) + start).tobytes())
-        self._last = int(words[-1]) >> 63
-
-
-def _scanned(archive: Archive, folder: Folder, salvage: bool, notes: list[str]) -> Bits:
-    bits = Bits()
+def _scanned(archive: Archive, folder: Folder, salvage: bool, notes: list[str]) -> Scan:
+    scan = Scan(archive.path, 1, {0: ""})
     for block in range(folder.blocks):
-        name = f"L-{folder.number}/{block}"
-        before = bits.mark()
+        member = f"L-{folder.number}/{block}"
+        before = scan.mark()
         try:
-            if name not in archive.members:
-                raise Damage(name, "nothing")
-            for content in archive.blocks(name, BLOCK):
-                bits.feed(content)
-                if len(bits) > limits.MOST_EDGES:
-                    raise _too_many(archive.path, name)
+            if member not in archive.members:
+                raise Damage(member, "nothing")
+            for content in archive.blocks(member, BLOCK):
+                scan.feed(np.unpackbits(np.frombuffer(content, np.uint8), bitorder="little").tobytes())
         except Damage as damage:
             if not salvage:
-                raise BadCapture(archive.path, name, damage.found, f"a whole {WHAT}", SALVAGE) from None
+                raise BadCapture(archive.path, member, damage.found, f"a whole {WHAT}", SALVAGE) from None
             if not damage.cut:
-                bits.back(before)
-            notes.append(f"{name} holds {damage.found}: its channel is dropped from sample {bits.length} on")
+                scan.back(before)
+            notes.append(f"{member} holds {damage.found}: its channel is dropped from sample {scan.length} on")
             break
-    return bits
+    return scan
+
+
+def _channel(name: str, probe: int, scan: Scan, length: int) -> Channel:
+    """Return the channel of a scan up to `length`. It is unknown after its last sample."""
+    (found,) = scan.channels()
+    known = min(scan.length, length)
+    unknown = (Span(known, length),) if known < length else ()
+    return Channel(name, probe, found.initial, found.edges[: np.searchsorted(found.edges, known)], unknown)
 
 
 def _folders(path: Path, archive: Archive, probes: dict[int, str], keys: dict[str, str]) -> dict[int, Folder]:
@@ -184,7 +130,3 @@ def _header(path: Path, text: str) -> dict[str, str]:
     if keys.get("device mode", "0") != "0":
         raise BadCapture(path, "header, device mode", keys["device mode"][:20], "0, logic", "capture logic channels")
     return keys
-
-
-def _too_many(path: Path, place: str) -> BadCapture:
-    return BadCapture(path, place, f"over {limits.MOST_EDGES} edges", "fewer", "cut the capture")

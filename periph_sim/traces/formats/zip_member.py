@@ -15,6 +15,7 @@ import zipfile
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
+from mmap import ACCESS_READ, mmap
 from pathlib import Path
 from types import TracebackType
 from typing import Self, cast
@@ -27,9 +28,9 @@ from ..capture.size_limits import MOST_DIRECTORY, MOST_METADATA
 STORED, DEFLATED = 0, 8
 ENCRYPTED, SIZES_BEHIND = 1 << 0, 1 << 3  # flag bits of a header; SIZES_BEHIND: the sizes follow the data
 LOCAL = struct.Struct("<4s5H3I2H")
-LOCAL_MARK, BEHIND_MARK, END_MARK = b"PK\3\4", b"PK\7\x08", b"PK\5\6"
+LOCAL_MARK, END_MARK = b"PK\3\4", b"PK\5\6"
 END_REACH = 22 + 65535  # maximum length of the end record and the comment after it
-ZIP64 = 1  # tag of the extra field with 64-bit sizes
+WIDE = 0xFFFFFFFF  # a size of 64 bits, which is elsewhere
 PIECE = 1 << 16  # number of packed bytes that are read at once
 # The cast is needed since the stub declares this class as an instance.
 BrokenStream = cast(type[Exception], zlib_ng.error)
@@ -48,7 +49,7 @@ class Damage(ValueError):
 
 @dataclass(frozen=True)
 class Member:
-    """One packed file of an archive. size, crc: None if a truncated archive does not state them."""
+    """One packed file of an archive. size, crc: None if the header does not state them."""
 
     name: str
     at: int  # place of its data, counted from the beginning of the archive
@@ -92,14 +93,18 @@ class Archive:
         """
         if name not in self.members:
             raise BadCapture(self.path, "the archive", f"no member {name!r}", f"a {self.what}", "save it again")
-        size = self.members[name].size
-        if size is None or size > MOST_METADATA:
-            found = f"{size} bytes" if size else "a member that was cut"
-            raise BadCapture(self.path, name, found, f"at most {MOST_METADATA}", "save it again")
+        size = self.members[name].size or 0
+        blocks = self.blocks(name, MOST_METADATA)
+        content = b""
         try:
-            return b"".join(self.blocks(name, MOST_METADATA)).decode("utf-8", "replace")
+            while size <= MOST_METADATA and (block := next(blocks, b"")):
+                content += block
+                size = max(size, len(content))
         except Damage as damage:
             raise BadCapture(self.path, name, damage.found, f"a whole {self.what}", "copy or save it again") from None
+        if size > MOST_METADATA:
+            raise BadCapture(self.path, name, f"{size} bytes", f"at most {MOST_METADATA}", "save it again")
+        return content.decode("utf-8", "replace")
 
     def blocks(self, name: str, most: int) -> Iterator[bytes]:
         """Yield the unpacked bytes of a member in blocks of at most `most` bytes. Raise Damage at an invalid place."""
@@ -157,7 +162,7 @@ class Archive:
             found = f"a broken zip ({str(error) or type(error).__name__})"
             if salvage and self._starts_as_zip():
                 self.notes.append(f"the archive is {found}: its members were searched one by one")
-                return self._met()
+                return self._searched()
             way_out = "copy or save it again"
             if self._starts_as_zip():
                 way_out += ", or read the intact part with --salvage"
@@ -185,75 +190,39 @@ class Archive:
         if len(head) < LOCAL.size or head[:4] != LOCAL_MARK:
             raise zipfile.BadZipFile(f"no member at byte {info.header_offset}")
         *_, name, extra = LOCAL.unpack(head)
-        self._check_kind(info.filename, info.flag_bits, info.compress_type)
+        if refused := self._kind_refused(info.filename, info.flag_bits, info.compress_type):
+            raise zipfile.BadZipFile(refused)
         at = info.header_offset + LOCAL.size + name + extra
         return Member(info.filename, at, info.compress_size, info.compress_type, info.file_size, info.CRC)
 
-    def _check_kind(self, name: str, flags: int, method: int) -> None:
+    def _kind_refused(self, name: str, flags: int, method: int) -> str:
+        """Return why a member cannot be unpacked; "" if it can."""
         if flags & ENCRYPTED:
-            raise zipfile.BadZipFile(f"member {name!r} is encrypted")
-        if method not in (STORED, DEFLATED):
-            raise zipfile.BadZipFile(f"member {name!r} is packed by method {method}, not by deflate")
+            return f"member {name!r} is encrypted"
+        return "" if method in (STORED, DEFLATED) else f"member {name!r} is packed by method {method}, not by deflate"
 
-    def _met(self) -> dict[str, Member]:
-        """Return the members that are found by following local headers, up to the first invalid one."""
-        end = self._file.seek(0, 2)
-        found: dict[str, Member] = {}
-        at = 0
-        while at + LOCAL.size <= end:
-            self._file.seek(at)
-            head = self._file.read(LOCAL.size)
-            mark, _, flags, method, _, _, crc, packed, size, name_size, extra_size = LOCAL.unpack(head)
-            behind = self._file.read(name_size + extra_size)
-            if mark != LOCAL_MARK or len(behind) < name_size + extra_size:
-                break
-            name, extra = behind[:name_size].decode("utf-8", "replace"), behind[name_size:]
-            try:
-                self._check_kind(name, flags, method)
-            except zipfile.BadZipFile:
-                break
-            at += LOCAL.size + name_size + extra_size
-            if flags & SIZES_BEHIND and method == DEFLATED:
-                member, at = self._measured(name, at, end)
-            else:
-                size, packed = _wide(extra, size, packed)
-                member = Member(name, at, min(packed, end - at), method, size, crc)
-                at += packed
-            found.setdefault(name, member)
-        return found
+    def _searched(self) -> dict[str, Member]:
+        """Return the members that are found by following local headers, up to the first invalid one.
 
-    def _measured(self, name: str, at: int, end: int) -> tuple[Member, int]:
-        """Return a member whose sizes follow its data, and the place of the next member.
-
-        The member is unpacked to find its end.
+        If the sizes of a member follow its data, its data may extend up to the end of the file, and the next header is
+        searched.
         """
-        inflate = zlib_ng.decompressobj(-15)
-        self._file.seek(at)
-        packed = size = 0
-        while not inflate.eof and (piece := inflate.unconsumed_tail or self._file.read(PIECE)):
-            if not inflate.unconsumed_tail:
-                packed += len(piece)
-            try:
-                size += len(inflate.decompress(piece, PIECE))
-            except BrokenStream:
-                return Member(name, at, end - at, DEFLATED, None, None), end
-        if not inflate.eof:
-            return Member(name, at, end - at, DEFLATED, None, None), end
-        packed -= len(inflate.unused_data)
-        self._file.seek(at + packed)
-        behind = self._file.read(24)
-        if behind.startswith(BEHIND_MARK):
-            behind = behind[4:]
-            extra = 4
-        else:
-            extra = 0
-        crc = struct.unpack("<I", behind[:4])[0] if len(behind) >= 4 else None
-        narrow = at + packed + extra + 12
-        self._file.seek(narrow)
-        follows = self._file.read(4)
-        # Otherwise the sizes have 64 bits.
-        following = narrow if follows.startswith(b"PK") or not follows else narrow + 8
-        return Member(name, at, packed, DEFLATED, size, crc), following
+        found: dict[str, Member] = {}
+        with mmap(self._file.fileno(), 0, access=ACCESS_READ) as data:
+            end, at = len(data), 0
+            while data[at : at + 4] == LOCAL_MARK and at + LOCAL.size <= end:
+                _, _, flags, method, _, _, crc, packed, size, name_size, extra_size = LOCAL.unpack_from(data, at)
+                name = data[at + LOCAL.size : at + LOCAL.size + name_size].decode("utf-8", "replace")
+                at += LOCAL.size + name_size + extra_size
+                if at > end or self._kind_refused(name, flags, method):
+                    break
+                if method == DEFLATED and (flags & SIZES_BEHIND or packed == WIDE):
+                    found.setdefault(name, Member(name, at, end - at, method, None, None))
+                    at = data.find(LOCAL_MARK, at)  # -1, where no mark is, if there is no other member
+                else:
+                    found.setdefault(name, Member(name, at, min(packed, end - at), method, size, crc))
+                    at += packed
+        return found
 
 
 def ini_keys(text: str, section: str) -> dict[str, str]:
@@ -283,14 +252,3 @@ def samplerate_of(path: Path, place: str, text: str | None, rate: Fraction | Non
     if not stated:
         notes.append("the file states no samplerate, so positions have no time")
     return stated or None
-
-
-def _wide(extra: bytes, size: int, packed: int) -> tuple[int, int]:
-    """Return both sizes of a member, from the extra field if they exceed the 32 bits of the header."""
-    place = 0
-    while place + 4 <= len(extra):
-        tag, length = struct.unpack_from("<HH", extra, place)
-        if tag == ZIP64 and size == packed == 0xFFFFFFFF and length >= 16 and place + 20 <= len(extra):
-            size, packed = struct.unpack_from("<QQ", extra, place + 4)
-        place += 4 + length
-    return size, packed

@@ -30,10 +30,11 @@ class BusSide:
 
     asked: the requests of the master; None if they are not known.
     spike: the length of ignored pulses, in ticks.
-    before: called with each transfer before other subscribers.
-
-    monitor: of the wires; None before the first call of `rounds`, and without a bus.
-    wire_bytes, nacked: of the transfers that were counted. bit_skip: None if no bits are skipped.
+    before: callbacks that receive each transfer before other subscribers.
+    monitor: the monitor of the wires; None before the first use of `rounds`, and without a bus.
+    wire_bytes: number of bytes of the counted transfers.
+    nacked: number of counted transfers that were refused.
+    bit_skip: the shortcut that skips bits on this bus; None if no bits are skipped.
     """
 
     def __init__(self, case: Case, wires: Mapping[str, Wire], spike: int) -> None:
@@ -49,7 +50,7 @@ class BusSide:
 
     @property
     def rounds(self) -> BusRounds:
-        """The rounds; they are followed from the first call on."""
+        """The rounds on the bus. The first use creates the monitor, so earlier transfers are not seen."""
         if self._rounds is None:
             self._rounds = BusRounds(self.asked, self._begun_at)
             if "SCL" in self._wires:
@@ -70,7 +71,7 @@ class BusSide:
         self.count_nacked(transfer)
 
     def count_nacked(self, transfer: Transfer) -> None:
-        """Add a transfer to the count of refused ones, unless it only asks whether a device is ready."""
+        """Count a transfer that was refused, unless it only polls whether a device is ready."""
         first = transfer.phases[0]
         polls = self.asked is not None and self.asked.ack_polling and not first.read and not first.data
         self.nacked += not transfer.acked and not polls

@@ -28,9 +28,9 @@ class CaseTicks(Struct, frozen=True):
         return is_on(name, self.case.disable)
 
     def ticks(self, length: Fraction, ppm: Fraction = Fraction(0)) -> int:
-        """Return a length in seconds, counted by a clock that is off by `ppm`, in ticks to the nearest.
+        """Return the nearest number of ticks of a length in seconds that is counted by a clock that is off by `ppm`.
 
-        BadCase, with its line, if it is too long for the ticks of this scene.
+        Raise BadCase, with its line, if it is too long for the ticks of this scene.
         """
         count, parts = self._ticks(length, ppm)
         return self._fitting((2 * count + parts) // (2 * parts), length)
@@ -46,12 +46,12 @@ class CaseTicks(Struct, frozen=True):
             return self.timebase.fitting(ticks)
         except TimeError as error:
             place = next(_places(self.case, length), None)
-            if place is None:  # no single time of the case has this length: it is a sum
+            if place is None:  # the length is a sum, not one time of the case
                 raise
             raise self.case.mistake(str(error), *place) from None
 
     def _ticks(self, length: Fraction, ppm: Fraction) -> tuple[int, int]:
-        """Return the same length as a number of parts of a tick, and the number of parts in a tick."""
+        """Return the same length as (number of parts of a tick, number of parts in a tick)."""
         clock = 1_000_000 * ppm.denominator
         return length.numerator * self.timebase.per_second * clock, length.denominator * (clock + ppm.numerator)
 
@@ -86,7 +86,7 @@ def _places(table: object, length: Fraction) -> Iterator[tuple[str | int, ...]]:
 
 
 class SceneWires(dict[str, Wire]):
-    """The wires of a scene by name. Each is made at its first use, so that a scene has none that it does not need."""
+    """The wires of a scene by name. Each is made at its first use, so a scene has only the wires that it needs."""
 
     def __init__(self, kernel: Kernel, recorder: Recorder) -> None:
         self._kernel = kernel

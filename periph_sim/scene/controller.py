@@ -1,9 +1,9 @@
 """The I2C controller of a case: the sensor head on SCL and SDA that [controller] describes, and its requests.
 
-    Case --head_plan--> HeadPlan, of all scenes of the case --build_head--> SensorHead, of one scene
+    Case --head_plan--> HeadPlan, shared by all scenes of the case --build_head--> SensorHead of one scene
 
-All its times are counted by its own clock, `ppm` off. Rounds keep to that clock however long the run; of a phase of SCL
-the nearest tick is taken.
+All its times are counted by its own clock, which is off by `ppm`. Rounds do not drift from that clock, however long the
+run is; the length of each phase of SCL is rounded to the nearest tick.
 """
 
 from __future__ import annotations
@@ -37,10 +37,10 @@ if TYPE_CHECKING:
 class HeadPlan(Struct, frozen=True):
     """Requests of a [controller] and their schedule.
 
-    requests: those of each round.
-    startup: requests before the first round.
-    asked: the transfers that are to be seen on the bus.
-    stuck_after, clear_after: ticks.
+    requests: the requests of each round.
+    startup: the requests before the first round.
+    asked: the transfers that these requests make on the bus, and their schedule.
+    stuck_after, clear_after: times in ticks; see `I2cController`.
     """
 
     requests: tuple[Request, ...]
@@ -62,12 +62,12 @@ def _agent_of(context: SceneContext) -> type[I2cController]:
 
 
 def skips_bits(context: SceneContext) -> bool:
-    """Return True if bits of I2C bytes are skipped: that optimization is on, and no edge of the bus is recorded."""
+    """Return True if bits of I2C bytes are skipped: the optimization is on, and edges of the bus are not recorded."""
     return context.optimizes(BITS) and not (context.wire("SCL").recorded or context.wire("SDA").recorded)
 
 
 def head_plan(scale: CaseTicks) -> HeadPlan:
-    """Return the plan of a case's [controller]. BadCase, with its line, for requests that cannot be made."""
+    """Return the plan of a case's [controller]. Raise BadCase, with its line, for requests that cannot be made."""
     table = scale.case.controller
     assert table is not None
     requests = _requests(scale.case, table, "controller")
@@ -129,7 +129,7 @@ def build_head(
 
 
 def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:
-    """Return the requests of a master that is no agent: [rounds]. BadCase, with its line, for impossible requests."""
+    """Return the requests in [rounds], of a master that is no agent. Raise BadCase, with its line, for a wrong one."""
     requests = _requests(context.case, table, "rounds")
     transfers = _transfers(requests, table.pointer_by == "STOP")
     period = context.exact_ticks(table.period, Fraction(0))
@@ -161,7 +161,7 @@ def _transfers(requests: list[Request], by_stop: bool) -> tuple[Transfer, ...]:
 
 
 def _sensors(case: Case, table: Controller | RoundsTable) -> Mapping[str, ChipData]:
-    """Return the known sensors, with those that the table names."""
+    """Return the known sensors, including those of plugins that the table names."""
     names = [*table.order, *(request.chip for request in table.request if request.chip is not None)]
     return sensors_of(case, names)
 
@@ -200,7 +200,9 @@ def bit_skip_of(context: SceneContext, controller: I2cController | None, units: 
     bit_skip = BitSkip(context.kernel, context.wire("SCL"), context.wire("SDA"), controller, modules)
     for dsp in units.values():
         if MODULE in dsp.sockets:
-            from ..processor.i2c_bit_skip import party_of  # a scene without the module does not import it
+            from ..processor.i2c_bit_skip import (
+                party_of,
+            )  # imported here, so that scenes without an I2C module do not need it
 
             socket = dsp.socket(MODULE)
             modules[socket] = party_of(socket, dsp.clock, bit_skip, clocks=controller is None)

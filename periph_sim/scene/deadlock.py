@@ -1,15 +1,14 @@
 """Detection of firmware that waits for an event that cannot occur, with the reason.
 
-    registers that the wait reads <-- their modules, if they have a clock: what they have due by themselves,
-                                      and wires, moved by other parties
-                                  <-- service routines, if interrupts are on: then each module counts whose interrupt
-                                      IER and PIEIER enable
-    registers that nothing models <-- nothing
-    memory that the wait reads    <-- service routines
-    IDLE                          <-- modules whose interrupts IER and PIEIER enable
+    the wait depends on            which can be changed by
+    registers of modules           the module, if it has a clock: by its own due events, or by wires that others move;
+                                   service routines, if interrupts are on: all modules whose interrupts are enabled
+    registers that nothing models  nothing
+    memory                         service routines
+    IDLE                           modules whose interrupts IER and PIEIER enable
 
-An agent whose schedule is over could have continued, and so could firmware that has ended: a unit that waits for them
-is idle, not stuck. Units that wait only for each other are stuck.
+A unit that waits for an agent whose schedule is over, or for firmware that has ended, is idle, not stuck, because a
+longer schedule could have ended the wait. Units that wait only for each other are stuck.
 """
 
 from __future__ import annotations
@@ -33,9 +32,9 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 
-OFF = ("IER = 0", "INTM = 1")  # indexed by INTM
+OFF = ("IER = 0", "INTM = 1")  # reason why interrupts are off, indexed by INTM
 ENABLE = "enable interrupts before the wait (CLRC INTM, bits of IER)"
-RESTARTED = 2  # watchdog periods in a wait after which a restart by the waiting code itself has no effect any more
+RESTARTED = 2  # number of watchdog periods in a wait that show that a service routine restarts the watchdog
 
 
 def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]) -> str:
@@ -117,7 +116,7 @@ def watchdog_runs(dsp: Dsp) -> bool:
 def watchdog_ends(dsp: Dsp, since: int) -> bool:
     """Return True if the watchdog may end a wait that began at this cycle.
 
-    If it could have overflowed RESTARTED times during the wait, a service routine services it again and again.
+    It cannot if the wait has lasted for RESTARTED watchdog periods: then a service routine restarts it regularly.
     """
     return watchdog_runs(dsp) and dsp.control.watchdog_rounds(since, _now(dsp)) < RESTARTED
 
@@ -131,7 +130,7 @@ def takes_interrupts(dsp: Dsp) -> bool:
 
 
 def refused(dsp: Dsp, instant: Callable[[int], str]) -> str:
-    """Return since when and why I2CSTR.NACK is set, as a clause; empty if it is not. It ended the transfer."""
+    """Return since when and why I2CSTR.NACK is set, as a clause; empty if it is not set. A NACK ends a transfer."""
     state = cast("I2c", dsp.socket("I2C-A").chip).state
     if not state.str & STR_NACK:
         return ""
@@ -140,14 +139,14 @@ def refused(dsp: Dsp, instant: Callable[[int], str]) -> str:
 
 
 def outputs(dsp: Dsp) -> list[str]:
-    """Wires at pins that the unit itself drives as general-purpose outputs."""
+    """Return the names of the wires that the unit drives by pins that are general-purpose outputs."""
     socket = dsp.sockets.get("GPIO")
     driven = 0 if socket is None else cast("Gpio", socket.chip).driven
     return [wire.name for pin, wire in dsp.plan.wires.items() if driven >> pin & 1]
 
 
 def signals_behind(dsp: Dsp, spin: Spin) -> list[str]:
-    """Modules on which the end of a wait depends."""
+    """Return the modules on which the end of a wait depends."""
     read = list(dict.fromkeys(poll.place.name for poll in spin.polls))
     if "PIE" in read:
         return list(dsp.sockets)
@@ -155,7 +154,7 @@ def signals_behind(dsp: Dsp, spin: Spin) -> list[str]:
 
 
 def waking(dsp: Dsp) -> list[str]:
-    """Modules of the unit whose interrupts IER and PIEIER enable."""
+    """Return the modules of the unit whose interrupts IER and PIEIER enable."""
     ier = dsp.core.ier
     enabled = [name for name, place in LINES.items() if ier >> place[0] - 1 & 1 and _is_enabled(dsp, *place)]
     direct = (name for name, number in CPU_VECTORS.items() if number > GROUPS and ier >> number - 1 & 1)
@@ -173,7 +172,7 @@ def has_clock(dsp: Dsp, module: str) -> bool:
 
 
 def wires_into(dsp: Dsp, module: str) -> list[Wire]:
-    """Wires that a module can read: those of its usual pins, and all whose pins belong to no particular module."""
+    """Return the wires that a module can read: those of its own pins, and those of pins that belong to no module."""
     wires, part = dsp.plan.wires, dsp.plan.part
     inputs = part.by_name[module].inputs
     if inputs is None:
@@ -184,13 +183,13 @@ def wires_into(dsp: Dsp, module: str) -> list[Wire]:
     return [wire for pin, wire in wires.items() if pin not in foreign]
 
 
-SETTLED = Fraction(1, 1_000_000)  # seconds in which outputs and holds that were begun are over
+SETTLED = Fraction(1, 1_000_000)  # seconds after which delayed outputs and hold times are over
 
 
 def deadlocks_of(scene: Scene) -> list[str]:
-    """Return a sentence for each unit whose firmware waits for an event that cannot occur: what, since when, why.
+    """Return a sentence for each unit whose firmware waits for an event that cannot occur: the wait, since when, why.
 
-    If firmware let no simulated time pass and so ended the run, only that is reported.
+    If firmware let no simulated time pass and so ended the run, return only the sentence about that.
     """
     if scene.stalled:
         return [scene.stalled]
@@ -217,7 +216,10 @@ def _instant(scene: Scene, tick: int) -> str:
 
 
 def _may_move(scene: Scene, stuck: set[str], wire: Wire, parties: list[str]) -> bool:
-    """Return True if a party may move the wire: not stuck, and not only answering or waiting in a round."""
+    """Return True if one of these parties may move the wire.
+
+    Stuck units, chips and devices that only answer, and a controller that waits within a round cannot move it.
+    """
     coming = scene.kernel.next_time()
     if coming <= scene.kernel.now + scene.timebase.ticks(SETTLED):
         return True

@@ -3,7 +3,7 @@
     transfers, rounds --.
     host frames ---------+--> timing/derived --> TRANSFER, ROUND, DATA records
     SCIs, RX ------------'--> SciMonitor, characters --> RECEIVER records
-    SCL, SDA -------------> StuckWatch, where no controller watches them --> BUS records
+    SCL, SDA -------------> StuckWatch, if there is no controller agent --> BUS records
 
 Only the records that a subscriber needs are derived.
 """
@@ -34,7 +34,7 @@ class DerivedRecords:
     """The derived records of a scene. bytes: compares the bytes that were read; None if no subscriber needs it."""
 
     def __init__(self, recorder: Recorder) -> None:
-        """Create it after all have subscribed, before units are built: some records follow from those of firmware."""
+        """Create it after all subscriptions, and before units are built, since it subscribes to records of firmware."""
         self._recorder = recorder
         self._named = {kind: recorder.named_things(kind) for kind in KINDS}
         self._transfers: TransferRecords | None = None
@@ -45,7 +45,7 @@ class DerivedRecords:
             recorder.subscribe((Kind.SPAN,), self._age_records())
 
     def attach(self, scene: Scene) -> None:
-        """Listen to a scene whose parts are all there. BadCase where the scene cannot tell what bytes should be."""
+        """Attach to a scene whose parts are all built. Raise BadCase if the expected bytes cannot be determined."""
         named = self._named
         if named[Kind.DATA]:
             self._attach_data(scene, named[Kind.DATA])
@@ -74,7 +74,7 @@ class DerivedRecords:
                 self._held[-1].attach(scene.wires["SCL"], scene.wires["SDA"])
 
     def _watch_for_stuck_lines(self, scene: Scene) -> None:
-        """Report lines that stay low, as a controller agent does where there is one."""
+        """Report lines that stay low, unless a controller agent does."""
         if scene.head is None:
             from ..bus.i2c.line_observers import STUCK_AFTER, StuckWatch
 
@@ -128,11 +128,11 @@ class DerivedRecords:
             scene.on_transfer(errors.transfer)
 
 
-MODEL_PIN = "MODEL"  # what a case calls the pin that firmware raises while its models run
+MODEL_PIN = "MODEL"  # name, in a case, of the pin that is high while the firmware's models run
 
 
 def _origins_of(scene: Scene) -> Origins:
-    """Return the origins of a scene's reads. BadCase if values of sensor models could not be recognized."""
+    """Return the origins of the bytes that are read. Raise BadCase if values of sensor models cannot be recognized."""
     from ..core.sampler import watch
     from ..devices.host_frames import host_frames
     from ..timing.derived.origins import FrameOrigins, ModelOrigins

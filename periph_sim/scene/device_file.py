@@ -1,6 +1,6 @@
-"""A user's own device: the class `Device` of a Python file, as a target.
+"""A user's own device: the class `Device` of a Python file becomes a target on the bus.
 
-The file is imported as firmware files are: in a package of its own, with what it imports beside it.
+The file is imported like a firmware file: in a package of its own, together with the files beside it that it imports.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ CLASS = "Device"
 def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: TargetContext) -> PythonTarget:
     """Return the device of a Python file, attached at its address.
 
-    BadCase, with its line, if the file cannot be loaded or its class or settings are wrong; FirmwareStalled if its code
-    does not return in time.
+    Raise BadCase, with its line, if the file cannot be loaded or its class or settings are wrong. Raise FirmwareStalled
+    if its code does not return in time.
     """
 
     def mistake(what: str, *key: str | int) -> Exception:

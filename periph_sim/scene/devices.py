@@ -37,11 +37,11 @@ from .case.error_text import complaint
 from .context import SceneContext
 
 ACCESS = {"read": 1, "write": 0, "any": None}
-OTHERS = ("controller", "host", "serial", "outside")  # names of parties that are no units, chips or devices
+OTHERS = ("controller", "host", "serial", "outside")  # names of all other parties, which no device may have
 
 
 class NoteLog:
-    """The log of a device's notes. notes: by note, the tick at which it was made first, and how often it was made."""
+    """The log of a device's notes. notes: for each note, the tick at which it was first made, and its count."""
 
     STATE = State("notes")
 
@@ -68,7 +68,7 @@ class DeviceOnBus:
     STATE = State("target log")
 
     def __init__(self, context: SceneContext, name: str, known: Mapping[str, Wire]) -> None:
-        """known: the wires that the scene has."""
+        """known: the wires of the scene, by name."""
         table = context.case.device[name]
         self.log = NoteLog(context, name)
         self.side: TargetSide | None = None
@@ -93,7 +93,7 @@ class DeviceOnBus:
 
 
 def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Answers) -> TargetSide:
-    """Connect a target to SCL and SDA, disturbed as its table says."""
+    """Connect a target to SCL and SDA, with the disturbances in its table. Return its wire side."""
     scl, sda = context.wire("SCL"), context.wire("SDA")
     sides: list[TargetSide] = []
 
@@ -143,7 +143,7 @@ def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Answer
 
 
 def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: Mapping[int, str]) -> dict[str, DeviceOnBus]:
-    """Return the devices by name. known: the wires of the scene. taken: addresses of other targets, with their names.
+    """Return the devices by name. known: the wires of the scene. taken: names of the other targets, by address.
 
     Raise BadCase, with its line, for an impossible device.
     """
@@ -185,7 +185,7 @@ def _target(context: SceneContext, name: str, table: DeviceTable, place: TargetC
 
 
 def _settings(context: SceneContext, name: str, kind: type[Table], table: DeviceTable) -> Table:
-    """Return the settings of the model, checked: the keys of the table that only this model has."""
+    """Return the checked settings of a device's model, which are the table's keys that only this model has."""
     try:
         return kind.model_validate(table.own)
     except BadTable as error:

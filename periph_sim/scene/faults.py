@@ -18,12 +18,12 @@ from . import plugins
 from .context import SceneContext
 from .firmware_loader import BadSetting, filled
 
-RESET = ".XRS"  # a unit's reset pin, as a wire
-MODULE_RESET = ".IRS"  # a unit's bit I2CMDR.IRS, as a wire
+RESET = ".XRS"  # suffix of the wire at a unit's reset pin
+MODULE_RESET = ".IRS"  # suffix of the wire that stands for a unit's bit I2CMDR.IRS
 
 
 class Wires:
-    """The wires that faults reach: those that the scene has, and each unit's XRS pin and IRS bit, once asked for."""
+    """The wires that faults can disturb: the wires of the scene, and wires for XRS and IRS of units, made on demand."""
 
     def __init__(self, context: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> None:
         self._context = context
@@ -96,11 +96,11 @@ class ModuleReset:
         self._kernel = kernel
         self._clock = unit.clock
         self._socket = unit.socket("I2C-A")
-        self._was_on: bool  # IRS when the wire fell; the wire is high at first
+        self._was_on: bool  # True if IRS was 1 at the last fall of the wire; not set before the first fall
         watch([wire], self._changed)
 
     def _changed(self, tick: int, level: int) -> None:
-        """Write I2CMDR.IRS in the cycle of this edge."""
+        """Schedule the write of I2CMDR.IRS for the cycle that follows this edge of the wire."""
         cycle = self._clock.cycle_at(tick)
         self._kernel.call_at(self._clock.tick(cycle), partial(self._write, cycle, level))
 

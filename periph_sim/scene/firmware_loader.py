@@ -1,8 +1,8 @@
 """Loading of firmware: files are imported by path or by the name of a shipped program, with checked settings.
 
-Each file is a module of a package of its own, under a unique name: a repository's own `firmware/` never
-meets ours, nor two folders' files of one name. `from .other import f` finds other.py beside the file, else the shipped
-program of that name, so that a copy of a shipped program runs from any folder.
+Each file is a module in a package of its own with a unique name. So a repository's own `firmware/` does not conflict
+with the shipped one, nor do files of the same name in two folders. `from .other import f` finds other.py beside the
+file, or else the shipped program of that name, so a copy of a shipped program runs from any folder.
 """
 
 from __future__ import annotations
@@ -38,18 +38,18 @@ SHIPPED = EXAMPLES / "firmware" / "python"
 
 PREFIX = "_firmware_"
 SHIPPED_PACKAGE = f"{PREFIX}shipped"
-_packages: dict[tuple[Path, int], str] = {}  # by file and thread: threads that load one file do not meet
+_packages: dict[tuple[Path, int], str] = {}  # by file and thread, since threads may load one file at once
 _numbers = count()
 
 
 def shipped_names() -> list[str]:
-    """Return the names of the shipped programs and of the modules that they share, sorted."""
+    """Return the sorted names of the shipped programs and of the modules that they share."""
     return sorted(file.stem for file in SHIPPED.glob("*.py") if file.stem != "__init__")
 
 
 def is_shipped(name: str) -> bool:
     """Return True if a shipped program, or a module that they share, has that name."""
-    if f"{SHIPPED_PACKAGE}.{name}" in sys.modules:  # imported by an earlier scene, so its file was there
+    if f"{SHIPPED_PACKAGE}.{name}" in sys.modules:  # an earlier scene has imported it, so it exists
         return True
     return name.isidentifier() and name != "__init__" and (SHIPPED / f"{name}.py").is_file()
 
@@ -62,10 +62,12 @@ def shipped_module(name: str) -> ModuleType:
 
 
 def module_of_file(path: Path) -> ModuleType:
-    """Return a firmware file's module, imported anew with all it imports from its folder: edits take effect."""
+    """Import a firmware file and return its module. Files of its folder are imported again, so edits take effect."""
     path = note_input(path).resolve()
     package = _packages.setdefault((path, get_ident()), f"{PREFIX}{next(_numbers)}")
-    for loaded in [name for name in tuple(sys.modules) if name.startswith(f"{package}.")]:  # other threads import, too
+    for loaded in [
+        name for name in tuple(sys.modules) if name.startswith(f"{package}.")
+    ]:  # a copy, since other threads import, too
         del sys.modules[loaded]
     _make_package(package, [path.parent, SHIPPED])
     spec = _spec(f"{package}.{path.stem.replace('.', '_')}", path)
@@ -136,9 +138,9 @@ T = TypeVar("T")
 
 
 class Firmware(Struct, frozen=True):
-    """A program: its main function, and the dataclass of what a case may set, if it has one.
+    """A program: its main function, and the dataclass of its settings, if it has one.
 
-    replay: the settings that a replay may fill in from a capture, as the module names them in `REPLAY`.
+    replay: the settings that a replay may set from a capture; the module lists them in `REPLAY`.
     """
 
     name: str
@@ -148,11 +150,11 @@ class Firmware(Struct, frozen=True):
 
 
 class BadFirmware(ValueError):
-    """Error: a program cannot be loaded; one sentence."""
+    """A program cannot be loaded. The message is one sentence."""
 
 
 class BadSetting(ValueError):
-    """Error: the firmware does not accept a setting. name: the name of the setting."""
+    """The firmware does not accept a setting. name: the name of the setting; "" if several do not fit together."""
 
     def __init__(self, what: str, name: str) -> None:
         super().__init__(what)
@@ -160,7 +162,7 @@ class BadSetting(ValueError):
 
 
 def load_firmware(name: str) -> Firmware:
-    """Return a program: a shipped one by its name, or a .py file by its path. BadFirmware if there is none."""
+    """Return a program: a shipped one by its name, or a .py file by its path. Raise BadFirmware if there is none."""
     if not name:
         raise BadFirmware("its unit runs no Python firmware, which this needs")
     return _loaded(name) if name.endswith(".py") else _loaded_once(name)
@@ -190,7 +192,7 @@ def _loaded(name: str) -> Firmware:
 
 
 def _replay_settings(name: str, module: ModuleType) -> tuple[str, ...]:
-    """Return the names in a module's `REPLAY`. BadFirmware if they are no names of its settings."""
+    """Return the names in a module's `REPLAY`. Raise BadFirmware if one is not the name of a setting."""
     given: object = getattr(module, "REPLAY", ())
     kind = getattr(module, "Settings", None)
     known = [*keys_of(kind)] if inspect.isclass(kind) and is_dataclass(kind) else []
@@ -205,7 +207,7 @@ def _replay_settings(name: str, module: ModuleType) -> tuple[str, ...]:
 
 
 def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:
-    """Call main. Raise Misuse if it returns a value, because such a value has no meaning."""
+    """Call the main function. Raise Misuse if it returns a value, because such a value has no meaning."""
     came = firmware.main(dsp, settings)  # type: ignore[func-returns-value]
     if came is not None:
         raise Misuse(f"main, {defined_at(firmware.main)}, returned {came!r}; firmware returns nothing")
@@ -225,7 +227,7 @@ def _shipped_module(name: str) -> ModuleType:
 
 
 def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
-    """Return the firmware's Settings, None if it takes none. Raise BadSetting with the name of a wrong setting."""
+    """Return the firmware's Settings; None if it has none. Raise BadSetting with the name of a wrong setting."""
     kind = firmware.settings
     if not (inspect.isclass(kind) and is_dataclass(kind)):
         for name in given:
@@ -252,7 +254,7 @@ _shared: dict[tuple[type, str], object] = {}
 
 
 def shared(kind: type[T], given: dict[str, object], who: str) -> T:
-    """Return the same as `filled`. All scenes with these values share one object of a frozen dataclass."""
+    """Return a dataclass as `filled` does; if it is frozen, all scenes with these values share one object."""
     if not cast(Any, kind).__dataclass_params__.frozen:
         return filled(kind, given, who)
     key = kind, repr(given)

@@ -3,8 +3,8 @@
     [host.motion], ramp --> values of frame n --> Host --> RX
                        '--> Truth at a tick, by the host's own clock
 
-Frames are scheduled by the clock of the host's computer, `ppm` off; the bit rate is that of its serial converter,
-which has a crystal of its own: `error`.
+Frames are scheduled by the clock of the host's computer, which is off by `ppm`. Its serial converter has a crystal of
+its own, so the bit rate is off by `error`.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ T = TypeVar("T")
 
 
 class HostPlan(Struct, frozen=True):
-    """Schedule and line of a [host]. bit: ticks of a bit on its line."""
+    """Schedule and line of a [host]. bit: the length of a bit on its line, in ticks."""
 
     schedule: HostSchedule
     bit: Fraction
 
 
 def host_plan(scale: CaseTicks) -> HostPlan:
-    """Return the plan of a case's [host]. BadCase, with its line, for a time that is too long."""
+    """Return the plan of a case's [host]. Raise BadCase, with its line, for a time that is too long."""
     table = scale.case.host
     assert table is not None
 

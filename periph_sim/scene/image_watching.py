@@ -1,6 +1,6 @@
 """Observers of a unit's image that a case and its budgets need.
 
-unit.memory             --> PresetMemory: variables as the image begins
+unit.memory             --> PresetMemory: initial values of variables
 budgets, span records   --> FunctionSpans: a span for each function
 loads, wait records     --> WaitRecords: IDLE
 budgets on variables    --> VariableRecords
@@ -53,7 +53,7 @@ def variable_value(dsp: Dsp, name: str) -> int:
 
 
 def _preset(case: Case, name: str, unit: Unit, program: ImageProgram) -> None:
-    """Write the case's values into memory."""
+    """Write the values of `memory` in the case into the image's variables before it begins."""
     variables = Variables(program.image)
     presets = []
     for symbol, value in unit.memory.items():

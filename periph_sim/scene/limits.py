@@ -1,6 +1,6 @@
-"""Plans of a case's budgets, and the judges that a scene makes of them: they take values and return verdicts.
+"""Plans of a case's budgets, and the judges that a scene makes from them, which take values and return verdicts.
 
-Case, Scope --> BudgetPlan of each budget, of all scenes of the case --> BudgetJudge of each, of one scene
+Case, Scope --> BudgetPlan of each budget, shared by all scenes of the case --> BudgetJudge of each, for one scene
 """
 
 from __future__ import annotations

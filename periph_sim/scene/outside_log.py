@@ -1,10 +1,10 @@
-"""The log of a session: the levels and bytes of the outside, instant by instant.
+"""The log of a session: the levels and bytes from the outside parties, instant by instant.
 
 {"format": "periph-sim outside", "version": 1, "case": ..., "ticks_per_second": ..., "wires": [...],
- "file": ..., "set": [...]}             the case's file, from the log's folder, and its changes; if it has one
+ "file": ..., "set": [...]}             path of the case's file from the log's folder, and its changes, if it has one
 {"serial": "RX"}                        from here on, this wire is driven by bytes
-[tick, {"SCL": 0}, ["RX"]]              of each instant, in order; wires on which a byte begins, if there are any
-{"end": tick}                           the session was finished there; without it, the last instant is the end
+[tick, {"SCL": 0}, ["RX"]]              an instant: levels of wires, and the wires on which a byte begins, if any
+{"end": tick}                           the end of the session; without this line, the last instant is the end
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ from ..core.wire import Wire
 from .context import SceneContext
 
 FORMAT, VERSION = "periph-sim outside", 1
-LONGEST_LINE = 1 << 20  # maximum number of characters
+LONGEST_LINE = 1 << 20  # maximum number of characters of a line
 
 
 class BadLog(ValueError):
-    """Error: a file is no log of a session, or is damaged; one sentence with the line."""
+    """A file is no log of a session, or is damaged. The message is one sentence with the line."""
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,8 @@ class Head:
 class Instant(NamedTuple):
     """The events of one tick. levels: the levels of the lines that the outside moves.
 
-    sent: how many bytes begin, by wire, of wires that are driven by bytes; 0 where it is first known that one is.
+    sent: by wire, the number of bytes that begin on a wire that is driven by bytes; 0 in its first entry, which only
+        states that it is driven by bytes.
     """
 
     tick: int
@@ -58,11 +59,11 @@ class Instant(NamedTuple):
 
 
 class LogReader:
-    """Reads a log. Raises BadLog if the file is no such log or is damaged."""
+    """A reader of a log. Raise BadLog if the file is no such log or is damaged."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self.end = -1  # known once all instants were read
+        self.end = -1  # the tick of the end; -1 until all instants were read
         self.finished = False  # True if the log contains the end of the session
         self._lines = 1  # number of lines read so far
         self._cut = 0  # number of characters of an incomplete last line
@@ -80,7 +81,7 @@ class LogReader:
 
     @property
     def unfinished(self) -> str:
-        """A sentence about what is missing at the end of the log, "" for nothing. Valid once all instants were read."""
+        """A sentence about what is missing at the end of the log; "" if nothing. Valid after all instants were read."""
         if self.finished:
             return ""
         cut = f", and of the line after it only {counted(self._cut, 'character')} remain" if self._cut else ""
@@ -132,7 +133,7 @@ class LogReader:
         return Instant(tick, levels, dict.fromkeys(begun, 1))
 
     def _line(self) -> object:
-        """Return the next value, or None at the end or at an incomplete line, which a terminated process leaves."""
+        """Return the value in the next line; None at the end, or for an incomplete line of a terminated process."""
         try:
             text = self._file.readline(LONGEST_LINE)
             if len(text) == LONGEST_LINE:
@@ -180,7 +181,7 @@ WHO = "outside"  # name of the party in records and in messages about who holds 
 class LoggedOutside(Agent):
     """Outside party that drives the wires as the log of a session says.
 
-    start: the tick of the scene that is tick 0 of the log.
+    start: the tick of the scene that corresponds to tick 0 of the log.
     on_sent: called with a wire and the number of bytes that begin on it.
     unfinished: what is missing at the end of the log; see `LogReader`.
     """
@@ -215,7 +216,7 @@ class LoggedOutside(Agent):
 def logged_outside(context: SceneContext, wires: Mapping[str, Wire]) -> LoggedOutside:
     """Return the agent that replays the log of [outside].
 
-    Raise BadCase, with its line, if the log is unreadable, damaged, or of other wires or clocks.
+    Raise BadCase, with its line, if the log is unreadable or damaged, or was made with other wires or clocks.
     """
     case, ticks_per_second = context.case, context.timebase.per_second
     assert case.outside is not None and case.outside.log is not None
@@ -240,7 +241,10 @@ def logged_outside(context: SceneContext, wires: Mapping[str, Wire]) -> LoggedOu
 
 @lru_cache(maxsize=16)
 def _checked(path: Path, written: int, size: int) -> str:
-    """Return what is missing at the end of a log. BadLog if it is damaged. written, size: part of the cache's key."""
+    """Return what is missing at the end of a log. Raise BadLog if it is damaged.
+
+    written, size: the file's time of change and size, which are part of the cache's key.
+    """
     reader = LogReader(path)
     for _ in reader.instants():
         pass

@@ -1,11 +1,11 @@
 """Replacement of parties of a case by its [outside].
 
-    the outside drives    it replaces      is then judged
-    SDA and SCL           [controller]     rounds, requests and bytes, from the wires: its requests become [rounds]
-    RX                    [host]           all but the budgets that need the host's frames
+    the outside drives    it replaces      budgets that are still judged
+    SDA and SCL           [controller]     those on rounds, requests and bytes, from the wires: requests become [rounds]
+    RX                    [host]           all but those that need the host's frames
 
-A case is changed when it is loaded, when a session names other lines, and when its scene is built, always here: so
-sessions, simulators, served ports and replays follow one rule. With `beside_outside = true` a [controller] stays: the
+This module changes a case when it is loaded, when a session names other lines, and when its scene is built, so the same
+rule holds for sessions, simulators, served ports and replays. With `beside_outside = true` a [controller] stays: the
 outside is then a second controller, or a device.
 """
 
@@ -32,9 +32,10 @@ def drives_bus(outside: OutsideTable) -> bool:
 
 
 def as_driven(case: Case) -> Case:
-    """Return a case with [outside] without the parties that it replaces; `replaced` of it has a sentence for each.
+    """Return a case without the parties that its [outside] replaces. Its `replaced` has a sentence for each of them.
 
-    Budgets that need such a party are left out, by name. BadCase, with its line, for a budget that is wrong anyway.
+    Budgets that need such a party are left out, and the sentence names them. Raise BadCase, with its line, for a budget
+    that is wrong in any case.
     """
     outside, controller = case.outside, case.controller
     assert outside is not None
@@ -51,9 +52,9 @@ def as_driven(case: Case) -> Case:
 
 
 def with_outside(case: Case, wires: tuple[str, ...]) -> Case:
-    """Return the case as it is built if the outside drives these wires, instead of those of its [outside].
+    """Return the case as it is built if the outside drives these wires instead of those in its [outside].
 
-    Raise BadCase if its [outside] names more, and so replaced a party that would now be missing.
+    Raise BadCase if its [outside] names more wires, because a party that it has replaced would then be missing.
     """
     for party, lines in (("controller", BUS), ("host", frozenset(("RX",)))):
         if party in case._replaced and not lines.issubset(wires):

@@ -20,7 +20,11 @@ FirstAndTimes = tuple[int, int]
 
 
 class Pairs:
-    """sci_line: how an SCI of a unit sends. outside: drivers that are no unit's, by their party, and how they send."""
+    """The RS-485 pairs of a scene.
+
+    sci_line: returns the line format with which an SCI of a unit sends.
+    outside: for each driver of an outside party, by the name of the party, its line format.
+    """
 
     def __init__(self, context: SceneContext, sci_line: Callable[[str, str], Line]) -> None:
         self.outside: dict[str, Line] = {}
@@ -32,11 +36,11 @@ class Pairs:
             self._add(one, sci_line(one.sci.unit, one.sci.module))
 
     def of(self, unit: str, module: str) -> Transceiver | None:
-        """Return the transceiver of an SCI, or None."""
+        """Return the transceiver of an SCI; None if it has none."""
         return self._transceivers.get((unit, module))
 
     def lines(self) -> Mapping[str, Line]:
-        """Return the frame format of each pair by wire: that of the party that drives it."""
+        """Return the line format of each pair by wire, which is that of the party that drives the pair."""
         return {name: partial(self._line, pair) for name, pair in self._pairs.items()}
 
     def notes(self) -> list[str]:

@@ -1,8 +1,8 @@
-"""The plan of a scene: what a case alone decides, worked out once for all scenes of it.
+"""The plan of a scene: everything that depends only on the case, computed once for all its scenes.
 
-    Case --> ScenePlan: ticks, wiring, scope, what units, controller and host consist of --> Scene, any number of times
+    Case --> ScenePlan: ticks, wiring, scope, parts of units, plans of controller and host --> any number of Scenes
 
-A plan holds nothing that a run changes, and nothing that another file than the case's says.
+A plan contains nothing that a run changes, and nothing that is read from another file than the case's.
 """
 
 from __future__ import annotations
@@ -28,9 +28,9 @@ if TYPE_CHECKING:
 class ScenePlan:
     """The plan of one case.
 
-    case: with the parties that its [outside] replaces taken out.
-    before: the plan of a case that differs in some tables. Plans of budgets are taken over from it if they are the
-    same, since they take longer to work out than all other parts.
+    case: the case without the parties that its [outside] replaces.
+    before: the plan of a case that differs in some tables. Plans of budgets are taken from it if they are the same,
+        because they take longer to make than all other parts.
     """
 
     def __init__(self, case: Case, before: ScenePlan | None = None) -> None:
@@ -75,7 +75,7 @@ class ScenePlan:
 
     @property
     def limits(self) -> tuple[BudgetPlan, ...]:
-        """The plan of each budget, which is made anew if its names are, too. BadCase for an invalid budget."""
+        """The plans of the budgets, made again at each access if `scope` is. Raise BadCase for an invalid budget."""
         return parts.limits.limit_plans(self.ticks, self.scope) if self._names_of_files else self._limits
 
     @cached_property
@@ -84,25 +84,25 @@ class ScenePlan:
         try:
             if before is not None and before.case.budget is self.case.budget and self._measures_as(before):
                 return before.limits
-        except ValueError:  # the case before is no valid one
+        except ValueError:  # the case of `before` is not valid
             pass
         return parts.limits.limit_plans(self.ticks, self.scope)
 
     def _measures_as(self, other: ScenePlan) -> bool:
-        """Return True if the same budgets have the same plans in a case."""
+        """Return True if the same budgets have the same plans in the case of the other plan."""
         one, two = self.ticks, other.ticks
         same_ticks = (one.timebase.per_second, one.start) == (two.timebase.per_second, two.start)
         return same_ticks and self.scope == other.scope and self.scope.pairs == other.scope.pairs
 
     def unit(self, name: str) -> DspPlan:
-        """Return what a unit consists of. BadCase for what it cannot have."""
+        """Return the parts of a unit. Raise BadCase for a part that it cannot have."""
         if name not in self._units:
             self._units[name] = parts.unit.unit_plan(self.ticks, name)
         return self._units[name]
 
     @cached_property
     def head(self) -> HeadPlan:
-        """The requests of the [controller] and their schedule. BadCase for requests that cannot be made."""
+        """The requests of the [controller] and their schedule. Raise BadCase for requests that cannot be made."""
         return parts.controller.head_plan(self.ticks)
 
     @cached_property

@@ -1,11 +1,11 @@
-"""Plugins: modules of users that define what cases and commands may name, beside what is shipped.
+"""Plugins: modules of users that define chips, devices and more, which cases and commands can name like shipped ones.
 
     [tool.periph-sim] plugins = ["barometer.py"] --.
     entry points of the group `periph_sim` ---------+--> modules --by what they define--> chips, sensors, devices, ...
 
-A module needs no call to register: it is found by the names in `DEFINES`. A file is imported as firmware is: in a
-package of its own, with what it imports beside it. Entry points are looked through only for a name that neither
-periph_sim nor the project has, since that takes longer than many runs.
+A module is not registered by a call, but recognized by the attributes in `DEFINES`. A file is imported like a firmware
+file: in a package of its own, together with the files beside it that it imports. Entry points are searched only for a
+name that neither periph_sim nor the project defines, since the search takes longer than many runs.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 GROUP = "periph_sim"  # the group of entry points
-STALL_LIMIT = 10.0  # seconds for the import of a plugin
+STALL_LIMIT = 10.0  # maximum seconds of the import of a plugin
 
 
 class Kind(Struct, frozen=True):
-    """what: a noun for messages. named: returns the definitions of a module by name."""
+    """A kind of definition in a plugin. what: a noun for messages. named: returns a plugin's definitions by name."""
 
     what: str
     named: Callable[[Plugin], Mapping[str, Any]]
@@ -47,7 +47,7 @@ class Plugin(Struct, frozen=True):
     module: ModuleType
 
     def place(self, attribute: str) -> str:
-        """Return the place at which the module defines an attribute, "line 7 of barometer.py"."""
+        """Return the place at which the module defines an attribute, such as "line 7 of barometer.py"."""
         import ast
 
         file = Path(self.module.__file__ or self.name)
@@ -71,10 +71,12 @@ DEFINES = {
 
 
 def known(folder: Path, attribute: str, shipped: Mapping[str, T], names: Iterable[str] = ()) -> Mapping[str, T]:
-    """Return what is known by name: shipped, and of the plugins of the project that a folder belongs to.
+    """Return the definitions of one kind by name: the shipped ones and those of the plugins of a folder's project.
 
-    attribute: one of `DEFINES`. names: those that a case gives; if one is unknown, entry points are looked through,
-    too. BadCase if a plugin cannot be loaded, or if two define one name.
+    attribute: the kind, a key of `DEFINES`.
+    names: the names that a case uses; if one is unknown, the plugins of entry points are included.
+
+    Raise BadCase if a plugin cannot be loaded, or if two define one name.
     """
     found: dict[str, Any] = dict(shipped)
     owners: dict[str, Plugin] = {}
@@ -85,17 +87,17 @@ def known(folder: Path, attribute: str, shipped: Mapping[str, T], names: Iterabl
 
 
 def sensors_of(case: Case, names: Iterable[str] = ()) -> Mapping[str, ChipData]:
-    """Return the sensors that a case may name in `order`. names: those that it does name."""
+    """Return the sensors that a case may name in `order`. names: the ones that it names."""
     return known(case.folder, "SENSORS", known_sensors(), names)
 
 
 def known_formats(shipped: Mapping[str, T], installed: bool) -> Mapping[str, T]:
-    """Return the capture formats known in the present folder by name. installed: those of entry points, too."""
+    """Return the capture formats of the present folder's project by name. installed: True to include entry points."""
     return known(Path(), "NAME", shipped, [""] if installed else ())
 
 
 def _add(found: dict[str, Any], owners: dict[str, Plugin], attribute: str, plugins: Iterable[Plugin]) -> None:
-    """Add what plugins define. owners: the plugins of the definitions so far, by name."""
+    """Add the definitions of plugins to `found`. owners: for each name added so far, the plugin that defines it."""
     kind = DEFINES[attribute]
     for plugin in plugins:
         for name, one in kind.named(plugin).items() if hasattr(plugin.module, attribute) else ():
@@ -129,7 +131,7 @@ def _sensors(plugin: Plugin) -> Mapping[str, ChipData]:
 
 
 def _project_plugins(folder: Path) -> list[Plugin]:
-    """Return the plugins in `[tool.periph-sim]`. BadCase if one cannot be loaded."""
+    """Return the plugins in `[tool.periph-sim]`. Raise BadCase if one cannot be loaded."""
     project = project_of(folder)
     found = []
     for text in project.settings.plugins:
@@ -156,7 +158,7 @@ def _module(path: Path, changed: int, size: int) -> ModuleType:
 
 @cache
 def _installed_plugins() -> tuple[Plugin, ...]:
-    """Return the plugins of installed distributions. BadCase if one cannot be loaded."""
+    """Return the plugins of installed distributions. Raise BadCase if one cannot be loaded."""
     from importlib.metadata import entry_points
 
     found = []

@@ -3,9 +3,9 @@
     file or Case --> PreparedScene --scene(changes)--> Scene, not yet run
                                    --run(changes)----> Result
 
-What a case decides alone is worked out once (`plan.ScenePlan`). Of a changed case only the tables that its changes
-touch are checked anew.
-Everything that a run changes is new in each run: firmware modules, devices, wires, chips and random generators.
+Everything that depends only on the case is computed once (`plan.ScenePlan`). For a changed case, only the changed
+tables are checked again. Everything that a run changes is new in each run: firmware modules, devices, wires, chips and
+random generators.
 """
 
 from __future__ import annotations
@@ -32,16 +32,16 @@ if TYPE_CHECKING:
 
 Program = Callable[[Any, Any], None]
 
-MOST_PLANS = 16  # number of latest plans of changed cases that are kept, since a sweep may return to them
+MOST_PLANS = 16  # maximum number of plans of changed cases that are kept, since a sweep may return to them
 
 
 class PreparedScene:
     """A case of which many scenes are built.
 
-    case: of `load` or `make_case`, or a file, which is read now and not again.
+    case: a case from `load` or `make_case`, or the path of a file, which is read once.
     changes: "key=value" texts applied to the file for all runs.
 
-    BadCase if the file cannot be read. `scene` and `run` raise it if the file is not a valid case.
+    Raise BadCase if the file cannot be read. `scene` and `run` raise it if the file is not a valid case.
     """
 
     def __init__(self, case: Case | str | Path, changes: Sequence[str] = ()) -> None:
@@ -56,7 +56,7 @@ class PreparedScene:
             self._file = CaseFile(case, changes)
 
     def plan(self, changes: Sequence[str] = ()) -> ScenePlan:
-        """Return the plan of the case with changes. BadCase if it cannot be run."""
+        """Return the plan of the case with changes. Raise BadCase if it cannot be run."""
         if self._file is None:
             _refuse_changes(changes)
         elif changes:
@@ -103,12 +103,12 @@ class PreparedScene:
     ) -> Result:
         """Return the result of a run of the case with changes, judged as `periph-sim run` judges it.
 
-        seconds: instead of the case's own duration: "10 ms" or a Fraction.
+        seconds: the duration, such as "10 ms" or a Fraction, in place of the case's own.
         programs: firmware given as functions (dsp, settings), by unit; the unit's own `firmware` is then only a name.
-        record: a file for the records; its suffix says the format.
+        record: a file for the records, in the format of its suffix.
 
-        BadCase, FirmwareError and their like, one sentence each, if it cannot be run; BadRecording if `record` is a
-        file that this run has read.
+        Raise BadCase, FirmwareError or a similar error, with one sentence, if the case cannot be run. Raise
+        BadRecording if `record` is a file that this run has read.
         """
         case = self.plan(changes).case
         try:

@@ -15,7 +15,7 @@ from .scene import Scene
 
 
 class Profiled(Struct, frozen=True):
-    """The program, profile and coverage of each unit, by unit. coverage: empty if it was not requested."""
+    """Programs, profiles and coverage of a run, by unit. coverage: empty if it was not requested."""
 
     name: str
     ticks_per_second: int
@@ -24,14 +24,14 @@ class Profiled(Struct, frozen=True):
     coverage: dict[str, Coverage]
 
     def place_of(self, unit: str, function: str) -> str:
-        """Return the place where a function begins."""
+        """Return the source location at which a function of a unit's image begins."""
         return self.programs[unit].place_of(function)
 
 
 def profiled(
     case: Case, length: Fraction | None = None, told: Callable[[float], None] | None = None, coverage: bool = False
 ) -> Profiled:
-    """Run a case. BadCase if no unit runs an image, or if an image lacks the line information for coverage."""
+    """Run a case and return its profile. Raise BadCase if no unit runs an image, or if coverage needs missing lines."""
     scene = Scene(case)
     programs = {name: unit.program for name, unit in scene.units.items() if isinstance(unit.program, ImageProgram)}
     if not programs:

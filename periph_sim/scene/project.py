@@ -1,14 +1,14 @@
 """Settings of a repository: `[tool.periph-sim]` of the nearest pyproject.toml.
 
     [tool.periph-sim]
-    cases = ["timing", "bench/line.toml"]   what `check` runs by itself; else timing, else the present folder
-    baselines = "ci/figures"                of those cases; else baselines/ beside each
-    guaranteed = true                       refused by `run`, `check` and `watch`: nothing is proven yet
+    cases = ["timing", "bench/line.toml"]   cases that `check` runs without arguments; default: timing, else this folder
+    baselines = "ci/figures"                folder of their baselines; default: baselines/ beside each case
+    guaranteed = true                       rejected by `run`, `check` and `watch`, because nothing is proven yet
     jobs = 2
     tolerance = 1
     plugins = ["barometer.py"]              Python files that define chips, sensors and more: see `plugins`
 
-Paths count from the folder of the file. A pyproject.toml without this table is ignored, valid or not.
+Paths are relative to the folder of the file. A pyproject.toml without this table is ignored, even if it is not valid.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ KEYS = ("tool", "periph-sim")
 
 
 class Settings(Table, frozen=True, kw_only=True):
-    """The table `[tool.periph-sim]`."""
+    """The table `[tool.periph-sim]` of a pyproject.toml."""
 
     cases: list[str] = []
     baselines: str | None = None
@@ -55,7 +55,7 @@ class Project(Struct, frozen=True):
     settings: Settings = NOTHING
 
     def cases(self) -> list[Path]:
-        """Folders and files whose cases are to be checked. BadCase if one of them is not there."""
+        """Return the folders and files whose cases `check` runs. Raise BadCase if one of them does not exist."""
         if not self.settings.cases:
             usual = self.folder / "timing"
             return [_near(usual if usual.is_dir() else self.folder)]
@@ -67,14 +67,14 @@ class Project(Struct, frozen=True):
         return [_near(place) for place in places]
 
     def where(self, key: str) -> str:
-        """`pyproject.toml, line 2: cases`: the place of a key that is given."""
+        """Return the place of a key in the file, such as "pyproject.toml, line 2: cases"."""
         file = self.folder / FILE
         return f"{_near(file)}, line {line_of(file.read_text(encoding='utf-8'), (*KEYS, key))}: {key}"
 
     def baseline(self, case: Path) -> Path | None:
-        """Return the path of a case's baseline; None for baselines/NAME.json beside it.
+        """Return the path of a case's baseline; None for the default, baselines/NAME.json beside the case.
 
-        Cases below one folder of cases keep their sub-folders, so that two of one name stay apart.
+        The sub-folders of a folder of cases are kept, so that two cases of one name have different baselines.
         """
         if self.settings.baselines is None:
             return None
@@ -129,6 +129,6 @@ def _parsed(text: str) -> dict[str, object]:
 
 
 def _near(path: Path) -> Path:
-    """Return the path relative to the present folder if it is below it, else unchanged."""
+    """Return a path relative to the present folder if it is inside of it, else unchanged."""
     here = Path.cwd()
     return Path(os.path.relpath(path, here)) if path.is_relative_to(here) else path

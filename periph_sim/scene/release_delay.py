@@ -1,7 +1,7 @@
-"""Delay of an I2C-A from a write of I2CDXR that SCL is held for to the release of SCL, with the present settings.
+"""Delay from a write of I2CDXR for which an I2C-A holds SCL to the release of SCL, with the present settings.
 
-Copy to I2CXSR unless BCM does that at the write, SDA set up before SCL, pin output: in cycles of the module clock and
-of SYSCLKOUT; the tick of the write goes in, ticks come out.
+The delay is the sum of the copy to I2CXSR, unless BCM makes it at the write, the set-up of SDA before SCL, and the
+delay of the pin. It is counted in cycles of the module clock and of SYSCLKOUT, and returned in ticks.
 """
 
 # core: compiled
@@ -27,12 +27,12 @@ class ReleaseDelay:
         self._socket = socket
         self._setup: int = i2c.sda_setup_before_scl_release.unrecorded()
         self._pin: int = system.gpio_out_delay.unrecorded()
-        self._touched: frozenset[str] = frozenset()  # what the chip had touched before the last look at it
-        self._writes = -1  # of the chip, when it was looked at last,
-        self._cycles = 0  # and the result of that
+        self._touched: frozenset[str] = frozenset()  # the chip's `touched` before the last call of `_look`
+        self._writes = -1  # the chip's `writes` at that call
+        self._cycles = 0  # the delay in cycles, computed by that call
 
     def ticks(self, written: int) -> int:
-        """Return the time from a write at tick `written`: cycles of a clock that is off are not all of one length."""
+        """Return the delay in ticks after a write at tick `written`; it varies if cycles are not whole ticks."""
         clock = self._clock
         if self._socket.chip.writes != self._writes:
             self._look(clock.cycle_at(self._kernel.now))
@@ -40,7 +40,7 @@ class ReleaseDelay:
         return clock.tick(cycle + self._cycles) - clock.tick(cycle)
 
     def _look(self, now: int) -> None:
-        """At both registers, which only a write changes."""
+        """Read both registers, which only a write changes, and compute the delay in cycles."""
         chip = self._socket.chip
         self._writes = chip.writes
         touched = chip.touched
@@ -48,7 +48,9 @@ class ReleaseDelay:
             self._touched = frozenset(touched)
         prescaler, emdr = chip.peek(now, I2CPSC), chip.peek(now, I2CEMDR)
         if len(touched) != len(self._touched):
-            touched.intersection_update(self._touched)  # looking is not depending on them
+            touched.intersection_update(
+                self._touched
+            )  # the run does not depend on questions that only these reads touched
         module = ((prescaler & IPSC) >> IPSC_PLACE) + 1
         copy = 0 if emdr & BCM else module
         self._cycles = copy + max(1, self._setup * module) + self._pin

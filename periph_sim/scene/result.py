@@ -18,18 +18,19 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 
-# Counts that tell of the simulator, not of the case.
+# The name of a count that describes the work of the simulator, not the case.
 SKIPPED = "polls_skipped"
 
 
 @dataclass
 class Result:
-    """The result of a run. wall_s: seconds of real time of the run, without building the scene.
+    """The result of a run.
 
-    bytes_skipped: I2C bytes of which seven bits were skipped.
-    sci_bytes: characters that others sent to SCIs of units. sci_bytes_sent: characters that SCIs of units sent.
-
-    estimated: units whose cycles between accesses are estimated.
+    wall_s: seconds of real time of the run, without the time to build the scene.
+    bytes_skipped: number of I2C bytes of which seven bits were skipped.
+    sci_bytes: number of characters that other parties sent to SCIs of units.
+    sci_bytes_sent: number of characters that SCIs of units sent.
+    estimated: names of the units whose cycles between accesses are estimated.
     """
 
     case: str
@@ -49,7 +50,7 @@ class Result:
     estimated: list[str] = field(default_factory=list)
     sci_bytes_sent: int = 0
     bytes_skipped: int = 0
-    fidelity: str = "exact"  # the only one; for readers of `--json` of earlier versions
+    fidelity: str = "exact"  # the only value; kept for programs that read `--json` of earlier versions
 
 
 ON_THE_HOST = (
@@ -80,7 +81,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         **scene.units,
         **{name: on_bus.chip for name, on_bus in scene.chips.items()},
     }
-    compared = None if scene.derived is None else scene.derived.bytes  # None unless a budget looks at bytes
+    compared = None if scene.derived is None else scene.derived.bytes  # None unless a budget compares bytes
     return Result(
         case=scene.case.name,
         verdict=FAIL if failed else PASS if verdicts else NOT_JUDGED,
@@ -103,7 +104,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
 
 
 def notes_of(scene: Scene) -> list[str]:
-    """Return the notes on each unit and chip, a line each: broken duties, unmodelled parts, an ended main."""
+    """Return the notes on each unit and chip, one line each: broken duties, unmodelled parts, a main that returned."""
     obsolete = [obsolete_fidelity(scene.case.fidelity)] if scene.case.fidelity else []
     lines = [*obsolete, *scene.case.replaced, *([scene.log_ends_early] if scene.log_ends_early else [])]
     for name, dsp in scene.units.items():
@@ -112,7 +113,9 @@ def notes_of(scene: Scene) -> list[str]:
                 at = scene.timebase.show(tick - scene.start)
                 place = dsp.note_places.get((socket.name, tick))
                 where = f", {place.for_people()}" if place else ""
-                text = note.text.removeprefix(f"{module}: ")  # an SCI names itself, which is in front already
+                text = note.text.removeprefix(
+                    f"{module}: "
+                )  # an SCI's note begins with its name, which the line has already
                 lines.append(f"{name} {module}, first at {at}{where}: {text} [{note.source}]")
         for note, n in dsp.processor.notes.counts.items():
             place = dsp.processor.notes.places.get(note)
@@ -156,7 +159,7 @@ def _missed_rounds(scene: Scene) -> list[str]:
 
 
 def unwired_pins(dsp: Dsp) -> list[str]:
-    """Return notes on pins by GPxMUX at the end of the run; empty if every module in use has its wires."""
+    """Return notes on modules in use whose pins have no wire, by GPxMUX at the end of the run."""
     gpio, part = cast("Gpio", dsp.socket("GPIO").chip), dsp.plan.part
     told = []
     for module in dsp.sockets:
@@ -185,5 +188,5 @@ def _pins(gpio: Gpio, descriptor: ModuleDescriptor, signal: str) -> tuple[int, .
 
 
 def _key(name: str) -> str:
-    """Return a name as a TOML key."""
+    """Return a name as a TOML key, quoted if necessary."""
     return f'"{name}"' if "." in name else name

@@ -3,7 +3,7 @@
     Case --> Scene --run--> Result
              wires SDA, SCL, RX, TX; units; sensor head; host; budgets
 
-It builds only what the case names: no host, no RX wire; no controller, no agent.
+A scene has only the parts that the case names: without a host no wire RX, and without a controller no agent for it.
 """
 
 from __future__ import annotations
@@ -60,10 +60,10 @@ NEEDS = {"rounds": "[controller], or [rounds] for a unit that is the master,"}
 class Scene:
     """A built scene. Deleting it terminates its firmware.
 
-    case: or its plan, where several scenes are built of one.
-    subscribe: called while the scene is built, before anything runs; recorders subscribe there.
-    programs: firmware given as Python functions, by unit; of these units the case's `firmware` is only a name.
-    keep_values: keep all values of measures that have a series of them, for `timing.values`.
+    case: the case, or its plan if several scenes are built from it.
+    subscribe: called while the scene is built, before anything runs, so that recorders can subscribe.
+    programs: firmware given as Python functions, by unit; the case's `firmware` of these units is then only a name.
+    keep_values: keep all values of measures that have a series of values, for `timing.values`.
     sources: inputs of sensor chips as functions of the tick, by chip; they replace the case's `values`.
     restorable: keep a log of the accesses of C sources, so that `restore` need not run the scene from its start.
     """
@@ -103,7 +103,8 @@ class Scene:
         self.kernel = Kernel(self.start)
         self.wires = self.WIRES(self.kernel, self.recorder)
         self.units: dict[str, Dsp] = {}
-        # What is built holds no scene: firmware that waits, whose stack no garbage collection sees, would keep it.
+        # No part of a scene refers to the scene itself. The stack of waiting firmware refers to parts, and the garbage
+        # collector does not see this stack, so a scene that parts refer to would never be deleted.
         self._close = finalize(self, _let_go, self.recorder, self.units)
         self._close.atexit = False
         self.firmware: dict[str, Firmware] = {}  # by unit
@@ -117,10 +118,10 @@ class Scene:
         self.truth: Truth | None = None
         self.model: FirmwareModel | None = None  # the model with which firmware computes the data of chips
         self.frames: FrameSource | None = None  # source of the frames of the host; None if it sends a ramp
-        self._counter: BusRecorder | None = None  # counts the bytes on the wires, if needed
+        self._counter: BusRecorder | None = None  # counts the bytes on the wires; None if the agent counts them
         self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
-        self.log_ends_early = ""  # a sentence, if [outside] has the log of an unfinished session
+        self.log_ends_early = ""  # a sentence if the log in [outside] is of an unfinished session; else ""
         self.stalled = ""  # a sentence about firmware that let no time pass and so ended the run; "" if there is none
         self.checkpoint: Snapshot | None = None  # the last state at which `restore` can begin with C sources
         self._wall = 0.0  # seconds of real time that the run has taken
@@ -169,7 +170,7 @@ class Scene:
         if case.fault:
             self.faults = parts.faults.build_faults(context, self.wires, self.units)
         self.uart = UartSide(context, self.wires, self.units, self.host_agent, serial, self.measured)
-        self._there = {  # by the names that measures have for the parts that they need
+        self._there = {  # True for each part that this scene has, by its name in measures
             "": True,
             "controller": self.head is not None,
             "rounds": self.bus.asked is not None,
@@ -232,7 +233,7 @@ class Scene:
         taken = {address: name for name, chip in self.chips.items() for address in chip.addresses}
         try:
             self.devices = parts.devices.build_devices(context, self.wires, taken)
-        except FirmwareStalled as stalled:  # in a user's file: the run ends as it begins
+        except FirmwareStalled as stalled:  # the code of a user's device: the run ends at its begin
             self.stalled = str(stalled)
 
     def note_logs(self) -> dict[str, NoteLog]:
@@ -255,8 +256,8 @@ class Scene:
     def bytes_on_bus(self) -> int:
         """Return the number of complete bytes on the I2C bus, including addresses.
 
-        They are counted on the wires if there is no controller agent or if the outside drives the bus, too; else they
-        are taken from the transfers of the agent.
+        They are counted on the wires if there is no controller agent or if the outside also drives the bus; otherwise
+        they are counted from the transfers of the agent.
         """
         if self._counter is not None:
             return self._counter.bytes
@@ -306,8 +307,8 @@ class Scene:
     def state(self) -> Snapshot:
         """Return the state between two runs as plain values by name; times are relative to the present.
 
-        Measures are not part of it. Scenes of images with equal states have equal futures. Of Python firmware and C
-        sources the stack is missing.
+        It does not contain measures, nor the stacks of Python firmware and C sources. Scenes whose units all run images
+        continue equally if their states are equal.
         """
         return parts.state.state_of_scene(self)
 
@@ -317,20 +318,20 @@ class Scene:
         If all units run images, budgets begin anew. Otherwise the scene runs from its start to the snapshot's time,
         since the stack of Python firmware or C sources cannot be restored. If both scenes are `restorable`, C sources
         are re-executed from their log, the scene runs only from shortly before the snapshot, and budgets begin there.
-        NotRestorable, with nothing changed, for a snapshot of another scene, and for C sources that do something else
-        than their log; and after such a run, if it ends in another state.
+        Raise NotRestorable, with nothing changed, for a snapshot of another scene, and if C sources deviate from their
+        log. Raise it also after such a run, if the run ends in another state.
         """
         parts.state.restore_scene(self, snapshot)
 
     def close(self) -> None:
-        """End the firmware where it waits, and notify no subscriber any more. The scene can be read, but not run.
+        """Terminate the firmware and remove all subscribers. The scene can then be read, but not run.
 
-        A scene that is deleted does this by itself, unless one of its own subscribers refers to it.
+        A scene that is deleted is closed automatically, unless one of its own subscribers refers to it.
         """
         self._close()
 
     def finish(self, length: int) -> Result:
-        """End the run and return its result. length: ticks, cut where firmware let no time pass."""
+        """End the run and return its result. length: ticks of the run; fewer count if stalled firmware ended it."""
         length = min(length, self.kernel.now - self.start) if self.stalled else length
         self.kernel.materialize()
         self.bus.finish(self.kernel.now)
@@ -351,7 +352,7 @@ class Scene:
         return [verdict for verdict in found if verdict is not None]
 
     def deadlocks(self) -> list[str]:
-        """Return a sentence for each unit whose firmware waits for what cannot come."""
+        """Return a sentence for each unit whose firmware waits for an event that cannot occur."""
         return parts.deadlock.deadlocks_of(self)
 
 

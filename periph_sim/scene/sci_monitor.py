@@ -1,9 +1,9 @@
 """Records of an SCI's receiver: words waiting, overruns and characters received.
 
-thing      value
-words      words in the receive FIFO; made when they change, or when an overrun flag does
-lost       1; an overrun flag rose: a character was lost
-received   1; a character raised RXFFST, without FIFO RXRDY, or an overrun flag
+thing      value and occasion
+words      number of words in the receive FIFO; when it changes, or when an overrun flag changes
+lost       1; when an overrun flag is set, because a character was lost
+received   1; when a character raises RXFFST (without FIFO: RXRDY) or an overrun flag
 """
 
 # core: compiled
@@ -30,7 +30,7 @@ RXRDY, OE = SCI_MAP["SCIRXST"]["RXRDY"].mask, SCI_MAP["SCIRXST"]["OE"].mask
 
 
 class SciMonitor(ChipObserver):
-    """Looks at a receiver after each of its inputs."""
+    """An observer that reads the registers of a receiver after each of its inputs, and makes records."""
 
     STATE = State("_words _waiting _overrun")
 
@@ -42,7 +42,7 @@ class SciMonitor(ChipObserver):
         self._socket: Socket = dsp.socket(module)
         self._clock: Clock = dsp.clock
         self._words = 0
-        self._waiting = 0  # words, or the one in SCIRXBUF
+        self._waiting = 0  # number of words in the FIFO, or without FIFO of words in SCIRXBUF
         self._overrun = False
         self._socket.watch(self)
 

@@ -49,10 +49,10 @@ def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
 
 
 def _own_measures(case: Case) -> dict[str, str]:
-    """Return the user's own measures: sentences by name, each checked as far as no scene is needed for that.
+    """Return the user's own measures: sentences by name, checked as far as this is possible without a scene.
 
     They are in [measures] of the case and in the file of `measures_from`, as `"late rounds" = "count of record round
-    missed"`. BadCase, with file and line, for an invalid one.
+    missed"`. Raise BadCase, with file and line, for an invalid measure.
     """
     from ..timing.measures.factory import check_measure
     from .case.toml_file import read
@@ -79,14 +79,14 @@ def _own_measures(case: Case) -> dict[str, str]:
 
 
 def _mistake(case: Case, source: Source, name: str, what: str) -> BadCase:
-    """Return an error about a name of the case, or of the file that it names."""
+    """Return an error about the measure of this name, in the case or in the file of `measures_from`."""
     if name in case.measures:
         return case.mistake(what, "measures", name)
     return BadCase(f"{source.where((name,))}: {name}: {what}")
 
 
 class _ImageNames:
-    """Names in an image, which is read with the first question. ValueError for an unknown name."""
+    """Names in an image, which is read with the first question. Raise ValueError for an unknown name."""
 
     known = True
 

@@ -25,12 +25,12 @@ from .devices import NoteLog
 
 
 class ChipOnBus:
-    """A sensor chip on the bus. chip: the chip that its register pointer addresses. log: the notes of the chip."""
+    """A sensor chip on the bus. chip: the model of the chip with its registers. log: the notes of the chip."""
 
     STATE = State("pointer log")
 
     def __init__(self, context: SceneContext, name: str, make: Callable[[int], RegisterChip], powered: int) -> None:
-        """make: returns the chip for the tick at which its supply is switched on."""
+        """make: returns a new chip whose supply is switched on at a given tick."""
         self.log = NoteLog(context, name)
         self._kernel = context.kernel
         self._make = make
@@ -48,10 +48,10 @@ class ChipOnBus:
         return self.pointer.answer(address_byte)
 
     def on_end(self, stop: bool, whole: bool) -> None:
-        """Do nothing: a chip of registers does not use the end of a transfer."""
+        """Do nothing, because a chip with registers does not react to the end of a transfer."""
 
     def power_on(self) -> None:
-        """Replace the chip by one whose supply comes now, with registers as after power-on."""
+        """Replace the chip by a new one whose supply is switched on now, so that its registers have reset values."""
         self.pointer.chip = self._make(self._kernel.now)
 
     def take_notes(self) -> None:
@@ -63,7 +63,7 @@ class ChipOnBus:
 
 
 def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipOnBus:
-    """Return the chip of `[chip.NAME]`, not yet on its wires. source: replaces the case's values, if given.
+    """Return the chip of `[chip.NAME]`, not yet on its wires. source: values in place of those of the case, if given.
 
     Raise BadCase, with its line, for an impossible chip.
     """
@@ -88,7 +88,7 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
             raise case.mistake(str(error), *place, "options", key) from None
 
     guard = UserCode(f"chip {name}", float(case.stall_limit))
-    feels: Source  # chosen by the scale that `registers` set, and asked from the first sample on
+    feels: Source  # set below, because it depends on the scale that `registers` sets; used from the first sample on
 
     def make(powered: int) -> RegisterChip:
         answers = options_from(options, table.options)

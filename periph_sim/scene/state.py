@@ -2,7 +2,7 @@
 
     Scene --modules_of--> {"dsp.SCI-A": socket, "SDA": wire, ...} --take--> Snapshot --restore--> Scene
 
-Measures, and attributes that only reports read, are not part of it. Python firmware and C sources keep a part of their
+Measures, and attributes that only reports read, are not in a snapshot. Python firmware and C sources keep part of their
 state on a stack, so their scenes are run up to the time of the snapshot, and then compared with it. The run begins at
 the start, or, if C sources keep logs of their accesses, at a checkpoint: an earlier snapshot with these logs.
 """
@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 
 NO_PART = ("name", "about", "duration", "budget", "breaks")  # keys of a case that do not affect the state
 DIGEST = 8  # length of a digest, in bytes
-WINDOWS = 10_000  # each second; a run looks for its checkpoint in the last window before its end
+WINDOWS = 10_000  # number of windows in a second; a run searches for its checkpoint in the last window before its end
 
 
 def state_of_scene(scene: Scene) -> Snapshot:
@@ -46,10 +46,12 @@ def state_of_scene(scene: Scene) -> Snapshot:
 
 
 def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
-    """Give a scene that has not run the state of a snapshot: of images by assignment, else by running it up to there.
+    """Give a scene that has not run the state of a snapshot.
 
-    NotRestorable, with nothing changed, for a snapshot of another scene, and for C sources that do something else than
-    their log; and, after the run, if that ends in another state.
+    If all units run images, the state is assigned; otherwise the scene is run up to the time of the snapshot.
+
+    Raise NotRestorable, with nothing changed, for a snapshot of another scene, and if C sources deviate from their log.
+    Raise it also after the run, if the run ends in another state.
     """
     if scene.kernel.events or scene.kernel.now != scene.start:
         raise NotRestorable("the scene has run already; restore the snapshot into one that has just been built")
@@ -86,7 +88,9 @@ def modules_of(scene: Scene) -> dict[str, Module]:
     for name, dsp in scene.units.items():
         found |= _unit_modules(name, dsp, dsp.clock.cycle_at(scene.kernel.now), keys)
     found |= {name: Module(part, keys=keys) for name, part in (parts | scene.wires).items()}
-    found["kernel"] = Module(scene.kernel, keys=keys)  # last, since its events are others' by name
+    found["kernel"] = Module(
+        scene.kernel, keys=keys
+    )  # last, because its events already have the names of their owners' attributes
     return found
 
 
@@ -117,7 +121,7 @@ def _samplers(scene: Scene) -> dict[int, Sampler]:
 
 
 def keep_logs(scene: Scene) -> bool:
-    """Let C sources keep logs of their accesses. Return False for a scene without them, or with Python firmware."""
+    """Make C sources log their accesses. Return False for a scene without C sources or with Python firmware."""
     from ..processor.host_code.access_log import LoggedRun
 
     if not all(dsp.sources is not None or isinstance(dsp.program, ImageProgram) for dsp in scene.units.values()):
@@ -129,9 +133,10 @@ def keep_logs(scene: Scene) -> bool:
 
 
 def run_to_checkpoint(scene: Scene, until: int) -> None:
-    """Run to an instant shortly before tick `until`, if there is one, at which logs of all C sources can end.
+    """Run to an instant in the last window before tick `until` at which the logs of all C sources can end.
 
-    The state at this instant is the scene's checkpoint, unless a part of it cannot be restored.
+    The state at this instant becomes the scene's checkpoint, unless a part of it cannot be restored. If there is no
+    such instant, there is no checkpoint.
     """
     from ..processor.host_code.access_log import log_at_rest
 
@@ -149,7 +154,7 @@ def run_to_checkpoint(scene: Scene, until: int) -> None:
 
 
 def _restore_checkpoint(scene: Scene, checkpoint: Snapshot) -> None:
-    """Restore a checkpoint. Raise NotRestorable, with nothing changed, if C sources do something else than then."""
+    """Restore a checkpoint. Raise NotRestorable, with nothing changed, if C sources deviate from their logs."""
     from ..processor.host_code.access_log import re_execute, restart
 
     fresh, sources = state_of_scene(scene), _sources_of(scene)
@@ -195,7 +200,7 @@ def _operation_key(cpu: ImageCpu, operation: Operation) -> tuple[object, ...] | 
 
 
 def finds_of(scene: Scene) -> dict[str, Finds]:
-    """Return by module, and by class, the function that finds the object of a key."""
+    """Return, for each module and class, the function that finds an object by its key."""
     samplers = _samplers(scene)
     found: dict[str, Finds] = {}
     for module in modules_of(scene):
@@ -230,7 +235,7 @@ def _identity(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _recorded(recorder: Recorder) -> Iterator[object]:
-    """Yield what is recorded of each kind, which decides on what modules keep for it."""
+    """Yield, for each kind, the subjects and things that are recorded, because the state of modules depends on them."""
     for kind in RECORDED:
         subjects = recorder.subjects(kind)
         yield kind.value, recorder.wants(kind), subjects if subjects is None else sorted(subjects)
@@ -242,7 +247,7 @@ def _digest_of_image(image: Image) -> str:
 
 
 def _bytes_of(source: Path) -> bytes:
-    """Return the present contents of a source file; nothing for code that is in no file."""
+    """Return the present contents of a source file; b"" for code that is in no file."""
     try:
         return source.read_bytes()
     except OSError:

@@ -28,7 +28,9 @@ class StuckLines:
         self._timebase = timebase
         self._start = start
         self._units = units
-        self._wire: Wire | None = None  # the line last reported, and how many rounds were over then
+        self._wire: Wire | None = (
+            None  # the line that was reported last; `_after_rounds` is the number of rounds at that time
+        )
         self._after_rounds = 0
 
     def report(self, wire: Wire) -> None:
@@ -40,7 +42,7 @@ class StuckLines:
             self._wire, self._after_rounds = wire, self.head.rounds
 
     def hangs(self) -> bool:
-        """Return True if another party than the controller still holds a line that was reported, in the same round."""
+        """Return True if another party than the controller still holds the line reported last, in the same round."""
         wire, head = self._wire, self.head
         if wire is None or head is None or head.at_rest or head.rounds != self._after_rounds:
             return False
@@ -48,7 +50,7 @@ class StuckLines:
 
 
 def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
-    """Return what a unit's firmware does now, as a phrase. start: the tick from which its times are counted."""
+    """Return a phrase for what a unit's firmware does now. start: the tick from which times are counted."""
     if dsp.program.returned_at is not None:
         return "has returned from main"
     spin = dsp.program.spin

@@ -1,7 +1,7 @@
 """Observers of UART lines: records of frames and of characters to SCIs.
 
-A frame is read as its sender sends it: the host's with its bit rate, a unit's as the SCI is set whose TX is on the
-wire; if no sender is known, with the settings of the SCI whose RX is on it.
+A frame is read with the rate and format of its sender: those of the host, or the settings of the SCI whose TX is on the
+wire. If no sender is known, it is read with the settings of the SCI whose RX is on the wire.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ SCICCR = SCI_MAP["SCICCR"]
 
 
 class UartLines:
-    """Observes the UART lines. senders: by wire, rate and format of a party that is no unit, such as the host on RX."""
+    """Observers of the UART lines. senders: by wire, rate and format of a sender that is no unit, such as the host."""
 
     def __init__(
         self,
@@ -49,7 +49,7 @@ class UartLines:
     def record_characters(self, recorder: Recorder) -> None:
         """Record the start bit of each character to an SCI, once for each SCI that it goes to.
 
-        The record is made as `UartCounter` finds the character, when the next one begins or the run ends.
+        The record is made when the next character begins or the run ends, because `UartCounter` detects it then.
         """
         for name in self._heard:
             self._counter(name).topics.append(recorder.topic(Kind.RECEIVER, name, "character"))
@@ -72,20 +72,20 @@ class UartLines:
 
 
 def sci_line(context: SceneContext, dsp: Dsp, module: str) -> tuple[Fraction, UartFormat]:
-    """Return the ticks of a bit, and the format, that an SCI is set to now."""
+    """Return the length of a bit in ticks and the frame format, by an SCI's present settings."""
     return _ticks_and_format(context.timebase.per_second, *_settings(dsp, module))
 
 
 def line_of(dsp: Dsp, module: str = "SCI-A") -> uart_line.Line:
-    """Return the rate and format that an SCI of a unit is set to."""
+    """Return rate and format by the present settings of an SCI."""
     return _line(*_settings(dsp, module))
 
 
 def _settings(dsp: Dsp, module: str) -> tuple[int, int, Fraction, int]:
-    """Return SCICCR; SCIHBAUD and SCILBAUD as one number; SYSCLKOUT in Hz, and the divider of LSPCLK.
+    """Return (SCICCR, SCIHBAUD and SCILBAUD as one number, SYSCLKOUT in Hz, divider of LSPCLK).
 
-    Only writes change these registers. They are read as of cycle 0, for which the chip does nothing: asked for now, it
-    would do what is due now before its turn in this tick, and subscribers to its flags would not be notified.
+    The registers are read at cycle 0, which is correct since only writes change them. A read at the present cycle would
+    advance the chip before its turn in this tick, and subscribers to its flags would not be notified.
     """
     chip = dsp.socket(module).chip
     ccr = chip.peek(0, SCICCR.offset)
@@ -93,7 +93,7 @@ def _settings(dsp: Dsp, module: str) -> tuple[int, int, Fraction, int]:
     return ccr, brr, dsp.control.sysclk_hz, dsp.control.lspclk_divider
 
 
-# Kept, since each frame of each line asks and settings hardly ever change.
+# Cached, because it is called for each frame of each line, and settings hardly ever change.
 @lru_cache(64)
 def _ticks_and_format(
     per_second: int, ccr: int, brr: int, sysclk_hz: Fraction, divider: int

@@ -43,7 +43,7 @@ class UartSide:
         self._recorder = context.recorder
         self._pairs: Pairs | None = None
         self._lines: UartLines | None = None
-        self._counted: dict[str, int] = {}  # characters from outside, by wire
+        self._counted: dict[str, int] = {}  # number of characters from outside, by wire
         self._sent: dict[str, int] = {}
         senders = {} if host is None else {"RX": host.line}
         if serial is not None or context.case.transceiver:
@@ -101,7 +101,7 @@ class UartSide:
             self._lines.finish(now)
 
     def record_receivers(self) -> None:
-        """Record what the receivers of SCIs do, and the characters that are sent to them."""
+        """Start recording the waiting words and losses of SCIs' receivers, and the characters that are sent to them."""
         from .sci_monitor import SciMonitor
 
         for sci in self._scis:

@@ -1,6 +1,6 @@
 """A unit of a case: the F28335 that a [unit.NAME] table describes, with its firmware started.
 
-Case --unit_plan--> DspPlan, of all scenes of the case --build_unit--> Dsp with its firmware, of one scene
+Case --unit_plan--> DspPlan, shared by all scenes of the case --build_unit--> Dsp with its firmware, for one scene
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 
 class FirmwareModel(Protocol):
-    """Firmware with a model, as a scene uses it."""
+    """Interface of the model with which firmware computes the data of chips."""
 
     def check(self, case: Case, unit: str) -> None:
         """Raise BadCase if the case does not meet the requirements of the model."""
@@ -53,7 +53,7 @@ class FirmwareModel(Protocol):
 
 
 def firmware_model_of(settings: object) -> FirmwareModel | None:
-    """Return the model of a firmware with these settings; None if it has none, since they name no `sensors`."""
+    """Return the model of a firmware with these settings; None if the settings have no `sensors`, and so no model."""
     if getattr(settings, "sensors", None) is None:
         return None
     return cast("FirmwareModel | None", registered("firmware model").firmware_model(settings))
@@ -99,9 +99,9 @@ def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
 def build_unit(
     context: SceneContext, name: str, plan: DspPlan, program: Firmware | None
 ) -> tuple[Dsp, Firmware, FirmwareModel | None]:
-    """Return a unit, its firmware, which is started, and the model by which it computes the data of chips, or None.
+    """Return a unit, its started firmware, and the model by which the firmware computes the data of chips, if any.
 
-    program: instead of the case's firmware. BadCase for wrong firmware.
+    program: firmware in place of the case's. Raise BadCase if the firmware cannot be loaded or its settings are wrong.
     """
     case, unit = context.case, context.case.unit[name]
     wires = {pin: context.wire(wire) for pin, wire in context.wiring.pins[name].items()}
@@ -118,7 +118,7 @@ def build_unit(
     try:
         settings = guard(settings_for, firmware, separate(unit.settings))
     except BadSetting as error:
-        inside = (error.name,) if error.name else ()  # none: about several together
+        inside = (error.name,) if error.name else ()  # no name if several settings do not fit together
         raise case.mistake(str(error), "unit", name, "settings", *inside) from None
     model = guard(firmware_model_of, settings)
     if model is not None:
@@ -178,7 +178,7 @@ def _no_python(dsp: Dsp, settings: object) -> None:
 
 
 def _module_options(case: Case, name: str, unit: Unit, part: Part) -> dict[str, Answers]:
-    """Answers for the modules of a unit, by group. A group that no module needs is checked if it is given."""
+    """Return the answers for the modules of a unit, by group. Given groups that no module needs are checked, too."""
     known = part.options_groups
     for group in unit.options:
         if group not in known:
@@ -193,7 +193,7 @@ def _module_options(case: Case, name: str, unit: Unit, part: Part) -> dict[str, 
 
 
 def options_of(case: Case, kind: type[T], given: dict[str, Value], unit: str, group: str) -> T:
-    """Return the answers to open questions. Each is checked by itself, so that a mistake is reported with its line."""
+    """Return the answers to open questions. Each is checked separately, so that a mistake is reported with its line."""
     for name, value in given.items():
         try:
             options_from(kind, {name: value})

@@ -1,4 +1,4 @@
-"""Watchers of wires, built from [watch.NAME] tables and the measures that they feed.
+"""Watchers of wires, built from [watch.NAME] tables; each passes deviations to a measure.
 
 Wire --edges--> Edges | Blink | ... --deviations--> WatchedWire, a measure
 """

@@ -19,7 +19,7 @@ Access = Literal["read", "write", "any"]
 
 
 class Strikes(Table, frozen=True, kw_only=True):
-    """Bytes that a stretch or a fault affects, and the time span."""
+    """Conditions that a byte must meet for a stretch or a fault to affect it, and the time in which it can."""
 
     bytes: tuple[ByteNumber, ...] = ()
     access: Access = "any"
@@ -30,7 +30,7 @@ class Strikes(Table, frozen=True, kw_only=True):
 
 
 class StretchTable(Strikes, frozen=True, kw_only=True):
-    """Bytes that are stretched, and the length. A text is a length alone: each byte, including the address."""
+    """Bytes that are stretched, and the length. A text is only the length: it stretches each byte, address included."""
 
     length: DurationRange
 
@@ -41,11 +41,11 @@ def _length_alone(value: object) -> object:
 
 STRETCH = Annotated[StretchTable, Before(_length_alone, DurationRange | StretchTable)]
 OWN = {"nack": (), "wrong": ("value",), "flip": ("bit",), "hold": ("length", "clocks"), "off": ()}
-WHICH_BYTES = ("bytes", "access", "phases", "share")  # keys that an outage does not have, since it affects all bytes
+WHICH_BYTES = ("bytes", "access", "phases", "share")  # keys that kind = "off" does not have, since it affects all bytes
 
 
 class DeviceFault(Strikes, frozen=True, kw_only=True):
-    """A way in which a device is faulty: `kind`, when, and the keys of that kind."""
+    """A fault of a device: its `kind`, the bytes and the time that it affects, and the keys of that kind."""
 
     kind: Literal["nack", "wrong", "flip", "hold", "off"]
     value: Byte | None = None
@@ -71,7 +71,7 @@ class DeviceFault(Strikes, frozen=True, kw_only=True):
 
 
 class BusParty(Table, frozen=True, kw_only=True):
-    """Keys of every target on SDA and SCL. output_delay: UM10204 section 3.1.1, hold time of its own SDA."""
+    """Keys of every target on SDA and SCL. output_delay: the time from a fall of SCL to the target's change of SDA."""
 
     output_delay: Length = Fraction(300, 10**9)
     stretch: STRETCH | None = None
@@ -79,7 +79,7 @@ class BusParty(Table, frozen=True, kw_only=True):
 
 
 class DeviceTable(BusParty, frozen=True, kw_only=True):
-    """A device of `devices.targets`, or of a Python file. Its model adds keys of its own to these."""
+    """A device. model: the name of a model in `devices.targets`, or a Python file. The model adds keys of its own."""
 
     OTHERS = "own"
 

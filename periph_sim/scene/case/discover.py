@@ -1,8 +1,8 @@
 """Search for the case files in a folder and its sub-folders.
 
-A folder of cases may be any repository, with a pyproject.toml and a virtual environment in it. A case is recognized
-from other TOML by its tables, and is found even where its TOML is broken, so that `check` reports it instead of
-passing over it.
+The folder may be a whole repository, with a pyproject.toml and a virtual environment in it. A case is distinguished
+from other TOML files by the headers of its tables. A case with invalid TOML is found, too, so that `check` reports it
+instead of ignoring it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def is_case(path: Path) -> bool:
 
 
 def is_searched(folder: Path) -> bool:
-    """Return False if the folder is hidden, a virtual environment, or one of installed or compiled things."""
+    """Return False for a folder that is hidden, a virtual environment, or contains installed or compiled files."""
     return not folder.name.startswith(".") and folder.name not in NOT_SEARCHED and not (folder / "pyvenv.cfg").exists()
 
 

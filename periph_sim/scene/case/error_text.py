@@ -26,14 +26,15 @@ def explain(source: Source, error: BadTable, tree: object = None, above: Place =
 
 
 def complaint(first: Mistake) -> str:
-    """Return what is wrong with a value, and the value, as a phrase."""
+    """Return a phrase that says what is wrong with a value, and quotes the value if it helps."""
     if first.known is not None:
         return f"there is no such key; {did_you_mean(str(first.place[-1]), first.known)}"
     if first.is_missing:
         return "it is missing"
     found = repr(first.found)
     told = first.found is NOTHING
-    # The message of a check may quote the value already. A BadCase is about a file that the value names.
+    # The value is not quoted if the message of the check already quotes it, or if the message is a BadCase, which is
+    # about a file that the value names.
     if first.error is not None:
         told |= found in first.what or "but it is" in first.what or isinstance(first.error, BadCase)
         told |= isinstance(first.found, dict)

@@ -1,11 +1,11 @@
 """The JSON schema of case files, for editors.
 
-All of it is read from the models: the tables of `Case`, the kinds of faults and motions with their settings, and the
-options of a unit. Only the firmware knows its settings, so the schema allows any keys in that table.
+The schema is derived from the tables of `Case`, the kinds of faults and motions with their settings, and the options
+of a unit. Only the firmware knows its settings, so the schema allows any keys in that table.
 
     int, Annotated[...], a `Table` ... --schema_of--> {"type": "integer"} ...
 
-Tables inside are written once each, in `definitions`. Only the loader checks what a schema cannot express.
+Each inner table is written once, in `definitions`. What a schema cannot express is checked only when a case is loaded.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ PLAIN: dict[Any, Schema] = {
 
 
 def schema_of(annotation: Any, definitions: Schema) -> Schema:
-    """Return the JSON type of what a file may contain for a value of this type."""
+    """Return the schema of the values that a file may contain for this type. Add its tables to `definitions`."""
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
         return _annotated(arguments[0], arguments[1:], definitions)
@@ -66,7 +66,7 @@ def schema_of(annotation: Any, definitions: Schema) -> Schema:
             "minItems": len(entries),
             "maxItems": len(entries),
             "items": entries,
-        }  # as draft 7 says it
+        }  # the form of a tuple in draft 7
     if origin in (tuple, list):
         return {"type": "array", "items": schema_of(arguments[0], definitions)}
     if origin in (dict, Mapping):
@@ -89,7 +89,7 @@ def _annotated(kind: Any, checks: tuple[Any, ...], definitions: Schema) -> Schem
             limits = {"minItems": check.min_length} if check.min_length is not None else {}
             limits |= {name: getattr(check, of) for of, name in LIMITS.items() if getattr(check, of) is not None}
             fits = schema["type"] != "string" or ("minimum" not in limits and "maximum" not in limits)
-            schema = schema | limits if fits else schema  # limits of a text count in what it says
+            schema = schema | limits if fits else schema  # no numeric limits of a text: they apply to its value
     return schema
 
 
@@ -127,7 +127,7 @@ def _property(key: Key, definitions: Schema) -> Schema:
     return {**schema, "default": told}
 
 
-DIALECT = "http://json-schema.org/draft-07/schema#"  # editors of TOML know nothing newer
+DIALECT = "http://json-schema.org/draft-07/schema#"  # the newest draft that editors of TOML support
 
 
 def case_schema() -> Schema:

@@ -1,7 +1,7 @@
 """Loading of cases: TOML and `key=value` changes are read into a checked `Case`.
 
 text --> tree of TOML --> Case
-change of host.jitter --> the table [host] is read and checked anew; all others are the same objects (`CaseFile`)
+change of host.jitter --> the table [host] is read and checked again; all other tables are shared (`CaseFile`)
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ class UnknownKey(BadCase):
 def load(path: Path | str, changes: list[str] | None = None) -> Case:
     """Return the case in a file, with `key=value` changes applied. Raise BadCase with one sentence if it is wrong.
 
-    Paths of firmware files count from the folder of the case, wherever the command was started.
+    Paths of firmware files are relative to the folder of the case, wherever the command was started.
     """
     path = Path(path)
     case, changeable = _loaded(path, text_of(path, "case"), tuple(changes or ()))
@@ -70,7 +70,7 @@ def _case_in(source: Source, tree: dict[str, Any]) -> Case:
 
 
 def built(case: Case, source: Source) -> Case:
-    """Return a checked case of a source without the parties that its [outside] replaces."""
+    """Return a checked case with its source, and without the parties that its [outside] replaces."""
     case = case.from_source(source)
     if case.outside is None:
         return case
@@ -85,7 +85,7 @@ def case_of(tree: dict[str, Any], path: Path) -> Case:
 
 
 def refusal(source: Source, error: BadTable, tree: object) -> BadCase:
-    """Return the error to raise for the mistakes in a case."""
+    """Return the BadCase to raise for the mistakes in a case. tree: the data that was checked."""
     kind = BadCase if error.first.known is None else UnknownKey
     return kind(explain(source, error, tree))
 
@@ -133,8 +133,8 @@ def _check_name(source: Source, name: str, place: Place) -> None:
 def apply(tree: dict[str, object], change: str) -> Place:
     """Set one key of a case, as in "unit.dsp.settings.model_cost=400 us", and return its place.
 
-    The value is read as TOML, or as text where it is none; and where TOML would take underscores out of a number: an
-    option may be called 3_4_5. BadCase if the change is not of that form.
+    The value is read as TOML; if it is not valid TOML, it is a text. A number with underscores is a text, too, because
+    an option may be called 3_4_5. Raise BadCase if the change does not have this form.
     """
     key, found, value = change.partition("=")
     names = [name.strip() for name in key.split(".")]
@@ -168,7 +168,7 @@ def apply(tree: dict[str, object], change: str) -> Place:
 
 
 def _child(table: object, name: str, change: str) -> tuple[str | int, object]:
-    """Return the key or index of the named child, and the child. A missing table is added, empty."""
+    """Return the key or index of the named child, and the child. If a table is missing, add an empty one."""
     if isinstance(table, list):
         number = _index(table, name, change)
         return number, _not_a_value(table[number], name, change)
@@ -195,10 +195,10 @@ BUDGETS = frozenset(("serial", "watch", "budget"))  # keys that decide which bud
 
 
 class CaseFile:
-    """A case file as it was read, and the cases that changes make of it.
+    """A case file as it was read. It makes cases with different changes.
 
     The cases share their tables: a dict or a list in them must not be changed.
-    changes: applied to the file first, as `--set` has them. BadCase if the file cannot be read.
+    changes: the `key=value` texts that are applied to every case first. Raise BadCase if the file cannot be read.
     """
 
     def __init__(self, path: Path | str, changes: Sequence[str] = ()) -> None:
@@ -208,16 +208,16 @@ class CaseFile:
 
     @cached_property
     def case(self) -> Case:
-        """The case without further changes. BadCase if there is none."""
+        """The case without further changes. Raise BadCase if the file is not a valid case."""
         return _loaded(self.path, self._text, self.changes)[0]
 
     def changed(self, changes: Sequence[str]) -> Case:
-        """Return the case with changes applied behind those of this object. BadCase as of `load`."""
+        """Return the case with these changes applied after those of this object. Raise BadCase as `load` does."""
         if not changes:
             return self.case
         try:
             found = None if self.case.outside is not None else self._changed(changes)
-        except ValueError:  # of the unchanged case, or of this one: the whole of it tells which
+        except ValueError:  # the unchanged or the changed case is invalid; loading it as a whole shows which
             found = None
         return _loaded(self.path, self._text, (*self.changes, *changes))[0] if found is None else found
 

@@ -1,6 +1,6 @@
 """The data of a case: the parts of the scene, the schedule of each party, and the budgets that must hold.
 
-The tables of a case file are the classes below; a key that none of them has is refused.
+Each table of a case file is one of the classes below, whose fields are its keys. Unknown keys are rejected.
 """
 
 from __future__ import annotations
@@ -45,11 +45,11 @@ class BadCase(ValueError):
     """A case file that cannot be run; the message is one sentence for the user."""
 
 
-SHORTEST_ROUND = Fraction(1, 1_000_000)  # seconds: a byte at 5 MHz takes longer
+SHORTEST_ROUND = Fraction(1, 1_000_000)  # minimum seconds of a round: a byte at 5 MHz takes longer
 
 
 class RequestTable(Table, frozen=True, kw_only=True):
-    """One request of a round: `chip` names a known sensor, or address, pointer and count are given."""
+    """One request of a round. It has either `chip`, the name of a known sensor, or `address`, `pointer` and `count`."""
 
     chip: str | None = None
     name: str | None = None
@@ -70,7 +70,7 @@ class RequestTable(Table, frozen=True, kw_only=True):
 
 
 class Controller(Table, frozen=True, kw_only=True):
-    """The sensor head, or any other I2C controller that asks in rounds. ppm: error of the clock of all its times."""
+    """The sensor head, or another I2C controller that makes requests in rounds. ppm: error of its clock."""
 
     rate: BusRate = Fraction(100_000)
     ppm: Ppm = Fraction(0)
@@ -87,14 +87,14 @@ class Controller(Table, frozen=True, kw_only=True):
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
     initialise: Length | None = None  # time before the first round at which chips are set up; None: no chip is set up
-    check: Literal["expect", "host"] = "expect"  # what "wrong bytes" compares with
-    on_nack: Literal["go on", "give up"] = "go on"  # with the next phase of a transfer, where a written byte is refused
+    check: Literal["expect", "host"] = "expect"  # source of the bytes that "wrong bytes" compares with
+    on_nack: Literal["go on", "give up"] = "go on"  # after a refused data byte: the next phase follows, or a STOP
     stuck_after: Length = Fraction(25, 1000)
     clear_after: Length | None = None  # None: the bus is never cleared
-    beside_outside: bool = False  # stays where the outside drives SDA and SCL; else the outside replaces it
+    beside_outside: bool = False  # True: it stays if the outside drives SDA and SCL, instead of being replaced
 
     def as_rounds(self) -> RoundsTable:
-        """Return its requests as [rounds], for a bus on which another controller takes its place."""
+        """Return its requests as [rounds], for a bus on which another controller replaces it."""
         same = ("order", "request", "period", "rounds", "pointer_by", "check", "stuck_after")
         return RoundsTable(**{name: getattr(self, name) for name in same})
 
@@ -112,15 +112,15 @@ class Controller(Table, frozen=True, kw_only=True):
 
 
 class RoundsTable(Table, frozen=True, kw_only=True):
-    """The requests of a master that is no [controller]; measures of rounds recognize its rounds on the bus by them."""
+    """The expected requests of a master that is no [controller]. Measures of rounds recognize its rounds by them."""
 
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
     period: Length
     rounds: Annotated[int, Meta(ge=1)] | None = None
     pointer_by: Literal["repeated START", "STOP"] = "repeated START"
-    check: Literal["expect", "host"] = "expect"  # as in [controller]
-    ack_polling: bool = False  # a write of the address alone is no request
+    check: Literal["expect", "host"] = "expect"  # see [controller]
+    ack_polling: bool = False  # True: a write of only the address polls an EEPROM and is no request
     stuck_after: Length = Fraction(25, 1000)
 
     def check_together(self, given: Set[str]) -> None:
@@ -129,7 +129,11 @@ class RoundsTable(Table, frozen=True, kw_only=True):
 
 
 class ValueTable(Table, frozen=True, kw_only=True):
-    """Input of a sensor chip. rows: a time and x, y, z, held until the next row. ramp: numbers of the host's frames."""
+    """Input of a sensor chip: one of `fixed`, `rows` and `ramp`.
+
+    rows: a time and the values x, y, z, which hold until the time of the next row.
+    ramp: the numbers of the host's frames, in LSB: "angles" or "accelerations".
+    """
 
     fixed: Axes | None = None
     rows: tuple[tuple[Duration, Exact, Exact, Exact], ...] = ()
@@ -146,9 +150,14 @@ class ValueTable(Table, frozen=True, kw_only=True):
 
 
 class ChipTable(BusParty, frozen=True, kw_only=True):
-    """A sensor chip on SDA and SCL. registers: written before the run, by name. powered: for how long it was then."""
+    """A sensor chip on SDA and SCL.
 
-    model: str  # of `devices.chips`
+    model: the name of a model in `devices.chips`.
+    registers: values of registers by name, which are written before the run.
+    powered: the time since power-up when the run begins.
+    """
+
+    model: str
     address: Address | None = None  # None: the first address that the chip can have
     values: ValueTable
     registers: dict[str, Byte] = {}
@@ -157,9 +166,10 @@ class ChipTable(BusParty, frozen=True, kw_only=True):
 
 
 class OutsideTable(Table, frozen=True, kw_only=True):
-    """wires: those that others move, by `periph_sim.outside.Session`: a simulator, a serial port, a driver.
+    """Wires that a party outside of the case drives by `periph_sim.outside.Session`, such as a simulator or a driver.
 
-    log: of such a session, from the case's folder: a run moves them again as they were moved there.
+    wires: the names of these wires.
+    log: the log of such a session, relative to the case's folder. A run then drives the wires as the log says.
     """
 
     wires: Annotated[tuple[str, ...], Meta(min_length=1)]
@@ -167,12 +177,15 @@ class OutsideTable(Table, frozen=True, kw_only=True):
 
 
 class HostTable(Table, frozen=True, kw_only=True):
-    """The host that sends frames over the UART. ppm: error of the clock that schedules them; error: of its bit rate.
+    """The host that sends frames over the UART.
 
-    lose: [frame, byte] pairs not sent. silent: [begin, length] of spans without the begin of a frame.
-    twice: frames sent two times.
-    motion: `kind`, the name of a motion, and that motion's settings. encoding: settings of its values in a frame. Both
-        are defined by the module of the frames (`devices.host_frames`).
+    ppm: error of the clock by which frames are scheduled.
+    error: error of the bit rate.
+    lose: pairs [frame, byte] of bytes that are not sent.
+    silent: pairs [begin, length] of spans in which no frame begins.
+    twice: the numbers of frames that are sent twice.
+    motion: `kind`, the name of a motion, and that motion's settings.
+    encoding: settings of the motion's values in a frame. The module of the frames (`devices.host_frames`) defines both.
     """
 
     baud: Annotated[int, Meta(ge=1, le=10_000_000)] = 115_200
@@ -182,7 +195,7 @@ class HostTable(Table, frozen=True, kw_only=True):
     period: Length = Fraction(20, 1000)
     jitter: Duration = Fraction(0)
     paced_by: Literal["schedule", "pause"] = "schedule"
-    gap: Bits = Fraction(0)  # bits between bytes
+    gap: Bits = Fraction(0)  # number of idle bits between bytes
     frames: Annotated[int, Meta(ge=0)] | None = None
     lose: tuple[tuple[int, int], ...] = ()
     silent: tuple[tuple[Duration, Duration], ...] = ()
@@ -202,13 +215,14 @@ def _begins_in_order(table: Controller | HostTable) -> None:
 
 
 class Case(Table, frozen=True, kw_only=True):
-    """fault: the settings of a kind of `bus.faults` each, which is its `kind`.
+    """A case: the parts of a scene, how long it runs, and the budgets that must hold.
 
-    disable: optimizations that are off. fidelity: a level of earlier versions, which has no effect.
-
-    measures, measures_from: sentences of the user's own by name, and a file of more.
-
-    breaks: names of the budgets that a known bug breaks; `periph-sim check` passes only if exactly those do."""
+    fault: the faults on wires, each with its `kind` in `bus.faults` and the settings of that kind.
+    disable: the optimizations that are switched off.
+    fidelity: a level of earlier versions, which has no effect.
+    measures: measures that the user defines, as sentences by name. measures_from: a file with more of them.
+    breaks: names of the budgets that a known bug breaks. `periph-sim check` passes only if exactly these are broken.
+    """
 
     name: str
     about: str = ""
@@ -236,18 +250,18 @@ class Case(Table, frozen=True, kw_only=True):
     budget: tuple[Budget, ...] = ()
     breaks: tuple[str, ...] = ()
     _source: Source | None = None
-    _all_budgets: tuple[Budget, ...] = ()  # those of its file, if `budget` lacks some of them
-    _replaced: dict[str, str] = {}  # by party: see `outside_parties`
+    _all_budgets: tuple[Budget, ...] = ()  # all budgets of the file, if `budget` lacks some of them
+    _replaced: dict[str, str] = {}  # for each replaced party, the sentence of `outside_parties` about it
 
     @classmethod
     def model_validate(cls, tree: object) -> Case:
-        """Return the case of a tree. BadTable if the tree is not valid."""
+        """Return the case in a tree. Raise BadTable if the tree is not valid."""
         return convert(cls, tree).completed()
 
     def completed(self) -> Case:
         """Return this case with one more budget for each reply that it expects and each wire that it watches.
 
-        BadTable for what contradicts another table.
+        Raise BadTable if a table contradicts another one.
         """
         case = self.model_copy(update={"budget": with_watches(with_replies(self.budget, self.serial), self.watch)})
         known = [budget.name for budget in case.budget]
@@ -275,12 +289,12 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def folder(self) -> Path:
-        """The folder of its file, from which paths in it count; the present one if it came from no file."""
+        """The folder of its file, to which paths in it are relative; the present folder if it came from no file."""
         return Path() if self._source is None else self._source.path.parent
 
     @property
     def file(self) -> Path | None:
-        """Its file; None if it came from none."""
+        """The path of its file; None if it did not come from a file."""
         return None if self._source is None else self._source.path
 
     def files(self) -> Iterator[Path]:
@@ -296,7 +310,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def replaced(self) -> tuple[str, ...]:
-        """A sentence for each party of the file that an outside party replaces."""
+        """A sentence for each party of the file that an outside party has replaced."""
         return tuple(self._replaced.values())
 
     @property
@@ -312,7 +326,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def recorded_modules(self) -> dict[str, tuple[str, ...]]:
-        """The list that a recording has for each unit: its modules, and the wires of other pins than the usual ones."""
+        """For each unit, the entries that a recording lists: its modules, and the wires of its other pins."""
         usual = ("SDA", "SCL", "RX", "TX")
         wires = {name: dict.fromkeys(pins.values()) for name, pins in wiring_of(self).pins.items()}
         told: set[str] = set()
@@ -348,9 +362,9 @@ class Case(Table, frozen=True, kw_only=True):
         }
 
     def _written(self, place: tuple[str | int, ...]) -> tuple[str | int, ...]:
-        """Return a place as it is in the file, with the budgets that were left out.
+        """Return the place in the file for a place in this case, from which some budgets may have been left out.
 
-        The place of a budget made of an expected reply or a watch is that of the reply or the watch.
+        A budget that was made from an expected reply or a watch has the place of the reply or the watch.
         """
         if len(place) < 2 or place[0] != "budget":
             return place

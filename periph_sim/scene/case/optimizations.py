@@ -32,7 +32,7 @@ def _checked_names(value: object) -> object:
 
 
 def _checked_level(value: object) -> object:
-    """Accept what named a level of fidelity in earlier versions."""
+    """Return the levels of fidelity in a value of earlier versions, as a text. Raise ValueError for other values."""
     levels = [*_levels(value)] if isinstance(value, dict) else [value]
     for level in levels:
         if isinstance(level, str) and level in removed.LEVELS:
@@ -59,5 +59,5 @@ def is_on(name: str, disabled: Sequence[str]) -> bool:
 
 
 def obsolete_fidelity(level: str) -> str:
-    """Return the note of a case that names a level of fidelity."""
+    """Return a note for a case with the key `fidelity`: the key is obsolete."""
     return f'fidelity = "{level}" is obsolete and has no effect: every run is exact; leave it out'

@@ -1,4 +1,4 @@
-"""Origins of the values in a case: "file, line N", or the `--set` that wrote the value; the files that they name."""
+"""Origins of the values in a case ("file, line N", or the `--set` that wrote the value), and the files they name."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ Place = tuple[str | int, ...]  # keys and entry numbers from the top of a case d
 
 
 class Source(Struct, frozen=True):
-    """A case's file and what was made of it.
+    """The file of a case, and the changes that were applied to it.
 
-    text: the file as it was read.
-    changes: the `key=value` texts applied to it since, and what each changed.
-    values: the texts in its tables after the changes.
+    text: the text of the file as it was read.
+    changes: the `key=value` texts that were applied, each with the place that it changed.
+    values: all texts in the tables after the changes.
     """
 
     path: Path
@@ -85,7 +85,11 @@ def line_of(text: str, place: Place) -> int:
     return best
 
 
-BESIDE = {".py": "*.py", ".asm": "*.inc", ".c": "*.h"}  # what a source may read from its own folder
+BESIDE = {
+    ".py": "*.py",
+    ".asm": "*.inc",
+    ".c": "*.h",
+}  # for a suffix, the files of its folder that a source may import or include
 LONGEST = 200  # maximum number of characters of a path
 
 
@@ -101,7 +105,7 @@ def texts_in(tree: object) -> Iterator[str]:
 
 
 def named_files(folder: Path, texts: Iterable[str]) -> Iterator[Path]:
-    """Yield the path that each text would be below `folder`, and the files beside it, or in it, that may be read."""
+    """Yield the path that each text may name below `folder`, and the files that it may import or include."""
     for text in texts:
         if len(text) >= LONGEST or "\0" in text:
             continue
@@ -109,5 +113,5 @@ def named_files(folder: Path, texts: Iterable[str]) -> Iterator[Path]:
         yield file
         if file.suffix in BESIDE:
             yield from file.parent.glob(BESIDE[file.suffix])
-        elif file.is_dir():  # a folder of headers
+        elif file.is_dir():  # it may be a folder of headers
             yield from file.glob("*.h")

@@ -1,4 +1,4 @@
-"""Kinds of values in case files: numbers, lengths, addresses and rates with their limits."""
+"""Types of values in case files: numbers, lengths of time, addresses and rates, with their limits."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def _scalar(value: object) -> object:
 
 
 def _by_variable(value: object) -> object:
-    """Members of structures by their full names: { timer = { count = 3 } } is { "timer.count" = 3 }."""
+    """Return values by the full names of variables: { timer = { count = 3 } } becomes { "timer.count" = 3 }."""
     if not isinstance(value, Mapping):
         return value
     flat: dict[str, object] = {}
@@ -48,8 +48,8 @@ Answer = Annotated[Value, Before(_scalar)]  # an answer to an open question
 Length = Annotated[Duration, After(_above_zero)]
 Address = Annotated[int, Meta(ge=0, le=0x7F)]
 Byte = Annotated[int, Meta(ge=0, le=0xFF)]
-BusRate = Annotated[Frequency, Meta(le=5_000_000)]  # the fastest mode of UM10204
-Crystal = Annotated[Frequency, Meta(ge=4_000_000, le=150_000_000)]  # SPRS439: X1/X2 and XCLKIN
+BusRate = Annotated[Frequency, Meta(le=5_000_000)]  # hertz, up to the fastest mode of UM10204
+Crystal = Annotated[Frequency, Meta(ge=4_000_000, le=150_000_000)]  # hertz at X1/X2 or XCLKIN, limits of SPRS439
 Ppm = Annotated[Exact, Meta(ge=-100_000, le=100_000)]
 RateError = Annotated[Exact, Meta(ge=-50, le=50)]
 Bits = Annotated[Exact, Meta(ge=0)]

@@ -1,8 +1,8 @@
-"""The serial tables of a case: what is sent to SCIs from outside, and which replies must come when.
+"""The serial tables of a case: data that is sent to SCIs from outside, and replies that must follow in time.
 
-[serial] ------------ how characters are made, unless an entry says otherwise
-[[serial.send]] ----- what is sent, to which SCI, when
-[[serial.expect]] --- what must come from which SCI, by when; judged as a budget of the measure reply:NAME
+[serial] ------------ rate and format of characters, unless an entry has its own
+[[serial.send]] ----- data to send, the receiving SCI, and the time
+[[serial.expect]] --- a reply, the sending SCI, and the time limit; judged as a budget of the measure reply:NAME
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ def _only_one(table: Table, what: str, keys: tuple[str, ...], names: tuple[str, 
 
 
 class SendTable(Table, frozen=True, kw_only=True):
-    """One thing to send. wrong_parity, missing_stop: numbers of the characters that are sent so, from 0."""
+    """Data to send to an SCI. wrong_parity, missing_stop: numbers, from 0, of the characters sent with this error."""
 
     name: str | None = None
     to: str
@@ -83,7 +83,7 @@ class SendTable(Table, frozen=True, kw_only=True):
 
 
 class ExpectTable(Table, frozen=True, kw_only=True):
-    """One reply that must come. anywhere: other characters may come before it."""
+    """A reply that an SCI must send. anywhere: True if other characters may come before it."""
 
     name: str
     from_: str = field(name="from")
@@ -112,9 +112,10 @@ class ExpectTable(Table, frozen=True, kw_only=True):
 
 
 class SerialTable(Table, frozen=True, kw_only=True):
-    """The parties that talk to SCIs from outside. ppm: error of the clock of all its times and rates.
+    """The outside parties that exchange characters with SCIs.
 
-    turnaround: how long it keeps an RS-485 pair driven behind its last stop bit.
+    ppm: error of the clock that all their times and rates are counted by.
+    turnaround: the time for which they keep driving an RS-485 pair after their last stop bit.
     """
 
     baud: Baud = 115_200
@@ -138,12 +139,12 @@ class SerialTable(Table, frozen=True, kw_only=True):
         return UartFormat(bits, parity, stop, self.mode(entry) == "address-bit")
 
     def bit(self, entry: SendTable | ExpectTable | None = None) -> Fraction:
-        """Seconds of a bit of an entry, by its own clock."""
+        """Return the nominal length of a bit of an entry, in seconds; without an entry, that of the table."""
         baud = self.baud if entry is None or entry.baud is None else entry.baud
         return Fraction(1, baud)
 
     def clock(self, entry: SendTable | ExpectTable | None = None) -> Fraction:
-        """Parts per million by which an entry's clock is off."""
+        """Return the error of an entry's clock in parts per million; without an own one, that of the table."""
         own = entry.ppm if isinstance(entry, SendTable) else None
         return self.ppm if own is None else own
 
@@ -160,7 +161,7 @@ def reply_budget(expected: ExpectTable) -> Budget:
 
 
 def in_words(length: Fraction) -> str:
-    """Return a duration as a case writes it: in the largest unit in which it is whole, else in seconds."""
+    """Return a duration as text for a case: in the largest unit in which it is a whole number, else in seconds."""
     symbol, number = next(
         ((symbol, length * size) for symbol, size in UNITS if (length * size).denominator == 1), ("s", length)
     )

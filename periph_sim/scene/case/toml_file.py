@@ -1,4 +1,4 @@
-"""Reading of TOML files: the text of a file, and the tree of a text, with mistakes as BadCase."""
+"""Reading of TOML files: the text of a file, and the tree of a text. Mistakes raise BadCase."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ from typing import Any, cast
 from ...core.input_files import read_input
 from .model import BadCase
 
-_TOO_LONG = re.compile(r"[0-9_]{4300}")  # Python parses no integer of more digits
+_TOO_LONG = re.compile(r"[0-9_]{4300}")  # matches an integer that is too long for Python
 
 
 def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
-    """Return the text of a TOML file and its tree. what: its kind, for messages. Raise BadCase if either fails."""
+    """Return the text and the tree of a TOML file. what: its kind, for messages. Raise BadCase if it is unreadable."""
     text = text_of(path, what)
     return text, tree_of(path, text)
 

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class TransceiverTable(Table, frozen=True, kw_only=True):
     """An RS-485 transceiver between an SCI and a pair of wires. de: the pin that switches its driver on.
 
-    pull: of the resistor at DE, as long as the unit does not drive it.
+    pull: the direction of the resistor at DE, which sets its level while the unit does not drive it.
     """
 
     on: str
@@ -32,7 +32,7 @@ class TransceiverTable(Table, frozen=True, kw_only=True):
 
 
 class OnPair(Struct, frozen=True):
-    """An SCI with a transceiver. de: the GPIO number of the driver enable pin, and the wire there."""
+    """An SCI with a transceiver. de: the GPIO number of the driver enable pin. de_wire: the name of its wire."""
 
     table: TransceiverTable
     sci: SciLines
@@ -41,7 +41,7 @@ class OnPair(Struct, frozen=True):
 
 
 def on_pairs(case: Case) -> list[OnPair]:
-    """Return every SCI that is on a pair. Raise BadCase, with its line, for an impossible transceiver."""
+    """Return every SCI with a transceiver. Raise BadCase, with its line, for an impossible transceiver."""
     if not case.transceiver:
         return []
     wiring = wiring_of(case)

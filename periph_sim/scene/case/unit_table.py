@@ -1,4 +1,4 @@
-"""The table of a unit: one chip, its program, and what is known of its code and crystal."""
+"""The table of a unit: one chip, its program, the costs of its code, and its crystal."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COMPILED = CodeCosts()
 
 
 class Code(Table, frozen=True, kw_only=True):
-    """Cycles of compiled code besides accesses and computations; the defaults are counted in images."""
+    """Numbers of cycles of compiled code besides accesses and computations. The defaults were counted in images."""
 
     between_accesses: CodeCycles = COMPILED.between_accesses
     poll_pass: PassCycles = COMPILED.poll_pass
@@ -26,7 +26,7 @@ class Code(Table, frozen=True, kw_only=True):
 
 
 class StubTable(Table, frozen=True, kw_only=True):
-    """The answer of an unmodelled register, from the start or from a time on. register: its name or address."""
+    """The value that an unmodelled register returns from a time on. register: its name or address."""
 
     register_: str | int = field(name="register")
     value: Annotated[int, Meta(ge=0, le=0xFFFF)]
@@ -34,7 +34,12 @@ class StubTable(Table, frozen=True, kw_only=True):
 
 
 class Compile(Table, frozen=True, kw_only=True):
-    """Compilation of C sources. include: folders of headers. defines: macros. undefined: with UBSan."""
+    """Settings for compiling C sources.
+
+    include: folders of headers.
+    defines: values of macros, by name.
+    undefined: True to compile with the undefined behaviour sanitizer (UBSan).
+    """
 
     include: tuple[str, ...] = ()
     defines: dict[str, str | int] = {}
@@ -42,13 +47,15 @@ class Compile(Table, frozen=True, kw_only=True):
 
 
 class Unit(Table, frozen=True, kw_only=True):
-    """One chip of the family. part: which one.
+    """A chip with its program, which is one of `firmware`, `image` and `sources`.
 
-    pins: names for GPIO pins to be watched; wires of SDA, SCL, RX, TX are connected by themselves.
-
-    Either firmware, a Python program, or image, a linker's .out file or assembly (.asm), or sources in C, which are
-    compiled for the host. boot: where an image begins.
-    memory: what its variables are as it begins.
+    firmware: a Python program.
+    image: a linker's .out file, or assembly (.asm).
+    sources: C sources, which are compiled for the host.
+    boot: where an image begins.
+    memory: the initial values of an image's variables, by name.
+    part: the member of the chip family.
+    pins: GPIO numbers of further pins with a wire, by the name of the wire. SDA, SCL, RX and TX need no entry.
     """
 
     firmware: str = ""

@@ -1,4 +1,4 @@
-"""Watched wires of a case: [watch.NAME] says which edges must come; a budget of measure watch:NAME judges them."""
+"""Watched wires of a case: [watch.NAME] defines the expected edges; a budget of measure watch:NAME judges them."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from .serial import in_words
 
 
 class WatchTable(Table, frozen=True, kw_only=True):
-    """A watcher of `devices.watchers`. Its kind adds keys of its own to these."""
+    """A watcher of a wire, of a kind in `devices.watchers`. The kind adds keys of its own."""
 
     OTHERS = "own"
 

@@ -27,7 +27,7 @@ from ...f28335.parts.f28335 import PART
 if TYPE_CHECKING:
     from .model import BadCase, Case
 
-# Wires are built in this order, in which edges of one instant are recorded: the bus first.
+# Wires are built in this order, the bus first. It is also the order in which edges of one instant are recorded.
 SIGNALS: dict[str, dict[str, int]] = {
     module.name: {name: module.pins[signal] for name, signal in module.wires.items()}
     for module in sorted(PART.modules, key=lambda one: not one.bus)
@@ -42,7 +42,7 @@ Node = Pin | str  # a pin, or the name of a wire
 
 
 class Cable(Table, frozen=True, kw_only=True):
-    """A wire from one pin to another. from, to: UNIT.SCI-A.TX, UNIT.GPIO34, or the name of a wire."""
+    """A wire between two pins. from, to: each is UNIT.SCI-A.TX, UNIT.GPIO34, or the name of a wire."""
 
     name: str | None = None
     from_: str = field(name="from")
@@ -50,7 +50,7 @@ class Cable(Table, frozen=True, kw_only=True):
 
 
 class Wiring(Struct, frozen=True):
-    """The wiring of a case. pins: by unit, the wire of each GPIO number that has a wire."""
+    """The wiring of a case. pins: for each unit, the wire of each GPIO number that has one."""
 
     pins: Mapping[str, Mapping[int, str]]
 
@@ -137,7 +137,7 @@ def _pins_of(modules: tuple[str, ...]) -> Mapping[int, tuple[str, str]]:
 
 
 def node_of(case: Case, text: str, *place: str | int) -> Node:
-    """Return the pin or wire that the end of a cable names. BadCase, with its line, if there is no such pin or wire."""
+    """Return the pin or wire that the end of a cable names. Raise BadCase, with its line, if there is none."""
     unit, _, rest = text.partition(".")
     if unit not in case.unit:
         if text in _wire_names(case):
@@ -189,7 +189,7 @@ def _named(case: Case) -> Iterator[tuple[str, int, str]]:
 
 
 class _Joints:
-    """Groups of pins and names that are the same wire."""
+    """Groups of pins and wire names that are joined to one wire."""
 
     def __init__(self) -> None:
         self._groups: dict[Node, list[Node]] = {}
@@ -228,13 +228,13 @@ def _check(case: Case, entry: int, group: list[Node]) -> None:
 
 
 def _pins(case: Case, unit: str, joints: _Joints) -> list[int]:
-    """Return the pins of a unit that have a wire: those of its modules, the named ones, those of cables."""
+    """Return the pins of a unit that have a wire: usual pins of its modules, named pins, and pins with a cable."""
     cabled = [node[1] for node in joints.nodes() if isinstance(node, tuple) and node[0] == unit]
     return list(dict.fromkeys([*module_pins(case, unit), *case.unit[unit].pins.values(), *cabled]))
 
 
 class _Names:
-    """Return the name of each wire."""
+    """The names of the wires of a case."""
 
     def __init__(self, case: Case, joints: _Joints) -> None:
         self._case = case

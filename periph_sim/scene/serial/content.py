@@ -7,11 +7,11 @@ from ..case.model import Case
 from ..case.serial import ExpectTable, SendTable
 
 Place = tuple[str | int, ...]
-LARGEST = 1 << 24  # bytes: at 115200 baud they take 24 minutes
+LARGEST = 1 << 24  # maximum number of bytes: at 115200 baud they take 24 minutes
 
 
 def content_of(case: Case, entry: SendTable | ExpectTable, bits: int, *place: str | int) -> bytes:
-    """Return the characters of an entry. BadCase, with its line, if they cannot be read or do not fit `bits` bits."""
+    """Return the characters of an entry. Raise BadCase, with its line, if they are unreadable or exceed `bits` bits."""
     if entry.text is not None:
         return _fitting(case, encoded(case, entry.text, entry, *place, "text"), bits, *place, "text")
     if entry.data is not None:
@@ -22,7 +22,7 @@ def content_of(case: Case, entry: SendTable | ExpectTable, bits: int, *place: st
 
 
 def encoded(case: Case, text: str, entry: SendTable | ExpectTable, *place: str | int) -> bytes:
-    """Return a text in the encoding of its entry. BadCase for a character that cannot be encoded."""
+    """Return a text in the encoding of its entry. Raise BadCase for a character that cannot be encoded."""
     try:
         return text.encode(entry.encoding)
     except UnicodeEncodeError as error:
@@ -52,7 +52,7 @@ def _fitting(case: Case, data: bytes, bits: int, *place: str | int) -> bytes:
 
 
 def show_characters(characters: tuple[int, ...], as_text: bool) -> str:
-    """Return characters as text for messages: 'OK\\r\\n', or 06 15. 0x100 is added to a wrong one, which is marked."""
+    """Return characters as text for messages: 'OK\\r\\n', or 06 15. A wrong character has 0x100 added and is marked."""
     bad = any(value > 0xFF for value in characters)
     if as_text and not bad and all(value < 0x80 for value in characters):
         return repr(bytes(characters))[1:]

@@ -31,7 +31,7 @@ class EventTrigger(EventMeasure):
         self._happened(tick)
 
     def never(self) -> str:
-        """Return why it did not happen, as a phrase."""
+        """Return the reason why the event did not happen, as a phrase."""
         return self.missing()
 
 
@@ -59,7 +59,11 @@ BEHIND = "its time is after the end of the run"
 
 
 class Send:
-    """ppm: error of the clock of its times. on_begin, on_end: called with the tick of each burst's begin and end."""
+    """The bursts of one entry.
+
+    ppm: error of the clock that its times are counted by.
+    on_begin, on_end: callbacks that receive the ticks at which each burst begins and ends.
+    """
 
     STATE = State("sent _sender _asked", ticks="_due")
 
@@ -88,7 +92,7 @@ class Send:
         return self._burst.edges(0)[1]
 
     def why_never(self) -> str:
-        """Return why it has not begun, as a phrase."""
+        """Return the reason why no burst has begun, as a phrase."""
         busy = self._sender.busy_with
         if not self._asked:
             return self.why_unasked()
@@ -99,7 +103,7 @@ class Send:
         return f"it was due at {due:.6f} s, but its line is busy until {end:.6f} s with send {name!r}"
 
     def happened(self, tick: int) -> None:
-        """Start sending because the trigger happened. With a period, only the first time starts it."""
+        """Start sending at tick `tick`, at which the trigger happened. With a period, only the first call starts it."""
         if (self._asked and self._table.period is not None) or self._asked == self._most:
             return
         self._asked += 1

@@ -29,14 +29,14 @@ from .content import content_of, encoded, show_characters
 from .send_schedule import EventTrigger, Send, TextTrigger
 
 WHO = "serial"  # name of the party on a line
-IDLE_BITS = 11  # before a block in idle-line mode: ten, and one for clocks that differ
-OFF = Fraction(5, 100)  # by which an SCI may be faster than the rate that it is read at
+IDLE_BITS = 11  # number of idle bits before a block in idle-line mode: ten, and one because clocks differ
+OFF = Fraction(5, 100)  # share by which an SCI may be faster than the rate that it is read at
 
 Entry = SendTable | ExpectTable
 
 
 class SerialSide:
-    """The outside parties, created before the wires so that the events they wait for are recorded; see `attach`."""
+    """The outside parties. They are created before the wires, so that the events they wait for are recorded."""
 
     def __init__(self, case: Case, table: SerialTable, scope: Scope, recorder: Recorder) -> None:
         """Subscribe to the events of all entries. Raise BadCase, with its line, for an invalid event."""
@@ -80,14 +80,14 @@ class SerialSide:
         return {wire: self._line_of(sender) for wire, sender in self._senders.items()}
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """Add a measure of an expected reply. Return what it expects, and a function that says why it never began."""
+        """Add the measure of a reply. Return the expected reply, and a function that returns why it never began."""
         names = [expect.name for expect in self._table.expect]
         number = names.index(reply.name)
         self._replies[number].append(reply)
         return self._expected(number), partial(self._why_never, number)
 
     def notes(self) -> list[str]:
-        """Return a line for each send that never went out, unless a reply waits for it: then its verdict says so."""
+        """Return a line for each entry that was never sent, unless the verdict of a reply that waits for it says so."""
         told = {expect.after_send for expect in self._table.expect}
         silent = [send for name, send in self.sends.items() if not send.sent and name not in told]
         return [f"serial: send {send.name!r} never went out: {send.why_never()}" for send in silent]
@@ -149,7 +149,7 @@ class SerialSide:
                 raise self._case.mistake(what, *place, key)
 
     def _sender(self, sci: SciLines, *place: str | int) -> BurstSender:
-        """Return the sender to the RX of an SCI, or on its pair."""
+        """Return the sender to the RX of an SCI, or to its RS-485 pair."""
         transceiver = self._pairs.of(sci.unit, sci.module)
         wire = sci.rx if transceiver is None else transceiver.pair.wire.name
         if wire not in self._senders:
@@ -200,7 +200,7 @@ class SerialSide:
         return Expected(tuple(data), show, table.from_, within, table.anywhere)
 
     def _check_within(self, number: int, table: ExpectTable, *place: str | int) -> None:
-        """Refuse a reply that takes longer than it may: even if it begins with what asks for it."""
+        """Raise BadCase if a reply takes longer than `within`, even if it begins together with the data it answers."""
         count = len(self._expected(number).characters)
         takes = count * self._table.form(table).length * self._table.bit(table)
         may = table.within
@@ -247,7 +247,10 @@ class SerialSide:
     # Lines ------------------------------------------------------------------------
 
     def _listen(self, sci: SciLines, entry: Entry, told: Callable[[Heard], None]) -> None:
-        """Tell of what an SCI sends, read as an entry says that it is sent; on a pair while its driver is on."""
+        """Call `told` with each frame that an SCI sends, read with the format of `entry`.
+
+        On a pair, only frames that begin while the SCI's driver is on are frames of this SCI.
+        """
         transceiver = self._pairs.of(sci.unit, sci.module)
         wire = sci.tx if transceiver is None else transceiver.pair.wire.name
         key = (wire, *self._line(entry))
@@ -262,7 +265,7 @@ class SerialSide:
         return lambda: sender.line or idle
 
     def _line(self, entry: Entry | None = None) -> tuple[Fraction, UartFormat]:
-        """Ticks of a bit, and the format, of an entry; of what no entry sends as the table has it."""
+        """Return the length of a bit in ticks, and the format, of an entry; without an entry, those of the table."""
         return self._context.exact_ticks(self._table.bit(entry), self._table.clock(entry)), self._table.form(entry)
 
     def _event(self, scope: Scope, text: str, kind: str, number: int) -> Matcher:
@@ -273,6 +276,6 @@ class SerialSide:
 
 
 def _if_driven(driver: Driver, told: Callable[[Heard], None], heard: Heard) -> None:
-    """Report a frame that began while a driver was on, since that driver sent it."""
+    """Pass on a frame if it began while the driver was on, because then this driver has sent it."""
     if driver.was_on(heard.begin):
         told(heard)

@@ -40,7 +40,7 @@ class Settings(ModelSettings):
     brr: int = 40
     fifo_level: int = FRAME_BYTES  # level of the receive FIFO that causes an interrupt
     pin: int = 34  # number of the GPIO that is high while the models run
-    table: dict[str, HexBytes] = field(default_factory=dict)  # address of a chip -> its fixed data, instead of models'
+    table: dict[str, HexBytes] = field(default_factory=dict)  # address of a chip -> the data that it always shows
 
 
 class Emulator:

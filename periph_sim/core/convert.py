@@ -312,7 +312,7 @@ def _by_msgspec(annotation: Any) -> Converter:
 
 
 def _made(kind: type, value: Any) -> Any:
-    """Convert `value` to a Fraction or a Path, which msgspec cannot decode. Raise ValueError if that is impossible."""
+    """Return `value` as a Fraction or a Path, which msgspec cannot decode. Raise ValueError if that is impossible."""
     if kind not in (Fraction, Path) or isinstance(value, bool):
         raise ValueError
     try:

@@ -136,7 +136,7 @@ class Answers:  # core: python
 
 
 def allowed(field: dataclasses.Field[Any]) -> str:
-    """Return the values that a field accepts as a phrase, the default first."""
+    """Return a phrase with the values that a field accepts, the default first."""
     if "values" in field.metadata:
         return " or ".join(str(v).lower() if isinstance(v, bool) else str(v) for v in field.metadata["values"])
     return f"{field.metadata['least']} to {field.metadata['most']} {field.metadata['unit']}"

@@ -208,7 +208,7 @@ class Clock:
         return self._cycle0 - whole * self._den - (left - whole * num) * self._den // num
 
     def _wide_ticks(self, cycles: BigInt) -> BigInt:
-        """Convert with Python's integers, for products that do not fit 64 bits."""
+        """Return cycles in ticks, computed with Python's integers because products do not fit 64 bits."""
         num, den = self._exact
         return cycles * num // den
 

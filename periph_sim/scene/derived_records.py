@@ -1,4 +1,4 @@
-"""Derives records that budgets need from transfers, frames and wires, with the modules in `timing/derived`.
+"""Derivation of the records that budgets need, from transfers, frames and wires, by the modules in `timing/derived`.
 
     transfers, rounds --.
     host frames ---------+--> timing/derived --> TRANSFER, ROUND, DATA records

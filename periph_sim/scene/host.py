@@ -87,13 +87,13 @@ class HostAgent:
         self.host = Host(context.kernel, self.peer, plan.schedule, self.values, encode, seed)
 
     def _truth(self, table: HostTable, model: FirmwareModel | None) -> Truth | None:
-        """Return the true values of the chips; None if a model computes them from frames without a known motion."""
+        """Return the true values of the chips; None if a model computes them and the frames have no known motion."""
         if model is None:
             return LineBetweenFrames(self.values, table.period, host_frames().shown)
         return None if self.frames is None else model.truth(self.frames.motion, table.first)
 
     def line(self) -> tuple[Fraction, UartFormat]:
-        """The bit time of the host's line in ticks, and the format of its characters."""
+        """Return the length of a bit on the host's line, in ticks, and the format of its characters."""
         return self._line
 
     def truth_at(self, tick: int) -> Mapping[str, Axes]:

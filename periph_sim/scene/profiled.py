@@ -31,7 +31,10 @@ class Profiled(Struct, frozen=True):
 def profiled(
     case: Case, length: Fraction | None = None, told: Callable[[float], None] | None = None, coverage: bool = False
 ) -> Profiled:
-    """Run a case and return its profile. Raise BadCase if no unit runs an image, or if coverage needs missing lines."""
+    """Run a case and return its profile.
+
+    Raise BadCase if no unit runs an image, or if an image lacks the line information that coverage needs.
+    """
     scene = Scene(case)
     programs = {name: unit.program for name, unit in scene.units.items() if isinstance(unit.program, ImageProgram)}
     if not programs:

@@ -270,7 +270,9 @@ class Scene:
         return doing(dsp, self.timebase, self.start)
 
     def run(self, duration: Fraction | None = None, progress: Callable[[float], None] | None = None) -> Result:
-        """Run for `duration` seconds (the case's own if None). progress: called with the fraction that is done.
+        """Run for `duration` seconds, or for the case's duration if it is None, and return the result.
+
+        progress: called with the fraction of the run that is done.
 
         Raise BadCase, before anything runs, if the run would have too many ticks, or if outside parties drive the
         case and there is no log. A case that replays a log ends as the session did: before the events of the last tick.

@@ -86,7 +86,7 @@ def _mistake(case: Case, source: Source, name: str, what: str) -> BadCase:
 
 
 class _ImageNames:
-    """Names in an image, which is read with the first question. Raise ValueError for an unknown name."""
+    """The names in an image, which is read at the first query. A query for an unknown name raises ValueError."""
 
     known = True
 

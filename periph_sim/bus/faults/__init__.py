@@ -199,6 +199,6 @@ class Repeated:
 
 
 def pulse(when: When, place: FaultContext, wire: str, length: Fraction) -> Repeated:
-    """Pull a wire low for `length` at each time of `when`."""
+    """Return an agent that pulls a wire low for `length` at each time of `when`."""
     line = HeldLine(place.kernel, place.wire(wire), None, place.who, place.ticks(length), 0)
     return Repeated(when, place, line.pull)

@@ -227,7 +227,7 @@ class I2cController(BitParty):
         self._then(now + self.timing.start_hold, FIRST_LOW)
 
     def _may_start(self, now: int) -> bool:
-        """True if both lines are high, and the bus has been free long enough, or is this controller's."""
+        """Return True if both lines are high, and the bus is this controller's or has been free long enough."""
         if not self._scl_wire.level or not self._bus.sda(self._kernel.now):
             return False
         return self._phase_index > 0 or not (self._bus.busy or now < self._bus.last_stop + self.timing.free)

@@ -24,6 +24,5 @@ def _event(before: int, now: int) -> int:
     return STOP if now & SDA else START
 
 
-EVENTS = sum(
-    _event(pair >> 2, pair & 3) << 3 * pair for pair in range(16)
-)  # table: three bits for each pair of samples
+# A table as one number: three bits for each pair of samples.
+EVENTS = sum(_event(pair >> 2, pair & 3) << 3 * pair for pair in range(16))

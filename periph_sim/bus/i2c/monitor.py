@@ -165,7 +165,7 @@ class I2cMonitor(BitParty):
             self._ended_at = now
 
     def _given_up(self, now: int) -> bool:
-        """True if another party made a STOP in mid-transfer, and the master did not clock for two clock periods."""
+        """Return True if another party made a STOP in mid-transfer, and the master made no clock for two periods."""
         return self._ended_at != NO_TIME and now - self._pulled_at > 2 * self._clock_length
 
     def _phase_begins(self, at: int) -> None:
@@ -214,7 +214,7 @@ class I2cMonitor(BitParty):
             self._phase.answer_at = self._rose_at
 
     def _is_answered(self) -> bool:
-        """True if the next byte, or the one that has begun, is the first after an acknowledged address."""
+        """Return True if the next byte, or the byte in progress, is the first after an acknowledged address."""
         return self._stream.index == 0 and self._stream.acked
 
     def _byte_over(self, now: int) -> None:

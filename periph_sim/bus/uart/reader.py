@@ -6,8 +6,8 @@
 The value of a frame is read in the middle of each bit. It ends with its last stop bit, or with the start bit of the
 next one if that is earlier.
 
-    wire  ──┐___┌───┐___...───┌──────┐___     a start bit that ends no character before it begins one
-            begin        free again  the one before is counted now, or at the run's end
+    wire  ──┐___┌───┐___...───┌──────┐___     a fall begins a character if the line is free again
+            begin        free again  begin    the character before is counted then, or at the end of the run
 
 The counter needs no events: the begin of a character determines when the line is free again.
 """

@@ -32,7 +32,7 @@ def is_searched(folder: Path) -> bool:
 
 
 def cases_below(folder: Path) -> Iterator[Path]:
-    """Yield the case files of a folder and of its sub-folders, by name. Only `is_searched` sub-folders are entered."""
+    """Yield the case files of a folder and of its searched sub-folders (`is_searched`), in order of name."""
     for above, folders, files in os.walk(folder):
         here = Path(above)
         folders[:] = sorted(name for name in folders if is_searched(here / name))

@@ -61,7 +61,7 @@ def _tables(text: str) -> dict[str, Any]:
 
 
 def copied(value: Any) -> Any:
-    """Return copies of tables and lists, which may be changed, with the same values in them."""
+    """Return a copy of a value in which all tables and lists are copies, so that they may be changed."""
     if isinstance(value, dict):
         return {key: copied(inner) for key, inner in value.items()}
     return [copied(inner) for inner in value] if isinstance(value, list) else value

@@ -71,7 +71,7 @@ def on_pairs(case: Case) -> list[OnPair]:
 
 
 def de_pin(case: Case, entry: int) -> Pin:
-    """Return the pin that enables the driver of a transceiver. Raise BadCase if it is no pin of exactly one unit."""
+    """Return the pin that enables the driver of a transceiver. Raise BadCase if it is not a pin of exactly one unit."""
     text = case.transceiver[entry].de
     node = node_of(case, text, "transceiver", entry, "de")
     if isinstance(node, tuple):

@@ -27,9 +27,7 @@ if TYPE_CHECKING:
 
 FRAME = Struct("<6h")
 LITTLE, BIG = Struct("<3h"), Struct(">3h")
-MEASURED = Spread(
-    Fraction(250, 1_000_000), Fraction(250, 1_000_000)
-)  # run time of the models: dissertation, section 5.4
+MEASURED = Spread(Fraction(250, 1_000_000), Fraction(250, 1_000_000))  # run time: dissertation, section 5.4
 NOTHING = Spread(Fraction(0), Fraction(0))
 NO_FRAME = bytes(FRAME.size)  # input of the models before the first frame
 BYTES = "bytes"  # name of the arithmetic without models: the chips show the values of the frame

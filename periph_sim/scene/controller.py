@@ -200,9 +200,7 @@ def bit_skip_of(context: SceneContext, controller: I2cController | None, units: 
     bit_skip = BitSkip(context.kernel, context.wire("SCL"), context.wire("SDA"), controller, modules)
     for dsp in units.values():
         if MODULE in dsp.sockets:
-            from ..processor.i2c_bit_skip import (
-                party_of,
-            )  # imported here, so that scenes without an I2C module do not need it
+            from ..processor.i2c_bit_skip import party_of  # only scenes with an I2C module import it
 
             socket = dsp.socket(MODULE)
             modules[socket] = party_of(socket, dsp.clock, bit_skip, clocks=controller is None)

@@ -65,9 +65,8 @@ def module_of_file(path: Path) -> ModuleType:
     """Import a firmware file and return its module. Files of its folder are imported again, so edits take effect."""
     path = note_input(path).resolve()
     package = _packages.setdefault((path, get_ident()), f"{PREFIX}{next(_numbers)}")
-    for loaded in [
-        name for name in tuple(sys.modules) if name.startswith(f"{package}.")
-    ]:  # a copy, since other threads import, too
+    # `sys.modules` is copied, because other threads may import at the same time.
+    for loaded in [name for name in tuple(sys.modules) if name.startswith(f"{package}.")]:
         del sys.modules[loaded]
     _make_package(package, [path.parent, SHIPPED])
     spec = _spec(f"{package}.{path.stem.replace('.', '_')}", path)

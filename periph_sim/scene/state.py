@@ -88,9 +88,8 @@ def modules_of(scene: Scene) -> dict[str, Module]:
     for name, dsp in scene.units.items():
         found |= _unit_modules(name, dsp, dsp.clock.cycle_at(scene.kernel.now), keys)
     found |= {name: Module(part, keys=keys) for name, part in (parts | scene.wires).items()}
-    found["kernel"] = Module(
-        scene.kernel, keys=keys
-    )  # last, because its events already have the names of their owners' attributes
+    # The kernel is last, because its events have already been named by the attributes of their owners.
+    found["kernel"] = Module(scene.kernel, keys=keys)
     return found
 
 

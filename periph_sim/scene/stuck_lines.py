@@ -31,7 +31,7 @@ class StuckLines:
         self._wire: Wire | None = (
             None  # the line that was reported last; `_after_rounds` is the number of rounds at that time
         )
-        self._after_rounds = 0
+        self._after_rounds = 0  # number of rounds that were over at that report
 
     def report(self, wire: Wire) -> None:
         who = " and ".join(wire.held_by()) or "no party"

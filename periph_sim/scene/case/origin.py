@@ -85,11 +85,8 @@ def line_of(text: str, place: Place) -> int:
     return best
 
 
-BESIDE = {
-    ".py": "*.py",
-    ".asm": "*.inc",
-    ".c": "*.h",
-}  # for a suffix, the files of its folder that a source may import or include
+# By suffix of a source: the files in its folder that it may import or include.
+BESIDE = {".py": "*.py", ".asm": "*.inc", ".c": "*.h"}
 LONGEST = 200  # maximum number of characters of a path
 
 

@@ -32,7 +32,7 @@ CHIPS: list[tuple[Any, tuple[str, ...], tuple[str, ...], int, int, int]] = [
     (Gpio(SYSTEM), PINS, PINS, 0, 0, NEVER),
     (Xint(), XINTS, (), 0, 0, NEVER),
     (Pie(SYSTEM), (), (), 0, 0, NEVER),
-    (CpuTimer(0, SYSTEM), (), (), 0, 0, NEVER),
+    (CpuTimer(0, SYSTEM), (), (), 0, 0, 0x10000),
     (SystemControl(30_000_000, SYSTEM), (), (), 0, 0, 256 * 512 // 4),
 ]
 

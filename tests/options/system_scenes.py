@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from periph_sim.core.options import Value
 from tests.options.unit import Scene
-from tests.processor.image.rig import HEAD
+from tests.processor.image.rig import ENPIE, HEAD
 from tests.processor.image.test_open_timing import TIMER, VECTOR
 
 TIMER0 = "TCR=10 PRDH=0 PRD=63 TCR=4020 "  # every 100 cycles, TIE, begun
@@ -20,7 +20,7 @@ def image(code: str, *modules: str, behind: str = "") -> Scene:
 
 
 ROUTINE = " .global _routine\n_routine: IRET\n"
-INTR = VECTOR.replace("0x0D4C", "0x0D02") + " OR IFR,#1 ; INTR INT1"
+INTR = ENPIE + VECTOR.replace("0x0D4C", "0x0D40") + " OR IFR,#1 ; INTR INT1"
 
 SCENES = {
     # CPU interrupts

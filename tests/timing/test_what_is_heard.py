@@ -152,7 +152,7 @@ def test_rounds_begin_behind_the_transfers_of_the_start_up(event: str, at: list[
     tell(period, records(STARTS))
     period.finish(99)
     assert period.all_kept()[1].tolist() == at[:-1]
-    assert period.first_seen == len(at) and period.seen(0) and period.seen(1)
+    assert period.first_seen == len(at) and period.seen(0) == period.seen(1) == bool(at)
 
 
 def test_the_latency_to_the_first_access_is_that_of_its_own_unit():

@@ -85,7 +85,7 @@ class Between(EventMeasure):
     does about a STOP belongs to it.
     """
 
-    STATE = State("_rule _stopped _begun _paired _waiting _of_unit", ticks="_begun_at")
+    STATE = State("_rule _stopped _begun _paired _of_unit", ticks="_begun_at")
 
     def __init__(
         self,

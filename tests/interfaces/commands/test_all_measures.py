@@ -50,6 +50,7 @@ MEASURED = {
     "time in wire MODEL high": "time",
     "each time in flag I2C-A.I2CSTR.AAS = 1": "time",
     "each time in bus free": "time",
+    "share of any 10 ms in cpu idle": "%",
     "cpu load": "%",
     "bus load": "%",
     "slack": "time",

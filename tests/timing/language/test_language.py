@@ -211,7 +211,8 @@ def test_every_form_that_messages_name_can_be_said(form: str):
         ("note dutty", "'note dutty': there is no note 'dutty'; did you mean duty?"),
         (
             "from frame to frame, same frame",
-            "'from frame to frame, same frame': 'frame' where transfer or round is expected; it has transfer, round",
+            "'from frame to frame, same frame': 'frame' where transfer, round or unit is expected; it has transfer, "
+            "round, unit",
         ),
         (
             "from frame to frame TX, next, last",
@@ -221,8 +222,8 @@ def test_every_form_that_messages_name_can_be_said(form: str):
         ("last bus byte", "'last bus byte' ends where of is expected"),
         (
             "first bus byte of frame",
-            "'first bus byte of frame': 'frame' where transfer, round or burst is expected; it has transfer, round, "
-            "burst",
+            "'first bus byte of frame': 'frame' where transfer, round, burst or interrupt is expected; it has "
+            "transfer, round, burst, interrupt",
         ),
         ("0th bus byte of round", "'0th bus byte of round': '0th', but counting begins with 1st"),
         ("cpu load per", "'cpu load per' ends where the length of a window is expected; write for instance per 20 ms"),

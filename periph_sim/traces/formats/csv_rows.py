@@ -1,4 +1,4 @@
-"""Rows of a time and the levels of all channels, as CSV files of logic analysers have them.
+"""Rows of CSV files: their cells, and the times and levels of those of logic analysers.
 
     0.000016460,1,0 --> only rows that change a level are kept: time, levels --> times since the first row, states
 
@@ -8,9 +8,11 @@ each is parsed once.
 
 from __future__ import annotations
 
+import csv
 from array import array
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import IO
 
 import numpy as np
 
@@ -19,6 +21,20 @@ from ..capture.capture import BadCapture, Levels, Positions
 from ..capture.grid import exact_time
 
 MOST_INT64 = 1 << 62  # maximum time that is stored in 64 bits
+
+
+def numbered_rows(path: Path, file: IO[str], expected: str, way_out: str) -> Iterator[tuple[int, list[str]]]:
+    """Yield the line number and the cells of every row that is not empty.
+
+    Raise BadCapture, with these parts of its message, if a row cannot be split into cells.
+    """
+    rows = csv.reader(file, skipinitialspace=True)
+    try:
+        for cells in rows:
+            if cells:
+                yield rows.line_num, cells
+    except csv.Error as error:
+        raise BadCapture(path, f"line {rows.line_num}", str(error), expected, way_out) from error
 
 
 class Rows:

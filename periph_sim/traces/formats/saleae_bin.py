@@ -146,7 +146,8 @@ class _Line:
                     break
         if known_to < length:
             unknown.append(Span(known_to, length))
-        edges = _odd(np.frombuffer(self._flips, np.int64))
+        at, changes = np.unique(np.frombuffer(self._flips, np.int64), return_counts=True)
+        edges = at[changes & 1 == 1]  # two changes at one position cancel out
         initial = chunks[0].initial
         if len(edges) and edges[0] == 0:
             initial, edges = initial ^ 1, edges[1:]
@@ -173,19 +174,6 @@ class _Line:
             self._flips.frombytes(self._grid.places(self._path, times).tobytes())
             last = float(times[-1])
         return last if chunk.cut else None
-
-
-def _odd(flips: Positions) -> Positions:
-    """Return the positions that occur an odd number of times; two changes at one position cancel out.
-
-    flips: positions that do not decrease.
-    """
-    firsts = np.flatnonzero(np.diff(flips, prepend=-1))
-    if len(firsts) == len(flips):
-        return flips
-    counts = np.diff(firsts, append=len(flips))
-    odd: Positions = flips[firsts[counts & 1 == 1]]
-    return odd
 
 
 def _files(folder: Path) -> dict[int, Path]:

@@ -18,14 +18,13 @@ import re
 from collections.abc import Iterator
 from fractions import Fraction
 from pathlib import Path
-from typing import Protocol
 
 import numpy as np
 
 from ..capture.capture import UNKNOWN, BadCapture, Capture, Positions, changes, channel_of_states
 from ..capture.grid import LEAST_DECIMALS, OffGrid, decimals_for, nearest, quantized
 from ..capture.sampling import rate_text
-from .csv_rows import MOST_INT64, Rows
+from .csv_rows import MOST_INT64, Rows, numbered_rows
 
 NAME = "Saleae CSV"
 SUFFIXES = (".csv",)
@@ -35,15 +34,6 @@ STATES = {"0": 0, "1": 1, "X": UNKNOWN, "x": UNKNOWN}
 ROUNDED_TO = 10  # minimum units of the last decimal in a sample, if times are not exact
 CELLS = "01X"
 NO_END = "the format has no row for the end, so the last change is used"
-
-
-class Table(Protocol):
-    """The interface of csv.reader's result."""
-
-    line_num: int
-
-    def __iter__(self) -> Iterator[list[str]]: ...
-    def __next__(self) -> list[str]: ...
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -56,11 +46,7 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
     Raise BadCapture with the line of an error.
     """
     with path.open(encoding="utf-8-sig", errors="replace", newline="") as file:
-        table = csv.reader(file, skipinitialspace=True)
-        try:
-            return _read(path, table, rate, salvage)
-        except csv.Error as error:
-            raise BadCapture(path, f"line {table.line_num}", str(error), "rows of cells", "export it again") from error
+        return _read(path, numbered_rows(path, file, "rows of cells", "export it again"), rate, salvage)
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
@@ -112,21 +98,20 @@ def _positions(rows: Rows, rate: Fraction | None) -> tuple[Positions, Fraction]:
     return at, rate or per_second
 
 
-def _read(path: Path, table: Table, rate: Fraction | None, salvage: bool) -> Capture:
-    header = next(table, [])
+def _read(path: Path, table: Iterator[tuple[int, list[str]]], rate: Fraction | None, salvage: bool) -> Capture:
+    _, header = next(table, (1, [""]))
     names = [name.strip() for name in header[1:]]
     if not names:
         raise BadCapture(path, "line 1", repr(",".join(header)), "Time [s] and channel names", "export CSV again")
     rows = Rows(path, len(names), STATES, LEAST_DECIMALS, "a time and 0, 1 or X", "export digital data")
     notes = [NO_END] if header[0].strip() == "Time[s]" else []
     try:
-        for row in table:
-            if row and len(row) != len(header):
+        for line, row in table:
+            if len(row) != len(header):
                 columns, expected = f"{len(row)} columns", f"{len(header)} as in line 1"
-                raise rows.bad(table.line_num, columns, expected, "export it again")
-            if row:
-                rows.add(table.line_num, ",".join(row))
-    except (BadCapture, csv.Error) as error:
+                raise rows.bad(line, columns, expected, "export it again")
+            rows.add(line, ",".join(row))
+    except BadCapture as error:
         if not salvage or not rows.count:
             raise
         said = str(error).removeprefix(f"{path}, ")

@@ -3,17 +3,18 @@
     time [s],phi [deg],ax [g]
     0.00,1.5,0.01
 
-The first line contains the titles; every other line has one finite number per column. Files are read as arrays, and
-line by line only to find the line of an error for BadCapture.
+The first line contains the titles; every other line has one finite number per column.
 """
 
 from __future__ import annotations
 
 import csv
 import re
+from array import array
 from collections.abc import Iterator
 from dataclasses import dataclass
-from math import isfinite
+from itertools import islice
+from math import isfinite, nan
 from pathlib import Path
 
 import numpy as np
@@ -22,6 +23,7 @@ from numpy.typing import NDArray
 from ...core.input_files import open_input
 from ...core.shorten import shorten
 from ..capture.capture import BadCapture
+from .csv_rows import numbered_rows
 
 Floats = NDArray[np.float64]
 
@@ -84,52 +86,36 @@ def _title(path: Path, cell: str) -> tuple[str, str]:
 
 def _numbers(path: Path, columns: int) -> Floats:
     """Return the numbers, all of which are finite, in the shape (rows, columns)."""
-    import warnings
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", UserWarning)  # a file without rows is reported below
-            values = np.loadtxt(path, delimiter=",", skiprows=1, comments=None, ndmin=2, encoding="utf-8-sig")
-    except (ValueError, UnicodeDecodeError):
-        raise _first_wrong(path, columns) from None
-    if not values.size:
+    values = array("d")
+    for line, cells in _rows(path):
+        if len(cells) != columns:
+            raise _bad(path, line, f"{len(cells)} cells", f"{columns}, as there are titles")
+        for cell in cells:
+            value = _number(cell)
+            if not isfinite(value):
+                raise _bad(path, line, shorten(repr(cell), 100), "a finite number")
+            values.append(value)
+    if not values:
         raise _bad(path, 2, "nothing", "a row of numbers")
-    if values.shape[1] != columns or not np.isfinite(values).all():
-        raise _first_wrong(path, columns)
-    return values
-
-
-def _first_wrong(path: Path, columns: int) -> BadCapture:
-    line = 1
-    try:
-        for line, cells in _rows(path):
-            if len(cells) != columns:
-                return _bad(path, line, f"{len(cells)} cells", f"{columns}, as there are titles")
-            for cell in cells:
-                if not _is_finite(cell):
-                    return _bad(path, line, shorten(repr(cell), 100), "a finite number")
-    except UnicodeDecodeError:
-        return _bad(path, line + 1, "bytes that are not UTF-8", "numbers")
-    except csv.Error as error:
-        return _bad(path, line + 1, str(error), "numbers")
-    return _bad(path, line, "a row that cannot be read", "finite numbers with commas between them")
+    return np.frombuffer(values).reshape(-1, columns)
 
 
 def _rows(path: Path) -> Iterator[tuple[int, list[str]]]:
     """Yield the line number and the cells of every row after the titles."""
+    line = 1
     with path.open(encoding="utf-8-sig", newline="") as file:
-        rows = csv.reader(file)
-        next(rows, None)
-        for cells in rows:
-            if cells:
-                yield rows.line_num, cells
+        try:
+            for line, cells in islice(numbered_rows(path, file, "numbers", "correct the file"), 1, None):
+                yield line, cells
+        except UnicodeDecodeError:
+            raise _bad(path, line + 1, "bytes that are not UTF-8", "numbers") from None
 
 
-def _is_finite(cell: str) -> bool:
+def _number(cell: str) -> float:
     try:
-        return isfinite(float(cell)) and "_" not in cell
+        return nan if "_" in cell else float(cell)
     except ValueError:
-        return False
+        return nan
 
 
 def _bad(path: Path, line: int, found: str, expected: str) -> BadCapture:

@@ -25,6 +25,7 @@ from ...traces.decode.event_rows import (
     WORD,
     Rows,
 )
+from ...traces.decode.table_columns import select
 from ...traces.formats import pcapng_writer as pcapng
 from .bulk_text import NONE, Column, Digits, Literal, Numbers, Words, text
 from .decoded_text import Clock, events_column, in_transfer
@@ -95,7 +96,7 @@ def in_sigrok(rows: Rows, protocols: Sequence[str]) -> Iterator[bytes]:
 
     Each SPI line has its own decoder, which prints only words: sigrok has no line for a selection.
     """
-    rows = rows.select((rows.event != SELECT) & (rows.event != DESELECT))
+    rows = select(rows, (rows.event != SELECT) & (rows.event != DESELECT))
     decoders: list[str] = []
     for kind in protocols:
         decoders.append(f"{kind}-{sum(name.startswith(kind) for name in decoders) + 1}")

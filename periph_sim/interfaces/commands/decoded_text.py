@@ -21,6 +21,7 @@ import numpy as np
 
 from ...traces.decode.event_rows import ADDRESS, ADDRESS_LOW, CUT, DETAILS, EVENTS, START, WORD, Rows
 from ...traces.decode.scl_times import LongLows
+from ...traces.decode.table_columns import select
 from .bulk_text import BLANK, NONE, Column, Digits, Literal, Numbers, Sparse, Words, numbered, text
 
 MOST_DECIMALS = 12  # number of decimals of a second if the sample period is no decimal fraction: picoseconds
@@ -128,7 +129,7 @@ def transfers(
 ) -> Iterator[bytes]:
     """Yield a line for each group of rows. first: the rows with which groups begin. For the others see `events`."""
     ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
-    titles, head = _head(rows.select(first)._replace(end=ends), buses, clock, style, full)
+    titles, head = _head(select(rows, first)._replace(end=ends), buses, clock, style, full)
     if style == "json":
         head.append(Literal('"transfer": "'))
     else:

@@ -99,12 +99,18 @@ class Channel:
         """
         if shortest <= 1 or len(self.edges) < 2:
             return self
-        near = np.diff(self.edges) < shortest  # True if edges n and n + 1 enclose a short pulse
-        if not near.any():
+        return self.without_levels(np.append(np.diff(self.edges) < shortest, False))
+
+    def without_levels(self, short: NDArray[np.bool_]) -> Channel:
+        """Return the line without some of its levels.
+
+        short: for each edge, True if the level after it is removed. The last one is False.
+        """
+        if not short.any():
             return self
-        begins = np.flatnonzero(np.append(True, ~near))  # edges that begin a run of edges close to each other
-        ends = np.flatnonzero(np.append(~near, True))
-        return Channel(self.name, self.index, self.initial, self.edges[ends[(ends - begins) & 1 == 0]])
+        begins = np.flatnonzero(~np.append(False, short[:-1]))  # edges that begin a run of such levels
+        ends = np.flatnonzero(~short)
+        return replace(self, edges=self.edges[ends[(ends - begins) & 1 == 0]])
 
     def cut(self, span: Span) -> Channel:
         """Return the line within a span, with its positions unchanged; `initial` is the level where the span begins."""

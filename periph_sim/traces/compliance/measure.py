@@ -26,7 +26,7 @@ Rules:
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -71,13 +71,7 @@ def _lengths(channel: Channel) -> Positions:
 
 def _filtered(channel: Channel, short: NDArray[np.bool_]) -> tuple[Channel, Positions, Positions]:
     """Return the channel without the levels that are too short, and the positions and lengths of these levels."""
-    if not short.any():
-        return channel, channel.edges[:0], channel.edges[:0]
-    edges, levels = channel.edges[~short], channel.levels[~short]
-    before = np.concatenate((np.array([channel.initial], np.uint8), levels))[:-1]
-    real = levels != before
-    left = replace(channel, edges=edges[real])
-    return left, channel.edges[short], _lengths(channel)[short]
+    return channel.without_levels(short), channel.edges[short], _lengths(channel)[short]
 
 
 Scalar = TypeVar("Scalar", bound=np.generic)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..capture.capture import Positions
 from . import i2c_table, spi
 from .i2c_table import I2cTable
+from .table_columns import joined, select
 from .uart import UartTable
 
 PURPOSES = (
@@ -80,15 +81,6 @@ class Rows(NamedTuple):
     value: NDArray[np.int32] | NDArray[np.int64]
     bits: NDArray[np.uint8]
     detail: NDArray[np.uint8]
-
-    def select(self, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> Rows:
-        """Return some of the rows. rows: their numbers, a mask or a slice."""
-        return Rows._make(column[rows] for column in self)
-
-
-def joined(parts: Sequence[Rows]) -> Rows:
-    """Concatenate the rows of all parts."""
-    return Rows._make(np.concatenate(columns) for columns in zip(*parts, strict=True))
 
 
 def no_rows() -> Rows:
@@ -154,7 +146,7 @@ def merged(parts: Sequence[Rows]) -> Rows:
     if len(parts) == 1:
         return parts[0]
     rows = joined(parts)
-    return rows.select(np.argsort(rows.at, kind="stable"))
+    return select(rows, np.argsort(rows.at, kind="stable"))
 
 
 def _all(bus: int, table: I2cTable | UartTable) -> NDArray[np.uint8]:
@@ -171,7 +163,7 @@ def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np
     """
     parts, keys = [], []
     for bus, quiet in enumerate(silence):
-        part = rows.select(rows.bus == bus)
+        part = select(rows, rows.bus == bus)
         if quiet is None:
             first = (part.event == START) | (part.event == SELECT)
             first[:1] = True  # a capture may begin while an SPI line is selected
@@ -184,4 +176,4 @@ def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np
     order = np.lexsort((buses, begins))
     buses, begins = buses[order], begins[order]
     new = np.concatenate(([True], (np.diff(begins) != 0) | (np.diff(buses) != 0)))[: len(order)]
-    return joined(parts).select(order), np.flatnonzero(new)
+    return select(joined(parts), order), np.flatnonzero(new)

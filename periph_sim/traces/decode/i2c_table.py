@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from ..capture.capture import Capture, Channel, Positions
 from .i2c_stream import BITS, COUNTED, EVENTS, KINDS, START
+from .table_columns import joined
 
 Flags = NDArray[np.bool_]
 Counts = NDArray[np.int64]
@@ -63,10 +64,6 @@ class I2cTable(NamedTuple):
     value: NDArray[np.int16]
     bits: NDArray[np.uint8]
     read: Flags
-
-    def select(self, rows: NDArray[np.int64] | Flags | slice) -> I2cTable:
-        """Return the table of some rows. rows: their numbers, a mask or a slice."""
-        return I2cTable._make(column[rows] for column in self)
 
 
 class I2cBits(NamedTuple):
@@ -112,14 +109,13 @@ def i2c_table(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", 
 
     Raise LookupError if a channel is missing.
     """
-    return _joined([_table(edges) for edges in i2c_edges(capture, scl, sda, glitch)])
+    return joined([_empty(0), *(_table(edges) for edges in i2c_edges(capture, scl, sda, glitch))])
 
 
 def i2c_bits(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", glitch: int = 0) -> I2cBits:
     """Return all pulses of SCL, including those before the first START. Raise LookupError if a channel is missing."""
     none = (np.empty(0, np.int64), np.empty(0, np.uint8), np.empty(0, np.int64), np.empty(0, np.int64))
-    found = [bits_of(edges) for edges in i2c_edges(capture, scl, sda, glitch)]
-    return I2cBits._make(np.concatenate(columns) for columns in zip(none, *found, strict=True))
+    return joined([I2cBits(*none), *(bits_of(edges) for edges in i2c_edges(capture, scl, sda, glitch))])
 
 
 def bits_of(edges: I2cEdges) -> I2cBits:
@@ -174,7 +170,7 @@ def _table(edges: I2cEdges) -> I2cTable:
     """Decode the events of a span from its first START on."""
     starts = edges.starts
     if not starts.any():
-        return _joined([])
+        return _empty(0)
     first = int(np.argmax(starts))
     edges = edges._replace(conditions=edges.conditions[first:], starts=starts[first:], seen=edges.seen[first:])
     return _rows(edges, _bytes(edges.seen, bit_counts(edges), edges.values))
@@ -293,9 +289,3 @@ def _empty(rows: int) -> I2cTable:
         np.zeros(rows, np.uint8),
         np.zeros(rows, bool),
     )
-
-
-def _joined(tables: list[I2cTable]) -> I2cTable:
-    if len(tables) == 1:
-        return tables[0]
-    return I2cTable._make(np.concatenate(columns) for columns in zip(*(tables or [_empty(0)]), strict=True))

@@ -36,6 +36,7 @@ from numpy.typing import NDArray
 
 from ..capture.capture import Capture, Channel, Positions
 from ..capture.sampling import rate_text, sample_step
+from .table_columns import joined, select
 from .uart_line import PARITIES, Line
 
 HALF, QUARTER, LATEST = Fraction(1, 2), Fraction(1, 4), Fraction(7, 8)
@@ -130,10 +131,6 @@ class UartTable(NamedTuple):
     glitched: NDArray[np.bool_]
     unsure: NDArray[np.int32]
 
-    def select(self, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> UartTable:
-        """Return the table of some rows. rows: their numbers, a mask or a slice."""
-        return UartTable._make(column[rows] for column in self)
-
 
 def uart_table(capture: Capture, channel: str | int, line: Line, glitch: int = 0, vote: bool = False) -> UartTable:
     """Decode frames, breaks and rejected starts of one channel. None of them extends over unknown levels.
@@ -148,7 +145,8 @@ def uart_table(capture: Capture, channel: str | int, line: Line, glitch: int = 0
     width = width_of(capture, line.baud)
     spans = [(wire.cut(span).without_glitches(glitch), span.end) for span in capture.known(wire)]
     step = sample_point_step(sample_step(capture), width)
-    return _joined([_table(part, line, width, end, step, vote) for part, end in spans])
+    none = _without_value(UartRowKind.BREAK, wire.edges[:0], wire.edges[:0])
+    return joined([none, *(_table(part, line, width, end, step, vote) for part, end in spans)])
 
 
 def _table(wire: Channel, line: Line, width: Fraction, end: int, step: int, vote: bool) -> UartTable:
@@ -156,8 +154,8 @@ def _table(wire: Channel, line: Line, width: Fraction, end: int, step: int, vote
     breaks = breaks_of(wire, line, width)
     if not len(breaks.at) and not len(rejected.at):
         return frames
-    both = _joined([frames, rejected, breaks])
-    return both.select(np.argsort(both.at, kind="stable"))
+    both = joined([frames, rejected, breaks])
+    return select(both, np.argsort(both.at, kind="stable"))
 
 
 def frames_of(wire: Channel, line: Line, width: Fraction, end: int, step: int = 1) -> UartTable:
@@ -300,14 +298,6 @@ def _parity(kind: str, value: NDArray[np.int32]) -> NDArray[np.int32]:
     for shift in (8, 4, 2, 1):
         odd ^= odd >> shift
     return (odd & 1) ^ np.int32(kind == "odd")
-
-
-def _joined(tables: list[UartTable]) -> UartTable:
-    if len(tables) == 1:
-        return tables[0]
-    kinds = (np.uint8, np.int64, np.int64, np.int32, np.uint8, np.bool_, np.bool_, np.bool_, np.int32)
-    none = (np.empty(0, kind) for kind in kinds)
-    return UartTable._make(np.concatenate(columns) for columns in zip(none, *tables, strict=True))
 
 
 __all__ = ["PARITIES", "Break", "CutFrame", "Event", "Frame", "Line", "RejectedStart", "events"]

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from ...core.counted import counted
 from ..capture.capture import Capture, Channel, Span
 from ..capture.sampling import sample_step
+from .table_columns import select
 from .uart import UartRowKind, breaks_of, frames_of, sample_point_step
 from .uart_line import Line, line_of
 
@@ -209,9 +210,9 @@ def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
         some = replace(part, edges=edges)
         end = int(edges[-1]) + ceil(line.frame * width)
         table = frames_of(some, line, width, end, sample)
-        table = table.select(table.kind == UartRowKind.FRAME)
+        table = select(table, table.kind == UartRowKind.FRAME)
         breaks = breaks_of(some, line, width).at
-        table = table.select(~np.isin(table.at, breaks, assume_unique=True))
+        table = select(table, ~np.isin(table.at, breaks, assume_unique=True))
         frames += len(table.at)
         wrong += int(np.count_nonzero(table.parity_error | table.frame_error))
         values.update(np.unique(table.value).tolist())

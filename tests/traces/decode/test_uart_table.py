@@ -21,6 +21,7 @@ from periph_sim.core.wire import Wire
 from periph_sim.traces.capture.capture import Channel
 from periph_sim.traces.capture.sampling import sample_step
 from periph_sim.traces.decode import uart
+from periph_sim.traces.decode.table_columns import select
 from periph_sim.traces.decode.uart import PARITIES, Line, UartRowKind, uart_table
 from tests.profiles import examples
 from tests.traces.decode.drawing import drawn, of_bytes
@@ -101,7 +102,7 @@ def test_frames_come_back_and_cut_anywhere_never_raise(
     assert not table.parity_error.any() and not table.frame_error.any()
     part = of_bytes(samples[: kept + 1], ("RX",))
     whole = uart_table(part, "RX", line)
-    whole = whole.select(whole.kind == UartRowKind.FRAME)
+    whole = select(whole, whole.kind == UartRowKind.FRAME)
     assert all(a.tolist() == b[: len(a)].tolist() for a, b in zip(whole, table, strict=True))
 
 

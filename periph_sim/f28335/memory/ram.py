@@ -1,7 +1,7 @@
 """The memory of one F28335 that holds no registers: 16-bit words and their wait states.
 
 Words that were never written read 0. L0 to L7 are created by the first write to them.
-Flash, OTP and boot ROM are not included: no code of this project runs from them yet.
+Flash, OTP and boot ROM are not included; programs that are images have them in `processor.image.elsewhere`.
 
 Source: SPRS439M Figure 3-2 (map), Table 3-5 (wait states); SPRUFB0D Tables 86 (EALLOW), 112 (vectors).
 """

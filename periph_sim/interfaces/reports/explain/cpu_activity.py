@@ -102,19 +102,16 @@ def _relevant(window: Window, unit: str) -> Iterable[Record]:
     return [r for r in (*open_before, *window.records) if r.where == unit and r.kind in DOING]
 
 
-def _move(stack: list[Record], record: Record) -> None:
+def _move(stack: list[Record], record: Record) -> list[Record]:
+    """Begin or end an activity. Return the one that ended, and those above it, which have ended, too."""
     if record.value:
         stack.append(record)
-        return
-    place = _begin_of(stack, record)
-    if place is not None:
-        del stack[place:]  # activities above it have ended, too
-
-
-def _begin_of(stack: Sequence[Record], end: Record) -> int | None:
-    """Return the index of the record that began the activity which `end` ends; None if it is not in progress."""
-    alike = (place for place, one in enumerate(stack) if one.kind is end.kind and one.what == end.what)
-    return max(alike, default=None)
+        return []
+    alike = (place for place, one in enumerate(stack) if one.kind is record.kind and one.what == record.what)
+    place = max(alike, default=len(stack))
+    ended = stack[place:]
+    del stack[place:]
+    return ended
 
 
 def _top(stack: Sequence[Record], begin: int, end: int, bottom: Doing) -> Stretch:
@@ -143,23 +140,28 @@ class Episode:
         return phrase(self.doing, self.what)
 
 
-def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
-    """Return service routines, spans and waits of a unit that overlap the time between two ticks.
+def all_episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
+    """Return service routines, spans and waits of a unit that overlap the time between two ticks, as they begin.
 
-    They are in the order in which they begin. Of the spans in progress at the first tick, only the innermost is
-    returned, because each function of an image is a span, including `main`. A span that coincides with a service
-    routine is returned as the service routine.
+    An activity that ends with one that began before it, as a service routine of an image ends with its function, has
+    the enclosing activities of that one.
     """
     stack: list[Record] = []
     over: list[Episode] = []
     for record in _relevant(window, unit):
-        place = None if record.value else _begin_of(stack, record)
-        if place is not None:
-            over.append(_episode(stack[place], tuple(stack[:place]), record.tick))
-        _move(stack, record)
-    over += [_episode(one, tuple(stack[:place]), None) for place, one in enumerate(stack)]
+        over += [_episode(ended, stack, record.tick) for ended in _move(stack, record)]
+    over += [_episode(one, stack[:place], None) for place, one in enumerate(stack)]
     there = (one for one in over if one.begin < end and (one.end is None or one.end > begin))
-    met = sorted(there, key=lambda one: (one.begin, len(one.within)))
+    return sorted(there, key=lambda one: (one.begin, len(one.within)))
+
+
+def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
+    """Return the episodes that an explanation names, in the order in which they begin.
+
+    Of the spans in progress at the first tick, only the innermost is returned, because each function of an image is a
+    span, including `main`. A span that coincides with a service routine is returned as the service routine.
+    """
+    met = all_episodes(window, unit, begin, end)
     under_way = [one for one in met if one.doing == "span" and one.begin < begin]
     around = {id(one) for one in under_way[:-1]}
     routines = {(one.begin, one.where) for one in met if one.doing == "interrupt"}
@@ -196,5 +198,5 @@ def innermost(nested: Iterable[Episode], begin: int, end: int) -> list[Episode]:
     return found
 
 
-def _episode(record: Record, within: tuple[Record, ...], end: int | None) -> Episode:
-    return Episode(record.tick, end, DOING[record.kind], record.what, record.text, within)
+def _episode(record: Record, within: Iterable[Record], end: int | None) -> Episode:
+    return Episode(record.tick, end, DOING[record.kind], record.what, record.text, tuple(within))

@@ -14,14 +14,14 @@ chain or measured, and service routines, spans and waits within the picture.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ....core.records import Kind, Record
 from ....records.register_maps import register_of
 from ....traces.capture.capture import Span
 from ....traces.decode import i2c
-from ..explain.cpu_activity import polled
+from ..explain.cpu_activity import all_episodes, polled
 from ..explain.picture import flags_shown
 from ..explain.window import Window
 from .protocol import bytes_of, rows
@@ -35,11 +35,7 @@ BUS = ("SCL", "SDA")
 SERIAL = ("RX", "TX")
 MOST = 24_000  # maximum number of events of a timeline; events farther from the occurrence are left out
 FRAME_BITS = 10  # number of bits of the host's characters: start, 8 data, stop
-STRETCHES = (
-    (Kind.SPAN, "span", "span"),
-    (Kind.WAIT, "wait", "waits for"),
-    (Kind.IRQ, "interrupt", "service routine of"),
-)
+EPISODES = (("span", "span"), ("wait", "waits for"), ("interrupt", "service routine of"))
 
 
 def timeline(window: Window, cycles: dict[str, float], frame_bit: int = 0, most: int = MOST) -> Timeline:
@@ -70,7 +66,6 @@ class _Lanes:
         self.records = [r for r in self.window.records if any(k.begin <= r.tick < k.end for k in self.kept)]
         early = [r for r in self.window.records if r.tick < self.kept[0].begin]
         self.before = {r[2:5]: r for r in (*self.window.before, *early)}
-        self.by_number = {r.number: r for r in self.window.all_records}
         self.zero = self.window.begin
 
     def timeline(self) -> Timeline:
@@ -205,7 +200,7 @@ class _Lanes:
 
         Earlier causes are uncertain, so they are omitted.
         """
-        cause = self.by_number.get(record.cause)
+        cause = self.window.by_number.get(record.cause)
         unit = record.where.partition(".")[0]
         if cause is None or record.tick - cause.tick > self.cycles.get(unit, 0):
             return ""
@@ -216,38 +211,25 @@ class _Lanes:
 
     def _firmware(self, unit: str) -> list[Lane]:
         lanes: list[Lane] = []
-        for kind, name, said in STRETCHES:
+        over = self.kept[-1].end
+        of_unit = all_episodes(self.window, unit, self.kept[0].begin, over)
+        for doing, said in EPISODES:
             found: list[Boxes] = []
-            for begin, end, record in sorted(self._stretches(kind, unit), key=lambda one: (one[0], -one[1])):
-                row = next((row for row in found if row.end[-1] <= begin - self.zero), None)
+            for one in (one for one in of_unit if one.doing == doing):
+                end = over if one.end is None else min(one.end, over)
+                row = next((row for row in found if row.end[-1] <= one.begin - self.zero), None)
                 if row is None:
-                    row = Boxes(name, unit)
+                    row = Boxes(doing, unit)
                     found.append(row)
-                what = label = record.what
-                if kind is Kind.WAIT:
+                what = label = one.what
+                if doing == "wait":
                     what = polled(what)
                     label = " ".join(word.rpartition(".")[2] for word in what.split(" "))
-                says = self.says.place(f"{said} {what}" + (f"\nat {record.text}" if record.text else ""))
-                row.add(begin - self.zero, end - self.zero, self.says.place(label), says)
-                row.chosen |= self._drawn(begin, end)
+                says = self.says.place(f"{said} {what}" + (f"\nat {one.where}" if one.where else ""))
+                row.add(one.begin - self.zero, end - self.zero, self.says.place(label), says)
+                row.chosen |= self._drawn(one.begin, end)
             lanes += found
         return lanes
-
-    def _stretches(self, kind: Kind, unit: str) -> Iterator[tuple[int, int, Record]]:
-        """Yield the begin and end of each activity of a kind, including those that are cut off by the window."""
-        open_: dict[str, Record] = {
-            r.what: r for r in self.before.values() if r.kind is kind and r.where == unit and r.value
-        }
-        for record in self.records:
-            if record.kind is not kind or record.where != unit:
-                continue
-            if record.value:
-                open_[record.what] = record
-            elif record.what in open_:
-                began = open_.pop(record.what)
-                yield began.tick, record.tick, began
-        for began in open_.values():
-            yield began.tick, self.kept[-1].end, began
 
     def _accesses(self, unit: str) -> list[Lane]:
         lanes: dict[str, Marks] = {}

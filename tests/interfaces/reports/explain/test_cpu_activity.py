@@ -126,6 +126,7 @@ def test_the_span_of_a_service_routine_is_told_as_the_routine():
     """All places of these windows are alike: so the span that begins with the routine is the routine's function."""
     found = episodes(drawn("irq SCI 10 20", "span _isr 10 19", "span _inner 12 15"), "dsp", 0, 100)
     assert names(found) == [("SCI", 10, 20), ("_inner", 12, 15)]
+    assert names(episodes(drawn("span _isr 10 20", "irq SCI 10 20"), "dsp", 0, 100)) == [("SCI", 10, 20)]
 
 
 @pytest.mark.parametrize(

@@ -69,19 +69,13 @@ def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, EventLine]:
     ends = [one.at + one.length + margin for one in wanted.values()]
     longest = scene.timebase.ticks(case.duration, "nearest")
     scene.run(scene.timebase.seconds(min(max(ends), longest)))
-    return {
-        name: _chain(_around(kept, scene.start + one.at, one, margin), scene.start + one.at, one, margin)
-        for name, one in wanted.items()
-    }
+    return {name: _chain(kept, scene.start + one.at, one, margin) for name, one in wanted.items()}
 
 
-def _around(records: list[Record], at: int, wanted: Wanted, margin: int) -> list[Record]:
-    """Return the records, in time order, from which a chain can be made."""
-    begin = bisect_left(records, at - max(wanted.length, margin), key=lambda r: r.tick)
-    return records[begin : bisect_right(records, at + wanted.length + margin, key=lambda r: r.tick)]
-
-
-def _chain(records: list[Record], at: int, wanted: Wanted, margin: int) -> EventLine:
+def _chain(kept: list[Record], at: int, wanted: Wanted, margin: int) -> EventLine:
+    """Return the chain of an occurrence at a tick. kept: the records of the run in order of time."""
+    first = bisect_left(kept, at - max(wanted.length, margin), key=lambda r: r.tick)
+    records = kept[first : bisect_right(kept, at + wanted.length + margin, key=lambda r: r.tick)]
     begin, end, coarse = at, at + wanted.length, False
     if wanted.measure == "response":
         starts = [r.tick for r in records if r.kind is Kind.BUS and r.what == "START" and at - margin <= r.tick <= at]

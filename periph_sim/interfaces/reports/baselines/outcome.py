@@ -8,26 +8,22 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from ....core.kernel import SimulationStuck
 from ....core.records import Recorder
 from ....core.time import Timebase
-from ....f28335.memory.memory_map import NoSuchAddress
-from ....processor.user_code import FirmwareError
 from ....scene.case.load import load
-from ....scene.case.model import BadCase, Case
+from ....scene.case.model import Case
 from ....scene.outside_parties import not_run
 from ....scene.result import Result
 from ....scene.scene import Scene
 from ....timing.budgets import BudgetJudge
 from ....timing.values import Values, values_of
 from ....timing.verdict import Verdict
+from .. import REFUSED
 from ..explain.chain import Chain
 from ..explain.explain import explain
 from .digests import BusBytes, EventDigest
 from .event_chain import EventLine, Wanted, chains
 from .files import BadCheck, Baseline, Figures
-
-REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
 
 
 @dataclass

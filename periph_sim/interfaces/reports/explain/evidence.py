@@ -23,7 +23,7 @@ from .chain import Chain, FirmwarePlace, Part, Step, place_of
 from .cpu_activity import CODE, DOING, IN_FIRMWARE, Episode, Stretch, episodes, open_at, phrase, timeline, units
 from .window import Window
 
-I2C = I2C_A.name
+I2C, SCI = I2C_A.name, "SCI-A"
 SMALL = Fraction(1, 100)  # waits that take a smaller share of an occurrence are left out
 LONG = Fraction(1, 10**6)  # in seconds; longer code without a name or an access is listed separately
 BACK = 16  # maximum number of causes that are followed back from an end
@@ -128,19 +128,19 @@ class Evidence:
         top = self.activity_at(tick)
         return None if top is None else Part(DOING[top.kind], top.what, tick - top.tick, 1, place_of(top.text))
 
-    def accesses(self, begin: int, end: int, way: str, module: str, *registers: str) -> list[Record]:
-        """Return reads ("R") or writes ("W") of registers between two ticks, inclusive, also before the window."""
-        names = {f"{way} {module}.{register}" for register in registers}
-        return [
-            r
-            for r in self.window.all_records
-            if r.kind is Kind.ACCESS and r.what in names and begin <= r.tick <= end and r.where == self.unit
-        ]
+    def accesses(self, begin: int, end: int, what: str) -> list[Record]:
+        """Return accesses such as "R I2C-A.I2CDRR" between two ticks, inclusive, also before the window."""
+        alike = (r for r in self.window.all_records if (r.kind, r.where, r.what) == (Kind.ACCESS, self.unit, what))
+        return [r for r in alike if begin <= r.tick <= end]
 
-    def flags(self, begin: int, end: int, module: str, *fields: str) -> list[Record]:
-        """Return changes of fields between two ticks, inclusive."""
-        where = f"{self.unit}.{module}"
-        return [r for r in self.window.between(begin, end, Kind.FLAG) if r.where == where and r.what in fields]
+    def flags(self, begin: int, end: int, *fields: str) -> list[Record]:
+        """Return changes of fields of the SCI module between two ticks, inclusive."""
+        changes = self.window.between(begin, end, Kind.FLAG)
+        return [r for r in changes if r.where == f"{self.unit}.{SCI}" and r.what in fields]
+
+    def last_access(self, tick: int, what: str) -> Record | None:
+        """Return the last access such as "R I2C-A.I2CDRR" up to a tick."""
+        return self.last(tick, Kind.ACCESS, self.unit, what)
 
     def last_change(self, tick: int, field: str, module: str = I2C) -> tuple[Record, Record] | None:
         """Return the last change of a field up to a tick, and the access that made it in the same cycle.

@@ -43,7 +43,7 @@ WAITED = ("SCD", "RRDY", "NACK")  # flags that firmware waits for and that remai
 
 def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Record, Record | None, str]]:
     """Yield each byte of a read with the write from which it came, if it is known, and a description."""
-    writes = evidence.accesses(0, phase.end, "W", I2C, "I2CDXR")
+    writes = evidence.accesses(0, phase.end, f"W {I2C}.I2CDXR")
     before = phase.begin if phase.answered is None else phase.answered
     for number, byte in enumerate(phase.data, 1):
         carried = bus_byte(byte)
@@ -94,21 +94,22 @@ def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step]
 
     The second result is the step that is the cause; None if the own address was right.
     """
-    writes = evidence.accesses(0, evidence.window.kept[-1].end, "W", I2C, "I2COAR")
-    last = max((r for r in writes if r.tick <= tick), key=lambda r: r.tick, default=None)
-    right = min((r for r in writes if r.tick > tick and r.value == address), key=lambda r: r.tick, default=None)
-    steps = []
+    what = f"W {I2C}.I2COAR"
+    last = evidence.last_access(tick, what)
     if last is None:
-        steps.append(evidence.say(tick, "I2COAR = 0x00: the firmware has never written it"))
+        steps = [evidence.say(tick, "I2COAR = 0x00: the firmware has never written it")]
     else:
         before = evidence.span(tick - last.tick)
-        steps.append(evidence.step(last, f"I2COAR = 0x{last.value:02X} written, {before} before the NACK"))
-    if last is not None and last.value == address:
-        return steps, None
-    if right is not None:
-        steps.append(
-            evidence.step(right, f"I2COAR = 0x{address:02X} written, {evidence.span(right.tick - tick)} too late")
-        )
+        steps = [evidence.step(last, f"I2COAR = 0x{last.value:02X} written, {before} before the NACK")]
+        if last.value == address:
+            return steps, None
+    later = evidence.accesses(tick + 1, evidence.window.kept[-1].end, what)
+    right = [
+        evidence.step(r, f"I2COAR = 0x{address:02X} written, {evidence.span(r.tick - tick)} too late")
+        for r in later
+        if r.value == address
+    ]
+    steps += right[:1]
     return steps, steps[-1]
 
 
@@ -129,7 +130,7 @@ def is_master(evidence: Evidence, tick: int) -> bool:
 def stale(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
     """Return steps for waits in a transfer that ended at once, because their flag was set before the transfer."""
     steps = []
-    for look_at in evidence.accesses(phase.begin, phase.end, "R", I2C, "I2CSTR"):
+    for look_at in evidence.accesses(phase.begin, phase.end, f"R {I2C}.I2CSTR"):
         if look_at.field not in WAITED:
             continue
         rose = evidence.last_set(look_at.tick, f"I2CSTR.{look_at.field}")
@@ -149,7 +150,7 @@ def unread(evidence: Evidence, tick: int) -> list[Step]:
     if full is None:
         return []
     steps = [evidence.step(full, "I2CSTR.RSFULL set: a second byte is in, and I2CDRR is unread")]
-    last = evidence.last(tick, Kind.ACCESS, evidence.unit, f"R {I2C}.I2CDRR")
+    last = evidence.last_access(tick, f"R {I2C}.I2CDRR")
     if last is not None:
         return [evidence.step(last, f"I2CDRR read for the last time, {evidence.span(tick - last.tick)} before"), *steps]
     waits = evidence.last_set(tick, "I2CSTR.RRDY")
@@ -193,8 +194,8 @@ def _answers(evidence: Evidence, phase: RecordedPhase) -> Iterator[Evidence]:
         return
     for unit in evidence.case.unit:
         other = evidence.for_unit(unit)
-        own = other.accesses(0, phase.begin, "W", I2C, "I2COAR")
-        if unit != evidence.unit and own and own[-1].value == phase.address:
+        own = other.last_access(phase.begin, f"W {I2C}.I2COAR")
+        if unit != evidence.unit and own is not None and own.value == phase.address:
             yield other
 
 
@@ -226,14 +227,9 @@ def note_of_device(evidence: Evidence, phase: RecordedPhase) -> tuple[list[Step]
     The second result is this duty as the cause; None if it is not the cause.
     """
     who = sender(evidence, phase)
-    notes = [
-        r
-        for r in evidence.window.all_records
-        if r.kind is Kind.NOTE and (r.where, r.what) == (who, "duty") and r.tick <= phase.end
-    ]
-    if not notes:
+    note = evidence.last(phase.end, Kind.NOTE, who, "duty")
+    if note is None:
         return [], None
-    note = max(notes, key=lambda r: r.tick)
     text = f"{who}: {note.text.rpartition(' [')[0]}"
     first = first_word(evidence, phase)
     named = [int(word, 16) for word in WORD.findall(note.text)]

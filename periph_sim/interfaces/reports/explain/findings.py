@@ -27,7 +27,7 @@ from ....timing.measures.factory import measure_named
 from ....timing.measures.measure import Measure
 from .chain import Part, Step
 from .cpu_activity import episodes
-from .evidence import I2C, Evidence, RecordedPhase, in_time
+from .evidence import I2C, SCI, Evidence, RecordedPhase, in_time
 from .fault_evidence import (
     ONES,
     answering,
@@ -117,7 +117,6 @@ def _at(evidence: Evidence, measure: Measure, tick: int) -> Record | None:
     return min(found, key=lambda r: (sources.index(r.kind), abs(r.tick - tick)), default=None)
 
 
-SCI = "SCI-A"
 FIFO = ("SCIFFRX.RXFFINT", "SCIFFRX.RXFFOVF", "SCIRXST.OE")  # flags that request a read, or show that it is late
 WORDS = "SCIFFRX.RXFFST"
 
@@ -183,13 +182,10 @@ def answered(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]
 
     The step says how long SCL was held for the access, or how early the access was.
     """
-    accesses = [
-        *evidence.accesses(phase.begin, until, "W", I2C, "I2CDXR"),
-        *evidence.accesses(phase.begin, until, "R", I2C, "I2CDRR"),
-    ]
     free, rise = max(evidence.stretches(phase.begin, until), default=(until, until))
-    last = max((r for r in accesses if r.tick <= rise), key=in_time, default=None)
-    if last is None:
+    accesses = (evidence.last_access(rise, f"W {I2C}.I2CDXR"), evidence.last_access(rise, f"R {I2C}.I2CDRR"))
+    last = max((r for r in accesses if r is not None), key=in_time, default=None)
+    if last is None or last.tick < phase.begin:
         return []
     if last.tick > free:
         return [awaited(evidence, last, free)]
@@ -324,23 +320,22 @@ def _fifo(evidence: Evidence, ends: Ends) -> Finding:
     at = evidence.window.begin
     if Kind.RECEIVER not in ends.kinds and (ends.begin is None or ends.begin.what not in (*FIFO, WORDS)):
         return Finding()
-    reads = evidence.accesses(0, at, "R", SCI, "SCIRXBUF")
-    empty = [r.tick for r in evidence.flags(evidence.window.kept[0].begin, at, SCI, WORDS) if not r.value]
-    since = max([*empty, evidence.window.kept[0].begin])
+    first, over = evidence.window.kept[0].begin, evidence.window.kept[-1].end
+    since = max((r.tick for r in evidence.flags(first, at, WORDS) if not r.value), default=first)
     frames = [r for r in evidence.window.between(since, at, Kind.FRAME) if r.what == "byte"]
     steps: list[Step] = []
-    if reads:
-        last = max(reads, key=lambda r: r.tick)
+    last = evidence.last_access(at, f"R {SCI}.SCIRXBUF")
+    if last is not None:
         steps.append(evidence.step(last, f"SCIRXBUF read for the last time, {evidence.span(at - last.tick)} before"))
     if frames:
         text = f"the host begins its first character of {len(frames)}"
         steps.append(evidence.say(frames[0].tick, text, at - frames[0].tick))
         since = frames[0].tick
-    steps += [evidence.step(flag) for flag in evidence.flags(since, at, SCI, *FIFO) if flag.value]
-    words = evidence.flags(at, at, SCI, WORDS)
-    steps += [evidence.say(at, f"{words[-1].value} words in the FIFO")] if words else []
-    later = evidence.accesses(at, evidence.window.kept[-1].end, "R", SCI, "SCIRXBUF")
-    steps += [evidence.step(r, f"SCIRXBUF read, {evidence.span(r.tick - at)} later") for r in later[:1]]
+    steps += [evidence.step(flag) for flag in evidence.flags(since, at, *FIFO) if flag.value]
+    words = evidence.flags(at, at, WORDS)[-1:]
+    steps += [evidence.say(at, f"{flag.value} words in the FIFO") for flag in words]
+    later = evidence.accesses(at, over, f"R {SCI}.SCIRXBUF")[:1]
+    steps += [evidence.step(r, f"SCIRXBUF read, {evidence.span(r.tick - at)} later") for r in later]
     return Finding([*steps, *evidence.story(since, at, waits=False)])
 
 

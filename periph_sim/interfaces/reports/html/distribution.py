@@ -12,6 +12,7 @@ Counts are drawn on a logarithmic scale, so a single outlier is visible.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import ceil, floor, log10
 
@@ -221,8 +222,15 @@ class _Scale:
     def across(self) -> tuple[tuple[float, str], ...]:
         step = nice_step(self.end - self.begin, 5 if self.breaks else 6)
         step = max(step, 1) if self._spread.counted else step
-        first, last = ceil(self.begin / step), floor(self.end / step)
-        return tuple((self.place(n * step), number(n * step, step)) for n in range(first, last + 1))
+        return axis_ticks(self.begin, self.end, step, self.place)
+
+
+def axis_ticks(
+    begin: float, end: float, step: float, place: Callable[[float], float], unit: str = ""
+) -> tuple[tuple[float, str], ...]:
+    """Return the position and the text of each multiple of a step on an axis. place: the position of a value."""
+    first, last = ceil(begin / step - 1e-9), floor(end / step + 1e-9)
+    return tuple((place(n * step), f"{number(n * step, step)} {unit}".rstrip()) for n in range(first, last + 1))
 
 
 def _rises(most: int) -> list[int]:

@@ -56,29 +56,22 @@ def _what(verdict: Verdict) -> str:
 
 
 def _count(verdict: Verdict, over: OverTime, per_second: int) -> str:
-    if over.violation_count == over.count:
-        if over.count == 1:
-            return ""
-        return f"All {over.count} occurrences are beyond the limit"
-    if not over.violations:
+    if over.count == 1 or not over.violations:
         return ""
-    share = f"{over.violation_count} of {over.count} occurrences"
-    first = over.violations[0][0] / per_second
+    if over.violation_count == over.count:
+        return f"All {over.count} occurrences are beyond the limit"
     if over.violation_count == 1:
         return f"It is the only one of {over.count} occurrences that is beyond the limit"
+    first = over.violations[0][0] / per_second
     when = "" if verdict.at_s is not None and abs(first - verdict.at_s) < 1e-9 else f", the first at {instant(first)}"
-    return f"{share} are beyond the limit{when}"
+    return f"{over.violation_count} of {over.count} occurrences are beyond the limit{when}"
 
 
 def _why(verdict: Verdict, chain: Chain) -> tuple[str, str]:
-    part = chain.blamed
-    if part is not None and part.place is not None:
-        return f"{_blame(part, chain)} at", str(part.place)
-    if part is not None and part is chain.blame:
-        return _blame(part, chain), ""
-    if chain.parts:
-        return _blame(chain.parts[0], chain), ""
-    return "", ""
+    part = chain.blamed or next(iter(chain.parts), None)
+    if part is None:
+        return "", ""
+    return (_blame(part, chain), "") if part.place is None else (f"{_blame(part, chain)} at", str(part.place))
 
 
 def _blame(part: Part, chain: Chain) -> str:

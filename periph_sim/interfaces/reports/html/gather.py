@@ -195,13 +195,10 @@ class _Run:
         for verdict, over in zip(verdicts, overs, strict=True):
             if over is None or not verdict.broken or verdict.name in self.case.breaks or verdict.at_s is None:
                 continue
+            size = {"us": 1_000_000 / self.per_second, "LSB": 1e-6}.get(verdict.unit, 1)  # of a value in this unit
             shown = shown_violations(over, _ticks(verdict.at_s, self.per_second))
-            found += [replace(verdict, worst=self._value(verdict, v), at_s=at / self.per_second) for at, v in shown]
+            found += [replace(verdict, worst=value * size, at_s=at / self.per_second) for at, value in shown]
         return found
-
-    def _value(self, verdict: Verdict, value: int) -> float:
-        """Convert a value to the verdict's unit."""
-        return value * {"us": 1_000_000 / self.per_second, "LSB": 1e-6}.get(verdict.unit, 1)
 
     def budget(
         self, budget: Budget, verdict: Verdict, values: Values | None, over: OverTime | None, found: list[Explained]

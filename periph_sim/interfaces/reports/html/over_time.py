@@ -11,9 +11,8 @@ in percent of the field, so they fit pages of any width.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from math import ceil, floor
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +21,7 @@ from ....core.counted import counted
 from ....timing.values import Values
 from ....timing.verdict import Verdict
 from ....traces.drawing.svg_diagram import nice_step
-from .distribution import number, scale_of
+from .distribution import axis_ticks, number, scale_of
 
 COLUMNS = 240
 MOST = 2_000  # maximum number of violations that are kept with their instants
@@ -124,9 +123,6 @@ NEAR = 1.5  # a limit is drawn if it is within this many spreads of the values
 ROOM = 0.08  # margin above and below, as a fraction of the height of the field
 
 
-Place = Callable[[float], float]
-
-
 @dataclass(frozen=True)
 class Line:
     """A limit as a line across the field. y: the position in percent from the top; None if it is off scale."""
@@ -186,24 +182,17 @@ def time_plot(over: OverTime, per_second: int) -> TimePlot:
 
     strokes = (f"M{x(c.at):g} {y(c.high):g}v{round(y(c.low) - y(c.high), 1):g}" for c in over.columns)
     marks = (f"M{x(c.at):g} {y(c.low if over.which == 'min' else c.high):g}v0" for c in over.columns if c.beyond)
+    across = nice_step(over.end / per_second, 8) if over.end else 1.0
     return TimePlot(
-        up=_axis_ticks(begin / size, end / size, 3, lambda value: y(value * size), unit),
-        across=_axis_ticks(
-            0, over.end / per_second, 8, lambda s: round(100 * s * per_second / max(over.end, 1), 2), "s"
+        up=axis_ticks(begin / size, end / size, nice_step((end - begin) / size, 3), lambda v: y(v * size), unit),
+        across=axis_ticks(
+            0, over.end / per_second, across, lambda s: round(100 * s * per_second / max(over.end, 1), 2), "s"
         ),
         lines=tuple(line(*one) for one in lines),
         values="".join(dict.fromkeys(strokes)),
         broken="".join(marks),
         summary=_summary(over),
     )
-
-
-def _axis_ticks(
-    begin: float, end: float, most: int, place: Callable[[float], float], unit: str
-) -> tuple[tuple[float, str], ...]:
-    step = nice_step(end - begin, most) if end > begin else 1.0
-    first, last = ceil(begin / step - 1e-9), floor(end / step + 1e-9)
-    return tuple((place(n * step), f"{number(n * step, step)} {unit}".rstrip()) for n in range(first, last + 1))
 
 
 def _summary(over: OverTime) -> str:

@@ -13,6 +13,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from decimal import Context, Decimal
 from fractions import Fraction
 from itertools import product
 from typing import TypeAlias
@@ -131,13 +132,8 @@ def _scales(unit: str) -> dict[str, Fraction]:
 
 def _decimal(value: Fraction) -> str:
     """Format a value exactly as a decimal number, which is always possible because numbers and units are decimal."""
-    digits = 0
-    while value.denominator != 1:
-        value, digits = value * 10, digits + 1
-    if not digits:
-        return str(value)
-    sign, text = "-" * (value < 0), str(abs(value)).rjust(digits + 1, "0")
-    return f"{sign}{text[:-digits]}.{text[-digits:]}"
+    digits = Context(prec=100)
+    return f"{digits.divide(Decimal(value.numerator), Decimal(value.denominator)).normalize(digits):f}"
 
 
 def _apart(text: str) -> list[str]:

@@ -24,11 +24,13 @@ from ....core.settings import duration
 from ....scene.case.load import UnknownKey, load
 from ....scene.case.model import BadCase, Case
 from ....scene.firmware_loader import Firmware
+from ....scene.result import Result
 from ....timing.verdict import Verdict
 from ..processes import DIED, processes
-from .one_run import ERROR, Job, Row, rows_of
+from .one_run import Job, Row, rows_of
 from .plan import Changes, runs_of, texts_of
 
+NO_RESULT = Result("", "error", 0.0, 0.0, 0, 0, 0, [], {}, [], [], [])  # of a run that could not be made
 Column = NDArray[Any]
 Floats = NDArray[np.float64]
 
@@ -99,21 +101,22 @@ class Sweep:
 def sweep_of(case: str, runs: Sequence[Mapping[str, object]], rows: Sequence[Row]) -> Sweep:
     """Build the columns from the rows of these runs."""
     keys = dict.fromkeys(key for run in runs for key in run)
-    names = dict.fromkeys(verdict.name for row in rows for verdict in row.budgets)
-    counts = dict.fromkeys(name for row in rows for name in row.counts)
-    by_name = [{verdict.name: verdict for verdict in row.budgets} for row in rows]
+    results = [row if isinstance(row, Result) else NO_RESULT for row in rows]
+    names = dict.fromkeys(verdict.name for one in results for verdict in one.budgets)
+    counts = dict.fromkeys(name for one in results for name in one.counts)
+    by_name = [{verdict.name: verdict for verdict in one.budgets} for one in results]
     return Sweep(
         case=case,
         changes={key: _numbers_or_texts([run.get(key, "") for run in runs]) for key in keys},
-        verdict=_texts(row.verdict for row in rows),
-        error=_texts(row.error for row in rows),
-        simulated_s=np.array([row.simulated_s for row in rows], dtype=np.float64),
-        wire_bytes=_whole(row.wire_bytes for row in rows),
-        sci_bytes=_whole(row.sci_bytes for row in rows),
-        sci_bytes_sent=_whole(row.sci_bytes_sent for row in rows),
-        events=_whole(row.events for row in rows),
+        verdict=_texts(one.verdict for one in results),
+        error=_texts("" if isinstance(row, Result) else row for row in rows),
+        simulated_s=np.array([one.simulated_s for one in results], dtype=np.float64),
+        wire_bytes=_whole(one.wire_bytes for one in results),
+        sci_bytes=_whole(one.sci_bytes for one in results),
+        sci_bytes_sent=_whole(one.sci_bytes_sent for one in results),
+        events=_whole(one.events for one in results),
         budgets={name: _budget([verdicts.get(name) for verdicts in by_name]) for name in names},
-        counts={name: _whole(row.counts.get(name, -1) for row in rows) for name in counts},
+        counts={name: _whole(one.counts.get(name, -1) for one in results) for name in counts},
     )
 
 
@@ -230,8 +233,8 @@ def sweep(
         if not rows:
             raise
         raise SweepStopped(sweep_of(name, runs[: len(rows)], rows), len(runs)) from None
-    if all(row.verdict == ERROR for row in rows):
-        raise BadCase(rows[0].error)
+    if isinstance(rows[0], str) and not any(isinstance(row, Result) for row in rows):
+        raise BadCase(rows[0])
     return sweep_of(name, runs, rows)
 
 
@@ -314,7 +317,7 @@ def _apart(job: Job, text: list[str]) -> list[Row]:
         try:
             return pool.submit(rows_of, job, [text]).result()
         except BrokenProcessPool:
-            return [Row(ERROR, DIED)]
+            return [DIED]
 
 
 def _begins() -> bool:

@@ -16,12 +16,11 @@ from math import inf, isinf, sqrt
 from statistics import quantiles
 from time import process_time
 
-from ....core.kernel import SimulationStuck
 from ....core.text_table import paragraph, text_table
-from ....f28335.memory.memory_map import NoSuchAddress
-from ....processor.user_code import FirmwareError, output_muted
+from ....processor.user_code import output_muted
 from ....scene.case.model import BadCase, Case
 from ....timing.verdict import duration_text
+from .. import REFUSED
 from .observe import Error, Errors, Observed, built, compare, observe
 from .rows import AS_GIVEN, Make, Row
 
@@ -87,7 +86,6 @@ def _cost(seconds: Sequence[float]) -> Cost:
     return Cost(median, (high - low) / sqrt(len(seconds)), len(seconds))
 
 
-REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)
 START, TIMED = Fraction(1, 10), Fraction(1)  # simulated seconds that are excluded from CPU time, and included in it
 
 

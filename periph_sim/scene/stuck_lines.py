@@ -28,9 +28,7 @@ class StuckLines:
         self._timebase = timebase
         self._start = start
         self._units = units
-        self._wire: Wire | None = (
-            None  # the line that was reported last; `_after_rounds` is the number of rounds at that time
-        )
+        self._wire: Wire | None = None  # the line that was reported last
         self._after_rounds = 0  # number of rounds that were over at that report
 
     def report(self, wire: Wire) -> None:

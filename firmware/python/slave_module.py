@@ -19,7 +19,7 @@ I2CINT1A_ACK = 0x80  # mask of group 8, which has I2CINT1A, in PIEACK
 
 
 class Target(Protocol):
-    """The device behind a slave, with an I2C module or with pins."""
+    """Interface of the device that a slave represents, whether by the I2C module or by pins."""
 
     def addressed(self, reads: bool) -> None:
         """Begin a read or a write; the address was acknowledged."""

@@ -19,7 +19,7 @@ from .context import SceneContext
 from .firmware_loader import BadSetting, filled
 
 RESET = ".XRS"  # suffix of the wire at a unit's reset pin
-MODULE_RESET = ".IRS"  # suffix of the wire that stands for a unit's bit I2CMDR.IRS
+MODULE_RESET = ".IRS"  # suffix of the wire that represents a unit's bit I2CMDR.IRS
 
 
 class Wires:

@@ -130,7 +130,7 @@ class UartSender(EdgeSender):
         return bool(self._edges) or self._kernel.now < self._ends_at
 
     def send(self, data: bytes, gap: Fraction, done: Callable[[int], None]) -> None:
-        """Send `data` from now on with `gap` idle bits between bytes.
+        """Begin to send `data`, with `gap` idle bits between bytes.
 
         `done(tick)` is called at the last rising edge at the latest, with the end of the last stop bit.
         """

@@ -247,7 +247,7 @@ class SerialSide:
     # Lines ------------------------------------------------------------------------
 
     def _listen(self, sci: SciLines, entry: Entry, told: Callable[[Heard], None]) -> None:
-        """Call `told` with each frame that an SCI sends, read with the format of `entry`.
+        """Call the callback with each frame that an SCI sends, read with the format of `entry`.
 
         On a pair, only frames that begin while the SCI's driver is on are frames of this SCI.
         """

@@ -7,8 +7,7 @@ from fractions import Fraction
 
 from msgspec import Struct
 
-from ..processor.image.call_stack import Profile
-from ..processor.image.instruction_watch import Coverage
+from ..processor.image.observers import Coverage, Profile
 from ..processor.image.program import ImageProgram
 from .case.model import Case
 from .scene import Scene

@@ -95,7 +95,7 @@ class _ImageNames:
 
     @cached_property
     def _image(self) -> Image:
-        from ..processor.image_files.program_file import program_in
+        from ..processor.image_files.load import program_in
 
         return program_in(Path(self._path))
 
@@ -107,7 +107,7 @@ class _ImageNames:
 
     @cached_property
     def _functions(self) -> tuple[str, ...]:
-        from ..processor.image_files.functions import FunctionMap
+        from ..processor.image_files.debug_info import FunctionMap
 
         return tuple(function.name for function in FunctionMap(self._image).functions)
 

@@ -11,9 +11,9 @@ from types import SimpleNamespace
 import pytest
 
 from periph_sim.interfaces.reports.baselines.check import check
-from periph_sim.processor import stall_watch
+from periph_sim.processor import user_code
 from periph_sim.processor.python import program as python_program
-from periph_sim.processor.stall_watch import _debugged
+from periph_sim.processor.user_code import _debugged
 from periph_sim.scene.case.load import load
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
@@ -136,9 +136,9 @@ def test_firmware_that_goes_on_has_its_whole_limit_again_and_a_cpu_that_is_gone_
 
     looks: list[int] = []
     stopped: list[int] = []
-    watch = stall_watch._Watch()
-    monkeypatch.setattr(stall_watch, "PERIOD", 0.001)
-    monkeypatch.setattr(stall_watch, "_cpu_seconds", lambda thread: looks.append(thread) or float(len(looks)))
+    watch = user_code._Watch()
+    monkeypatch.setattr(user_code, "PERIOD", 0.001)
+    monkeypatch.setattr(user_code, "_cpu_seconds", lambda thread: looks.append(thread) or float(len(looks)))
     monkeypatch.setattr(watch, "_stop", lambda cpu, at: stopped.append(len(looks)))
     busy = Busy()
     watch.add(busy)
@@ -162,8 +162,8 @@ def test_an_exception_on_its_way_ends_with_the_turn_and_no_other_turn_has_one(
         raised.append(thread)
         raise what
 
-    watch = stall_watch._Watch()
-    monkeypatch.setattr(stall_watch, "_raise_in", raise_in)
+    watch = user_code._Watch()
+    monkeypatch.setattr(user_code, "_raise_in", raise_in)
     if stopped:
         watch._stopped.add(17)
     watch.leave(17)
@@ -172,7 +172,7 @@ def test_an_exception_on_its_way_ends_with_the_turn_and_no_other_turn_has_one(
 
 def test_where_the_system_tells_no_cpu_time_of_a_thread_that_of_the_process_counts(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delattr(time, "pthread_getcpuclockid", raising=False)
-    assert 0 < stall_watch._cpu_seconds(threading.get_ident()) <= time.process_time()
+    assert 0 < user_code._cpu_seconds(threading.get_ident()) <= time.process_time()
 
 
 def test_limit_of_0_is_none(tmp_path: Path):

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.processor.stall_watch import NoProgress
-from periph_sim.processor.user_code import FirmwareStalled, UserCode
+from periph_sim.processor.user_code import FirmwareStalled, NoProgress, UserCode
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from tests.interfaces.commands.conftest import Run, periph_sim

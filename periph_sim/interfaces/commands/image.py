@@ -28,10 +28,9 @@ def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_jso
         raise click.UsageError("--cycles and FUNCTION belong together: periph-sim image --cycles FILE FUNCTION")
     if function is not None:
         return _explain(image, function, as_json)
-    from ...processor.image_files.inspection import inspect
-    from ...processor.image_files.program_file import program_in
-    from ...processor.image_files.text_report import as_json as as_dict
-    from ...processor.image_files.text_report import text
+    from ...processor.image_files.inspection import as_json as as_dict
+    from ...processor.image_files.inspection import inspect, text
+    from ...processor.image_files.load import program_in
 
     with usage_errors_in_one_sentence():
         found = inspect(program_in(image))
@@ -41,9 +40,8 @@ def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_jso
 
 def _explain(image: Path, function: str, as_json: bool) -> int:
     """Show the cycles of one function."""
-    from ...processor.image_files.function_cycles import function_cycles
-    from ...processor.image_files.program_file import program_in
-    from ...processor.image_files.text_report import cycles_as_json, cycles_text
+    from ...processor.image_files.function_cycles import cycles_as_json, cycles_text, function_cycles
+    from ...processor.image_files.load import program_in
 
     with usage_errors_in_one_sentence():
         found = function_cycles(program_in(image), function)

@@ -1,11 +1,15 @@
-"""Delay slots that a program violates: instructions that read an FPU result too early.
+"""Delay slots of the FPU: the instructions that read a result too early, and what they read.
 
     MPYF32 R0H,R1H,R2H    2p: the result is available one instruction later
     NOP                   the delay slot; the assembler must keep it, the CPU does not protect it
     ADDF32 R3H,R0H,R4H
 
-LUF and LVF are set with the result. Source: SPRUEO2A 3.1, 3.2; the column `latency` of `encodings.toml`.
+`not_kept` lists such reads of a program. An operation that was passed to `delay` shows what they return: the old
+R0H; the product is written after the next instruction, even if that wrote R0H itself, or before an interrupt. LUF and
+LVF are set with the result. Source: SPRUEO2A 3.1, 3.2; the column `latency` of `encodings.toml`.
 """
+
+# core: compiled
 
 from __future__ import annotations
 
@@ -13,6 +17,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from .decoder import Instruction, decode_at
 from .encodings import Encoding, places
+from .execution.cpu import Cpu, Operation
 from .execution.registers import LUF, LVF
 from .operands import FPU_APART, FPU_FIRST, REGISTER_FIELDS
 
@@ -96,3 +101,43 @@ def _registers(names: Iterable[str], values: Mapping[str, int]) -> int:
         elif len(name) == 3 and name[0] == "R" and name[2] == "H" and name[1].isdigit():
             mask |= 1 << int(name[1])
     return mask
+
+
+def delay(f: Operation) -> None:
+    """Make this operation model late results: its own and those of the one before."""
+    f.plain = f.execute
+    f.execute = _delayed
+
+
+def _delayed(cpu: Cpu, f: Operation) -> None:
+    """Execute an operation; then write pending results, and make its own late results pending."""
+    late, due, flags = f.late, cpu.due, cpu.due_flags
+    if not late and not due and not flags:
+        f.plain(cpu, f)
+        return
+    raised = cpu.stf
+    number: int
+    for number in range(8):
+        cpu.before_r[number] = cpu.r[number]
+    f.plain(cpu, f)
+    for number in range(8):
+        value = cpu.r[number]
+        if late >> number & 1:
+            cpu.r[number] = cpu.before_r[number]
+        if due >> number & 1:
+            cpu.r[number] = cpu.due_r[number]
+        if late >> number & 1:
+            cpu.due_r[number] = value
+    raised = cpu.stf & ~raised & (LUF | LVF) if late else 0
+    cpu.stf = cpu.stf & ~raised | flags
+    cpu.due, cpu.due_flags = late, raised
+
+
+def arrive(cpu: Cpu) -> None:
+    """Write pending results at once, because an interrupt follows and not the next instruction."""
+    number: int
+    for number in range(8):
+        if cpu.due >> number & 1:
+            cpu.r[number] = cpu.due_r[number]
+    cpu.stf |= cpu.due_flags
+    cpu.due = cpu.due_flags = 0

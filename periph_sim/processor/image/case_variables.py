@@ -13,7 +13,7 @@ from ...core.state import State
 from ...core.time import Clock
 from ...f28335.memory.ram import MEMORY, Ram
 from ..image_files.variables import Variable
-from .call_stack import CallListener
+from .observers import CallListener
 
 
 class VariableRecords:

@@ -18,14 +18,12 @@ from ...f28335.cpu.interrupts import CONTEXT_SP, EALLOW, INTM, frame_of
 from ...f28335.memory.ram import block_at
 from ...f28335.system_options import SystemOptions
 from ..c28x.decoder import decode_at
-from ..c28x.delay_slots import late_results, not_kept
+from ..c28x.delay_slots import arrive, delay, late_results, not_kept
 from ..c28x.execution.cpu import READS, REGISTER, Cpu, Operation
 from ..c28x.execution.engine import PAGE
-from ..c28x.execution.fpu_pipeline import arrive, delay
 from ..c28x.execution.operations import operation
 from ..c28x.execution.registers import ARP, ARP_MASK, CODE, READ_ONLY, ST1_RESET, IllegalOperation
-from ..c28x.fetch_queue import PACKED as QUEUE_PACKED
-from ..c28x.pipeline import PACKED as STORES_PACKED
+from ..c28x.pipeline import QUEUE_PACKED, STORES_PACKED
 from ..processor import Processor
 from .memory import L0_AGAIN, L4_AGAIN, MIRROR, ImageMemory, in_plain_ram
 

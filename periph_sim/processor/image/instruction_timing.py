@@ -20,9 +20,7 @@ from ...f28335.memory.ram import block_at
 from ...f28335.system_options import SystemOptions
 from ..c28x.decoder import RELATIVE, UNC
 from ..c28x.execution.cpu import Cpu, Operation
-from ..c28x.fetch_queue import DEPTH, FetchQueue
-from ..c28x.hazards import PUSHES, hazards
-from ..c28x.pipeline import Pipeline
+from ..c28x.pipeline import DEPTH, PUSHES, FetchQueue, Pipeline, hazards
 from .elsewhere import UnmappedMemory
 
 if TYPE_CHECKING:

@@ -9,14 +9,13 @@ from typing import Annotated
 from ...core.chip import Note
 from ...core.state import State
 from ...core.time import Clock
-from ..image_files.functions import FunctionMap
+from ..image_files.debug_info import FunctionMap
 from ..image_files.model import Image
 from ..processor import Processor, Program
 from ..source_location import SourceLocation, instruction_location
-from .call_stack import CallListener, CallStack
 from .case_variables import VariableRecords
 from .cpu import ImageCpu
-from .instruction_watch import InstructionWatch
+from .observers import CallListener, CallStack, InstructionWatch
 from .waits import WaitRecords
 
 LAST_JUMPS = 8  # named in an error; a power of two

@@ -19,7 +19,7 @@ from typing import NamedTuple
 from ..c28x import operand_field
 from ..c28x.decoder import Instruction
 from ..c28x.encodings import places
-from ..c28x.hazards import POPS, PUSHES
+from ..c28x.pipeline import POPS, PUSHES
 
 PAGE = 6  # bits of an address within a data page
 FPU_REGISTERS = range(0x0F00, 0x0F30)  # addresses in moves that mean FPU registers, not memory

@@ -1,4 +1,4 @@
-"""Cycles of each instruction of a function, with reasons.
+"""Cycles of each instruction of a function with reasons, and their text and JSON.
 
 Instructions are taken in address order, no conditional branch taken; the cost of a taken branch is shown beside it.
 Counted are stalls that the registers and words of earlier instructions cause; data behind pointers, registers of the
@@ -10,13 +10,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ...core.suggest import did_you_mean
+from ...core.text_table import paragraph, text_table
 from ..c28x.decoder import UNC, Instruction, decode_at
 from ..c28x.encodings import places
 from ..c28x.execution.operations import operation
-from ..c28x.hazards import DP, SP, hazards
-from ..c28x.pipeline import Pipeline
-from .debug_info import DebugInfo
-from .functions import Function, FunctionMap
+from ..c28x.pipeline import DP, SP, Pipeline, hazards
+from .debug_info import DebugInfo, Function, FunctionMap
 from .model import BadImage, Image
 
 WAITED = range(0xC000, 0x1_0000)  # L4 to L7: a fetch of 32 bits takes 2 cycles
@@ -130,3 +129,28 @@ def _names(needs: int, pending: int) -> str:
     late = needs & (pending | pending >> 10 | pending >> 20)
     names = [*(f"XAR{n}" for n in range(8)), "DP", "SP"]
     return " and ".join(name for bit, name in enumerate(names) if late >> bit & 1)
+
+
+def cycles_text(found: FunctionCycles) -> str:
+    """Format one line per instruction, then the total."""
+    rows = [
+        (f"{row.address:#08x}", row.text, row.published, str(row.stall or ""), row.why, row.line) for row in found.rows
+    ]
+    stalls = sum(row.stall for row in found.rows)
+    return "\n".join(
+        [
+            *text_table(("address", "instruction", "cycles", "stall", "why", "line"), rows, right=(2, 3)),
+            "",
+            *paragraph(
+                f"{found.function.name}: {found.least} cycles with no condition true, {stalls} of them stalls by rule. "
+                "cycles: published, taken/not taken. Not included: wait states of registers, accesses through pointers."
+            ),
+        ]
+    )
+
+
+def cycles_as_json(found: FunctionCycles) -> dict[str, object]:
+    """Return the cycles as a dictionary."""
+    function = found.function
+    rows = [row._asdict() for row in found.rows]
+    return {"function": function.name, "address": function.address, "cycles": found.least, "rows": rows}

@@ -1,4 +1,4 @@
-"""Load a linker's output file as an image that fits the F28335, or raise BadImage with the reason.
+"""Load an image that fits the F28335 from a linker's output file or a source, or raise BadImage with the reason.
 
 Checked: no two loaded sections overlap, each is in loadable memory, the entry is in loaded code. Reserved memory, or
 the run addresses of copied code, may overlap on purpose (UNION in the linker's command file).
@@ -97,3 +97,15 @@ def shared_memory(image: Image) -> list[str]:
 def _is_ram(address: int) -> bool:
     area = area_at(address)
     return area is not None and area.content is Content.RAM
+
+
+SOURCE = ".asm"
+
+
+def program_in(path: Path) -> Image:
+    """Load or assemble the image in a file. Raise BadImage naming the file if it is not an F28335 image."""
+    if path.suffix != SOURCE:
+        return load(path)
+    from .assemble import assemble_file  # slow import, needed for sources only
+
+    return assemble_file(path)[0]

@@ -29,8 +29,16 @@ from ...f28335.pie.register_map import VECTORS
 from ...form.c_types import BigInt, Text
 from ..processor import Processor, Program, Stop
 from ..source_location import SourceLocation, SourceLocator
-from ..stall_watch import NoProgress, watch
-from ..user_code import FirmwareError, FirmwareLost, FirmwareStalled, as_firmware_error, output_aside, raised_at
+from ..user_code import (
+    FirmwareError,
+    FirmwareLost,
+    FirmwareStalled,
+    NoProgress,
+    as_firmware_error,
+    output_aside,
+    raised_at,
+    watch,
+)
 
 ROUTINES = 0x30_0000  # code address of a service routine, in flash: this plus the address of its vector
 

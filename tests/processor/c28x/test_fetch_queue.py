@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.processor.c28x.fetch_queue import DEPTH, FetchQueue
+from periph_sim.processor.c28x.pipeline import DEPTH, FetchQueue
 
 WAITS = 5
 

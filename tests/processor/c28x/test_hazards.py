@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.processor.c28x.hazards import BY_ARP, DP, SP, addressing
+from periph_sim.processor.c28x.pipeline import BY_ARP, DP, SP, addressing
 
 
 def ar(*numbers: int) -> int:

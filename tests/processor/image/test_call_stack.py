@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.processor.image.call_stack import CallListener
+from periph_sim.processor.image.observers import CallListener
 from periph_sim.processor.image_files.assemble import assemble
 
 from .rig import ENPIE, HEAD, Rig

@@ -11,7 +11,7 @@ from hypothesis.strategies import integers
 from periph_sim.core.records import Kind, Record
 from periph_sim.processor.c28x.encodings import by_id, encodings
 from periph_sim.processor.image.boot import Stub
-from periph_sim.processor.image.repeated_pass import Number, Sum, passes_within, sum_of
+from periph_sim.processor.image.counting_loop import Number, Sum, passes_within, sum_of
 from periph_sim.processor.image.waits import WaitRecords
 from tests.processor.image.rig import HEAD, Rig
 from tests.processor.image.test_polls import ADCST, HARDWARE, ROUTINE, both, lines
@@ -269,7 +269,7 @@ SUMS = {
     *(f"MOVL_XAR{n}_loc32" for n in range(8)), *(f"MOVL_loc32_XAR{n}" for n in range(8)),
 }  # fmt: skip
 SIDES = {
-    "SUBL_loc32_ACC": Sum("loc", "loc", -1, "ACC"), "MOVZ_ARn_loc16": Sum("XARn", "loc", 0, ""),
+    "SUBL_loc32_ACC": Sum("loc", "loc", -1, "ACC"), "MOVZ_ARn_loc16": Sum("XARn", "loc", 1, "0"),
     "BAR_off16_ARn_ARm_NEQ": Sum("", "ARn", -1, "ARm"), "TEST_ACC": Sum("", "ACC", -1, "0"),
 }  # fmt: skip
 NUMBERS = [("simm8", 0xFF, 0xFFFF), ("simm16", 0x8000, 0x8000), ("uimm8", 0xFF, 0xFF), ("1", 7, 1), ("loc", 7, None)]

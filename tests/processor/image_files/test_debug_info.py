@@ -5,9 +5,8 @@ from __future__ import annotations
 import struct
 from dataclasses import replace
 
-from periph_sim.processor.image_files.debug_info import DebugInfo
+from periph_sim.processor.image_files.debug_info import DebugInfo, Function
 from periph_sim.processor.image_files.function_cycles import function_cycles
-from periph_sim.processor.image_files.functions import Function
 from periph_sim.processor.image_files.inspection import inspect
 from periph_sim.processor.image_files.model import Image, Section, Symbol
 from periph_sim.processor.image_files.write_dwarf import debug_sections

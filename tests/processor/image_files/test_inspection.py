@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.processor.image_files import functions
-from periph_sim.processor.image_files.functions import Function, FunctionMap
+from periph_sim.processor.image_files import debug_info
+from periph_sim.processor.image_files.debug_info import Function, FunctionMap
 from periph_sim.processor.image_files.inspection import Inspection, inspect
 from periph_sim.processor.image_files.load import shared_memory
 from periph_sim.processor.image_files.model import Image, Section, Symbol
@@ -102,7 +102,7 @@ def test_code_that_is_copied_runs_elsewhere():
 
 def test_a_handler_has_the_name_that_budgets_know_and_not_its_symbol(monkeypatch: pytest.MonkeyPatch):
     of_debug_data = Function("on_transfer", HANDLER, 1, ".text", None)
-    monkeypatch.setattr(functions, "_functions", lambda image, debug: (of_debug_data,))
+    monkeypatch.setattr(debug_info, "functions_of", lambda image, debug: (of_debug_data,))
     (vector,) = inspect(image()).vectors
     assert vector.handler == "on_transfer"
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from ....core.text_table import paragraph, text_table
-from ....processor.image.call_stack import Profile
+from ....processor.image.observers import Profile
 from ....processor.source_location import parsed
 
 LONGEST_TEXT = 20  # number of functions that are shown without -v

@@ -12,8 +12,8 @@ from collections import defaultdict
 from collections.abc import Iterable, Iterator
 
 from ....processor.c28x.decoder import Instruction, sweep
-from ....processor.image.instruction_watch import Coverage
-from ....processor.image_files.functions import FunctionMap
+from ....processor.image.observers import Coverage
+from ....processor.image_files.debug_info import FunctionMap
 from ....processor.image_files.model import Image
 
 

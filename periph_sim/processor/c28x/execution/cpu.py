@@ -29,7 +29,7 @@ class Operation:
     repeatable. wide: its operand has 32 bits. byte: its operand is a byte. place: its address, until its words are
     overwritten. following, goal: the operation executed after it, and its last jump target. accesses: READS, WRITES,
     both or 0, at its operand's address. absolute: likewise at *(0:16). needs, makes: registers needed early and written
-    late, at_once: memory written in the first cycle, see `hazards`. jumps: it may branch; loops: it closes a loop by a
+    late, at_once: memory written in the first cycle, see `pipeline`. jumps: it may branch; loops: it closes a loop by a
     branch. late: FPU registers written one instruction later, as bits; plain: the effect alone, if `execute` models
     that delay. waited: it is in memory with wait states. tested: the bits of its operand that it tests, if it names
     them. block, block_end: address range of the memory block of its data accesses.

@@ -11,8 +11,8 @@ import re
 
 from ..decoder import Instruction
 from ..encodings import Encoding
-from ..hazards import writes_at_once
 from ..operand_field import WIDE
+from ..pipeline import writes_at_once
 from . import (
     accumulator,
     branches,

@@ -17,7 +17,7 @@ from periph_sim.processor.c28x.decoder import Instruction
 from periph_sim.processor.c28x.delay_slots import late_results, read_registers
 from periph_sim.processor.c28x.encodings import Encoding
 from periph_sim.processor.c28x.execution.operations import operation
-from periph_sim.processor.c28x.hazards import hazards, is_held, writes_at_once
+from periph_sim.processor.c28x.pipeline import hazards, is_held, writes_at_once
 from tests.processor.c28x.execution.random_instructions import AT, FORMS, passes
 
 KNOWN = Path(__file__).with_name("known_results.txt")

@@ -4,12 +4,17 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from periph_sim.processor.image_files.debug_info import SourceLine
-from periph_sim.processor.image_files.function_cycles import FunctionCycles, Row
-from periph_sim.processor.image_files.functions import Function
-from periph_sim.processor.image_files.inspection import Inspection, Register, Unknown, Vector
+from periph_sim.processor.image_files.debug_info import Function, SourceLine
+from periph_sim.processor.image_files.function_cycles import FunctionCycles, Row, cycles_as_json, cycles_text
+from periph_sim.processor.image_files.inspection import (
+    Inspection,
+    Register,
+    Unknown,
+    Vector,
+    as_json,
+    text,
+)
 from periph_sim.processor.image_files.model import Image, Section, Symbol
-from periph_sim.processor.image_files.text_report import as_json, cycles_as_json, cycles_text, text
 
 SECTIONS = (
     Section(".text", 0x8000, 0x8000, 12, [0] * 12, code=True),

@@ -25,7 +25,7 @@ read of an address:
 
 At the boundary before the next instruction it makes these steps:
 
-    number = interrupts.due(time.cycle)
+    number = interrupts.core.next_taken(time.cycle)
     if number and not processor.take_interrupt(number): stop       `enter(vector)` is called before the next run
 
 `Dsp` builds the unit of a scene. `python` contains the program that runs Python functions, `image` that of images.

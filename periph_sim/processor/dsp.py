@@ -227,7 +227,7 @@ class Dsp(FirmwareView):
         """Keep the statement that violates a duty of the firmware, as a rule by its own access."""
         if note.code != "duty":
             return
-        self.processor.notes.raise_if_strict(note, socket.name)
+        self.processor.notes.raise_if_strict(note, socket.name, self._kernel.now)
         where = self.processor.causing_statement()
         if where is not None and self.processor.notes.placed:
             self.note_places.setdefault((socket.name, self.clock.tick(cycle)), where)

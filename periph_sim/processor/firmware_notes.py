@@ -72,7 +72,7 @@ class FirmwareNotes:
     def note(self, cycle: int, note: Note) -> None:
         """Count and record a note."""
         tick = self._clock.tick(cycle)
-        self._raise_if_strict(note, self._name, max(tick, self._kernel.now))
+        self.raise_if_strict(note, self._name, max(tick, self._kernel.now))
         if note not in self.counts:
             self.first_at[note] = tick
             where = self._place()
@@ -82,11 +82,8 @@ class FirmwareNotes:
         if self._recorder.wants(Kind.NOTE):
             self._recorder.emit(tick, Kind.NOTE, self._name, note.code, self.counts[note], note.text)
 
-    def raise_if_strict(self, note: Note, who: Text) -> None:
-        """Raise FirmwareError for a violated duty if `strict`. who: the module that noted it now."""
-        self._raise_if_strict(note, who, self._kernel.now)
-
-    def _raise_if_strict(self, note: Note, who: Text, tick: int) -> None:
+    def raise_if_strict(self, note: Note, who: Text, tick: int) -> None:
+        """Raise FirmwareError for a violated duty if `strict`. who: the module that noted it at this tick."""
         if self.strict and note.code == "duty":
             at = self._clock.timebase.show(tick)
             where = self._place()

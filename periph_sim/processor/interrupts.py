@@ -99,10 +99,6 @@ class Interrupts:
             if due < NEVER:
                 self._time.resume_by(max(due, cycle))
 
-    def due(self, cycle: int) -> int:
-        """Return the number of the interrupt to take at this instruction boundary, or 0."""
-        return self.core.next_taken(cycle)
-
     # Entry -----------------------------------------------------------------------
 
     def take_interrupt(self, cycle: int, number: int, context: Sequence[int]) -> None:

@@ -82,10 +82,6 @@ class Spin:
         """The operands read by the present pass; by the last one if passes are executed that could be skipped."""
         return [operand for operand, _ in self.last] or [read.operand for read in self.reads[: self.made]]
 
-    def executes_next(self) -> None:
-        """Keep the reads of the present pass: the next one is executed, though it could be skipped."""
-        self.last = [(read.operand, read.value) for read in self.reads[: self.made]]
-
     def unchanged(self, cycle: int) -> bool:
         """Return True if such a pass would read the same values as the last one."""
         operand: Operand

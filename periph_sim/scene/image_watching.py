@@ -12,8 +12,7 @@ from __future__ import annotations
 from ..core.records import Kind, Recorder
 from ..f28335.memory.ram import MEMORY
 from ..processor.dsp import Dsp
-from ..processor.image.case_variables import PresetMemory, VariableRecords
-from ..processor.image.observers import CPU, SECTION, STACK, FunctionSpans, StackDepth
+from ..processor.image.observers import CPU, SECTION, STACK, FunctionSpans, PresetMemory, StackDepth, VariableRecords
 from ..processor.image.program import ImageProgram
 from ..processor.image.waits import WaitRecords
 from ..processor.image_files.variables import BadVariable, Variables

@@ -361,7 +361,7 @@ class Scene:
 def _raise_in_firmware(units: Mapping[str, Dsp], name: str, note: Note) -> None:
     """Raise a note of a chip or device as an error of the firmware. name: the name of the chip or device."""
     for dsp in units.values():
-        dsp.processor.notes.raise_if_strict(note, name)
+        dsp.processor.notes.raise_if_strict(note, name, dsp.processor.kernel.now)
 
 
 def _let_go(recorder: Recorder, units: Mapping[str, Dsp]) -> None:

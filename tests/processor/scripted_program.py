@@ -55,7 +55,7 @@ class ScriptedProgram(Program):
         processor, time = self._processor, self._processor.time
         while True:
             if self._doing == BOUNDARY:
-                number = processor.interrupts.due(time.cycle)
+                number = processor.interrupts.core.next_taken(time.cycle)
                 if number:
                     if not processor.take_interrupt(number):
                         return Stop.WAITS

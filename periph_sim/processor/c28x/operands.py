@@ -81,12 +81,12 @@ def shift_part(token: str, encoding: Encoding) -> Part | None:
     if "s" not in encoding.fields:
         return None
     prefix = token.rstrip("0123456789.")
-    bias, mask = encoding.shift_bias, encoding.fields["s"].mask
+    bias, mask, least = encoding.shift_bias, encoding.fields["s"].mask, dict(encoding.at_least).get("s", 0)
     return Part(
         lambda values, at: f"{prefix}{values['s'] + bias}",
         rf"{re.escape(prefix)}[^,|<]+?" + (r"|\d+" if prefix == "#" else ""),
         lambda text, at, evaluate: {
-            "s": ranged(evaluate(text.removeprefix(prefix)), bias + _least(encoding), mask + bias, text) - bias
+            "s": ranged(evaluate(text.removeprefix(prefix)), bias + least, mask + bias, text) - bias
         },
     )
 
@@ -102,16 +102,6 @@ def optional_shift_part(token: str, encoding: Encoding) -> Part | None:
         return inner.read(text.strip().removeprefix("<<").strip(), at, evaluate) if text.strip() else {"s": 0}
 
     return Part(lambda values, at: f"<<{inner.show(values, at)}", rf"|<<\s*(?:{inner.pattern})", read)
-
-
-def _least(encoding: Encoding) -> int:
-    return dict(encoding.at_least).get("s", 0)
-
-
-def float_of(upper: int) -> float:
-    """Return the float32 with this upper half and lower half 0."""
-    number: float = struct.unpack("<f", struct.pack("<I", upper << 16))[0]
-    return number
 
 
 def half_of(text: str, evaluate: Evaluate) -> int:
@@ -167,7 +157,7 @@ def address_part(page: int) -> Callable[[str, Encoding], Part]:
 
 
 def _show_half_float(values: Values, at: int) -> str:
-    number = float_of(values["i"])
+    number: float = struct.unpack("<f", struct.pack("<I", values["i"] << 16))[0]
     return f"#{number!r}" if number - number == 0 else f"#{values['i']:#06x}"
 
 

@@ -139,9 +139,8 @@ class ImageCpu(ImageMemory):
         block = block_at(address)
         if block is not None:
             return cycle + (block.read_waits if reads else block.write_waits)
-        return self._read_elsewhere_at(cycle, address) if reads else cycle
-
-    def _read_elsewhere_at(self, cycle: int, address: int) -> int:
+        if not reads:
+            return cycle
         waits = self.elsewhere.read_waits(address)
         return cycle + waits + self.timing.read(self.pc, address, cycle, waits)
 

@@ -13,9 +13,8 @@ from ..image_files.debug_info import FunctionMap
 from ..image_files.model import Image
 from ..processor import Processor, Program
 from ..source_location import SourceLocation, instruction_location
-from .case_variables import VariableRecords
 from .cpu import ImageCpu
-from .observers import CallListener, CallStack, InstructionWatch
+from .observers import CallListener, CallStack, InstructionWatch, VariableRecords
 from .waits import WaitRecords
 
 LAST_JUMPS = 8  # named in an error; a power of two
@@ -86,10 +85,6 @@ class LoadedImage(Program):
         path, line = source or ("", 0)
         return instruction_location(name, begins, path, line, address)
 
-    def _last_jumps(self) -> list[int]:
-        """Return the addresses of the last jumps, the oldest first."""
-        return [self._jumps[n & LAST_JUMPS - 1] for n in range(max(0, self._jumped - LAST_JUMPS), self._jumped)]
-
     def read_unwritten(self, address: int) -> None:
         """Note a read of unwritten memory, once for each function."""
         name = self.functions.name_at(self._at)
@@ -103,7 +98,8 @@ class LoadedImage(Program):
     def error_text(self, why: str) -> str:
         """Return an error message with pc, function, last jumps and registers."""
         cpu = self.cpu
-        jumps = ", ".join(f"{self.functions.name_at(address)} {address:#08x}" for address in self._last_jumps())
+        last = [self._jumps[n & LAST_JUMPS - 1] for n in range(max(0, self._jumped - LAST_JUMPS), self._jumped)]
+        jumps = ", ".join(f"{self.functions.name_at(address)} {address:#08x}" for address in last)
         registers = {"ACC": cpu.acc, "P": cpu.p, "XT": cpu.xt, **{f"XAR{n}": cpu.xar[n] for n in range(8)}}
         short = {"SP": cpu.sp, "DP": cpu.dp, "ST0": cpu.st0(), "ST1": cpu.whole_st1(), "IER": cpu.whole_ier()}
         shown = [f"{name}={value:#010x}" for name, value in registers.items() if value or name == "ACC"]

@@ -19,9 +19,9 @@ from ...form.c_types import UInt16
 from ..c28x.execution.engine import PAGE, Engine
 from ..c28x.execution.registers import IllegalOperation
 from ..processor import Processor
-from .case_variables import VariableRecords
 from .elsewhere import BOOT_ROM, UnmappedMemory
 from .instruction_timing import InstructionTiming
+from .observers import VariableRecords
 from .polls import PollSkipper
 
 WATCHDOG_KEY = clocks_map.BASE + clocks_map.WDKEY.offset

@@ -23,7 +23,8 @@ from ..c28x.pipeline import POPS, PUSHES
 
 PAGE = 6  # bits of an address within a data page
 FPU_REGISTERS = range(0x0F00, 0x0F30)  # addresses in moves that mean FPU registers, not memory
-XAR = re.compile(r"X?AR([0-7])")
+XAR = re.compile(r"X?AR([0-7n])")
+CONSTANT = re.compile(r"(MOVL|MOVB|ADDB|SUBB) (X?AR)[0-7n],#\d+")
 
 
 class Access(NamedTuple):
@@ -127,31 +128,31 @@ def _follow(instruction: Instruction, known: Known) -> None:
         xar[field & 7] = None if base is None else base + (step if field < 0x88 else -step)
     elif field in range(0xA0, 0xA8) and "w" in encoding.accesses:
         xar[field & 7] = None
-    changed = [_register(place, values) for place in places(encoding.writes)]
-    constants = {"MOVL": "#22", "MOVB": "#8"}
-    operand = encoding.syntax.rpartition(",")[2]
-    for number in (register for register in changed if isinstance(register, int)):
-        before = xar[number]
-        if constants.get(encoding.mnemonic) == operand:
-            xar[number] = values["c"]
-        elif encoding.id in ("ADDB_XARn_7", "SUBB_XARn_7") and before is not None:
-            xar[number] = before + (values["c"] if encoding.mnemonic == "ADDB" else -values["c"])
-        else:
-            xar[number] = None
-    if "XAR[ARP]" in changed:
+    written = places(encoding.writes)
+    for found in filter(None, map(XAR.fullmatch, written)):
+        number = values["n"] if found[1] == "n" else int(found[1])
+        xar[number] = _constant(instruction, xar[number])
+    if "XAR[ARP]" in written:
         known.xar = [None] * 8
-    if "SP" in changed or field in (PUSHES, POPS):
+    if "SP" in written or field in (PUSHES, POPS):
         known.sp = None
-    if "DP" in changed:
+    if "DP" in written:
         if encoding.id in ("MOVW_DP_16", "MOVZ_DP_10"):
             known.dp = values["c"]
         else:
             known.dp = known.dp & ~0x3FF | values["c"] if encoding.id == "MOV_DP_10" and known.dp is not None else None
 
 
-def _register(place: str, values: dict[str, int]) -> int | str:
-    """Return the number of the address register that a form writes; for other places their name."""
-    if place in ("XARn", "ARn"):
-        return values["n"]
-    found = XAR.fullmatch(place)
-    return int(found[1]) if found else place
+def _constant(instruction: Instruction, before: int | None) -> int | None:
+    """Return the value of the address register that an instruction writes. before: its earlier value."""
+    found, c = CONSTANT.fullmatch(instruction.encoding.syntax), instruction.values.get("c", 0)
+    if found is None:
+        return None
+    mnemonic, register = found.groups()
+    if mnemonic.startswith("MOV") and register == "XAR":
+        return c
+    if before is None:
+        return None
+    if register == "AR":  # the upper half is kept
+        return before & ~0xFFFF | c
+    return before + c if mnemonic == "ADDB" else before - c

@@ -6,7 +6,7 @@ from a table are missing.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -139,9 +139,11 @@ def text(found: Inspection, every: bool = False) -> str:
     """Format the summary in 80 columns. every: all functions, and which ones access each register."""
     image = found.image
     version = f", linker {image.tool_version}" if image.tool_version else ""
+    count = len(found.unknown)
+    known = f"{count} unknown word{'s' * (count > 1)}" if count else "all known"
     lines = [
         f"{image.kind}{version}, entry {image.entry:#08x} ({found.entry_name})",
-        f"{found.instructions} instructions in {found.words} words of code, {_unknown_count(found)}",
+        f"{found.instructions} instructions in {found.words} words of code, {known}",
     ]
     if found.debug_damaged:
         lines += paragraph(f"note: debug data are damaged and partly read ({found.debug_damaged})")
@@ -160,11 +162,6 @@ def text(found: Inspection, every: bool = False) -> str:
     if found.unknown:
         lines += ["", *_unknown_lines(found)]
     return "\n".join(lines)
-
-
-def _unknown_count(found: Inspection) -> str:
-    count = len(found.unknown)
-    return "all known" if not count else f"{count} unknown word{'s' * (count > 1)}"
 
 
 def _section_lines(found: Inspection) -> list[str]:
@@ -249,22 +246,18 @@ def as_json(found: Inspection) -> dict[str, object]:
         ],
         "vectors": [one._asdict() for one in found.vectors],
         "registers": [one._asdict() for one in found.registers],
-        "functions": _function_rows(found.functions),
+        "functions": [
+            {
+                "name": one.name,
+                "address": one.address,
+                "words": one.size,
+                "section": one.section,
+                "file": one.source.file if one.source else None,
+                "line": one.source.line if one.source else None,
+            }
+            for one in found.functions
+        ],
         "unknown": [one._asdict() for one in found.unknown],
         "debug_damaged": found.debug_damaged,
         "shared_memory": shared_memory(image),
     }
-
-
-def _function_rows(functions: Sequence[Function]) -> list[dict[str, object]]:
-    return [
-        {
-            "name": one.name,
-            "address": one.address,
-            "words": one.size,
-            "section": one.section,
-            "file": one.source.file if one.source else None,
-            "line": one.source.line if one.source else None,
-        }
-        for one in functions
-    ]

@@ -82,7 +82,8 @@ def require_loadable(image: Image, part: Part) -> None:
 
 def shared_memory(image: Image) -> list[str]:
     """Return a sentence for each pair of sections that overlap in RAM."""
-    in_ram = [section for section in image.sections if section.allocated and section.size and _is_ram(section.run)]
+    placed = [section for section in image.sections if section.allocated and section.size]
+    in_ram = [one for one in placed if (area := area_at(one.run)) is not None and area.content is Content.RAM]
     notes = []
     for one, other in combinations(sorted(in_ram, key=lambda section: section.run), 2):
         end = min(one.run + one.size, other.run + other.size)
@@ -92,11 +93,6 @@ def shared_memory(image: Image) -> list[str]:
                 "unless this is a UNION in the linker's command file, one overwrites the other"
             )
     return notes
-
-
-def _is_ram(address: int) -> bool:
-    area = area_at(address)
-    return area is not None and area.content is Content.RAM
 
 
 SOURCE = ".asm"

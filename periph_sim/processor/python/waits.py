@@ -293,7 +293,7 @@ class Waits:
         if not spin.made or time.lands < NEVER or core.earliest() < NEVER:
             return False
         if not self._skip_polls:
-            spin.executes_next()
+            spin.last = [(read.operand, read.value) for read in spin.reads[: spin.made]]
             return False
         lease = self._lease
         lease.set_pass(spin)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.core.options import Value
+from periph_sim.processor.c28x.pipeline import BY_ARP, DEPTH, DP, SP, FetchQueue, addressing
 from tests.processor.image.rig import HEAD, Rig
 
 L1, L4 = 0x9000, 0xC000
@@ -193,3 +194,102 @@ def test_passes_of_rpt_wait_for_nothing_in_between():
 
 def test_the_first_pass_of_rpt_waits():
     assert cycles(" MOVL XAR6,@0\n RPT #9\n || NORM ACC,XAR6++") - cycles(" NOP\n RPT #9\n || NORM ACC,XAR6++") == 2
+
+
+def ar(*numbers: int) -> int:
+    return sum(1 << number for number in numbers)
+
+
+@pytest.mark.parametrize(
+    ("field", "registers"),
+    [
+        (0x00, DP),  # @6bit
+        (0x3F, DP),
+        (0x40, SP),  # *-SP[6bit]
+        (0x7F, SP),
+        (0x80, ar(0)),  # *XAR0++
+        (0x8F, ar(7)),  # *--XAR7
+        (0x90, ar(0)),  # *+XAR0[AR0]
+        (0x97, ar(7, 0)),
+        (0x98, ar(0, 1)),  # *+XAR0[AR1]
+        (0x9F, ar(7, 1)),
+        (0xA0, 0),  # @AR0: no address
+        (0xA7, 0),
+        (0xA9, 0),  # @AL
+        (0xAE, BY_ARP | ar(0)),  # *0++
+        (0xAF, BY_ARP | ar(0)),  # *0--
+        (0xB0, BY_ARP),  # *,ARP0
+        (0xB8, BY_ARP),  # *
+        (0xBB, BY_ARP | ar(0)),  # *BR0++
+        (0xBC, BY_ARP | ar(0)),  # *BR0--
+        (0xBD, SP),  # *SP++
+        (0xBE, SP),  # *--SP
+        (0xBF, ar(6, 1)),  # *AR6%++
+        (0xC3, ar(3)),  # *+XAR3[0]
+        (0xFF, ar(7)),
+    ],
+)
+def test_the_registers_of_an_address(field: int, registers: int):
+    assert addressing(field) == registers
+
+
+WAITS = 5
+
+
+def begun(depth: int = DEPTH) -> FetchQueue:
+    """A jump to address 0, whose first instruction is executed in cycle 5."""
+    queue = FetchQueue()
+    queue.begin(0, 0, 2, WAITS, WAITS, depth)
+    assert queue.wait(0, 0, 1) == 5
+    return queue
+
+
+def there(queue: FetchQueue, unit: int) -> int:
+    """The cycle from which on an instruction of this unit can be executed, if all before it were by cycle 5."""
+    return queue.wait(0, 4 * unit, 4 * unit + 1)
+
+
+@pytest.mark.parametrize(("unit", "cycle"), [(1, 11), (2, 17), (3, 23)])
+def test_units_come_one_behind_the_other(unit: int, cycle: int):
+    assert there(begun(), unit) == cycle
+
+
+@pytest.mark.parametrize(
+    ("cycle", "waits", "unit", "later"),
+    [
+        (8, 3, 1, 11),  # waits for unit 1
+        (8, 3, 2, 23),  # which unit 2 is fetched behind
+        (10, 1, 2, 23),
+        (11, 0, 2, 23),  # between the two
+        (12, 5, 2, 17),  # waits for unit 2
+        (12, 5, 3, 29),
+        (23, 0, 3, 23),  # all that comes ahead is there
+    ],
+)
+def test_a_read_waits_for_the_fetch_under_way_and_the_next_one_for_the_read(
+    cycle: int, waits: int, unit: int, later: int
+):
+    queue = begun()
+    assert queue.read(cycle, WAITS) == waits
+    assert there(queue, unit) == later
+
+
+def test_a_read_directly_behind_another_comes_before_the_next_fetch():
+    queue = begun()
+    assert (queue.read(8, WAITS), queue.read(17, WAITS)) == (3, 0)
+    assert there(queue, 2) == 29
+
+
+def test_a_fetch_that_waits_for_its_place_waits_for_the_read_too():
+    """Unit 4 takes the place of unit 0, which is executed to cycle 31; the read is over in 36."""
+    queue = begun()
+    assert queue.read(30, WAITS) == 0
+    assert queue.wait(31, 1, 4) == 0
+    assert there(queue, 4) == 42
+
+
+def test_with_half_the_places_the_third_unit_waits_for_the_first():
+    queue = begun(DEPTH // 2)
+    assert queue.wait(31, 1, 4) == 0
+    assert there(queue, 1) == 11
+    assert there(queue, 2) == 31 + 6

@@ -114,8 +114,8 @@ def LRETE(cpu: Cpu, f: Operation) -> None:
     cpu.change_st1(1, False)
 
 
-def FFC_XAR7_22(cpu: Cpu, f: Operation) -> None:
-    cpu.xar[7], cpu.pc = f.next, f.c
+def FFC_XARn_22(cpu: Cpu, f: Operation) -> None:
+    cpu.xar[f.n], cpu.pc = f.next, f.c
 
 
 # C2xLP --------------------------------------------------------------------------------------------------------------

@@ -1,5 +1,6 @@
 """Moves between registers and memory, and address registers. Each function is one form of `encodings.toml`, by its id.
 
+Forms for one address register have a common function: `MOVB_XAR6_8` is executed by `MOVB_XARn_8`, where n is 6.
 Source: SPRU430F chapter 6; section 5.8 (which addresses step under RPT).
 """
 
@@ -75,12 +76,8 @@ def MOV_loc16_T(cpu: Cpu, f: Operation) -> None:
     cpu.move16(cpu.t())
 
 
-def MOV_AR6_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.put_ar(6, cpu.read16())
-
-
-def MOV_AR7_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.put_ar(7, cpu.read16())
+def MOV_ARn_loc16(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ar(f.n, cpu.read16())
 
 
 def MOV_PH_loc16(cpu: Cpu, f: Operation) -> None:
@@ -119,36 +116,16 @@ def MOVZ_DP_10(cpu: Cpu, f: Operation) -> None:
     cpu.dp = f.c
 
 
-def MOVB_AR6_8(cpu: Cpu, f: Operation) -> None:
-    cpu.put_ar(6, f.c)
-
-
-def MOVB_AR7_8(cpu: Cpu, f: Operation) -> None:
-    cpu.put_ar(7, f.c)
+def MOVB_ARn_8(cpu: Cpu, f: Operation) -> None:
+    cpu.put_ar(f.n, f.c)
 
 
 def MOVB_XARn_8(cpu: Cpu, f: Operation) -> None:
     cpu.xar[f.n] = f.c
 
 
-def MOVB_XAR6_8(cpu: Cpu, f: Operation) -> None:
-    cpu.xar[6] = f.c
-
-
-def MOVB_XAR7_8(cpu: Cpu, f: Operation) -> None:
-    cpu.xar[7] = f.c
-
-
 def MOVZ_ARn_loc16(cpu: Cpu, f: Operation) -> None:
     cpu.xar[f.n] = cpu.read16()
-
-
-def MOVZ_AR6_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.xar[6] = cpu.read16()
-
-
-def MOVZ_AR7_loc16(cpu: Cpu, f: Operation) -> None:
-    cpu.xar[7] = cpu.read16()
 
 
 def MOVL_loc32_ACC(cpu: Cpu, f: Operation) -> None:
@@ -185,7 +162,6 @@ def DMOV_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def MOVL_XARn_loc32(cpu: Cpu, f: Operation) -> None:
-    """Eight forms of the table, as are the next two."""
     cpu.xar[f.n] = cpu.read32()
 
 

@@ -28,8 +28,8 @@ from . import (
 from .cpu import READS, WRITES, Operation
 
 OF_ONE_XAR = re.compile(
-    r"(MOVL_(?:loc32_)?XAR)(\d)(.*)"
-)  # families of eight forms, for XAR0 to XAR7, with one function each
+    r"((?:[A-Z]+|MOVL_loc32)_X?AR)(\d)(_[a-z0-9]+)?"
+)  # forms for one address register: a family has one function
 MODULES = (accumulator, half_words, multiply, shifts, moves, stack, branches, control, fpu, fpu_moves)
 
 _forms: dict[str, Operation] = {}
@@ -70,7 +70,7 @@ def _form_of(encoding: Encoding) -> Operation:
     name, made.encoding = encoding.id, encoding
     one = OF_ONE_XAR.fullmatch(name)
     if one:
-        name, made.n = f"{one[1]}n{one[3]}", int(one[2])
+        name, made.n = f"{one[1]}n{one[3] or ''}", int(one[2])
     bind(made, name)
     made.repeated = encoding.repeated
     made.wide = any(operand in encoding.syntax for operand in WIDE)

@@ -122,8 +122,6 @@ class Line:
     def __init__(self) -> None:
         self.at = array("q")
         self.states = bytearray()
-        self.put_at = self.at.append
-        self.put_state = self.states.append
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -170,41 +168,17 @@ class _Reader:
         return self._capture(rate)
 
     def _parse(self) -> None:
-        """Parse the lines. Common lines, which are times and changes of scalars, are handled here for speed."""
-        simple: dict[bytes, tuple[Line, int]] = {}  # for the text of a line, the bit that it changes and its new state
-        now = self._now
-        changes = 0
+        changes = 0  # an upper bound
         for number, text in self._numbered:
-            change = simple.get(text)
-            if change is not None:
-                line, state = change
-                line.put_at(now)
-                line.put_state(state)
-                self._moved = True
-                changes += 1
-                if changes > MOST_EDGES:
-                    self._too_many(number)
-                continue
-            if text[0] == TIME and self._timed and len(text) < 20:
-                digits = text[1:].rstrip()
-                if digits.isdigit() and (later := int(digits)) > now:
-                    self._now = now = later
-                    self._moved = False
-                    continue
             if len(text) == LONGEST and not text.endswith(b"\n"):
                 self._bad(number, f"a line of more than {LONGEST} bytes", "shorter ones", "write the dump again")
             words = text.split()
             self._words = words[::-1]
             while self._words:
                 self._word(number, self._words.pop())
-            now = self._now
-            changes += len(words)  # an upper bound
+            changes += len(words)
             if changes > MOST_EDGES:
-                self._too_many(number)
-            if len(words) == 1 and words[0][0] in STATES and len(simple) < MOST_LINES:
-                bits = self._lines.get(words[0][1:], ())
-                if len(bits) == 1:
-                    simple[text] = bits[0], STATES[words[0][0]]
+                self._bad(number, f"more than {MOST_EDGES} changes", "a shorter run", "dump fewer lines")
 
     def _word(self, number: int, word: bytes) -> None:
         first = word[0]
@@ -291,14 +265,14 @@ class _Reader:
         bits = self._lines[code]
         if not bits:
             return
-        value = value.lower()
-        value = value.rjust(len(bits), value[:1] if value[:1] in (b"x", b"z") else b"0")
+        if len(value) < len(bits):
+            value = value.rjust(len(bits), value[:1] if value[:1] in (b"x", b"X", b"z", b"Z") else b"0")
         if len(value) != len(bits) or any(letter not in STATES for letter in value):
             found = f"value {_text(value)!r}"
             self._bad(number, found, f"{len(bits)} of the states 0, 1, x and z", "write the dump again")
         for line, letter in zip(bits, value, strict=True):
-            line.put_at(self._now)
-            line.put_state(STATES[letter])
+            line.at.append(self._now)
+            line.states.append(STATES[letter])
         self._moved = True
 
     def _next(self, number: int, after: bytes) -> bytes:
@@ -322,9 +296,6 @@ class _Reader:
             for index, (at, (name, line)) in enumerate(zip(lines, self._names, strict=True))
         )
         return Capture(self._path, rate or ticks, length, channels, rate is not None, self._notes)
-
-    def _too_many(self, number: int) -> NoReturn:
-        self._bad(number, f"more than {MOST_EDGES} changes", "a shorter run", "dump fewer lines")
 
     def _bad(self, number: int, found: str, expected: str, way_out: str) -> NoReturn:
         raise BadCapture(self._path, f"line {number}" if number else "the file", found, expected, way_out)

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 import re
 import struct
-from array import array
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
@@ -26,7 +25,7 @@ from numpy.typing import NDArray
 
 from ...core.input_files import open_regular
 from ..capture import size_limits as limits
-from ..capture.capture import BadCapture, Capture, Channel, Positions, Span
+from ..capture.capture import UNKNOWN, BadCapture, Capture, Channel, Levels, Positions, channel_of_states
 
 NAME = "Saleae binary (digital_N.bin or their folder)"
 SUFFIXES = (".bin", "/")
@@ -81,11 +80,11 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
     end = max(part.end for parts in chunks.values() for part in parts)
     grid = _Grid(begin, rate)
     length = grid.nearest(path, end) + 1
-    channels = []
-    for index in sorted(files):
-        line = _Line(files[index], grid, notes if salvage else None)
-        channels.append(line.channel(index, chunks[index], length))
-    return Capture(path, rate or NANOSECONDS, length, tuple(channels), rate is not None, tuple(notes))
+    channels = tuple(
+        _channel(file, grid, index, chunks[index], length, notes if salvage else None)
+        for index, file in sorted(files.items())
+    )
+    return Capture(path, rate or NANOSECONDS, length, channels, rate is not None, tuple(notes))
 
 
 class _Grid:
@@ -118,62 +117,53 @@ class _Grid:
         return exact
 
 
-class _Line:
-    """Reader of the edges of one file, in blocks. Damage is added to `notes`, or is an error if `notes` is None."""
+def _channel(path: Path, grid: _Grid, index: int, chunks: list[Chunk], length: int, notes: list[str] | None) -> Channel:
+    """Read the states of one file. Damage is added to `notes`, or is an error if `notes` is None."""
+    parts: list[tuple[Positions, Levels]] = []  # positions, and the states from them on
+    known_to = 0
+    with path.open("rb") as file:
+        for chunk in chunks:
+            begin = grid.nearest(path, chunk.begin)
+            if begin > known_to:
+                parts.append(_unknown_from(known_to))
+            changes, end = _changes(path, file, grid, chunk, notes)
+            at = np.concatenate([np.array([begin]), *changes])
+            parts.append((at, (np.arange(len(at)) + chunk.initial & 1).astype(np.uint8)))
+            known_to = grid.nearest(path, chunk.end if end is None else end) + 1
+            if end is not None:
+                break
+    if known_to < length:
+        parts.append(_unknown_from(known_to))
+    positions, states = (np.concatenate(columns) for columns in zip(*parts, strict=True))
+    return channel_of_states(path.stem, index, positions, states, length)
 
-    def __init__(self, path: Path, grid: _Grid, notes: list[str] | None) -> None:
-        self._path = path
-        self._grid = grid
-        self._notes = notes
-        self._flips = array("q")
 
-    def channel(self, index: int, chunks: list[Chunk], length: int) -> Channel:
-        unknown: list[Span] = []
-        known_to = 0
-        level = chunks[0].initial
-        with self._path.open("rb") as file:
-            for chunk in chunks:
-                begin = self._grid.nearest(self._path, chunk.begin)
-                if begin > known_to:
-                    unknown.append(Span(known_to, begin))
-                if chunk.initial != level:  # the level changed in the gap between chunks
-                    self._flips.append(begin)
-                before = len(self._flips)
-                end = self._changes(file, chunk)
-                level = chunk.initial ^ (len(self._flips) - before) & 1
-                known_to = self._grid.nearest(self._path, chunk.end if end is None else end) + 1
-                if end is not None:
-                    break
-        if known_to < length:
-            unknown.append(Span(known_to, length))
-        at, changes = np.unique(np.frombuffer(self._flips, np.int64), return_counts=True)
-        edges = at[changes & 1 == 1]  # two changes at one position cancel out
-        initial = chunks[0].initial
-        if len(edges) and edges[0] == 0:
-            initial, edges = initial ^ 1, edges[1:]
-        return Channel(self._path.stem, index, initial, edges, tuple(unknown))
+def _unknown_from(position: int) -> tuple[Positions, Levels]:
+    return np.array([position], np.int64), np.array([UNKNOWN], np.uint8)
 
-    def _changes(self, file: BinaryIO, chunk: Chunk) -> float | None:
-        """Read the changes of a chunk. Return None, or the last time before they end early."""
-        file.seek(chunk.at)
-        last = chunk.begin
-        for done in range(0, chunk.count, BLOCK):
-            times = np.frombuffer(file.read(8 * min(BLOCK, chunk.count - done)), "<f8")
-            steps = np.concatenate(([last], times))
-            sound = np.isfinite(times) & (times >= steps[:-1]) & (times <= chunk.end)
-            if not sound.all():
-                good = int(np.argmin(sound))
-                if self._notes is None:
-                    place = f"byte {chunk.place}"
-                    way_out = f"export it again{OR_SALVAGE}"
-                    raise BadCapture(self._path, place, "times out of order", "begin, rising times, end", way_out)
-                place = f"byte {chunk.at + 8 * (done + good)}"
-                self._notes.append(f"{self._path.name} has times out of order from {place} on: they are dropped")
-                self._flips.frombytes(self._grid.places(self._path, times[:good]).tobytes())
-                return float(steps[good])
-            self._flips.frombytes(self._grid.places(self._path, times).tobytes())
-            last = float(times[-1])
-        return last if chunk.cut else None
+
+def _changes(
+    path: Path, file: BinaryIO, grid: _Grid, chunk: Chunk, notes: list[str] | None
+) -> tuple[list[Positions], float | None]:
+    """Read the changes of a chunk in blocks. Return their positions, and None or the last time if they end early."""
+    file.seek(chunk.at)
+    found: list[Positions] = []
+    last = chunk.begin
+    for done in range(0, chunk.count, BLOCK):
+        times = np.frombuffer(file.read(8 * min(BLOCK, chunk.count - done)), "<f8")
+        steps = np.concatenate(([last], times))
+        sound = np.isfinite(times) & (times >= steps[:-1]) & (times <= chunk.end)
+        good = len(times) if sound.all() else int(np.argmin(sound))
+        if good < len(times) and notes is None:
+            place, way_out = f"byte {chunk.place}", f"export it again{OR_SALVAGE}"
+            raise BadCapture(path, place, "times out of order", "begin, rising times, end", way_out)
+        found.append(grid.places(path, times[:good]))
+        last = float(steps[good])
+        if good < len(times) and notes is not None:
+            place = f"byte {chunk.at + 8 * (done + good)}"
+            notes.append(f"{path.name} has times out of order from {place} on: they are dropped")
+            return found, last
+    return found, last if chunk.cut else None
 
 
 def _files(folder: Path) -> dict[int, Path]:

@@ -127,7 +127,11 @@ def _step(run: Run, row: int) -> Link:
 def text(answer: Answer) -> str:
     """Return the value and its begin, its meaning, its causes, and later reads and changes, as text."""
     run, subject = answer.run, answer.subject
-    lines = [f"{subject.name} at {run.at(answer.tick)}: {_value_text(answer)}", *_meaning(answer), "", "back:"]
+    lines = [f"{subject.name} at {run.at(answer.tick)}: {_value_text(answer)}"]
+    register, f = subject.register, subject.field
+    if register is not None and f is not None:
+        lines += paragraph(f"{f.name}, {f.access}{f': {f.doc}' if f.doc else ''} [{register.source}]", "  ", "    ")
+    lines += ["", "back:"]
     if not answer.back:
         lines.append(f"  nothing changed it before; {'it is ' + AS_RESET if subject.field else 'no record of it'}")
     rows = []
@@ -203,13 +207,6 @@ def _value_text(answer: Answer) -> str:
     said = f"{value} since {run.at(answer.since)}, {length} before"
     pulled, held = (" and ".join(who) for who in (answer.pulled_by, answer.held_by))
     return said if pulled == held else f"{said}; pulled low first by {pulled}, held now by {held}"
-
-
-def _meaning(answer: Answer) -> list[str]:
-    register, f = answer.subject.register, answer.subject.field
-    if register is None or f is None:
-        return []
-    return paragraph(f"{f.name}, {f.access}{f': {f.doc}' if f.doc else ''} [{register.source}]", "  ", "    ")
 
 
 def _forward(answer: Answer) -> list[str]:

@@ -305,7 +305,9 @@ def _updated(outcomes: list[Outcome], start: Start) -> list[CaseCheck]:
         one = CaseCheck(outcome, path, "equal" if text == before else "written", [])
         if text != before:
             texts[path] = text
-            one.diff = _diff(path, before, text)
+            name = path.as_posix()
+            ours = before.splitlines(), text.splitlines(), name if before else "nothing", name
+            one.diff = "\n".join(unified_diff(*ours, lineterm="", n=1))
             if old is not None:
                 one.changes = compare(old, outcome.figures)
                 explain(one.changes, old, outcome.figures, outcome.result.first_wrong)
@@ -322,12 +324,6 @@ def _old(path: Path) -> Baseline | None:
         return read(path)
     except BadCheck:
         return None
-
-
-def _diff(path: Path, old: str, new: str) -> str:
-    name = path.as_posix()
-    lines = unified_diff(old.splitlines(), new.splitlines(), name if old else "nothing", name, lineterm="", n=1)
-    return "\n".join(lines)
 
 
 def _lines(chains: dict[str, EventLine]) -> dict[str, list[str]]:

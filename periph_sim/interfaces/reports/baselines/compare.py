@@ -147,7 +147,7 @@ def explain(changes: list[Change], before: Baseline, now: Baseline, first_wrong:
         elif old.chain and new.chain and old.chain_of == new.chain_of:
             change.why = first_divergence(old.chain, new.chain, now.cycles) or "no event of its chain moved"
         elif at is not None and not old.chain:
-            change.why = f"first at {_ms(now, at)}; in the baseline there was none"
+            change.why = f"first at {at * 1000 / now.ticks_per_second:.6f} ms; in the baseline there was none"
 
 
 def moved_accesses(
@@ -171,10 +171,6 @@ def _same_occurrence(old: Figures, new: Figures, now: Baseline) -> bool:
     if old.measure != new.measure or old.chain_of != new.chain_of or then_at is None or now_at is None:
         return False
     return abs(now_at - then_at) < SAME * now.ticks_per_second
-
-
-def _ms(now: Baseline, at: int) -> str:
-    return f"{at * 1000 / now.ticks_per_second:.6f} ms"
 
 
 def _cycles(of: Baseline, ticks: int | None, nothing: str) -> str:

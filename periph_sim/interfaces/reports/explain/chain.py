@@ -178,7 +178,11 @@ def text(chain: Chain) -> list[str]:
     lines += _table(rows) if rows else []
     if chain.parts:
         rows = [
-            (_us(chain, part.length), f"{100 * part.length / chain.length:.1f} %", _counted(part))
+            (
+                _us(chain, part.length),
+                f"{100 * part.length / chain.length:.1f} %",
+                f"{part}{f', {part.count} times' if part.count > 1 else ''}{_bracketed(part.place)}",
+            )
             for part in largest(chain.parts)
         ]
         lines += ["  made up of", *_table(rows)]
@@ -212,10 +216,6 @@ def _us(chain: Chain, ticks: int, sign: bool = False) -> str:
 def largest(parts: tuple[Part, ...]) -> tuple[Part, ...]:
     """Return the parts that are shown."""
     return tuple(sorted(parts, key=lambda part: -abs(part.length))[:MOST_PARTS])
-
-
-def _counted(part: Part) -> str:
-    return f"{part}{f', {part.count} times' if part.count > 1 else ''}{_bracketed(part.place)}"
 
 
 def _bracketed(place: FirmwarePlace | None) -> str:

@@ -8,7 +8,7 @@ routine. If the stack is empty, the firmware executes other code.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -62,9 +62,12 @@ def polled(what: str) -> str:
     return " or ".join([first, *(other.removeprefix(f"{register}.") for other in others)])
 
 
-def timeline(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
-    """Return the activities of a unit's CPU between two ticks of the window, without gaps."""
-    moves = [r for r in _relevant(window, unit) if r.tick < end]
+def timeline(window: Window, unit: str, begin: int, end: int, kinds: Collection[Kind] = tuple(DOING)) -> list[Stretch]:
+    """Return the activities of a unit's CPU between two ticks of the window, without gaps.
+
+    kinds: the kinds of records whose activities are told apart from other code.
+    """
+    moves = [r for r in _relevant(window, unit) if r.tick < end and r.kind in kinds]
     stack: list[Record] = []
     found: list[Stretch] = []
     at = min([begin, *(r.tick for r in moves)])
@@ -168,34 +171,6 @@ def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
     return [
         one for one in met if id(one) not in around and not (one.doing == "span" and (one.begin, one.where) in routines)
     ]
-
-
-def innermost(nested: Iterable[Episode], begin: int, end: int) -> list[Episode]:
-    """Return the stretches between two ticks in which each episode was the innermost.
-
-    nested: the episodes in the order in which they begin.
-    """
-    found: list[Episode] = []
-    stack: list[Episode] = []
-    at = begin
-
-    def up_to(tick: int) -> None:
-        nonlocal at
-        if stack and tick > at:
-            found.append(replace(stack[-1], begin=at, end=tick))
-        at = max(at, tick)
-
-    for one in nested:
-        while stack and stack[-1].end is not None and stack[-1].end <= one.begin:
-            up_to(min(stack[-1].end, end))
-            stack.pop()
-        up_to(min(max(one.begin, begin), end))
-        stack.append(one)
-    while stack:
-        last = stack[-1].end
-        up_to(end if last is None else min(last, end))
-        stack.pop()
-    return found
 
 
 def _episode(record: Record, within: Iterable[Record], end: int | None) -> Episode:

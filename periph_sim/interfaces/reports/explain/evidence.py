@@ -81,21 +81,19 @@ class Evidence:
         if one.doing != CODE or one.where:
             return [one]
         least = self.window.timebase.ticks(LONG, "nearest")
-        found, at = [], one.begin
-        done = self._done
-        for last, then in pairwise((None, *done, None)):
-            begin = one.begin if last is None else max(last.tick, at)
+        found = []
+        for last, then in pairwise((None, *self._done, None)):
+            begin = one.begin if last is None else max(last.tick, one.begin)
             end = one.end if then is None else min(then.tick, one.end)
             near = then or last
-            if near is None or end - begin <= least:
-                continue
-            access = near.kind is Kind.ACCESS
-            activity = happened(near).partition(",")[0] if access else phrase(DOING[near.kind], near.what)
-            what = f"code {'after' if then is None else 'before'} {activity}"
-            found += [replace(one, end=begin, begin=at)] if begin > at else []
-            found.append(Stretch(begin, end, CODE, what, near.text, begin))
-            at = end
-        return [*found, replace(one, begin=at)] if at < one.end else found
+            if near is not None and end - begin > least:
+                access = near.kind is Kind.ACCESS
+                activity = happened(near).partition(",")[0] if access else phrase(DOING[near.kind], near.what)
+                what = f"code {'after' if then is None else 'before'} {activity}"
+                found.append(Stretch(begin, end, CODE, what, near.text, begin))
+            elif begin < end:
+                found.append(replace(one, begin=begin, end=end))
+        return found
 
     @cached_property
     def _done(self) -> list[Record]:

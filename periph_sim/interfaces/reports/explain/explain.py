@@ -76,7 +76,8 @@ def _of_bus(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
         at = since
         for let_go, rise in evidence.stretches(since, until):
             found += _bus_stretch(at, let_go, f"bits of {phase.name or phase}", phase.begin)
-            found += _held_for(evidence, let_go, rise)
+            holder = evidence.holder_at(rise - 1)
+            found += _activities(evidence, holder, let_go, rise, f"SCL held low by {holder}")
             at = rise
         found += _bus_stretch(at, until, f"bits of {phase.name or phase}", phase.begin)
         at = until
@@ -87,18 +88,15 @@ def _bus_stretch(begin: int, end: int, what: str, since: int) -> list[Stretch]:
     return [Stretch(begin, end, "bus", what, "", since)] if begin < end else []
 
 
-def _held_for(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
-    """Return the activities of the unit that holds SCL low. For a device, return one stretch with its name."""
-    holder = evidence.holder_at(end - 1)
-    if holder in evidence.case.unit:
-        return evidence.for_unit(holder).timeline(begin, end)
-    return _bus_stretch(begin, end, f"SCL held low by {holder}", begin)
-
-
 def _free(evidence: Evidence, begin: int, end: int, what: str) -> list[Stretch]:
-    """Return a time in which the bus is free. If the unit is the master, return the activities of its firmware."""
-    if begin < end and is_master(evidence, end):
-        return evidence.timeline(begin, end)
+    """Return a time in which the bus is free. If the unit is the master, it waits for the activities of the unit."""
+    return _activities(evidence, evidence.unit if is_master(evidence, end) else "", begin, end, what)
+
+
+def _activities(evidence: Evidence, party: str, begin: int, end: int, what: str) -> list[Stretch]:
+    """Return the activities of the party for which the bus waits; one stretch with a text if it is no unit."""
+    if begin < end and party in evidence.case.unit:
+        return evidence.for_unit(party).timeline(begin, end)
     return _bus_stretch(begin, end, what, begin)
 
 
@@ -151,7 +149,7 @@ def _older(evidence: Evidence, ends: Ends) -> list[Step]:
     """
     begin, end = evidence.window.begin, evidence.window.end
     read = next((p for p in evidence.phases if p.begin == end), None)
-    if read is None or Kind.DATA not in ends.kinds:
+    if read is None or Kind.DATA not in ends.measure.kinds:
         return []
     older = [p for p in evidence.phases if p.begin < end and p.end > begin and p.read and p.address == read.address]
     return [evidence.say(p.begin, f"{p}, with older data", p.end - p.begin) for p in older]
@@ -189,7 +187,7 @@ def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
         steps = transfers(evidence, since, until)
     else:
         steps = [*asked(evidence, phase, end), *(made or answered(evidence, phase, end))]
-    if Kind.ROUND in ends.kinds and not any(p.begin == since for p in evidence.phases):
+    if Kind.ROUND in ends.measure.kinds and not any(p.begin == since for p in evidence.phases):
         steps.append(evidence.say(since, "a round is due"))
     if between:
         steps.append(evidence.say(end, "the next round is due"))
@@ -215,7 +213,7 @@ def _stopped(evidence: Evidence, end: int) -> list[Step]:
 
 
 def _between_rounds(evidence: Evidence, ends: Ends) -> bool:
-    return Kind.ROUND in ends.kinds and evidence.window.verdict.too_little
+    return Kind.ROUND in ends.measure.kinds and evidence.window.verdict.too_little
 
 
 def _of_firmware(evidence: Evidence, record: Record, since: int) -> list[Step]:
@@ -244,12 +242,16 @@ def _instant(evidence: Evidence, ends: Ends) -> Chain:
     now = evidence.doing_step(at)
     own: Part | None = None
     steps = [step for one in found for step in one.steps]
-    if ends.begin is not None and not ends.kinds & DERIVED_FROM.keys() and not (steps and ends.begin.kind is Kind.BUS):
+    if (
+        ends.begin is not None
+        and not ends.measure.kinds & DERIVED_FROM.keys()
+        and not (steps and ends.begin.kind is Kind.BUS)
+    ):
         step = evidence.step(ends.begin)
         own = None if step.place is None else Part("code", step.what, 0, 1, step.place)
         now = step if ends.begin.kind is Kind.SPAN and ends.begin.value else now
         steps += [*evidence.causes(ends.begin, at), step]
-    of_phase = bool(ends.kinds & DERIVED_FROM.keys()) and any(phase.begin == at for phase in evidence.phases)
+    of_phase = bool(ends.measure.kinds & DERIVED_FROM.keys()) and any(phase.begin == at for phase in evidence.phases)
     if not of_phase and not any(step.what.startswith(f"{evidence.unit}: ") for step in steps):
         steps.append(now)
     blame = next((one.blame for one in found if one.blame is not None), None)

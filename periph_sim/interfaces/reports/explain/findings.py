@@ -59,17 +59,13 @@ class Ends:
     """The records at both ends of an occurrence.
 
     begin, end: the record at this end; None if there is none, as at the end of the run.
-    kinds: the kinds of records that the measure uses.
     thing: the name of the records at the end; "" if the measure does not name them.
-    jitter: True if the value is the difference between two values of the measure.
     """
 
     begin: Record | None
     end: Record | None
-    kinds: frozenset[Kind]
     thing: str
     measure: Measure
-    jitter: bool
 
     @classmethod
     def of(cls, evidence: Evidence) -> Ends:
@@ -78,14 +74,14 @@ class Ends:
         begin, end = (_at(evidence, measure, tick) for tick in (window.begin, window.end))
         last = measure.matchers[-1] if isinstance(measure, EventMeasure) else None
         thing = last.what if last is not None and last.thing is not None else ""
-        return cls(begin, end, measure.kinds, thing, measure, measure.is_jitter)
+        return cls(begin, end, thing, measure)
 
     @property
     def on_the_bus(self) -> bool:
         """True if only the bus determines the time between both ends."""
         there = [r for r in (self.begin, self.end) if r is not None]
         of_bus = [r for r in there if r.kind is Kind.BUS or (r.kind is Kind.EDGE and r.where in ("SCL", "SDA"))]
-        return bool(self.kinds & ON_THE_BUS) or len(of_bus) == 2
+        return bool(self.measure.kinds & ON_THE_BUS) or len(of_bus) == 2
 
     def unit(self, case: Case) -> str:
         """Return the unit of the record at the end, or else at the begin; "" if no unit made these records."""
@@ -206,7 +202,7 @@ def _refused(evidence: Evidence, ends: Ends) -> Finding:
     If the instant is that of a round or a transfer, it is the first such address after it.
     """
     at = evidence.window.begin
-    if not ends.kinds & {Kind.BUS, Kind.TRANSFER, Kind.ROUND} or ends.thing in LATE:
+    if not ends.measure.kinds & {Kind.BUS, Kind.TRANSFER, Kind.ROUND} or ends.thing in LATE:
         return Finding()
     there = (p for p in evidence.phases if not p.acked and p.answered is not None and p.end > at)
     phase = next((p for p in there if ends.thing == "refused" or p.answered == at), None)
@@ -226,7 +222,7 @@ def _transfer(evidence: Evidence, ends: Ends) -> Finding:
     """Find the phase that begins at an instant, unless `_refused` finds it."""
     at = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin == at), None)
-    if Kind.TRANSFER not in ends.kinds or phase is None or ends.thing == "refused":
+    if Kind.TRANSFER not in ends.measure.kinds or phase is None or ends.thing == "refused":
         return Finding()
     prompt = "SCL rises as soon as the controller releases it, everywhere in this phase"
     free = [] if evidence.stretches(phase.begin, phase.end) else [evidence.say(at, prompt)]
@@ -259,7 +255,7 @@ def _bytes(evidence: Evidence, ends: Ends) -> Finding:
     """
     at = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin >= at), None)
-    if Kind.DATA not in ends.kinds or phase is None:
+    if Kind.DATA not in ends.measure.kinds or phase is None:
         return Finding()
     if sender(evidence, phase):
         noted, cause = note_of_device(evidence, phase)
@@ -291,7 +287,7 @@ def _round_before(evidence: Evidence, ends: Ends) -> Finding:
     """Find the transfers in the period before a round that is due, and a wait in them that an old flag ended."""
     due = evidence.window.begin
     before = max(due - evidence.period, evidence.window.kept[0].begin)
-    if Kind.ROUND not in ends.kinds or ends.thing == "refused":
+    if Kind.ROUND not in ends.measure.kinds or ends.thing == "refused":
         return Finding()
     steps = transfers(evidence, before, due)
     shows = next((phase for phase in evidence.phases if phase.begin == due), None)
@@ -318,7 +314,7 @@ def _hung(evidence: Evidence, ends: Ends) -> Finding:
 def _fifo(evidence: Evidence, ends: Ends) -> Finding:
     """Find the time since which the firmware has not read the FIFO, and its activities in this time."""
     at = evidence.window.begin
-    if Kind.RECEIVER not in ends.kinds and (ends.begin is None or ends.begin.what not in (*FIFO, WORDS)):
+    if Kind.RECEIVER not in ends.measure.kinds and (ends.begin is None or ends.begin.what not in (*FIFO, WORDS)):
         return Finding()
     first, over = evidence.window.kept[0].begin, evidence.window.kept[-1].end
     since = max((r.tick for r in evidence.flags(first, at, WORDS) if not r.value), default=first)
@@ -342,7 +338,7 @@ def _fifo(evidence: Evidence, ends: Ends) -> Finding:
 def _beside(evidence: Evidence, ends: Ends) -> Finding:
     """Find the accesses and changes of a register around an instant, if the measure compares these."""
     at, near = evidence.window.begin, evidence.window.timebase.ticks(PROMPT, "nearest")
-    if ends.kinds != {Kind.ACCESS, Kind.FLAG}:
+    if ends.measure.kinds != {Kind.ACCESS, Kind.FLAG}:
         return Finding()
     found = [r for r in evidence.window.records if abs(r.tick - at) <= near and looks_at(ends.measure, r)]
     return Finding([evidence.step(r) for r in found])
@@ -351,7 +347,12 @@ def _beside(evidence: Evidence, ends: Ends) -> Finding:
 def _periods(evidence: Evidence, ends: Ends) -> Finding:
     """Find the periods before and after an event whose jitter is measured."""
     at, record = evidence.window.begin, ends.begin
-    if record is None or not ends.jitter or evidence.window.verdict.unit != "us" or not looks_at(ends.measure, record):
+    if (
+        record is None
+        or not ends.measure.is_jitter
+        or evidence.window.verdict.unit != "us"
+        or not looks_at(ends.measure, record)
+    ):
         return Finding()
     ticks = [r.tick for r in evidence.window.records if (r[2:6]) == record[2:6]]
     around = [*[tick for tick in ticks if tick < at][-1:], at, *[tick for tick in ticks if tick > at][:1]]

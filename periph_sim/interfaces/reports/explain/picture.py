@@ -10,7 +10,6 @@ Time 0 of the axis is the beginning of the worst occurrence.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
 
 from ....core.records import Kind, Record
 from ....records.register_maps import register_of
@@ -18,7 +17,7 @@ from ....timing.verdict import in_words
 from ....traces.drawing.capture_lanes import wire_lanes
 from ....traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, timing_diagram
 from ....traces.drawing.text_diagram import text_diagram
-from .cpu_activity import Episode, episodes, innermost, units
+from .cpu_activity import Episode, Stretch, episodes, phrase, timeline, units
 from .window import Window, event_of
 
 ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
@@ -68,21 +67,23 @@ def _firmware(window: Window, unit: str, group: str) -> list[Lane]:
     of = episodes(window, unit, window.drawn.begin, window.drawn.end)
     lanes = []
     for doing, name, colour in (("interrupt", "irq", ORANGE), ("span", "span", BLUE), ("wait", "wait", GREY)):
-        alike: Iterable[Episode] = (one for one in of if one.doing == doing)
-        if doing == "span":
-            alike = innermost(alike, *window.drawn)
-        boxes = tuple(_box(window, one) for one in alike)
+        alike = timeline(window, unit, *window.drawn, (Kind.SPAN,)) if doing == "span" else of
+        boxes = tuple(_box(window, one) for one in alike if one.doing == doing)
         if boxes:
             lanes.append(Lane(name, group, colour, boxes=boxes))
     return lanes
 
 
-def _box(window: Window, one: Episode) -> Box:
+def _box(window: Window, one: Episode | Stretch) -> Box:
     drawn = window.drawn
     end = drawn.end if one.end is None else min(one.end, drawn.end)
     begin = max(one.begin, drawn.begin)
     least = (drawn.end - drawn.begin) // LEAST_BOX
-    text = one.what if one.doing != "wait" else str(one).removeprefix("wait for ").rpartition("I2CSTR.")[2]
+    text = (
+        phrase(one.doing, one.what).removeprefix("wait for ").rpartition("I2CSTR.")[2]
+        if one.doing == "wait"
+        else one.what
+    )
     return Box(_seconds(window, begin), _seconds(window, max(end, begin + least)), text)
 
 

@@ -233,7 +233,10 @@ class _Keeper:
         return [_with_stretch(self._window(one, name, names, modules)) for one in self._wanted]
 
     def _window(self, one: _Wanted, name: str, wires: list[str], modules: Mapping[str, tuple[str, ...]]) -> Window:
-        places = [_place(self._ranges, span) for span in one.kept]
+        places = [
+            next(i for i, ours in enumerate(self._ranges) if ours.begin <= span.begin and span.end <= ours.end)
+            for span in one.kept
+        ]
         records: list[Record] = []
         for place, span in zip(places, one.kept, strict=True):
             records += [r for r in self._records[place] if span.begin <= r.tick < span.end]
@@ -315,10 +318,6 @@ def _merged(spans: list[Span]) -> list[Span]:
         else:
             merged.append(span)
     return merged
-
-
-def _place(ranges: list[Span], inside: Span) -> int:
-    return next(i for i, span in enumerate(ranges) if span.begin <= inside.begin and inside.end <= span.end)
 
 
 def _with_stretch(window: Window) -> Window:

@@ -87,17 +87,16 @@ def _width(spread: int, grain: int) -> int:
 
 
 def scale_of(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
-    """Return the unit to show, its size in units of the values, and the minimum bin width."""
+    """Return the unit to show, its size in units of the values, and the minimum bin width.
+
+    A time is shown in the unit in which the largest value is below 1000.
+    """
     if unit == "time":
-        return *_unit_for(largest, per_ns), per_ns
+        name, ns = next((one for one in UNITS if largest < 1000 * one[1] * per_ns), UNITS[-1])
+        return name, ns * per_ns, per_ns
     if unit == "LSB":
         return unit, MILLIONTHS, MILLIONTHS // 1000
     return unit, 1, 1
-
-
-def _unit_for(largest: int, per_ns: int) -> tuple[str, int]:
-    """Return the unit in which `largest` ticks are below 1000, and its length in ticks."""
-    return next(((unit, ns * per_ns) for unit, ns in UNITS if largest < 1000 * ns * per_ns), ("s", 10**9 * per_ns))
 
 
 WIDTH, HEIGHT = 560, 244
@@ -245,9 +244,10 @@ def _rules(spread: Distribution, scale: _Scale) -> tuple[Rule, ...]:
     free = [float("-inf")] * ROWS
     for key, value in sorted(spread.limits, key=lambda one: one[1]):
         rule = _rule(scale.place(value), _with_unit(key.replace("_", "."), value, spread.unit))
-        begin, end = _extent(rule)
+        long = CHARACTER * len(rule.text)
+        begin = rule.x - {"start": 0, "middle": long / 2, "end": long}[rule.anchor]
         row = next((row for row in range(ROWS) if free[row] < begin), ROWS - 1)
-        free[row] = end + 4
+        free[row] = begin + long + 4
         rules.append(replace(rule, row=row))
     return tuple(rules)
 
@@ -275,9 +275,3 @@ def _rule(x: float, text: str) -> Rule:
     half = CHARACTER * len(text) / 2
     anchor = "start" if x - half < LEFT else "end" if x + half > WIDTH - RIGHT else "middle"
     return Rule(x, text, anchor)
-
-
-def _extent(rule: Rule) -> tuple[float, float]:
-    long = CHARACTER * len(rule.text)
-    begin = rule.x - {"start": 0, "middle": long / 2, "end": long}[rule.anchor]
-    return begin, begin + long

@@ -18,6 +18,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 
 from ....core.records import Kind, Record
+from ....records.record_text import happened, number
 from ....records.register_maps import register_of
 from ....traces.capture.capture import Span
 from ....traces.decode import i2c
@@ -107,7 +108,7 @@ class _Lanes:
             if record.value != level:
                 level = record.value
                 wave.at.append(record.tick - self.zero)
-                wave.says.append(self.says.place(_edge(record)))
+                wave.says.append(self.says.place(happened(record)))
         return wave
 
     def _bus(self) -> list[Lane]:
@@ -165,7 +166,6 @@ class _Lanes:
         return [self._flag(unit, module, what, of) for (module, what), of in changes.items()]
 
     def _flag(self, unit: str, module: str, what: str, changes: list[Record]) -> Lane:
-        name = f"{module}.{what}"
         register, _, field_name = what.partition(".")  # a variable of an image may have any number of dots
         of = register_of(module, register)
         known = of[field_name] if of is not None and field_name in of else None
@@ -179,20 +179,19 @@ class _Lanes:
                 if record.value != initial:
                     initial = record.value
                     wave.at.append(record.tick - self.zero)
-                    verb = "rose" if record.value else "fell"
-                    wave.says.append(self.says.place(f"{name} {verb}{self._because(record)}{about}"))
+                    wave.says.append(self.says.place(f"{happened(record)}{self._because(record)}{about}"))
             return wave
         boxes = Boxes(what, unit, chosen=chosen)
         ends = [record.tick for record in changes[1:]] + [self.kept[-1].end]
         boxes.add(
             self.kept[0].begin - self.zero,
             changes[0].tick - self.zero,
-            self.says.place(_value(initial)),
-            self.says.place(f"{name} = {_value(initial)}{about}"),
+            self.says.place(number(initial)),
+            self.says.place(f"{happened(changes[0]._replace(value=initial))}{about}"),
         )
         for record, end in zip(changes, ends, strict=True):
-            says = self.says.place(f"{name} became {_value(record.value)}{self._because(record)}{about}")
-            boxes.add(record.tick - self.zero, end - self.zero, self.says.place(_value(record.value)), says)
+            says = self.says.place(f"{happened(record)}{self._because(record)}{about}")
+            boxes.add(record.tick - self.zero, end - self.zero, self.says.place(number(record.value)), says)
         return boxes
 
     def _because(self, record: Record) -> str:
@@ -207,7 +206,7 @@ class _Lanes:
         if cause.kind is Kind.ACCESS:
             way = "read" if cause.what.startswith("R ") else "write"
             return f"\nby the {way} of {cause.what[2:]} at {cause.text}"
-        return f"\nas {_edge(cause).partition(chr(10))[0]}" if cause.kind is Kind.EDGE else ""
+        return f"\nas {happened(cause).partition(',')[0]}" if cause.kind is Kind.EDGE else ""
 
     def _firmware(self, unit: str) -> list[Lane]:
         lanes: list[Lane] = []
@@ -289,13 +288,3 @@ def _within_reach(window: Window, most: int) -> tuple[Span, ...]:
     first, last = window.begin - reach, window.end + reach
     cut = [Span(max(span.begin, first), min(span.end, last + 1)) for span in window.kept]
     return tuple(span for span in cut if span.begin < span.end)
-
-
-def _edge(record: Record) -> str:
-    if record.value:
-        return f"{record.where} rose"
-    return f"{record.where} fell" + (f"\nheld low by {record.text}" if record.text else "")
-
-
-def _value(value: int) -> str:
-    return str(value) if value < 10 else f"{value:#x}"

@@ -8,10 +8,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
-from ....core.records import Kind, Record
+from ....core.records import Kind
 from ....traces.decode import i2c
 from ..explain.window import Window
 
@@ -54,10 +54,7 @@ def rows(window: Window, seen: Callable[[int, int], bool], zero: int) -> list[Ro
     found = [*_i2c_rows(window)] if {"SCL", "SDA"} <= names else []
     found += _frame_rows(window)
     kept = sorted((row for row in found if seen(row.at, row.end)), key=lambda row: (row.at, row.bus))
-    return [
-        Row(row.at - zero, row.end - zero, row.bus, row.start, row.address, row.way, row.ack, row.data, row.stop)
-        for row in kept
-    ]
+    return [replace(row, at=row.at - zero, end=row.end - zero) for row in kept]
 
 
 def _i2c_rows(window: Window) -> Iterator[Row]:
@@ -86,27 +83,21 @@ def _ack(acked: bool | None) -> str:
 
 def _frame_rows(window: Window) -> list[Row]:
     """Return rows of characters for each wire. A gap of a character or more starts a new row."""
-    found: list[Row] = []
+    found: dict[str, list[Row]] = {}
     begun: dict[str, int] = {}
     for record in window.records:
-        if record.kind is not Kind.FRAME:
-            continue
-        if record.what == "begin":
-            begun[record.where] = record.tick
-        elif record.what in ("end", "error") and record.where in begun:
-            _add(found, record, begun.pop(record.where))
-    return found
-
-
-def _add(found: list[Row], frame: Record, begin: int) -> None:
-    byte = (f"{frame.value:02X}", "error" if frame.what == "error" else "")
-    place = next((n for n in reversed(range(len(found))) if found[n].bus == frame.where), None)
-    if place is not None:
-        last = found[place]
-        if begin - last.end < frame.tick - begin and len(last.data) < LONGEST:
-            found[place] = Row(last.at, frame.tick, frame.where, "", "", "", "", (*last.data, byte), False)
-            return
-    found.append(Row(begin, frame.tick, frame.where, "", "", "", "", (byte,), False))
+        wire = record.where
+        if record.kind is Kind.FRAME and record.what == "begin":
+            begun[wire] = record.tick
+        elif record.kind is Kind.FRAME and record.what in ("end", "error") and wire in begun:
+            begin = begun.pop(wire)
+            byte = (f"{record.value:02X}", "error" if record.what == "error" else "")
+            rows = found.setdefault(wire, [])
+            if rows and begin - rows[-1].end < record.tick - begin and len(rows[-1].data) < LONGEST:
+                rows[-1] = replace(rows[-1], end=record.tick, data=(*rows[-1].data, byte))
+            else:
+                rows.append(Row(begin, record.tick, wire, "", "", "", "", (byte,), False))
+    return [row for rows in found.values() for row in rows]
 
 
 Box = tuple[int, int, str, str]  # begin and end as positions of the transfers, label, text

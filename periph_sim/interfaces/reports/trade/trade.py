@@ -186,7 +186,13 @@ class _Runs:
             if not row.record:
                 with self._refusing(row):
                     run = observe(self.cases[row.name], length)
-                    reference = reference or (run if may_be_empty else self._with_occurrences(run, length))
+                    if reference is None and run.is_empty and not may_be_empty:
+                        first = duration_text(float(length))
+                        raise BadCase(
+                            f"case {self.cases[AS_GIVEN].name}: nothing to compare: no budget is judged and nothing is "
+                            f"read on I2C in the first {first}; simulate longer with --seconds, or add a budget"
+                        )
+                    reference = reference or run
                     found[row.name] = compare(reference, run)
         return found
 
@@ -205,15 +211,6 @@ class _Runs:
                     is_same = not (error.differ or error.time.amount or error.value.amount)
                     found[row.name] = unrecorded if is_same else error
         return found
-
-    def _with_occurrences(self, run: Observed, length: Fraction) -> Observed:
-        if run.is_empty:
-            first = duration_text(float(length))
-            raise BadCase(
-                f"case {self.cases[AS_GIVEN].name}: nothing to compare: no budget is judged and nothing is read on I2C "
-                f"in the first {first}; simulate longer with --seconds, or add a budget"
-            )
-        return run
 
     @contextmanager
     def _refusing(self, row: Row) -> Iterator[None]:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.interfaces.reports.explain.chain import difference, parts_of
-from periph_sim.interfaces.reports.explain.cpu_activity import episodes, innermost, open_at, phrase, timeline, units
+from periph_sim.interfaces.reports.explain.cpu_activity import episodes, open_at, phrase, timeline, units
 from periph_sim.traces.capture.capture import Span
 from tests.interfaces.reports.explain.made import drawn
 
@@ -140,8 +140,8 @@ def test_the_span_of_a_service_routine_is_told_as_the_routine():
     ],
 )  # fmt: skip
 def test_a_picture_shows_the_innermost_span(spans: tuple[str, ...], line: list[tuple[str, int, int]]):
-    every = episodes(drawn(*spans), "dsp", -50, 100)
-    assert names(innermost(every, 0, 100)) == line
+    found = timeline(drawn(*spans, "irq SCI 5 95"), "dsp", 0, 100, (Kind.SPAN,))
+    assert names(one for one in found if one.doing == "span") == line
 
 
 @pytest.mark.parametrize(

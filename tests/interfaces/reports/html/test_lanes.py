@@ -91,7 +91,7 @@ def test_a_flag_is_drawn_as_it_changed_and_says_what_it_means(response: Timeline
     assert wave.at == [r.tick - response.origin for r in changes]
     said = [response.says[place] for place in wave.says]
     assert all(
-        f"I2C-A.I2CSTR.XRDY {'rose' if r.value else 'fell'}" in text for r, text in zip(changes, said, strict=True)
+        f"I2C-A.I2CSTR.XRDY {'set' if r.value else 'cleared'}" in text for r, text in zip(changes, said, strict=True)
     )
     assert any("by the write of I2C-A.I2CDXR at batch_read:" in text for text in said)
     assert "[SPRUG03B table 10]" in said[0]

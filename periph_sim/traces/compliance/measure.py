@@ -175,8 +175,12 @@ class _Part:
         self._edges, self._levels = sda.edges, sda.levels
         self.starts = self.conditions[self.is_start]
         # A pulse is the low phase before a rise of SCL and the high phase up to the next fall.
-        self._low_from = _at(self.falls, np.searchsorted(self.falls, self.rises) - 1)  # -1: not in the capture
-        self._high_to = _at(self.falls, np.searchsorted(self.falls, self.rises, side="right"))  # -1: not in the capture
+        self._low_from: Positions = _pick(
+            self.falls, np.searchsorted(self.falls, self.rises) - 1
+        )  # -1: not in the capture
+        self._high_to: Positions = _pick(
+            self.falls, np.searchsorted(self.falls, self.rises, side="right")
+        )  # -1: not in the capture
         high_to = np.where(self._high_to < 0, span.end, self._high_to)
         self._condition_in = np.searchsorted(self.conditions, high_to) > np.searchsorted(self.conditions, self.rises)
         self._number_bits(edges)
@@ -232,9 +236,9 @@ class _Part:
         conditions, is_start = self.conditions, self.is_start
         after_start = np.concatenate((np.zeros(1, np.bool_), is_start))[:-1]
         before = np.concatenate((np.full(1, -1, np.int64), conditions))[:-1]
-        rise = _at(self.rises, np.searchsorted(self.rises, conditions) - 1)
+        rise = _pick(self.rises, np.searchsorted(self.rises, conditions) - 1)
         rise = np.where(rise > before, rise, -1)  # not measured from a rise that another condition follows
-        fall = _at(self.falls, np.searchsorted(self.falls, conditions))
+        fall = _pick(self.falls, np.searchsorted(self.falls, conditions))
         behind = np.append(conditions[1:], np.iinfo(np.int64).max)[: len(conditions)]
         held = is_start & (fall >= 0) & (fall < behind)
         again = is_start & after_start & (rise >= 0)
@@ -302,13 +306,7 @@ def _least(symbol: str, mode: Mode) -> int:
     return LIMIT[symbol].bounds[mode].least or 0
 
 
-def _at(positions: Positions, index: NDArray[np.intp]) -> Positions:
-    """Return positions[index], with -1 where the index is out of range."""
-    padded = np.concatenate((positions, np.full(1, -1, np.int64)))
-    return padded[np.where((index < 0) | (index >= len(positions)), len(positions), index)]
-
-
-def _pick(values: NDArray[Scalar], index: NDArray[np.intp], default: bool | int) -> NDArray[Scalar]:
-    """Return values[index], with the default where the index is -1."""
+def _pick(values: NDArray[Scalar], index: NDArray[np.intp], default: bool | int = -1) -> NDArray[Scalar]:
+    """Return values[index], with the default where the index is out of range."""
     padded = np.concatenate((values, np.array([default], values.dtype)))
-    return padded[np.where(index < 0, len(values), index)]
+    return padded[np.where((index < 0) | (index >= len(values)), len(values), index)]

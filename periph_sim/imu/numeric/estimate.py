@@ -217,17 +217,13 @@ class Estimate(Struct, frozen=True):
         return sum(line.high + line.operands for line in self.lines)
 
     @property
-    def middle(self) -> Fraction:
-        """The cycles in the middle of the range, for uses that need a single number."""
-        return Fraction(self.low + self.high, 2)
-
-    @property
     def guessed(self) -> bool:
         """True if any figure is a guess."""
         return any(self.library.costs[line.kind].guessed for line in self.lines)
 
     def seconds(self) -> Fraction:
-        return self.middle / SYSCLK
+        """Return the time in the middle of the range, for uses that need a single number."""
+        return Fraction(self.low + self.high, 2) / SYSCLK
 
     @property
     def parts(self) -> list[str]:

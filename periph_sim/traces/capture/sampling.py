@@ -68,9 +68,9 @@ def _moved(channel: Channel, ratio: Fraction, length: int) -> tuple[Channel, int
 def _up(positions: Positions, ratio: Fraction) -> Positions:
     """Return the first sample at or after each position, exactly."""
     top, bottom = ratio.numerator, ratio.denominator
-    if not len(positions) or int(positions[-1]) * top + bottom < 1 << 63:
-        return -(-positions * top // bottom)
-    return np.array([-(-int(position) * top // bottom) for position in positions], np.int64)
+    if len(positions) and int(positions[-1]) * top + bottom >= 1 << 63:
+        positions = positions.astype(object)
+    return (-(-positions * top // bottom)).astype(np.int64)
 
 
 def _ceil(value: Fraction) -> int:

@@ -174,13 +174,9 @@ class _Part:
         self.shortest_phase = np.diff(scl.edges).min(initial=np.iinfo(np.int64).max)  # SCL's, in positions
         self._edges, self._levels = sda.edges, sda.levels
         self.starts = self.conditions[self.is_start]
-        # A pulse is the low phase before a rise of SCL and the high phase up to the next fall.
-        self._low_from: Positions = _pick(
-            self.falls, np.searchsorted(self.falls, self.rises) - 1
-        )  # -1: not in the capture
-        self._high_to: Positions = _pick(
-            self.falls, np.searchsorted(self.falls, self.rises, side="right")
-        )  # -1: not in the capture
+        # A pulse is the low phase before a rise of SCL and the high phase up to the next fall; -1: not in the capture.
+        self._low_from: Positions = _pick(self.falls, np.searchsorted(self.falls, self.rises) - 1)
+        self._high_to: Positions = _pick(self.falls, np.searchsorted(self.falls, self.rises, side="right"))
         high_to = np.where(self._high_to < 0, span.end, self._high_to)
         self._condition_in = np.searchsorted(self.conditions, high_to) > np.searchsorted(self.conditions, self.rises)
         self._number_bits(edges)

@@ -20,14 +20,13 @@ import numpy as np
 
 from ..capture import size_limits as limits
 from ..capture.capture import BadCapture, Capture, Channel, Span
-from .packed_samples import Scan
-from .zip_member import Archive, Damage, ini_keys, samplerate_of
+from .packed_samples import Scan, scanned
+from .zip_member import Archive, ini_keys, samplerate_of
 
 NAME = "DSView session (.dsl)"
 SUFFIXES = (".dsl",)
 
 WHAT = "DSView session"
-BLOCK = 1 << 16  # number of bytes that are unpacked at once; each has eight samples
 SALVAGE = "copy or save it again, or read the intact part with --salvage"
 
 
@@ -71,21 +70,18 @@ class Folder(NamedTuple):
 def _scanned(archive: Archive, folder: Folder, salvage: bool, notes: list[str]) -> Scan:
     scan = Scan(archive.path, 1, {0: ""})
     for block in range(folder.blocks):
-        member = f"L-{folder.number}/{block}"
         before = scan.mark()
-        try:
-            if member not in archive.members:
-                raise Damage(member, "nothing")
-            for content in archive.blocks(member, BLOCK):
-                scan.feed(np.unpackbits(np.frombuffer(content, np.uint8), bitorder="little").tobytes())
-        except Damage as damage:
-            if not salvage:
-                raise BadCapture(archive.path, member, damage.found, f"a whole {WHAT}", SALVAGE) from None
+        if damage := scanned(archive, f"L-{folder.number}/{block}", scan, salvage, _samples):
             if not damage.cut:
                 scan.back(before)
-            notes.append(f"{member} holds {damage.found}: its channel is dropped from sample {scan.length} on")
+            notes.append(f"{damage.member} holds {damage.found}: its channel is dropped from sample {scan.length} on")
             break
     return scan
+
+
+def _samples(block: bytes) -> bytes:
+    """Return a byte for each bit of a block."""
+    return np.unpackbits(np.frombuffer(block, np.uint8), bitorder="little").tobytes()
 
 
 def _channel(name: str, probe: int, scan: Scan, length: int) -> Channel:

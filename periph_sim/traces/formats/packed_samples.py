@@ -9,6 +9,7 @@ and nearly all of the time grow with the number of edges, which is limited.
 from __future__ import annotations
 
 from array import array
+from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,8 +18,11 @@ from numpy.typing import NDArray
 
 from ..capture import size_limits as limits
 from ..capture.capture import BadCapture, Channel
+from .zip_member import Archive, Damage
 
-BLOCK = 1 << 19  # bytes that are scanned at once; they fit into the caches of a processor
+BLOCK = (
+    1 << 16
+)  # bytes that are scanned at once; they fit into the caches of a processor, also with a byte for each bit
 
 Words = NDArray[np.unsignedinteger]
 
@@ -95,6 +99,29 @@ class Scan:
                 )
         self._last = int(words[-1])
         self.length += len(words)
+
+
+def scanned(
+    archive: Archive, member: str, scan: Scan, salvage: bool, unpacked: Callable[[bytes], bytes] = bytes
+) -> Damage | None:
+    """Scan the samples of a member. Return its damage, of which the samples before it are scanned; None if it is whole.
+
+    unpacked: a function that converts a block to samples.
+
+    Raise BadCapture for damage unless `salvage` is True.
+    """
+    try:
+        if member not in archive.members:
+            raise Damage(member, "nothing")
+        for block in archive.blocks(member, BLOCK):
+            scan.feed(unpacked(block))
+    except Damage as damage:
+        if not salvage:
+            way_out = "copy or save it again, or read the intact part with --salvage"
+            raise BadCapture(archive.path, member, damage.found, f"a whole {archive.what}", way_out) from None
+        scan.rest = b""
+        return damage
+    return None
 
 
 def _changes(words: Words, last: int) -> NDArray[np.int64]:

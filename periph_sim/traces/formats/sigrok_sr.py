@@ -28,8 +28,8 @@ from ..capture import size_limits as limits
 from ..capture.capture import MOST_DIGITS, BadCapture, Capture
 from ..capture.channel_names import channels_named
 from ..capture.sampling import rate_text
-from .packed_samples import BLOCK, Scan
-from .zip_member import Archive, Damage, ini_keys, samplerate_of
+from .packed_samples import Scan, scanned
+from .zip_member import Archive, ini_keys, samplerate_of
 
 NAME = "sigrok session (.sr)"
 SUFFIXES = (".sr",)
@@ -70,7 +70,7 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
         rate = samplerate_of(path, "metadata", meta.samplerate, rate, notes)
         scan = Scan(path, meta.unitsize, meta.probes)
         for member in members:
-            if not _scanned(archive, member, scan, notes if salvage else None):
+            if not _scanned(archive, member, scan, salvage, notes):
                 break
     if not scan.length:
         raise BadCapture(path, meta.capturefile, "no samples", "logic samples", "capture again")
@@ -79,30 +79,20 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
     return Capture(path, rate, scan.length, scan.channels(), notes=tuple(notes))
 
 
-def _scanned(archive: Archive, member: str, scan: Scan, notes: list[str] | None) -> bool:
-    """Scan the samples of a member. Return True if all are intact.
-
-    Damage is added to `notes`, or is an error if `notes` is None.
-    """
+def _scanned(archive: Archive, member: str, scan: Scan, salvage: bool, notes: list[str]) -> bool:
+    """Scan the samples of a member. Return True if all are intact."""
     before = scan.mark()
-    try:
-        for block in archive.blocks(member, BLOCK):
-            scan.feed(block)
-    except Damage as damage:
-        if notes is None:
-            raise BadCapture(
-                archive.path, member, damage.found, f"a whole {WHAT}", f"copy or save it again, or {SALVAGE}"
-            ) from None
-        if damage.cut:
-            notes.append(f"{member} holds {damage.found}: all samples after {scan.length} are dropped")
-        elif before.length:
-            scan.back(before)
-            notes.append(f"{member} holds {damage.found}: it and all samples after {scan.length} are dropped")
-        else:
-            notes.append(f"{member} holds {damage.found}: its samples are read up to {scan.length}, some may be wrong")
-        scan.rest = b""
-        return False
-    return True
+    damage = scanned(archive, member, scan, salvage)
+    if damage is None:
+        return True
+    if damage.cut:
+        notes.append(f"{member} holds {damage.found}: all samples after {scan.length} are dropped")
+    elif before.length:
+        scan.back(before)
+        notes.append(f"{member} holds {damage.found}: it and all samples after {scan.length} are dropped")
+    else:
+        notes.append(f"{member} holds {damage.found}: its samples are read up to {scan.length}, some may be wrong")
+    return False
 
 
 def _sample_members(path: Path, archive: Archive, capturefile: str, notes: list[str] | None) -> list[str]:

@@ -116,12 +116,7 @@ MOST_LINES = 1 << 18  # maximum number of bits of all declared variables
 LONGEST = 1 << 20  # maximum number of bytes of a line
 
 
-class Line:
-    """The states of one scalar or one bit of a vector."""
-
-    def __init__(self) -> None:
-        self.at = array("q")
-        self.states = bytearray()
+Line = tuple["array[int]", bytearray]  # positions and states of one scalar or one bit of a vector
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -229,7 +224,7 @@ class _Reader:
             return
         if len(self._names) + width > MOST_LINES:
             self._bad(number, f"more than {MOST_LINES} bits", "fewer lines", "dump the lines of the bus only")
-        lines = self._lines.setdefault(code, [Line() for _ in range(width)])
+        lines = self._lines.setdefault(code, [(array("q"), bytearray()) for _ in range(width)])
         if len(lines) != width:
             self._bad(number, f"{width} bits for identifier {body[2]!r}", f"{len(lines)} as before", "mend it")
         scopes = self._scopes[1:] if self._ours and self._scopes[:1] == [SCOPE] else self._scopes
@@ -270,9 +265,9 @@ class _Reader:
         if len(value) != len(bits) or any(letter not in STATES for letter in value):
             found = f"value {_text(value)!r}"
             self._bad(number, found, f"{len(bits)} of the states 0, 1, x and z", "write the dump again")
-        for line, letter in zip(bits, value, strict=True):
-            line.at.append(self._now)
-            line.states.append(STATES[letter])
+        for (at, states), letter in zip(bits, value, strict=True):
+            at.append(self._now)
+            states.append(STATES[letter])
         self._moved = True
 
     def _next(self, number: int, after: bytes) -> bytes:
@@ -287,13 +282,13 @@ class _Reader:
     def _capture(self, rate: Fraction | None) -> Capture:
         ticks = self._per_second
         length = self._now + 1 if self._moved or self._now == 0 else self._now
-        lines = [np.array(line.at, np.int64) for _, line in self._names]
+        lines = [np.array(at, np.int64) for _, (at, _) in self._names]
         if rate is not None:
             lines, last = on_grid(self._path, lines, self._now, ticks or rate, rate, "a change at #{}")
             length = last + (1 if length > self._now else 0)
         channels = tuple(
-            channel_of_states(name, index, at, np.frombuffer(line.states, np.uint8), length)
-            for index, (at, (name, line)) in enumerate(zip(lines, self._names, strict=True))
+            channel_of_states(name, index, at, np.frombuffer(states, np.uint8), length)
+            for index, (at, (name, (_, states))) in enumerate(zip(lines, self._names, strict=True))
         )
         return Capture(self._path, rate or ticks, length, channels, rate is not None, self._notes)
 

@@ -69,6 +69,7 @@ def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
     next_row = run.next(rows, after)
     reads = _reads(run, subject, after, next_row)
     value = _value(run, subject, rows, row)
+    effects = () if row is None else np.flatnonzero(run.table.cause == run.table.number[row])[:EFFECTS].tolist()
     now, low = row, subject.kind is Kind.EDGE and value == 0 and row is not None
     if low:
         now = run.last(wire_rows(run, subject.where), tick)
@@ -82,7 +83,7 @@ def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
         back,
         holders(run, row, run.record(row)) if low and row is not None else (),
         holders(run, now, run.record(now)) if low and now is not None else (),
-        _effects(run, row),
+        tuple(_step(run, effect) for effect in effects),
         _step(run, int(reads[0])) if len(reads) else None,
         len(reads),
         None if next_row is None else _step(run, next_row),
@@ -110,14 +111,6 @@ def _reads(run: Run, subject: RecordedSignal, after: int, until: int | None) -> 
     rows = run.accesses_of(subject.unit, "R", subject.module, subject.register.name)
     end = np.searchsorted(rows, until) if until is not None else len(rows)
     return run.looking_at(rows[np.searchsorted(rows, after, "right") : end], subject.field)
-
-
-def _effects(run: Run, row: int | None) -> tuple[Link, ...]:
-    """Return the records that name this record as their cause."""
-    if row is None:
-        return ()
-    rows = np.flatnonzero(run.table.cause == run.table.number[row])[:EFFECTS]
-    return tuple(_step(run, int(effect)) for effect in rows)
 
 
 def _step(run: Run, row: int) -> Link:

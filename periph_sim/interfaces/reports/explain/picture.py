@@ -10,8 +10,9 @@ Time 0 of the axis is the beginning of the worst occurrence.
 from __future__ import annotations
 
 import re
+from itertools import pairwise
 
-from ....core.records import Kind, Record
+from ....core.records import Kind
 from ....records.register_maps import register_of
 from ....timing.verdict import in_words
 from ....traces.drawing.capture_lanes import wire_lanes
@@ -55,7 +56,7 @@ def svg_picture(window: Window) -> str:
 
 def _lanes(window: Window, columns: int) -> list[Lane]:
     lanes = wire_lanes(window.edges, window.drawn, lambda at: _seconds(window, at), columns)
-    lanes += _flag_lanes(window)
+    lanes += [_flag_lane(window, where, what) for where, what in flags_shown(window)]
     there = units(window)
     for unit in there:
         lanes += _firmware(window, unit, unit if len(there) > 1 else "firmware")
@@ -85,11 +86,6 @@ def _box(window: Window, one: Episode | Stretch) -> Box:
         else one.what
     )
     return Box(_seconds(window, begin), _seconds(window, max(end, begin + least)), text)
-
-
-def _flag_lanes(window: Window) -> list[Lane]:
-    """Return the flags as waves, those of several bits as boxes with their values."""
-    return [lane for where, what in flags_shown(window) for lane in _flag_lane(window, where, what)]
 
 
 def flags_shown(window: Window) -> list[tuple[str, str]]:
@@ -125,7 +121,8 @@ def _shown(where: str, what: str) -> str:
     return name if register is not None and len(register.fields) == 1 else what
 
 
-def _flag_lane(window: Window, where: str, what: str) -> list[Lane]:
+def _flag_lane(window: Window, where: str, what: str) -> Lane:
+    """Return a flag as a wave, and a field of several bits as boxes with its values."""
     changes = [r for r in window.all_records if (r.kind, r.where, r.what) == (Kind.FLAG, where, what)]
     earlier = [r for r in changes if r.tick < window.drawn.begin]
     inside = [r for r in changes if window.drawn.begin <= r.tick < window.drawn.end]
@@ -134,17 +131,13 @@ def _flag_lane(window: Window, where: str, what: str) -> list[Lane]:
         # Also if the first change is after the picture.
         initial = earlier[-1].value if earlier else 1 - changes[0].value
         edges = tuple((_seconds(window, r.tick), r.value) for r in inside)
-        return [Lane(name, "flags", BLACK, initial=initial, edges=edges)]
-    return [Lane(name, "flags", BLACK, boxes=_values(window, earlier[-1:], inside))]
-
-
-def _values(window: Window, earlier: list[Record], inside: list[Record]) -> tuple[Box, ...]:
-    marks = [*((window.drawn.begin, r.value) for r in earlier), *((r.tick, r.value) for r in inside)]
-    ends = [*(tick for tick, _ in marks[1:]), *([window.drawn.end] if marks else [])]
-    return tuple(
+        return Lane(name, "flags", BLACK, initial=initial, edges=edges)
+    marks = [*((window.drawn.begin, r.value) for r in earlier[-1:]), *((r.tick, r.value) for r in inside)]
+    boxes = tuple(
         Box(_seconds(window, tick), _seconds(window, end), f"0x{value:02X}" if value > 9 else f"{value}")
-        for (tick, value), end in zip(marks, ends, strict=True)
+        for (tick, value), (end, _) in pairwise([*marks, (window.drawn.end, 0)])
     )
+    return Lane(name, "flags", BLACK, boxes=boxes)
 
 
 def _marks(window: Window) -> list[Mark]:

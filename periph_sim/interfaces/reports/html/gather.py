@@ -123,9 +123,10 @@ def case_report(
 
     Raise the errors of a Scene and its run.
     """
-    run = _Run(case, per_second, _ticks(result.simulated_s, per_second))
+    run = _Run(case, per_second)
+    end = _ticks(result.simulated_s, per_second)
     overs = [
-        None if kept is None else over_time(kept, verdict, run.end)
+        None if kept is None else over_time(kept, verdict, end)
         for verdict, kept in zip(result.budgets, values, strict=True)
     ]
     found = explain_each(case, [*result.budgets, *run.others(result.budgets, overs)], typical, length)
@@ -183,11 +184,10 @@ def _standing(case: Case, result: Result, findings: Sequence[str] | None) -> Sta
 
 @dataclass(frozen=True)
 class _Run:
-    """A run of a case. end: the length of the run in ticks."""
+    """A run of a case."""
 
     case: Case
     per_second: int
-    end: int
 
     def others(self, verdicts: Sequence[Verdict], overs: Sequence[OverTime | None]) -> list[Verdict]:
         """Return more occurrences beyond a limit, as verdicts, for failed budgets."""

@@ -63,17 +63,12 @@ def _files(image: Image, functions: FunctionMap, counts: Coverage) -> dict[str, 
         of_file = found[place.file]
         count, jumped = counts.executed_at[at], counts.jumped_at[at]
         of_file.lines[place.line] = max(of_file.lines.get(place.line, 0), count)
-        if is_conditional(instruction):
+        if instruction.target is not None and instruction.goes_on and not instruction.is_call:  # a conditional branch
             of_file.branches[place.line, at] = (count - jumped, jumped)
         inside = functions.at(at)
         if inside is not None and inside.address == at:
             of_file.functions[inside.name] = (place.line, count)
     return found
-
-
-def is_conditional(instruction: Instruction) -> bool:
-    """Return True for a conditional branch."""
-    return instruction.target is not None and instruction.goes_on and not instruction.is_call
 
 
 def _instructions(image: Image) -> Iterator[Instruction]:

@@ -56,12 +56,11 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
     """
     routine = run.row_of(record.cause)
     entry = [] if routine is None else [Link(routine, run.record(routine), RECORDED, "its service routine began")]
-    entry_beside = [link._replace(aside=True) for link in entry]
     if record.what.startswith("R "):
         changed = change_seen(run, row, record)
         if changed is None:
             return entry
-        between = [link for link in entry_beside if link.row > changed]
+        between = [link._replace(aside=True) for link in entry if link.row > changed]
         return [*held_up(run, record, changed, row), *between, Link(changed, run.record(changed), INFERRED, SEEN)]
     own = _own_read(run, row, record, flag)
     looks = looks_before(run, row, record)

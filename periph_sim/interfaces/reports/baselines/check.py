@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import gc
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -168,9 +168,8 @@ def check(
         with workers(jobs, len(files)) as start:
             if update:
                 checks = _updated(outcomes, start)
-                _find_causes(checks, start)
-                return checks
-            _explain(checks, before, start, tolerance)
+            else:
+                _explain(checks, before, start, tolerance)
             _find_causes(checks, start)
     for one_check in checks:
         one_check.findings = judge(one_check)
@@ -244,14 +243,9 @@ def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start
     A run ends after the last occurrence whose chain is needed. If the figures and the digest of event times equal those
     of the baseline, nothing can have moved, and the run is skipped.
     """
-    runs = []
-    for one in checks:
-        baseline = before[one.outcome.path]
-        runs.append(_chains(one.outcome, baseline, set() if baseline is None else set(baseline.budgets), start))
-    for one, run in zip(checks, runs, strict=True):
-        baseline = before[one.outcome.path]
-        if baseline is None:
-            continue
+    known = [(one, old) for one in checks if (old := before[one.outcome.path]) is not None]
+    runs = [_chains(one.outcome, baseline, baseline.budgets, start) for one, baseline in known]
+    for (one, baseline), run in zip(known, runs, strict=True):
         if run is not None:
             now = one.outcome.figures.budgets
             worse = {c.budget for c in one.changes if c.budget in now and c.figure == now[c.budget].chain_of}
@@ -265,7 +259,7 @@ def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start
 
 
 def _chains(
-    outcome: Outcome, baseline: Baseline | None, names: set[str], start: Start
+    outcome: Outcome, baseline: Baseline | None, names: Collection[str], start: Start
 ) -> Callable[[], dict[str, EventLine]] | None:
     """Return the chains of an equal baseline, or start a run that finds the chains of some budgets."""
     kept = None if baseline is None else outcome.figures.chains_of(baseline)
@@ -279,21 +273,18 @@ def _chains(
 
 def _find_causes(checks: list[CaseCheck], start: Start) -> None:
     """Run cases with unexpectedly broken budgets again and set their causes."""
-    runs = []
-    for one in checks:
-        outcome = one.outcome
-        broken = one.broken
-        runs.append(start(run_explained, outcome.path, outcome.changes, broken, outcome.typical) if broken else None)
-    for one, run in zip(checks, runs, strict=True):
-        one.causes = run() if run is not None else {}
+    failed = [one for one in checks if one.broken]
+    runs = [
+        start(run_explained, one.outcome.path, one.outcome.changes, one.broken, one.outcome.typical) for one in failed
+    ]
+    for one, run in zip(failed, runs, strict=True):
+        one.causes = run()
 
 
 def _updated(outcomes: list[Outcome], start: Start) -> list[CaseCheck]:
     """Write new baselines after all of them are complete. Return the checks of the cases."""
     olds = [_old(path_for(outcome.path)) for outcome in outcomes]
-    runs = [
-        _chains(outcome, old, set(outcome.figures.budgets), start) for outcome, old in zip(outcomes, olds, strict=True)
-    ]
+    runs = [_chains(outcome, old, outcome.figures.budgets, start) for outcome, old in zip(outcomes, olds, strict=True)]
     checks = []
     texts: dict[Path, str] = {}
     for outcome, old, run in zip(outcomes, olds, runs, strict=True):
@@ -313,8 +304,6 @@ def _updated(outcomes: list[Outcome], start: Start) -> list[CaseCheck]:
                 explain(one.changes, old, outcome.figures, outcome.result.first_wrong)
         checks.append(one)
     write_all(texts)
-    for one in checks:
-        one.findings = judge(one)
     return checks
 
 

@@ -13,7 +13,6 @@ from periph_sim.core.records import Kind
 from periph_sim.f28335.i2c.descriptor import FLAGS
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.records.cause_trace import causes, firmware_causes
-from periph_sim.records.cause_trace.causes import holders, mover, wire_rows
 from periph_sim.records.cause_trace.why import why
 from periph_sim.records.read_modify_write import read_modify_writes
 from tests.records.cause_trace.test_causes import (
@@ -180,9 +179,9 @@ MOVES = (
 
 def test_who_holds_and_who_moved_a_wire():
     run = by_hand(*MOVES)
-    rows = wire_rows(run, "SCL").tolist()
+    rows = causes.wire_rows(run, "SCL").tolist()
     assert rows == [0, 1, 2, 3, 4, 5]
-    told = [(holders(run, row, run.record(row)), mover(run, row, run.record(row))) for row in rows]
+    told = [(causes.holders(run, row, run.record(row)), causes.mover(run, row, run.record(row))) for row in rows]
     assert told == [
         (("a",), "a"),
         (("a", "b"), "b"),
@@ -192,7 +191,7 @@ def test_who_holds_and_who_moved_a_wire():
         (("e",), "e"),
     ]
     first = by_hand(edge(10, 1, ""))
-    assert (holders(first, 0, first.record(0)), mover(first, 0, first.record(0))) == ((), "")
+    assert (causes.holders(first, 0, first.record(0)), causes.mover(first, 0, first.record(0))) == ((), "")
 
 
 def test_who_joined_in_is_followed_to_what_it_did_and_who_was_left_to_since_when_it_held():

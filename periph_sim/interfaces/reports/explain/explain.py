@@ -329,18 +329,14 @@ def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
 
 def _reaching(window: Window, chain: Chain) -> Window:
     """Return the window with its picture extended to the evidence of an instant, if the evidence is near."""
-    texts = tuple(step.what for step in chain.steps)
-    if window.verdict.measure.startswith(REPLY) and chain.steps:
-        begin = max(min(window.drawn.begin, window.begin + chain.steps[0].at), window.kept[0].begin)
-        return replace(window, chain_texts=texts, drawn=Span(begin, window.drawn.end))
-    if window.begin != window.end or is_late(window.verdict) or not chain.steps:
-        return replace(window, chain_texts=texts)
-    bit = bit_of(window.edges, window.timebase.ticks(BIT, "nearest"))
     begin, end = window.drawn
-    for step in sorted(chain.steps, key=lambda step: abs(step.at)):
-        first, last = (window.begin + step.at + room for room in (-bit, bit))
-        if max(end, last) - min(begin, first) <= REACH * bit:
-            begin, end = min(begin, first), max(end, last)
-    return replace(
-        window, chain_texts=texts, drawn=Span(max(begin, window.kept[0].begin), min(end, window.kept[-1].end))
-    )
+    if window.verdict.measure.startswith(REPLY) and chain.steps:
+        begin = min(begin, window.begin + chain.steps[0].at)
+    elif window.begin == window.end and not is_late(window.verdict):
+        bit = bit_of(window.edges, window.timebase.ticks(BIT, "nearest"))
+        for step in sorted(chain.steps, key=lambda step: abs(step.at)):
+            first, last = (window.begin + step.at + room for room in (-bit, bit))
+            if max(end, last) - min(begin, first) <= REACH * bit:
+                begin, end = min(begin, first), max(end, last)
+    drawn = Span(max(begin, window.kept[0].begin), min(end, window.kept[-1].end))
+    return replace(window, chain_texts=tuple(step.what for step in chain.steps), drawn=drawn)

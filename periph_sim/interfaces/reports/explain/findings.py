@@ -305,9 +305,11 @@ def _hung(evidence: Evidence, ends: Ends) -> Finding:
     at = evidence.window.begin
     if ends.thing not in LATE or any(phase.begin == at for phase in evidence.phases):
         return Finding()
-    lines = ("SCL", "SDA") if ends.thing == "stuck" else ()
-    low = [(name, since) for name in lines if (since := evidence.low_since(name, at)) is not None]
-    falls = [evidence.say(since, f"{name} falls, and stays low", at - since) for name, since in low]
+    falls = [
+        evidence.say(since, f"{name} falls, and stays low", at - since)
+        for name in (("SCL", "SDA") if ends.thing == "stuck" else ())
+        if (since := evidence.low_since(name, at)) is not None
+    ]
     return Finding([*falls, *waited_for(evidence, at), *unread(evidence, at)])
 
 

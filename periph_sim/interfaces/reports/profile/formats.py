@@ -54,9 +54,7 @@ def _us(time: float) -> str:
 def _begins_at(place: str) -> str:
     """Return the file and line of a place, or its address if they are unknown."""
     at = parsed(place)
-    if at is None:
-        return ""
-    return f"{at.file}:{at.line}" if at.file else f"{at.pc:#08x}"
+    return "" if at is None else f"{at.file}:{at.line}" if at.file else f"{at.pc:#08x}"
 
 
 def _json_place(place: str) -> dict[str, object]:

@@ -123,6 +123,7 @@ def case_report(
 
     Raise the errors of a Scene and its run.
     """
+    judged = result.verdict if findings is None else "fail" if findings else "pass"
     run = _Run(case, per_second)
     end = _ticks(result.simulated_s, per_second)
     overs = [
@@ -137,8 +138,8 @@ def case_report(
     return CaseReport(
         name=case.name,
         about=case.about,
-        verdict=_verdict(result, findings),
-        standing=_standing(case, result, findings),
+        verdict=judged,
+        standing="good" if judged == "pass" else "known" if findings is None and _is_known(case, result) else "bad",
         simulated_s=result.simulated_s,
         wall_s=result.wall_s,
         clocks=tuple((name, f"{float(_sysclk(unit) / 1_000_000):.9g} MHz") for name, unit in case.unit.items()),
@@ -167,19 +168,11 @@ def report_of_file(
     return case_report(load(path, list(changes)), result, values, typical, per_second, None, changes, findings)
 
 
-def _verdict(result: Result, findings: Sequence[str] | None) -> str:
-    if findings is None:
-        return result.verdict
-    return "fail" if findings else "pass"
-
-
-def _standing(case: Case, result: Result, findings: Sequence[str] | None) -> Standing:
-    if _verdict(result, findings) == "pass":
-        return "good"
-    standing = {verdict.name for verdict in result.budgets if not verdict.passed}
+def _is_known(case: Case, result: Result) -> bool:
+    """Return True if the budgets that the case says to break are broken, and nothing else failed."""
+    failed = {verdict.name for verdict in result.budgets if not verdict.passed}
     as_said = all(verdict.broken == (verdict.name in case.breaks) for verdict in result.budgets)
-    known = findings is None and standing and standing == set(case.breaks) and as_said and not result.stuck
-    return "known" if known else "bad"
+    return bool(failed) and failed == set(case.breaks) and as_said and not result.stuck
 
 
 @dataclass(frozen=True)

@@ -295,24 +295,22 @@ def as_json(found: Trade) -> dict[str, object]:
         "changed_in_second_half": list(found.changed),
         "start_s": found.start_s,
         "timed_s": found.timed_s,
-        "rows": [_outcome_as_json(outcome) for outcome in found.outcomes],
+        "rows": [
+            {
+                "name": outcome.row.name,
+                "changes": list(outcome.row.changes),
+                "record": outcome.row.record,
+                "budgets": outcome.errors.judged,
+                "differ": list(outcome.errors.differ),
+                "time_error": _error_as_json(outcome.errors.time),
+                "value_error": _error_as_json(outcome.errors.value),
+                "cost": asdict(outcome.cost),
+            }
+            for outcome in found.outcomes
+        ],
         "refused": found.refused,
         "recommended": found.best.row.name,
         "why": found.why,
-    }
-
-
-def _outcome_as_json(outcome: Outcome) -> dict[str, object]:
-    errors = outcome.errors
-    return {
-        "name": outcome.row.name,
-        "changes": list(outcome.row.changes),
-        "record": outcome.row.record,
-        "budgets": errors.judged,
-        "differ": list(errors.differ),
-        "time_error": _error_as_json(errors.time),
-        "value_error": _error_as_json(errors.value),
-        "cost": asdict(outcome.cost),
     }
 
 

@@ -276,11 +276,16 @@ def _chain(
 
 def breaks_of(wire: Channel, line: Line, width: Fraction) -> UartTable:
     """Return the breaks of a line. width: the length of a bit in positions."""
-    first = int(wire.initial == int(line.invert))
-    falls, rises = wire.edges[first::2], wire.edges[first + 1 :: 2]
-    falls = falls[: len(rises)]
+    falls, rises = low_pulses(wire, line.invert)
     long = rises - falls >= ceil(line.frame * width)
     return _without_value(UartRowKind.BREAK, falls[long], rises[long])
+
+
+def low_pulses(wire: Channel, invert: bool) -> tuple[Positions, Positions]:
+    """Return the begins and the ends of the pulses that have the level of a start bit."""
+    first = int(wire.initial == int(invert))
+    rises = wire.edges[first + 1 :: 2]
+    return wire.edges[first::2][: len(rises)], rises
 
 
 def _without_value(kind: UartRowKind, at: Positions, ends: Positions) -> UartTable:

@@ -22,7 +22,7 @@ from ...core.counted import counted
 from ..capture.capture import Capture, Channel, Span
 from ..capture.sampling import sample_step
 from .table_columns import select
-from .uart import UartRowKind, breaks_of, frames_of, sample_point_step
+from .uart import UartRowKind, breaks_of, frames_of, low_pulses, sample_point_step
 from .uart_line import Line, line_of
 
 Pulses = NDArray[np.int64]
@@ -117,7 +117,8 @@ class _Tried:
 
 def _best(rate: Fraction, step: int, parts: list[Channel], shape: str | None, invert: bool) -> Guess | None:
     """Return the best guess at one polarity; None if there are too few pulses. step: positions of a sample."""
-    pulses = np.concatenate([np.empty(0, np.int64), *(_low_pulses(part, invert) for part in parts)])
+    lengths = [ends - begins for begins, ends in (low_pulses(part, invert) for part in parts)]
+    pulses = np.concatenate([np.empty(0, np.int64), *lengths])
     found = _bit_time(pulses, step)
     if found is None:
         return None
@@ -144,13 +145,6 @@ def _only_longer(line: Line, than: Line) -> bool:
     Such a line is no better, because silence also decodes as high data bits.
     """
     return line.parity == "none" and line.shape != PLAIN and line.bits > than.bits
-
-
-def _low_pulses(part: Channel, invert: bool) -> Pulses:
-    """Return the lengths of the pulses that have the level of a start bit."""
-    first = int(part.initial == int(invert))
-    falls, rises = part.edges[first::2], part.edges[first + 1 :: 2]
-    return rises - falls[: len(rises)]
 
 
 def _bit_time(pulses: Pulses, step: int) -> tuple[float, float] | None:

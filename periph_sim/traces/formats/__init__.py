@@ -7,9 +7,9 @@ One file of this folder is one format. It defines
 
 and one or both of
 
-    recognises(path, head)                   True if a file beginning with the bytes `head` can be of this format;
-    `head` is b"" for a folder read(path, rate=None, salvage=False)     return the Capture; raise BadCapture if it
-    cannot be read
+    recognises(path, head)                   return True if a file that begins with the bytes `head` can be of this
+                                             format; `head` is b"" for a folder
+    read(path, rate=None, salvage=False)     return the Capture; raise BadCapture if it cannot be read
 
     write(capture, path)                     write the file (`path` is a temporary name); return notes on losses or None
     SAMPLES_ONLY = True                      set if positions must be samples, because the format has no times

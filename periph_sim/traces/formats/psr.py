@@ -180,17 +180,13 @@ def _said(error: Exception) -> str:
     return " ".join(str(error).split()) or type(error).__name__
 
 
-def _member(path: Path, archive: zipfile.ZipFile, name: str) -> tuple[IO[bytes], int]:
-    try:
-        return archive.open(f"{name}.npy"), archive.getinfo(f"{name}.npy").file_size
-    except KeyError:
-        _bad(path, "the zip", f"no member {name}.npy", "one")
-
-
 def _column(path: Path, archive: zipfile.ZipFile, name: str, dtypes: tuple[str, ...]) -> NDArray[Any]:
     """Read the array of a member. Its type and size are checked before memory is allocated."""
-    file, size = _member(path, archive, name)
-    with file:
+    try:
+        size = archive.getinfo(f"{name}.npy").file_size
+    except KeyError:
+        _bad(path, "the zip", f"no member {name}.npy", "one")
+    with archive.open(f"{name}.npy") as file:
         try:
             version = np.lib.format.read_magic(file)
             if version != (1, 0):

@@ -283,13 +283,14 @@ class Dsp(FirmwareView):
         gpio = self._sockets.get("GPIO")
         if gpio is not None:
             from ..f28335.gpio.module import Gpio
-            from .pin_router import Pads, Router
+            from .pin_router import Router
 
             assert isinstance(gpio.chip, Gpio)
             xint = self._sockets.get("XINT")
             kernel, clock, recorder = self._kernel, self.clock, self.recorder
-            pads = Pads(plan.wires, plan.pulled_down)
-            return Router(kernel, clock, recorder, gpio.chip, gpio, plan.name, pads, inputs, outputs, xint)
+            return Router(
+                kernel, clock, recorder, gpio.chip, gpio, plan.name, plan.wires, plan.pulled_down, inputs, outputs, xint
+            )
         for signal, (socket, index) in inputs.items():
             wire = plan.wires.get(self.plan.part.pins[signal])
             if wire is not None:

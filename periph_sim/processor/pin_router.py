@@ -11,8 +11,6 @@ machine receives its level only when it is read.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 from ..core.agent import Agent
 from ..core.chip import NEVER
 from ..core.kernel import Kernel
@@ -33,15 +31,11 @@ Port = tuple[Socket, int]  # a peripheral and the index of one of its pins
 BETWEEN, RECONNECT = range(2)  # purposes of events: the levels before a SYSCLKOUT edge, outputs to their pins
 
 
-class Pads(NamedTuple):
-    """wires: GPIO number -> wire. pulled_down: pads that an external resistor holds low while they are not driven."""
-
-    wires: dict[int, Wire]
-    pulled_down: frozenset[int] = frozenset()
-
-
 class Router(Agent):
-    """inputs, outputs: signal of the pin table -> the peripheral's pin."""
+    """wires: GPIO number -> wire. pulled_down: pads that an external resistor holds low while they are not driven.
+
+    inputs, outputs: signal of the pin table -> the peripheral's pin.
+    """
 
     STATE = State("_pins _free_pins _direct _feeds pads _monitored _unread _routes _outs _lines", ticks="_between_at")
 
@@ -56,7 +50,8 @@ class Router(Agent):
         gpio: Gpio,
         gpio_socket: Socket,
         who: str,
-        pads: Pads,
+        wires: dict[int, Wire],
+        pulled_down: frozenset[int],
         inputs: dict[str, Port],
         outputs: dict[str, Port],
         xint: Socket | None,
@@ -66,16 +61,16 @@ class Router(Agent):
         self._recorder = recorder
         self._gpio = gpio
         self._gpio_socket = gpio_socket
-        self._wires = pads.wires
-        self._undriven = {n: int(n not in pads.pulled_down) for n in pads.wires}
+        self._wires = wires
+        self._undriven = {n: int(n not in pulled_down) for n in wires}
         self._inputs = inputs
         self._outputs = outputs
-        self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in pads.wires.items()}
+        self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in wires.items()}
         self._free_pins: dict[int, Pin] = {}  # pins that no peripheral drives
         self._direct: set[str] = set()  # signals whose wire is an input of their peripheral
         self._feeds: dict[int, Port] = {}  # synchronised pad -> the input that it feeds
         self.pads = Sampler(kernel, recorder, self)  # pads whose edges the GPIO machine receives
-        self._line = {n: line for line, n in enumerate(pads.wires)}  # pad -> its line of `pads`
+        self._line = {n: line for line, n in enumerate(wires)}  # pad -> its line of `pads`
         self._monitored: set[int] = set()
         self._unread = -1  # mask: all other pads
         self._between_at = NO_TIME  # when it next receives edges between two SYSCLKOUT edges
@@ -91,7 +86,7 @@ class Router(Agent):
             self._xint_chip = xint.chip
             xint.before = self._before_xint
             xint.after = self._watch_lines
-        gpio.wire(sum(BIT[n] for n in pads.wires))
+        gpio.wire(sum(BIT[n] for n in wires))
         gpio_socket.after = self.look
         gpio_socket.before = self._pass_all_pads
         gpio_socket.on_peek = self._peek

@@ -16,7 +16,7 @@ from typing import NamedTuple
 
 from ...core.suggest import did_you_mean
 from .encodings import Encoding, encodings
-from .operands import BadOperand, Read, parts_of
+from .operands import BadInstruction, Read, parts_of
 
 HERE = "_here_"
 MOST_BITS = 64  # a longer shift is a mistake
@@ -40,7 +40,7 @@ _UNARY: Mapping[type[ast.unaryop], Callable[[int], int]] = {
 }
 
 
-class BadExpression(ValueError):
+class BadExpression(BadInstruction):
     """Text is not a number; the message is one sentence."""
 
 
@@ -89,10 +89,6 @@ def _value(node: ast.expr, symbols: Mapping[str, int], here: int) -> int:
     raise BadExpression("an expression has only numbers, symbols, + - * / % & | ^ ~ << >> and brackets")
 
 
-class BadInstruction(ValueError):
-    """Source text is not an instruction; the message is one sentence."""
-
-
 class Parsed(NamedTuple):
     """A form, with the text of each operand, and what reads it."""
 
@@ -102,11 +98,8 @@ class Parsed(NamedTuple):
     def words(self, address: int, symbols: Mapping[str, int]) -> tuple[int, ...]:
         """Encode the instruction for an address. Raise BadInstruction if an operand does not fit."""
         values: dict[str, int] = {}
-        try:
-            for read, text in self.operands:
-                values |= read(text, address, lambda expression: evaluate(expression, symbols, address))
-        except (BadOperand, BadExpression) as error:
-            raise BadInstruction(str(error)) from None
+        for read, text in self.operands:
+            values |= read(text, address, lambda expression: evaluate(expression, symbols, address))
         pair = self.encoding.pair(values)
         return (pair >> 16, pair & 0xFFFF)[: self.encoding.words]
 
@@ -118,11 +111,10 @@ class Parsed(NamedTuple):
                 values |= read(text, address, lambda expression: evaluate(expression, symbols, address))
             except Undefined:
                 continue
-            except (BadOperand, BadExpression):
+            except BadInstruction:
                 return False
-        return all(values.get(name, least) >= least for name, least in self.encoding.at_least) and all(
-            values.get(name, most) <= most for name, most in self.encoding.at_most
-        )
+        bounds = self.encoding.bounds
+        return all(values[name] in allowed for name, allowed in bounds.items() if name in values)
 
 
 def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:

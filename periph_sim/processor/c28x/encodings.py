@@ -50,7 +50,7 @@ class CyclesWhere(NamedTuple):
 class Encoding:
     """One form of an instruction.
 
-    mask, value: the fixed bits within the two words. at_least, at_most: bounds of fields, part of the pattern.
+    mask, value: the fixed bits within the two words. bounds: values of fields that belong to the pattern.
     kind: core, fpu, c2xlp, c27x, emu or trap. alias_of: the form for which this is
     a fixed value of the operand field. also: another syntax of it, or "". shift_bias: the shift minus the
     value of field s. cycles: when executed alone; see `cycles_of`. repeated: cycles of N + 1 executions after RPT,
@@ -67,8 +67,7 @@ class Encoding:
     mask: int
     value: int
     fields: Mapping[str, BitField]
-    at_least: tuple[tuple[str, int], ...]
-    at_most: tuple[tuple[str, int], ...]
+    bounds: Mapping[str, range]
     kind: str
     alias_of: str
     shift_bias: int
@@ -85,10 +84,8 @@ class Encoding:
 
     def matches(self, pair: int) -> bool:
         """Return True if the words match this form; the second counts only if the form has two."""
-        return (
-            pair & self.mask == self.value
-            and all(self.fields[name].of(pair) >= least for name, least in self.at_least)
-            and all(self.fields[name].of(pair) <= most for name, most in self.at_most)
+        return pair & self.mask == self.value and all(
+            self.fields[name].of(pair) in allowed for name, allowed in self.bounds.items()
         )
 
     def values(self, pair: int) -> dict[str, int]:
@@ -148,7 +145,6 @@ def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
     take = columns.pop
     syntax, digits = take("syntax"), take("bits")
     bits = digits.ljust(PAIR, ".")
-    at_least, at_most = _bounds(take("where", ""))
     cycles = take("cycles", 1)
     found = Encoding(
         id=name,
@@ -159,8 +155,7 @@ def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
         mask=int("".join("01"[bit in "01"] for bit in bits), 2),
         value=int("".join("01"[bit == "1"] for bit in bits), 2),
         fields=_fields(bits),
-        at_least=at_least,
-        at_most=at_most,
+        bounds=_bounds(take("where", "")),
         kind=take("class", "core"),
         alias_of=take("alias_of", ""),
         shift_bias=take("shift_bias", 0),
@@ -210,14 +205,11 @@ def _fields(bits: str) -> dict[str, BitField]:
     return fields
 
 
-def _bounds(where: str) -> tuple[tuple[tuple[str, int], ...], tuple[tuple[str, int], ...]]:
-    """Parse bounds such as "s >= 1" or "n <= 5": (at least, at most)."""
+def _bounds(where: str) -> dict[str, range]:
+    """Parse the bound of a field such as "s >= 1" or "n <= 5"; none if the text is empty."""
     if not where:
-        return (), ()
+        return {}
     name, relation, number = where.split()
-    bound = ((name, int(number)),)
-    if relation == ">=":
-        return bound, ()
-    if relation == "<=":
-        return (), bound
-    raise ValueError(f"{where!r} is not a bound of a field")
+    if relation not in (">=", "<="):
+        raise ValueError(f"{where!r} is not a bound of a field")
+    return {name: range(int(number), 1 << PAIR) if relation == ">=" else range(int(number) + 1)}

@@ -25,8 +25,8 @@ Evaluate = Callable[[str], int]  # evaluates an expression of the source
 Read = Callable[[str, int, Evaluate], dict[str, int]]  # parses an operand of the instruction at an address
 
 
-class BadOperand(ValueError):
-    """Text is not an operand of this kind; the message is one sentence."""
+class BadInstruction(ValueError):
+    """Source text is not an instruction, or not an operand of it; the message is one sentence."""
 
 
 class Part(NamedTuple):
@@ -44,9 +44,9 @@ def literal(text: str) -> Part:
 
 
 def ranged(number: int, least: int, most: int, text: str) -> int:
-    """Return a number if it is within its limits; else raise BadOperand."""
+    """Return a number if it is within its limits; else raise BadInstruction."""
     if not least <= number <= most:
-        raise BadOperand(f"{text.strip()!r} is {number}, outside {least} to {most}")
+        raise BadInstruction(f"{text.strip()!r} is {number}, outside {least} to {most}")
     return number
 
 
@@ -81,7 +81,7 @@ def shift_part(token: str, encoding: Encoding) -> Part | None:
     if "s" not in encoding.fields:
         return None
     prefix = token.rstrip("0123456789.")
-    bias, mask, least = encoding.shift_bias, encoding.fields["s"].mask, dict(encoding.at_least).get("s", 0)
+    bias, mask, least = encoding.shift_bias, encoding.fields["s"].mask, encoding.bounds.get("s", range(1)).start
     return Part(
         lambda values, at: f"{prefix}{values['s'] + bias}",
         rf"{re.escape(prefix)}[^,|<]+?" + (r"|\d+" if prefix == "#" else ""),
@@ -111,9 +111,9 @@ def half_of(text: str, evaluate: Evaluate) -> int:
         try:
             bits = int(struct.unpack("<I", struct.pack("<f", float(inner)))[0])
         except OverflowError:
-            raise BadOperand(f"{inner} is too large for a float32") from None
+            raise BadInstruction(f"{inner} is too large for a float32") from None
         if bits & 0xFFFF:
-            raise BadOperand(f"{inner} needs more than the upper half of a float32")
+            raise BadInstruction(f"{inner} needs more than the upper half of a float32")
         return bits >> 16
     return ranged(evaluate(inner), 0, 0xFFFF, text)
 
@@ -136,7 +136,9 @@ def branch_part(token: str, encoding: Encoding) -> Part:
     def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
         distance = evaluate(text) - at
         if not -half <= distance < half:
-            raise BadOperand(f"{text.strip()!r} is {distance} words away; this branch reaches {-half} to {half - 1}")
+            raise BadInstruction(
+                f"{text.strip()!r} is {distance} words away; this branch reaches {-half} to {half - 1}"
+            )
         return {"c": distance & mask}
 
     return Part(show, r"[^,|]+?", read)
@@ -243,7 +245,9 @@ def _operand(token: str, encoding: Encoding) -> Part:
     def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
         field = field_of(text, evaluate)
         if not operand_field.is_operand(token, field):
-            raise BadOperand(f"{text!r} is not an operand of {encoding.mnemonic}, whose {token} is {OPERANDS[token]}")
+            raise BadInstruction(
+                f"{text!r} is not an operand of {encoding.mnemonic}, whose {token} is {OPERANDS[token]}"
+            )
         return {"l": field}
 
     def field_of(text: str, evaluate: Evaluate) -> int:
@@ -260,7 +264,7 @@ def _operand(token: str, encoding: Encoding) -> Part:
         indexed = re.fullmatch(r"\*\+XAR([0-7])\[(.+)\]", spaceless, re.I)
         if indexed:
             return 0xC0 | ranged(evaluate(indexed[2]), 0, 7, text) << 3 | int(indexed[1])
-        raise BadOperand(f"{text!r} is not an operand in memory or a register")
+        raise BadInstruction(f"{text!r} is not an operand in memory or a register")
 
     return Part(lambda values, at: operand_field.show(values["l"], wide), r"\*\s*,\s*ARP[0-7]|[^,|<#]+?", read)
 
@@ -326,7 +330,7 @@ def _flags_and_values(token: str, encoding: Encoding) -> Part:
             name, equals, number = pair.partition("=")
             one = number.strip().rstrip("?")
             if not equals or one not in ("0", "1"):
-                raise BadOperand(f"{pair!r} is not a flag of STF with its value, such as RNDF32=1")
+                raise BadInstruction(f"{pair!r} is not a flag of STF with its value, such as RNDF32=1")
             bit = STF_BITS.get(name.strip().upper())
             bit = ranged(evaluate(name), 0, 10, pair) if bit is None else bit
             mask |= (not number.strip().endswith("?")) << bit

@@ -16,7 +16,7 @@ from ...core.registers import Register
 from ...core.state import State
 from ...core.time import Clock
 from ...f28335.memory.address_space import Content, area_at, full_name
-from ..c28x.decoder import Instruction, decode_at
+from ..c28x.decoder import Instruction, sweep
 from ..image_files.constants import Known, accesses
 from ..image_files.model import Image
 from ..operand import Operand
@@ -92,13 +92,10 @@ def _words(cpu: ImageCpu, loop: LoopRange) -> tuple[int, ...]:
 
 def _instructions(first: int, words: tuple[int, ...]) -> Iterator[Instruction]:
     """Yield the instructions in these words; the last word only completes an instruction."""
-    at = 0
-    while at < len(words) - 1:
-        found = decode_at(first + at, words[at], words[at + 1])
-        if found is None:
+    for found in sweep(first, words):
+        if isinstance(found, int) or found.address >= first + len(words) - 1:
             return
         yield found
-        at += found.words
 
 
 def _may_end(cpu: ImageCpu, loop: LoopRange) -> bool:

@@ -26,7 +26,8 @@ from typing import NamedTuple
 
 from ...core.examples import EXAMPLES
 from ...core.input_files import read_input
-from ..c28x.assembler import BadExpression, BadInstruction, Parsed, evaluate, parse
+from ..c28x.assembler import Parsed, evaluate, parse
+from ..c28x.operands import BadInstruction
 from .coff2 import write
 from .load import parse as parse_image
 from .model import BadImage, Image, Section, Symbol
@@ -272,7 +273,7 @@ def _errors_at(place: _Place) -> Iterator[None]:
     """Add the source line to errors."""
     try:
         yield
-    except (BadInstruction, BadExpression) as error:
+    except BadInstruction as error:
         raise BadImage(f"{place}: {error}") from None
 
 

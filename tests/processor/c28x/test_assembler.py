@@ -13,9 +13,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.processor.c28x.assembler import BadExpression, BadInstruction, evaluate, parse
+from periph_sim.processor.c28x.assembler import BadExpression, evaluate, parse
 from periph_sim.processor.c28x.decoder import decode_at
 from periph_sim.processor.c28x.encodings import Encoding, encodings
+from periph_sim.processor.c28x.operands import BadInstruction
 from tests.processor.c28x.test_decoder import SHOWN
 
 MEMORY = [

@@ -280,10 +280,8 @@ def test_both_readings_agree(row: Encoding):
             name: draw.randrange(place.mask + 1) if draw.random() < 0.6 else draw.choice((0, place.mask))
             for name, place in row.fields.items()
         }
-        for name, least in row.at_least:
-            values[name] = max(values[name], least)
-        for name, most in row.at_most:
-            values[name] = min(values[name], most)
+        for name, allowed in row.bounds.items():
+            values[name] = min(max(values[name], allowed.start), allowed.stop - 1)
         values["l"] = DIRECT
         pair = row.pair({name: number for name, number in values.items() if name in row.fields})
         f = operation(Instruction(0x8000, pair, row))

@@ -107,7 +107,7 @@ class Dsp(FirmwareView):
         self.pie = Pie(plan.system)
         self.core = CpuInterrupts(plan.system)
         self._modules: list[tuple[ModuleDescriptor, Socket]] = []
-        self._lines = InterruptLines(self.pie, self._sockets)
+        self._lines = InterruptLines(self.pie, self.sockets)
         self._firmware: Callable[[], None] = _nothing
         self._restart: Callable[[int], None] = lambda delay: self.cpu.start(self._from_reset, delay)
         self._gates = self.control.gates
@@ -133,7 +133,7 @@ class Dsp(FirmwareView):
         self.sources: HostFirmware | None = None  # C sources that it runs
         self.router = self._route(plan)
         cycle = self.clock.cycle_at(kernel.now)
-        for socket in self._sockets.values():
+        for socket in self.sockets.values():
             socket.publish(cycle)  # plan a chip's first wake-ups: the watchdog, if boot left it on
 
     # Life ----------------------------------------------------------------------
@@ -171,7 +171,7 @@ class Dsp(FirmwareView):
             if boot != "entry":
                 cycle = self.clock.cycle_at(self._kernel.now)
                 self.control.boot(cycle)  # set the clock as the boot ROM leaves it
-                self._sockets["SYS"].publish(cycle)
+                self.sockets["SYS"].publish(cycle)
             self.processor.start(program, delay)
 
         self._restart = begin
@@ -182,11 +182,7 @@ class Dsp(FirmwareView):
         return self.control.sysclk_hz * (1 + self.plan.ppm / 1_000_000)
 
     def socket(self, name: str) -> Socket:
-        return self._sockets[name]
-
-    @property
-    def sockets(self) -> dict[str, Socket]:
-        return self._sockets
+        return self.sockets[name]
 
     @property
     def touched(self) -> set[str]:
@@ -202,8 +198,8 @@ class Dsp(FirmwareView):
         """Add the modules that every unit has, and those that the plan names; their code is imported here."""
         self._add(self.plan.part.by_name["SYS"], self.control)
         self._add(self.plan.part.by_name["PIE"], self.pie)
-        self._sockets["SYS"].after = self._follow_control
-        self._sockets["PIE"].after = self._lines.follow_pie
+        self.sockets["SYS"].after = self._follow_control
+        self.sockets["PIE"].after = self._lines.follow_pie
         options = {"system": plan.system, **plan.options}
         for descriptor in (self.plan.part.by_name[name] for name in plan.modules):
             chip = descriptor.build(options)
@@ -219,7 +215,7 @@ class Dsp(FirmwareView):
         socket = Socket(self._kernel, self.clock, self.recorder, f"{self.name}.{name}", chip, on_request, phase)
         socket.on_held = partial(self._lines.held, pie_lines(descriptor))
         socket.on_note = partial(self._noted, socket)
-        self._sockets[name] = socket
+        self.sockets[name] = socket
         self._modules.append((descriptor, socket))
         self.memory.add(ModuleRange(name, descriptor.base, descriptor.size, descriptor.frame, socket))
 
@@ -249,10 +245,10 @@ class Dsp(FirmwareView):
             self._nominal_hz = control.sysclk_hz
             self.clock.retune(cycle, self._sysclk_hz())
             self.clock_history.append((self.clock.tick(cycle), self.clock.hz))
-            for socket in self._sockets.values():
+            for socket in self.sockets.values():
                 socket.reclock()
             self.processor.time.reclock()
-            for socket in self._sockets.values():
+            for socket in self.sockets.values():
                 if socket.chip.set_sysclk(cycle, control.sysclk_hz):
                     socket.publish(cycle)
         if lspclk != self._lspclk:
@@ -280,13 +276,13 @@ class Dsp(FirmwareView):
         for descriptor, socket in self._modules:
             inputs |= {signal: (socket, pin) for pin, signal in enumerate(descriptor.inputs or ())}
             outputs |= {signal: (socket, pin) for pin, signal in enumerate(descriptor.outputs)}
-        gpio = self._sockets.get("GPIO")
+        gpio = self.sockets.get("GPIO")
         if gpio is not None:
             from ..f28335.gpio.module import Gpio
             from .pin_router import Router
 
             assert isinstance(gpio.chip, Gpio)
-            xint = self._sockets.get("XINT")
+            xint = self.sockets.get("XINT")
             kernel, clock, recorder = self._kernel, self.clock, self.recorder
             return Router(
                 kernel, clock, recorder, gpio.chip, gpio, plan.name, plan.wires, plan.pulled_down, inputs, outputs, xint
@@ -328,9 +324,9 @@ class Dsp(FirmwareView):
         cycle = self.clock.cycle_at(self._kernel.now)
         self.processor.kill(GreenletExit)
         self.core.reset(cycle)
-        for socket in self._sockets.values():
+        for socket in self.sockets.values():
             socket.chip.reset(cycle)
-        for socket in self._sockets.values():
+        for socket in self.sockets.values():
             socket.publish(cycle)  # after the reset of all, since that of SYS changes the clock
         self.gate(cycle)
 

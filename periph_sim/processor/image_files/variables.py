@@ -113,7 +113,8 @@ def _members(plain: DIE) -> Iterator[tuple[str, DIE]]:
                 yield text_of(child.attributes["DW_AT_name"].value), child
 
 
-def _entry(whole: str, plain: DIE | None, name: str) -> DIE:
+def _member(whole: str, plain: DIE | None, name: str) -> tuple[int, DIE]:
+    """Return a member's word offset in its structure, 0 for a union, and its type."""
     found = dict(_members(plain)) if plain is not None else {}
     if not found:
         raise BadVariable(f"{whole} has no members, so none is called {name!r}")
@@ -121,13 +122,7 @@ def _entry(whole: str, plain: DIE | None, name: str) -> DIE:
         raise BadVariable(f"{whole} has no member {name!r}; {did_you_mean(name, found)}")
     if "DW_AT_bit_size" in found[name].attributes:
         raise BadVariable(f"{whole}.{name} is a bit-field; give the address of its word, for example 0x9042")
-    return found[name]
-
-
-def _member(whole: str, plain: DIE | None, name: str) -> tuple[int, DIE]:
-    """Return a member's word offset in its structure, 0 for a union, and its type."""
-    entry = _entry(whole, plain, name)
-    return _offset(f"{whole}.{name}", entry), entry.get_DIE_from_attribute("DW_AT_type")
+    return _offset(f"{whole}.{name}", found[name]), found[name].get_DIE_from_attribute("DW_AT_type")
 
 
 def _offset(member: str, entry: DIE) -> int:

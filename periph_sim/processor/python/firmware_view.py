@@ -44,7 +44,7 @@ class Span:  # core: python
 
 
 class FirmwareView:
-    """One unit as its firmware sees it. seed: seed of the values drawn from spreads."""
+    """One unit as its firmware sees it. sockets: its modules by name. seed: seed of the values drawn from spreads."""
 
     _random: Random
     name: str
@@ -54,19 +54,19 @@ class FirmwareView:
 
     def __init__(self, name: str, seed: int) -> None:
         self.name = name
-        self._sockets: dict[str, Socket] = {}
+        self.sockets: dict[str, Socket] = {}
         self._ports: dict[str, ModulePort] = {}
         self._random = Random(f"{seed} {name} computations")
 
     def has(self, module: Text) -> bool:
         """Return True if the unit has this module."""
-        return module in self._sockets
+        return module in self.sockets
 
     def module(self, name: Text) -> ModulePort:
         """Return the registers of a module, such as "I2C-A", "PIE" or "TIMER0". Raise KeyError if it is not built."""
-        if name not in self._sockets:
+        if name not in self.sockets:
             known = name in PART.selectable
-            way = f"name it in modules of [unit.{self.name}]" if known else did_you_mean(name, self._sockets)
+            way = f"name it in modules of [unit.{self.name}]" if known else did_you_mean(name, self.sockets)
             raise KeyError(f"{self.name} has no module {name!r}; {way}")
         if name not in self._ports:
             self._ports[name] = ModulePort(self.cpu.accesses, self.memory.places[name])

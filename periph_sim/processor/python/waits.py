@@ -31,7 +31,6 @@ from ...core.chip import NEVER
 from ...core.options import IntOption
 from ...core.records import Topic
 from ...f28335.cpu import code_costs as cpu_costs
-from ...form.c_types import BigInt
 from ..bus import Bus
 from ..cpu_time import CpuTime
 from ..operand import Operand
@@ -83,18 +82,13 @@ def comparison_of(code: CodeType) -> FieldComparison | None:
 class ConditionQuery:
     """The query of a code. condition: its condition on the module used last."""
 
-    __slots__ = ("code", "condition", "field", "known", "module", "number", "place", "register", "test", "where")
-
-    number: BigInt
+    __slots__ = ("code", "condition", "found", "known", "module", "place", "where")
 
     def __init__(self, code: CodeType) -> None:
         self.code = code  # kept, so that its id stays unique
         self.known = False  # it was analysed
-        # Index of the module among the function's free variables; -1: the code has another form.
-        self.place = -1
-        self.register = self.field = ""
-        self.test = EQUAL
-        self.number = 0
+        self.found: FieldComparison | None = None  # None: the code has another form
+        self.place = -1  # its `place`
         self.where: SourceLocation | None = None  # in the firmware
         self.module: ModulePort | None = None
         self.condition: Condition | None = None
@@ -102,18 +96,19 @@ class ConditionQuery:
     def analyse(self, program: PythonProgram) -> None:
         """Set the query from the code."""
         self.known = True
-        found = None if sys.gettrace() is not None else comparison_of(self.code)
+        self.found = found = None if sys.gettrace() is not None else comparison_of(self.code)
         if found is not None:
-            self.place, self.register, self.field, self.test, self.number, line = found
-            self.where = program.place_in(self.code, line)
+            self.place, self.where = found.place, program.place_in(self.code, found.line)
 
     def condition_on(self, module: object) -> Condition | None:
         """Return the condition on this module's register; None if there is none."""
         self.module = self.condition = None
-        if isinstance(module, ModulePort):
-            port = vars(module).get(self.register)
+        found = self.found
+        if isinstance(module, ModulePort) and found is not None:
+            port = vars(module).get(found.register)
             if isinstance(port, Port):
-                self.module, self.condition = module, port.comparison(self.field, self.number, self.test, self.where)
+                self.module = module
+                self.condition = port.comparison(found.field, found.number, found.test, self.where)
         return self.condition
 
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 import struct
 from dataclasses import replace
 
+from periph_sim.processor.image_files.assemble import debug_sections
 from periph_sim.processor.image_files.debug_info import DebugInfo, Function
 from periph_sim.processor.image_files.function_cycles import function_cycles
 from periph_sim.processor.image_files.inspection import inspect
 from periph_sim.processor.image_files.model import Image, Section, Symbol
-from periph_sim.processor.image_files.write_dwarf import debug_sections
 
 ABBREVIATIONS = bytes.fromhex(
     "01 11 01 10 06 00 00"  # unit: DW_AT_stmt_list

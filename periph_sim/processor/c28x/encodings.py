@@ -168,7 +168,7 @@ def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
         depends=take("depends", ""),
         reads=tuple(take("reads", ())),
         writes=tuple(take("writes", ())),
-        op=take("op"),
+        op=take("op", ""),
     )
     if columns:
         unread = " and ".join(sorted(columns))

@@ -302,7 +302,8 @@ def assemble_file(path: Path) -> tuple[Image, bytes]:
         raise BadImage(f"{path}: {error}") from None
 
 
-# Source lines as DWARF debug data, readable by `debug_info`. Source: DWARF 2, sections 6.2 (line program), 7.5 (entries).
+# Source lines as DWARF debug data, readable by `debug_info`.
+# Source: DWARF 2, sections 6.2 (line program), 7.5 (abbreviations and entries).
 
 VERSION = 2
 ADDRESS_BYTES = 4

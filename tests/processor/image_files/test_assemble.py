@@ -15,7 +15,7 @@ from periph_sim.processor.image_files.debug_info import DebugInfo
 from periph_sim.processor.image_files.inspection import inspect
 from periph_sim.processor.image_files.load import load
 from periph_sim.processor.image_files.model import BadImage, Image
-from tests.interfaces.commands.conftest import Run
+from tests.interfaces.commands.conftest import Run, periph_sim  # noqa: F401
 
 ROOT = Path(__file__).resolve().parents[3]
 ECHO = ROOT / "firmware" / "c28x" / "sci_echo.asm"
@@ -176,7 +176,7 @@ def test_refused_in_one_sentence(tmp_path: Path, source: str, sentence: str):
     assert str(error.value).startswith(f"{file}: ")
 
 
-def test_the_shipped_program_is_written_and_read_back(periph_sim: Run, tmp_path: Path):
+def test_the_shipped_program_is_written_and_read_back(periph_sim: Run, tmp_path: Path):  # noqa: F811
     came = periph_sim("assemble", str(ECHO), str(tmp_path / "echo.out"))
     assert (came.status, came.out) == (0, f"{tmp_path / 'echo.out'}: 55 words in 1 section, entry 0x009000\n")
     found = inspect(load(tmp_path / "echo.out"))
@@ -188,7 +188,7 @@ def test_the_shipped_program_is_written_and_read_back(periph_sim: Run, tmp_path:
     ]  # fmt: skip
 
 
-def test_bad_source_is_one_sentence_and_status_2(periph_sim: Run, tmp_path: Path):
+def test_bad_source_is_one_sentence_and_status_2(periph_sim: Run, tmp_path: Path):  # noqa: F811
     (tmp_path / "x.asm").write_bytes(b"\xff\xfe")
     for source in ("x.asm", "none.asm"):
         came = periph_sim("assemble", str(tmp_path / source), str(tmp_path / "x.out"))

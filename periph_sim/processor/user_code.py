@@ -42,6 +42,8 @@ from greenlet import GreenletExit
 from ..core.shorten import one_line
 from .source_location import is_firmware, is_helper, is_ours
 
+# Stalls ---------------------------------------------------------------------------
+
 PERIOD = 0.1  # seconds between two checks
 
 
@@ -163,6 +165,8 @@ def _debugged(frame: FrameType | None) -> bool:
 
 watch = _Watch()
 
+
+# Errors ---------------------------------------------------------------------------
 
 FIRMWARE_VIEW = (
     str(Path("processor", "python", "register_view.py")),

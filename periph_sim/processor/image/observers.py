@@ -1,8 +1,11 @@
 """Observers of an image: of each executed instruction, and of calls of functions.
 
-ImageProgram --executed--> InstructionWatch: Coverage, StackDepth
-ImageProgram --jumped, routine--> CallStack --called, returned--> CallListener: FunctionSpans, Profile
-                                      '-- frames: the innermost last
+    ImageProgram --executed--> InstructionWatch: Coverage, StackDepth
+    ImageProgram --jumped, routine--> CallStack --called, returned--> CallListener: FunctionSpans, Profile
+                                          '-- frames: the innermost last
+    written words --> VariableRecords
+
+An observer receives the registers and the time; `PresetMemory` alone changes the image, as main begins.
 """
 
 from __future__ import annotations
@@ -21,6 +24,8 @@ from ..c28x.execution.cpu import Cpu, Operation
 from ..image_files.debug_info import FunctionMap
 from ..image_files.model import Section
 from ..image_files.variables import Variable
+
+# Instructions ----------------------------------------------------------------------
 
 
 class InstructionWatch:
@@ -87,6 +92,8 @@ class StackDepth(InstructionWatch):
             self._topic.emit(self._clock.tick(cycle), cpu.sp - self._begin, self._place() or "")
         super().executed(f, cpu, cycle)
 
+
+# Calls -----------------------------------------------------------------------------
 
 NOWHERE = -1  # instead of a return address: it does not return
 

@@ -135,8 +135,7 @@ class PythonProgram(Program):
 
     def _execute(self, firmware: Callable[[], None], after_main: Callable[[], None]) -> None:
         """Execute the program. Raise FirmwareError for errors of the firmware."""
-        self._watched = get_ident()
-        self._begin_watch()
+        self._watched = self.thread = get_ident()
         try:
             firmware()
             self._land()
@@ -208,19 +207,15 @@ class PythonProgram(Program):
             goes_on = False
         if not goes_on:
             self._outer_loop().switch()
-        self._begin_watch()
+        self.thread = self._watched
 
     def _outer_loop(self) -> greenlet:
         home = self._kernel.outer_loop
         assert isinstance(home, greenlet), "firmware calls the CPU only from inside a run"
         return home
 
-    def _begin_watch(self) -> None:
-        """Begin to watch the firmware for stalls."""
-        self.thread = self._watched
-
     def _end_watch(self) -> None:
-        """End the watch for stalls: the time up to `_begin_watch` is not the firmware's."""
+        """End the watch for stalls: until `thread` is set again, time is not the firmware's."""
         self.thread = 0
         if self.stall_limit and self._stops:
             watch.leave(self._watched)
@@ -231,7 +226,7 @@ class PythonProgram(Program):
         dying, self._greenlet = self._greenlet, None
         if dying is not None and not dying.dead:
             dying.parent = getcurrent()  # continues here when it ends, or when it has to wait
-            self._begin_watch()
+            self.thread = self._watched
             try:
                 dying.throw(how)
             finally:

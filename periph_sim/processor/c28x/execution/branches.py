@@ -165,9 +165,11 @@ def _far(cpu: Cpu, f: Operation, taken: bool) -> None:
 
 
 def _count(cpu: Cpu, f: Operation, step: int) -> None:
-    """XBANZ: branch while AR(ARP) is not 0; XAR(ARP) always steps."""
+    """XBANZ: branch while AR(ARP) is not 0; XAR(ARP) always steps, then ARP changes if the form names a new one."""
     taken = cpu.xar[cpu.arp] & M16 != 0
     cpu.xar[cpu.arp] = cpu.xar[cpu.arp] + step & M32
+    if f.n >= 0:
+        cpu.arp = f.n
     _far(cpu, f, taken)
 
 
@@ -189,31 +191,6 @@ def XBANZ_pma_ind0inc(cpu: Cpu, f: Operation) -> None:
 
 def XBANZ_pma_ind0dec(cpu: Cpu, f: Operation) -> None:
     _count(cpu, f, -(cpu.xar[0] & M16))
-
-
-def XBANZ_pma_ind_ARPn(cpu: Cpu, f: Operation) -> None:
-    _count(cpu, f, 0)
-    cpu.arp = f.n
-
-
-def XBANZ_pma_indinc_ARPn(cpu: Cpu, f: Operation) -> None:
-    _count(cpu, f, 1)
-    cpu.arp = f.n
-
-
-def XBANZ_pma_inddec_ARPn(cpu: Cpu, f: Operation) -> None:
-    _count(cpu, f, -1)
-    cpu.arp = f.n
-
-
-def XBANZ_pma_ind0inc_ARPn(cpu: Cpu, f: Operation) -> None:
-    _count(cpu, f, cpu.xar[0] & M16)
-    cpu.arp = f.n
-
-
-def XBANZ_pma_ind0dec_ARPn(cpu: Cpu, f: Operation) -> None:
-    _count(cpu, f, -(cpu.xar[0] & M16))
-    cpu.arp = f.n
 
 
 def bind(f: Operation, name: str) -> None:

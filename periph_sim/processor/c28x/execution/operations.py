@@ -71,7 +71,7 @@ def _form_of(encoding: Encoding) -> Operation:
     one = OF_ONE_XAR.fullmatch(name)
     if one:
         name, made.n = f"{one[1]}n{one[3] or ''}", int(one[2])
-    bind(made, name)
+    bind(made, name.removesuffix("_ARPn") if encoding.mnemonic == "XBANZ" else name)
     made.repeated = encoding.repeated
     made.wide = any(operand in encoding.syntax for operand in WIDE)
     made.byte = encoding.mnemonic == "MOVB" and ("LSB" in encoding.syntax or "MSB" in encoding.syntax)

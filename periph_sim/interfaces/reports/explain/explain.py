@@ -73,19 +73,16 @@ def _of_bus(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
         if until <= since:
             continue
         found += _free(evidence, at, since, "bus free between two transfers" if at > begin else "START held up")
-        at = since
+        at, bits = since, f"bits of {phase.name or phase}"
         for let_go, rise in evidence.stretches(since, until):
-            found += _bus_stretch(at, let_go, f"bits of {phase.name or phase}", phase.begin)
+            found.append(Stretch(at, let_go, "bus", bits, "", phase.begin))
             holder = evidence.holder_at(rise - 1)
             found += _activities(evidence, holder, let_go, rise, f"SCL held low by {holder}")
             at = rise
-        found += _bus_stretch(at, until, f"bits of {phase.name or phase}", phase.begin)
+        found.append(Stretch(at, until, "bus", bits, "", phase.begin))
         at = until
-    return [*found, *_free(evidence, at, end, "bus free")]
-
-
-def _bus_stretch(begin: int, end: int, what: str, since: int) -> list[Stretch]:
-    return [Stretch(begin, end, "bus", what, "", since)] if begin < end else []
+    found += _free(evidence, at, end, "bus free")
+    return [one for one in found if one.length > 0]
 
 
 def _free(evidence: Evidence, begin: int, end: int, what: str) -> list[Stretch]:
@@ -95,9 +92,9 @@ def _free(evidence: Evidence, begin: int, end: int, what: str) -> list[Stretch]:
 
 def _activities(evidence: Evidence, party: str, begin: int, end: int, what: str) -> list[Stretch]:
     """Return the activities of the party for which the bus waits; one stretch with a text if it is no unit."""
-    if begin < end and party in evidence.case.unit:
+    if party in evidence.case.unit:
         return evidence.for_unit(party).timeline(begin, end)
-    return _bus_stretch(begin, end, what, begin)
+    return [Stretch(begin, end, "bus", what, "", begin)]
 
 
 WRITES = 6  # maximum number of writes between both ends that are listed

@@ -89,10 +89,10 @@ def missing_condition(evidence: Evidence, tick: int) -> list[Step]:
     return []
 
 
-def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step], Step | None]:
+def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step], list[Step]]:
     """Return steps for the writes of the own address around a tick at which `address` was not acknowledged.
 
-    The second result is the step that is the cause; None if the own address was right.
+    The second result has the step that is the cause; it is empty if the own address was right.
     """
     what = f"W {I2C}.I2COAR"
     last = evidence.last_access(tick, what)
@@ -102,7 +102,7 @@ def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step]
         before = evidence.span(tick - last.tick)
         steps = [evidence.step(last, f"I2COAR = 0x{last.value:02X} written, {before} before the NACK")]
         if last.value == address:
-            return steps, None
+            return steps, []
     later = evidence.accesses(tick + 1, evidence.window.kept[-1].end, what)
     right = [
         evidence.step(r, f"I2COAR = 0x{address:02X} written, {evidence.span(r.tick - tick)} too late")
@@ -110,7 +110,7 @@ def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step]
         if r.value == address
     ]
     steps += right[:1]
-    return steps, steps[-1]
+    return steps, steps[-1:]
 
 
 def refusing(evidence: Evidence, tick: int) -> list[Step]:

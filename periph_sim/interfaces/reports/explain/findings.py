@@ -215,7 +215,7 @@ def _refused(evidence: Evidence, ends: Ends) -> Finding:
     lacks = missing_condition(evidence, phase.answered)
     own, wrong = own_address(evidence, phase.answered, phase.address)
     steps += [*lacks, *own, *unread(evidence, phase.answered), *stale(evidence, phase)]
-    return Finding(steps, evidence.blame_at(phase.answered) or _blamed(lacks or ([wrong] if wrong else [])))
+    return Finding(steps, evidence.blame_at(phase.answered) or _blamed(lacks or wrong))
 
 
 def _transfer(evidence: Evidence, ends: Ends) -> Finding:

@@ -69,9 +69,9 @@ def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
     """Enable the PIE and the interrupts in `handlers` with their service routines."""
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1
+    pie.PIEACK.all = 0xFFF  # before PIEIER: after it, this would request a pending interrupt twice
     for name, handler in handlers.items():
         group, line = dsp.handle(name, handler)
         setattr(pie[f"PIEIER{group}"], f"INTx{line}", 1)
         dsp.enable_interrupt(group)
-    pie.PIEACK.all = 0xFFF
     dsp.eint()

@@ -64,6 +64,7 @@ class Interrupts:
         "_time",
         "core",
         "taken",
+        "unrequested",
     )
 
     def __init__(
@@ -79,6 +80,7 @@ class Interrupts:
     ) -> None:
         self.core = core
         self.taken = ""
+        self.unrequested = False  # no line was flagged and enabled as its vector was fetched
         self._name = name
         self._pie = pie
         self._ram = ram
@@ -116,8 +118,10 @@ class Interrupts:
         """Fetch the vector of the interrupt that was taken, a code address, from the table in memory."""
         number = self._number
         if number > GROUPS:
+            self.unrequested = False
             address, self.taken = self._pie.cpu_vector(number), f"INT{number}"
         else:
+            self.unrequested = not self._pie.has_request(number)
             line, address = self._pie.vector(cycle, number)
             self.taken = f"INT{number}.{line}"
         routine = self._routine(cycle, address, f"INT{number}")

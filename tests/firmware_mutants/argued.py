@@ -232,10 +232,10 @@ OF_THE_START = (
         "INTM holds every interrupt until dsp.eint(), the last statement of the start-up but one at most, and nothing "
         "asks for one within it",
         (
-            "start_pie: moved past for name, handler in handlers.items():: pie.PIECTRL.ENPIE = 1",
-            "start_pie: moved past pie.PIEACK.all = 4095: for name, handler in handlers.items():",
+            "start_pie: moved past pie.PIEACK.all = 4095: pie.PIECTRL.ENPIE = 1",
+            "start_pie: moved past for name, handler in handlers.items():: pie.PIEACK.all = 4095",
             "start_pie: moved past dsp.enable_interrupt(group): setattr(pie[f'PIEIER{group}'], f'INTx{line}', 1)",
-            "start_pie: moved past dsp.eint(): pie.PIEACK.all = 4095",
+            "start_pie: moved past dsp.eint(): for name, handler in handlers.items():",
         ),
         ("SYS-151",),
     ),

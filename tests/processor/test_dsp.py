@@ -15,9 +15,9 @@ from periph_sim.core.wire import Wire
 from periph_sim.f28335.memory.memory_map import NoSuchAddress
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.f28335.sci.register_map import SCI_MAP
-from periph_sim.firmware import start_i2c, start_pie
+from periph_sim.firmware import start_i2c, start_pie, start_sci
 from periph_sim.processor.dsp import Dsp, DspPlan
-from periph_sim.processor.user_code import Misuse
+from periph_sim.processor.user_code import FirmwareError, Misuse
 
 # First and last address of each module (the register maps of the manuals).
 FRAMES = """
@@ -130,6 +130,54 @@ def test_a_wait_sees_a_register_without_clock_as_a_read_does_and_a_debugger_sees
     assert held == still == 0x11
     assert 2900 < back - gone < 3100
     assert "sci.clock_gate_access" in dsp.touched
+
+
+def test_an_interrupt_that_is_pending_at_the_start_up_is_taken_once():
+    """RXFFIL is 0 after reset, so RXFFINT is set before RXFFIENA is."""
+    dsp, kernel, _ = unit("SCI-B")
+    entered: list[int] = []
+
+    def main() -> None:
+        sci, pie = start_sci(dsp, "SCI-B"), dsp.module("PIE")
+
+        def received() -> None:
+            entered.append(dsp.cpu.cycle)
+            sci.SCIFFRX.RXFFINTCLR = 1
+            pie.PIEACK.all = 0x100
+
+        sci.SCIFFRX.RXFFIL = 1
+        sci.SCIFFRX.RXFFIENA = 1
+        start_pie(dsp, {"SCIRXINTB": received})
+        dsp.compute(1000)
+
+    run(dsp, kernel, main)
+    assert len(entered) == 1
+
+
+def test_pieack_behind_pieier_asks_a_second_time_and_the_error_says_so():
+    dsp, kernel, _ = unit("SCI-B")
+
+    def main() -> None:
+        sci, pie = start_sci(dsp, "SCI-B"), dsp.module("PIE")
+
+        def received() -> None:
+            sci.SCIFFRX.RXFFINTCLR = 1
+            pie.PIEACK.all = 0x100
+
+        sci.SCIFFRX.RXFFIL = 1
+        sci.SCIFFRX.RXFFIENA = 1
+        dsp.handle("SCIRXINTB", received)
+        pie.PIECTRL.ENPIE = 1
+        pie.PIEIER9.INTx3 = 1
+        pie.PIEACK.all = 0x100
+        dsp.enable_interrupt(9)
+        dsp.eint()
+        dsp.compute(1000)
+
+    with pytest.raises(
+        FirmwareError, match=r"SCIRXINTA was taken .*; it has SCIRXINTB\. No line of its group was both"
+    ):
+        run(dsp, kernel, main)
 
 
 def test_lspclk_changed_and_changed_back_is_that_of_the_sci_each_time():

@@ -90,6 +90,10 @@ class Pie(Chip):
             self._latch(now, group - 1, bit)
             self._send(group - 1)
 
+    def has_request(self, group: int) -> bool:
+        """Return True if a line of the group is flagged and enabled."""
+        return self._pieifr[group - 1] & self._pieier[group - 1] != 0
+
     def vector(self, now: int, group: int) -> tuple[int, int]:
         """Return (line, address) for INTx now; the line is 0 if the vector comes from boot ROM.
 

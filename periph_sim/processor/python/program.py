@@ -287,10 +287,16 @@ class PythonProgram(Program):
         routine = self._code.get(vector)
         if routine is None:
             taken = self._processor.interrupts.taken
+            advice = f"Give it one with dsp.handle({taken!r}, routine)."
+            if self._processor.interrupts.unrequested:
+                advice = (
+                    "No line of its group was both flagged and enabled when the CPU fetched the vector, so it took "
+                    "that of line 1 (SPRUFB0D section 8.3.3): a flag was cleared after its request, or PIEACK was "
+                    "written while a request was pending. Write PIEACK before PIEIER."
+                )
             raise FirmwareError(
                 f"{self.name}: interrupt {taken} was taken at cycle {self._processor.time.cycle}, but firmware gave it "
-                f"no handler; it has {', '.join(self.handlers) or 'none'}. "
-                f"Give it one with dsp.handle({taken!r}, routine)."
+                f"no handler; it has {', '.join(self.handlers) or 'none'}. {advice}"
             )
         self.entered = routine
         return self._places.of_routine(routine) or ""

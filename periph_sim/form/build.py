@@ -279,6 +279,15 @@ def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
     return sorted({more for one in chosen for more in used_by(sources, one)}) if prefixes else found
 
 
+def note_stamps(built: Path, written: list[list[int]]) -> None:
+    """Store when the sources were written, if they were written anew with equal content since the build."""
+    manifest = json.loads((built / MANIFEST).read_text("utf-8"))
+    if manifest["stamps"] != written:
+        anew = built / f"{MANIFEST}.new"
+        anew.write_text(json.dumps({**manifest, "stamps": written}), "utf-8")
+        anew.replace(built / MANIFEST)
+
+
 def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: Sequence[str] = ()) -> None:
     """Compile the modules marked as compiled, and replace the build in `built` when all are done.
 
@@ -288,6 +297,7 @@ def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: 
     cc, modules, last = compiler(), needed(prefixes, sources), last_build(built)
     written, made_of = stamps(package, modules), digest(package, modules)
     if usable(package, built)[0] == modules:
+        note_stamps(built, written)
         print(NOTHING_TO_DO, flush=True)
         return
     with tempfile.TemporaryDirectory() as name, ProcessPoolExecutor(jobs, None, os.chdir, (name,)) as pool:

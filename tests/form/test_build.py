@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import subprocess
 import sys
@@ -124,7 +125,10 @@ def test_modules_of_one_name_are_apart_in_the_library_and_only_what_changed_is_c
         return capsys.readouterr().out.splitlines()
 
     assert printed() == ["1/2 left.one", "2/2 right.one"]
+    (package / "left" / "one.py").write_text(ONE)
     assert printed() == [build.NOTHING_TO_DO]
+    stamps = json.loads((built / form.MANIFEST).read_text("utf-8"))["stamps"]
+    assert stamps == form.stamps(package, ["left.one", "right.one"])
     (package / "right" / "one.py").write_text(ONE.replace("+= by", "+= 2 * by"))
     assert printed() == ["1/1 right.one"]
     modules, _ = form.usable(package, built)

@@ -163,7 +163,7 @@ class Dsp(FirmwareView):
         # Wake a program that waits for a stub, which has changed its value.
         program.cpu.elsewhere.changed = lambda: program.cpu.polls.resume(self.clock.cycle_at(self._kernel.now))
         for stub in stubs:
-            program.cpu.elsewhere.expect(stub.address)
+            program.cpu.elsewhere.to_come.append(stub.address)
             self._kernel.call_at(stub.tick, partial(program.cpu.elsewhere.answer, stub.address, stub.value))
 
         def begin(delay: int = 0) -> None:

@@ -35,7 +35,7 @@ def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgr
         variables = Variables(program.image)
         ram = dsp.processor.bus.ram
         found = map(variables.find, named)
-        program.watch_memory(VariableRecords(found, ram, recorder, dsp.clock, name, program.place))
+        program.cpu.watched = VariableRecords(found, ram, recorder, dsp.clock, name, program.place)
     if f"{name}.{CPU}.{STACK}" in wanted:
         stacks = [section for section in program.image.sections if section.name == SECTION]
         if not stacks:
@@ -47,7 +47,7 @@ def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgr
 def variable_value(dsp: Dsp, name: str) -> int:
     """Return the present value of a variable that a budget names."""
     assert isinstance(dsp.program, ImageProgram) and dsp.program.cpu.watched is not None
-    return dsp.program.cpu.watched.value(name)
+    return dsp.program.cpu.watched.values[name]
 
 
 def _preset(case: Case, name: str, unit: Unit, program: ImageProgram) -> None:

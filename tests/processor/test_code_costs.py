@@ -50,7 +50,7 @@ def test_code_between_write_and_read_passes_within_the_protection():
 
 def test_interrupt_cuts_in_between_two_accesses():
     bench = bench_with([(100, 0, 0)], between_accesses=200)
-    bench.cpu.handle("SEQ1INT", lambda: bench.note("routine"))
+    bench.cpu.program.handle("SEQ1INT", lambda: bench.note("routine"))
     bench.enable()
 
     def main() -> None:
@@ -70,7 +70,7 @@ def test_passes_of_a_wait_do_not_pay_for_code_between_accesses():
             found.append(bench.cpu.cycle)
             return value
 
-        bench.run(lambda: bench.cpu.spin(condition), 400)
+        bench.run(lambda: bench.cpu.waits.spin(condition), 400)
         return found
 
     assert reads(between_accesses=9) == reads()
@@ -86,7 +86,7 @@ def test_poll_pass_is_the_distance_of_two_polls(loop):
         reads.append(bench.cpu.cycle)
         return value
 
-    bench.run(lambda: bench.cpu.spin(condition), 600)
+    bench.run(lambda: bench.cpu.waits.spin(condition), 600)
     assert {b - a for a, b in pairwise(reads)} == {loop}
 
 
@@ -102,7 +102,7 @@ def test_a_wait_says_the_length_of_its_own_passes(length, took, frame):
         reads.append(bench.cpu.cycle)
         return value
 
-    bench.run(lambda: bench.cpu.spin(condition, pass_cycles=length), 600)
+    bench.run(lambda: bench.cpu.waits.spin(condition, pass_cycles=length), 600)
     assert {b - a for a, b in pairwise(reads)} == {took}
 
 
@@ -115,14 +115,14 @@ def test_pass_of_two_reads_takes_its_length_whichever_were_made():
         begins.append(bench.cpu.cycle)
         return bool(flags.STATUS.B == 1 and flags.STATUS.A == 1)
 
-    bench.run(lambda: bench.cpu.spin(condition, pass_cycles=25), 600)
+    bench.run(lambda: bench.cpu.waits.spin(condition, pass_cycles=25), 600)
     assert {b - a for a, b in pairwise(begins)} == {25}
 
 
 def test_stall_and_routine_lengthen_a_pass_by_themselves():
     """The first read waits 3 cycles for a write; a routine of 10 + 20 + 8 cycles comes in the second pass."""
     bench = Bench([(40, 0, 0), (200, 1, -1)], skip_polls=False)
-    bench.cpu.handle("SEQ1INT", lambda: bench.cpu.compute(20))
+    bench.cpu.program.handle("SEQ1INT", lambda: bench.cpu.compute(20))
     bench.enable()
     begins: list[int] = []
 
@@ -132,7 +132,7 @@ def test_stall_and_routine_lengthen_a_pass_by_themselves():
 
     def main() -> None:
         bench.flags.STATUS.all = 0
-        bench.cpu.spin(condition, pass_cycles=30)
+        bench.cpu.waits.spin(condition, pass_cycles=30)
 
     bench.run(main, 300)
     assert [b - a for a, b in pairwise(begins)][:4] == [33, 30 + 38, 30, 30]
@@ -140,7 +140,7 @@ def test_stall_and_routine_lengthen_a_pass_by_themselves():
 
 def test_service_routine_pays_prologue_and_epilogue():
     bench = bench_with([(100, 0, 0)], isr_prologue=17, isr_epilogue=13)
-    bench.cpu.handle("SEQ1INT", lambda: bench.note("routine"))
+    bench.cpu.program.handle("SEQ1INT", lambda: bench.note("routine"))
     bench.enable()
 
     def main() -> None:
@@ -153,7 +153,7 @@ def test_service_routine_pays_prologue_and_epilogue():
 
 def test_routine_is_counted_once_as_busy_time():
     bench = bench_with([(100, 0, 0)], isr_prologue=17, isr_epilogue=13)
-    bench.cpu.handle("SEQ1INT", lambda: bench.cpu.compute(50))
+    bench.cpu.program.handle("SEQ1INT", lambda: bench.cpu.compute(50))
     bench.enable()
     bench.run(lambda: bench.cpu.compute(300), 900)
     assert bench.cpu.busy_cycles == 300 + 10 + 17 + 50 + 13 + 8
@@ -179,7 +179,7 @@ def test_a_wait_times_out_at_the_end_of_the_pass_in_which_its_time_is_over(flag,
     bench = bench_with([] if flag is None else [(flag, 1, -1)], skip_polls=skip)
 
     def main() -> None:
-        bench.note(str(bench.cpu.spin(lambda: bench.flags.STATUS.A == 1, timeout=timeout)))
+        bench.note(str(bench.cpu.waits.spin(lambda: bench.flags.STATUS.A == 1, timeout=timeout)))
 
     assert bench.run(main, 200) == [(str(came), end)]
 
@@ -187,7 +187,8 @@ def test_a_wait_times_out_at_the_end_of_the_pass_in_which_its_time_is_over(flag,
 def test_a_long_wait_that_times_out_costs_a_few_events():
     bench = bench_with()
     bench.run(
-        lambda: bench.note(str(bench.cpu.spin(lambda: bench.flags.STATUS.A, timeout=1_000_000_000))), 1_100_000_000
+        lambda: bench.note(str(bench.cpu.waits.spin(lambda: bench.flags.STATUS.A, timeout=1_000_000_000))),
+        1_100_000_000,
     )
     ((what, cycle),) = bench.log
     assert (what, cycle) == ("False", 1_000_000_000 + 4)
@@ -211,19 +212,19 @@ def test_skipping_equals_polling_whatever_waits_cost_and_when_they_time_out(chan
         flags, cpu = bench.flags, bench.cpu
 
         def routine(name: str) -> None:
-            bench.note(f"{name} {cpu.spin(lambda: flags.STATUS.B == 0, timeout=timeout // 2)}")
+            bench.note(f"{name} {cpu.waits.spin(lambda: flags.STATUS.B == 0, timeout=timeout // 2)}")
             bench.pie_regs.PIEACK.all = 1
 
-        cpu.handle("SEQ1INT", lambda: routine("1"))
-        cpu.handle("SEQ2INT", lambda: routine("2"))
+        cpu.program.handle("SEQ1INT", lambda: routine("1"))
+        cpu.program.handle("SEQ2INT", lambda: routine("2"))
         bench.enable()
 
         def main() -> None:
             cpu.compute(lead)
             while True:
-                came = cpu.spin(lambda: flags.STATUS.A or flags.STATUS.B, pass_cycles=length, timeout=timeout)
+                came = cpu.waits.spin(lambda: flags.STATUS.A or flags.STATUS.B, pass_cycles=length, timeout=timeout)
                 bench.note(f"came {came}")
-                bench.note(f"gone {cpu.spin(lambda: not flags.STATUS.A, pass_cycles=length)}")
+                bench.note(f"gone {cpu.waits.spin(lambda: not flags.STATUS.A, pass_cycles=length)}")
                 flags.STATUS.C = 1
 
         return bench.run(main, 900)

@@ -39,29 +39,31 @@ def firmware(bench: Bench, form: str, kind: str, lead: int, timeout: int | None,
         bench.note(f"{name} in")
         cpu.compute(cost)
         if name == "IRQ1":
-            cpu.spin(of(lambda: status.A == 0, status.when(A=0)))
+            cpu.waits.spin(of(lambda: status.A == 0, status.when(A=0)))
         bench.pie_regs.PIEACK.all = 1
         bench.note(f"{name} out")
 
-    cpu.handle("SEQ1INT", lambda: isr("IRQ0", 7))
-    cpu.handle("SEQ2INT", lambda: isr("IRQ1", 23))
+    cpu.program.handle("SEQ1INT", lambda: isr("IRQ0", 7))
+    cpu.program.handle("SEQ2INT", lambda: isr("IRQ1", 23))
 
     def main() -> None:
         cpu.compute(lead)
         while True:
             if kind == "field":
-                came = cpu.spin(of(lambda: status.A == 1, status.when(A=1)), **more)
+                came = cpu.waits.spin(of(lambda: status.A == 1, status.when(A=1)), **more)
             elif kind == "mask":
-                came = cpu.spin(of(lambda: (status.all & 5) == 4, status.when(mask=5, value=4)), **more)
+                came = cpu.waits.spin(of(lambda: (status.all & 5) == 4, status.when(mask=5, value=4)), **more)
             elif kind == "register":
-                came = cpu.spin(of(lambda: status.all == 3, status.when(all=3)), **more)
+                came = cpu.waits.spin(of(lambda: status.all == 3, status.when(all=3)), **more)
             elif kind == "counter":  # a read takes the count away
-                came = cpu.spin(of(lambda: flags.COUNT.N == 1, flags.COUNT.when(N=1)), **more)
+                came = cpu.waits.spin(of(lambda: flags.COUNT.N == 1, flags.COUNT.when(N=1)), **more)
             else:
-                came = cpu.spin_either(*of((lambda: s.A == 1, lambda: s.B == 1), (s.when(A=1), s.when(B=1))), **loop)
+                came = cpu.waits.spin_either(
+                    *of((lambda: s.A == 1, lambda: s.B == 1), (s.when(A=1), s.when(B=1))), **loop
+                )
             bench.note(f"came {came}")
             if timeout is None:
-                cpu.spin(of(lambda: status.A == 0, status.when(A=0)), timeout=90)
+                cpu.waits.spin(of(lambda: status.A == 0, status.when(A=0)), timeout=90)
             bench.note("gone")
             flags.STATUS.C = 1
 
@@ -119,7 +121,7 @@ def test_no_pass_of_a_declared_wait_calls_the_firmware():
         def main(cpu=cpu, seen=seen, count=count) -> None:
             sys.setprofile(count)
             try:
-                cpu.spin(seen)
+                cpu.waits.spin(seen)
             finally:
                 sys.setprofile(None)
 

@@ -136,7 +136,7 @@ def test_what_a_read_sets_off_cuts_into_the_computation_behind_it():
     """The read of COUNT in cycle 102, its second wait state over, promises an interrupt for five cycles later."""
     bench = Bench([])
     bench.enable()
-    bench.cpu.handle("SEQ1INT", lambda: bench.note("served"))
+    bench.cpu.program.handle("SEQ1INT", lambda: bench.note("served"))
     read, chip = bench.chip.read, bench.chip
 
     def promise(now: int, offset: int) -> int:

@@ -19,8 +19,8 @@ def served(bench: Bench, cost: int = 20) -> None:
         bench.pie_regs.PIEACK.all = 1
         bench.note(f"{name} out")
 
-    bench.cpu.handle("SEQ1INT", lambda: routine("1"))
-    bench.cpu.handle("SEQ2INT", lambda: routine("2"))
+    bench.cpu.program.handle("SEQ1INT", lambda: routine("1"))
+    bench.cpu.program.handle("SEQ2INT", lambda: routine("2"))
     bench.enable()
 
 
@@ -219,7 +219,7 @@ def test_a_note_of_the_cpu_is_counted_and_recorded_each_time():
         bench.cpu.nop()
         bench.cpu.eint()
 
-    bench.cpu.handle("SEQ1INT", routine)
+    bench.cpu.program.handle("SEQ1INT", routine)
     bench.run(lambda: bench.cpu.compute(1000), 900)
     ((note, count),) = bench.processor.notes.counts.items()
     assert (note.code, count) == ("duty", 2) and note.text.startswith("IRET was reached with INTM = 0")
@@ -247,6 +247,6 @@ def test_after_main_returns_each_request_is_served_and_masked_ones_are_not():
     log = bench.run(lambda: bench.cpu.compute(20), 1200)
     assert [what for what, _ in log] == ["1 in", "1 out"] * 3
     masked = Bench([(200, 0, 0)])
-    masked.cpu.handle("SEQ1INT", lambda: masked.note("1 in"))
+    masked.cpu.program.handle("SEQ1INT", lambda: masked.note("1 in"))
     assert masked.run(lambda: masked.cpu.compute(20), 1200) == []
     assert masked.cpu.finished

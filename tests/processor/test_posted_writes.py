@@ -171,7 +171,7 @@ def test_routine_entered_between_issue_and_landing_sees_the_write():
         def routine() -> None:
             bench.note(f"C={bench.flags.STATUS.C}")
 
-        bench.cpu.handle("SEQ1INT", routine)
+        bench.cpu.program.handle("SEQ1INT", routine)
         bench.cpu.compute(19)
         bench.flags.STATUS.C = 1  # written 1 clears it: set since cycle 2
 
@@ -197,7 +197,7 @@ def test_landing_write_keeps_place_and_cause_of_the_statement_that_issued_it():
 
     def main() -> None:
         bench.enable()
-        bench.cpu.handle("SEQ1INT", last_write_of_routine)
+        bench.cpu.program.handle("SEQ1INT", last_write_of_routine)
         bench.cpu.compute(19)
         bench.flags.STATUS.C = 1
         bench.cpu.compute(100)
@@ -305,8 +305,8 @@ def played(steps, changes, lands: int, loop: int, skip: bool):
         bench.note(f"{name} {flags.STATUS.all}")
         pie.PIEACK.all = 1
 
-    cpu.handle("SEQ1INT", lambda: routine("1"))
-    cpu.handle("SEQ2INT", lambda: routine("2"))
+    cpu.program.handle("SEQ1INT", lambda: routine("1"))
+    cpu.program.handle("SEQ2INT", lambda: routine("2"))
     bench.enable()
     conditions = [
         lambda: flags.STATUS.A,
@@ -328,7 +328,7 @@ def played(steps, changes, lands: int, loop: int, skip: bool):
             elif what == "read pie":
                 bench.note(f"pie {pie.PIEIER2.all} {pie.PIEIFR1.all}")
             elif what == "spin":
-                cpu.spin(conditions[more])
+                cpu.waits.spin(conditions[more])
             else:
                 cpu.compute(3 * more)
             bench.note(what)

@@ -127,7 +127,7 @@ def test_it_makes_the_same_records_as_python_firmware_that_does_the_same(steps: 
         firmware.cpu.load(COUNT)
         firmware.cpu.store(PIEACK, 1)
 
-    firmware.cpu.handle("SEQ1INT", routine)
+    firmware.cpu.program.handle("SEQ1INT", routine)
     firmware.run(lambda: accesses(firmware.cpu), 2000)
     recorder, found = heard(*kinds)
     bench = Bench(changes, recorder=recorder)

@@ -63,22 +63,22 @@ def run_of(changes, lead, form, interrupts, timeout, kinds, places=None):
 
     def isr() -> None:
         cpu.compute(9)
-        cpu.spin(form(lambda: flags.STATUS.A != 1), timeout=30)
+        cpu.waits.spin(form(lambda: flags.STATUS.A != 1), timeout=30)
         bench.pie_regs.PIEACK.all = 1
         bench.note("served")
 
-    cpu.handle("SEQ1INT", isr)
+    cpu.program.handle("SEQ1INT", isr)
     if interrupts:
         bench.enable()
 
     def main() -> None:
         cpu.compute(lead)
         while True:
-            cpu.spin(form(lambda: flags.STATUS.A == 1), timeout=timeout)
+            cpu.waits.spin(form(lambda: flags.STATUS.A == 1), timeout=timeout)
             bench.note("A")
-            cpu.spin_either(form(lambda: flags.STATUS.B > 0), form(lambda: flags.STATUS.A < 1))
+            cpu.waits.spin_either(form(lambda: flags.STATUS.B > 0), form(lambda: flags.STATUS.A < 1))
             bench.note("B")
-            cpu.spin(form(lambda: flags.STATUS.all == 4), timeout=timeout)
+            cpu.waits.spin(form(lambda: flags.STATUS.all == 4), timeout=timeout)
             flags.STATUS.C = 1
 
     log = bench.run(main, 1200)
@@ -164,7 +164,7 @@ def test_a_read_has_its_line_in_the_firmware_though_no_frame_is_there():
 
     def polls():
         for _ in range(3):
-            bench.cpu.spin(
+            bench.cpu.waits.spin(
                 lambda: (
                     flags.STATUS.A  # here
                     == 1

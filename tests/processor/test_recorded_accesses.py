@@ -76,7 +76,7 @@ def test_idle_is_recorded_from_the_instruction_to_the_interrupt() -> None:
     recorder, found = recorder_of(Kind.WAIT)
     bench = Bench([(200, 0, 0)], recorder=recorder)
     bench.enable()
-    bench.cpu.handle("SEQ1INT", lambda: bench.note("served"))
+    bench.cpu.program.handle("SEQ1INT", lambda: bench.note("served"))
 
     def firmware() -> None:
         bench.cpu.compute(50)

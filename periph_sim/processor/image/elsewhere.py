@@ -51,10 +51,11 @@ NO_FLASH_API = "erasing and programming flash, as TI's flash API does, is not mo
 class UnmappedMemory:
     """Words outside of the modelled modules. A stub is a fixed value that reads of such a word return.
 
-    changed: called when a stub is added or changed.
+    changed: called when a stub is added or changed. stubs: the values that stubs return now, by address.
+    to_come: addresses that a stub answers later.
     """
 
-    STATE = State("_frames _states _stored _noted _stubs _to_come _flash")
+    STATE = State("_frames _states _stored _noted stubs to_come _flash")
 
     _flash_begin: int
     _part: Part
@@ -71,8 +72,8 @@ class UnmappedMemory:
         for address, value in FRAME_RESET.items():
             self._frames[address] = value
         self._noted: set[str] = set()
-        self._stubs: dict[int, int] = {}  # by address
-        self._to_come: list[int] = []  # addresses that a stub answers later
+        self.stubs: dict[int, int] = {}
+        self.to_come: list[int] = []
         self._flash = self._fetches(Content.FLASH)  # needed at each jump there
         self.set_part(PART)
 
@@ -91,25 +92,13 @@ class UnmappedMemory:
 
     def answer(self, address: int, value: int) -> None:
         """Let each later read of this word return this value."""
-        self._stubs[address] = value
+        self.stubs[address] = value
         if address < FRAMES_END:
             self._states[address] |= STUBBED
-        if address in self._to_come:
-            self._to_come.remove(address)
+        if address in self.to_come:
+            self.to_come.remove(address)
         if self.changed is not None:
             self.changed()
-
-    def expect(self, address: int) -> None:
-        """Announce a stub for this word (`answer`)."""
-        self._to_come.append(address)
-
-    def will_answer(self, address: int) -> bool:
-        """Return True if a stub begins to answer for this word later."""
-        return address in self._to_come
-
-    def answer_of(self, address: int) -> int | None:
-        """Return what a stub answers for this word now; None if there is none."""
-        return self._stubs.get(address)
 
     def read(self, cycle: int, address: int) -> int:
         """Return a word. Raise IllegalOperation if the chip has nothing there, or the contents are unknown."""
@@ -124,7 +113,7 @@ class UnmappedMemory:
             raise IllegalOperation(f"{address:#08x} of the boot ROM is read: {NO_FLASH_API}")
         self._note(cycle, address, area)
         self._mark(address, area)
-        stub = self._stubs.get(address)
+        stub = self.stubs.get(address)
         if stub is not None:
             return stub
         if address < FRAMES_END:

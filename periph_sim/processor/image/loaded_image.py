@@ -14,7 +14,7 @@ from ..image_files.model import Image
 from ..processor import Processor, Program
 from ..source_location import SourceLocation, instruction_location
 from .cpu import ImageCpu
-from .observers import CallListener, CallStack, InstructionWatch, VariableRecords
+from .observers import CallListener, CallStack, InstructionWatch
 from .waits import WaitRecords
 
 LAST_JUMPS = 8  # named in an error; a power of two
@@ -117,11 +117,6 @@ class LoadedImage(Program):
             self._calls = CallStack(self.functions, self._clock)
             self._calls.began(self.cpu.pc, self._processor.time.cycle)
         self._calls.add_listener(listener)
-
-    def watch_memory(self, watch: VariableRecords) -> None:
-        """Record the variables of `watch` when their words are written."""
-        watch.begin()
-        self.cpu.watched = watch
 
     def record_waits(self, waits: WaitRecords) -> None:
         """Record the begin and the end of each wait."""

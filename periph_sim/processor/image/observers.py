@@ -1,7 +1,7 @@
 """Observers of an image: of each executed instruction, and of calls of functions.
 
     ImageProgram --executed--> InstructionWatch: Coverage, StackDepth
-    ImageProgram --jumped, routine--> CallStack --called, returned--> CallListener: FunctionSpans, Profile
+    ImageProgram --jumped, push--> CallStack --called, returned--> CallListener: FunctionSpans, Profile
                                           '-- frames: the innermost last
     written words --> VariableRecords
 
@@ -158,13 +158,13 @@ class CallStack:
     def began(self, pc: int, cycle: int) -> None:
         """Begin the program at `pc`."""
         self._drop(0, cycle)
-        self._push(pc, NOWHERE, cycle)
+        self.push(pc, NOWHERE, cycle)
 
     def jumped(self, f: Operation, pc: int, cycle: int) -> None:
         """Apply a jump of an instruction to `pc`."""
         mnemonic = f.encoding.mnemonic
         if mnemonic in CALLS or mnemonic in INTERRUPTS:
-            self._push(pc, f.next, cycle)
+            self.push(pc, f.next, cycle)
             return
         frame = self.frames[-1]
         if frame.first <= pc < frame.end and mnemonic not in RETURNS:
@@ -181,18 +181,15 @@ class CallStack:
         frame = self.frames[-1]
         if not frame.first <= pc < frame.end:
             self._drop(len(self.frames) - 1, cycle)
-            self._push(pc, frame.return_to, cycle)
+            self.push(pc, frame.return_to, cycle)
 
     def slept(self, ticks: int) -> None:
         """Pass on a time without instructions: IDLE, or a wait whose passes were skipped."""
         for listener in self._listeners:
             listener.slept(ticks)
 
-    def routine(self, pc: int, interrupted: int, cycle: int) -> None:
-        """Enter a service routine at `pc`, which returns to `interrupted`."""
-        self._push(pc, interrupted, cycle)
-
-    def _push(self, pc: int, return_to: int, cycle: int) -> None:
+    def push(self, pc: int, return_to: int, cycle: int) -> None:
+        """Enter the function or service routine at `pc`."""
         inside = self._functions.at(pc)
         name, first = (inside.name, inside.address) if inside else (f"{pc:#08x}", pc)
         tick = self._clock.tick(cycle)
@@ -312,10 +309,10 @@ class Profile(CallListener):
 class VariableRecords:
     """FLAG records of `UNIT.memory` for each change of a variable.
 
-    addresses: variables by the address of each of their words.
+    addresses: variables by the address of each of their words. values: by name, as last recorded.
     """
 
-    STATE = State("_values")
+    STATE = State("values")
 
     def __init__(
         self,
@@ -326,32 +323,23 @@ class VariableRecords:
         unit: str,
         place: Callable[[], str | None],
     ) -> None:
-        """place: returns the place of the instruction that writes."""
+        """Read the initial values from the memory of a loaded image. place: returns the place that writes."""
         self._place = place
         self.addresses: dict[int, list[Variable]] = {}
         self._ram, self._recorder, self._clock = ram, recorder, clock
         self._where = f"{unit}.{MEMORY}"
-        self._values: dict[str, int] = {}
+        self.values: dict[str, int] = {}
         for variable in variables:
+            self.values[variable.name] = self._value(variable)
             for address in range(variable.address, variable.address + variable.words):
                 self.addresses.setdefault(address, []).append(variable)
-
-    def begin(self) -> None:
-        """Read the initial values after the image has been loaded."""
-        for variables in self.addresses.values():
-            for variable in variables:
-                self._values[variable.name] = self._value(variable)
-
-    def value(self, name: str) -> int:
-        """Return the value of a variable."""
-        return self._values[name]
 
     def written(self, address: int, cycle: int) -> None:
         """Record the variables in a word at one of `addresses` that have changed."""
         for variable in self.addresses[address]:
             value = self._value(variable)
-            if value != self._values[variable.name]:
-                self._values[variable.name] = value
+            if value != self.values[variable.name]:
+                self.values[variable.name] = value
                 self._recorder.emit(
                     self._clock.tick(cycle), Kind.FLAG, self._where, variable.name, value, self._place() or ""
                 )

@@ -354,7 +354,7 @@ class ImageProgram(LoadedImage):
         self.cpu.begin_routine(vector)
         self._at = vector
         if self._calls is not None:
-            self._calls.routine(self.cpu.pc, interrupted, self._processor.time.cycle)
+            self._calls.push(self.cpu.pc, interrupted, self._processor.time.cycle)
         self._executed = False
         return self.place() or ""
 

@@ -52,9 +52,9 @@ def awaited(
 def _unanswered(cpu: ImageCpu, addresses: Sequence[int], unit: str) -> str:
     """Return why these words keep their values, and what to add to the case; "" if a stub will answer later."""
     memory = cpu.elsewhere
-    if any(memory.will_answer(address) for address in addresses):
+    if any(address in memory.to_come for address in addresses):
         return ""
-    answers = [answer for answer in map(memory.answer_of, addresses) if answer is not None]
+    answers = [memory.stubs[address] for address in addresses if address in memory.stubs]
     if answers:
         return (
             f"its [[unit.{unit}.stub]] answers {answers[0]:#06x}; give a value that ends the wait, "

@@ -18,17 +18,19 @@ from ...form.c_types import Text
 from ..processor import Processor
 from .accesses import Accesses, Instructions
 from .code_records import CodeRecords
-from .program import Handler, PythonProgram
+from .program import PythonProgram
 from .waits import Waits
 
 
 class Cpu:
-    """One processor with its Python firmware. accesses: register accesses, by operand or address.
+    """One processor with its Python firmware.
 
+    accesses: register accesses, by operand or address.
+    waits: waits for conditions.
     skip_polls: False executes every pass of every spin.
     """
 
-    __slots__ = ("_core", "_instructions", "_records", "_waits", "accesses", "processor", "program", "time")
+    __slots__ = ("_core", "_instructions", "_records", "accesses", "processor", "program", "time", "waits")
 
     def __init__(
         self,
@@ -47,7 +49,7 @@ class Cpu:
         self._records = CodeRecords(clock, recorder, self.program)
         self._instructions = Instructions(processor, self.program, code)
         self.accesses = Accesses(processor, self.program, self._instructions, code)
-        self._waits = Waits(
+        self.waits = Waits(
             processor,
             self.program,
             self._instructions,
@@ -63,10 +65,6 @@ class Cpu:
         """Run `firmware`, beginning `delay` cycles after now."""
         self.program.begin(firmware, lambda: self._instructions.after_main())
         self.processor.start(self.program, delay)
-
-    def handle(self, vector: Text, routine: Handler) -> None:
-        """Make `routine` the service routine of a vector."""
-        self.program.handle(vector, routine)
 
     @property
     def cycle(self) -> int:
@@ -91,16 +89,6 @@ class Cpu:
     def store(self, address: int, value: int, width: int = 16) -> None:
         """Write 16 or 32 bits to an address. Raise NoSuchAddress if nothing is there."""
         self.accesses.store(address, value, width)
-
-    def spin(self, condition: Callable[[], object], pass_cycles: int | None = None, timeout: int | None = None) -> bool:
-        """Wait for a condition. Return False if it timed out: see `Waits.spin`."""
-        return self._waits.spin(condition, pass_cycles, timeout)
-
-    def spin_either(
-        self, ready: Callable[[], object], over: Callable[[], object], pass_cycles: int | None = None
-    ) -> bool:
-        """Wait for either condition. Return True if `over` ended the wait: see `Waits.spin_either`."""
-        return self._waits.spin_either(ready, over, pass_cycles)
 
     def instruction(self, cycles: int) -> None:
         """Execute one instruction, or an inseparable group: interrupts wait for its end."""

@@ -90,7 +90,7 @@ class FirmwareView:
             raise _no_condition("spin", condition)
         if pass_cycles is not None:
             pass_cycles = self._pass("spin", pass_cycles)
-        return self.cpu.spin(condition, pass_cycles, None if timeout is None else self._cycles(timeout))
+        return self.cpu.waits.spin(condition, pass_cycles, None if timeout is None else self._cycles(timeout))
 
     def spin_either(
         self, ready: Callable[[], object], over: Callable[[], object], *, pass_cycles: int | None = None
@@ -100,7 +100,7 @@ class FirmwareView:
             raise _no_condition("spin_either", over if callable(ready) else ready)
         if pass_cycles is not None:
             pass_cycles = self._pass("spin_either", pass_cycles)
-        return self.cpu.spin_either(ready, over, pass_cycles)
+        return self.cpu.waits.spin_either(ready, over, pass_cycles)
 
     def _pass(self, what: Text, cycles: BigInt) -> BigInt:
         """Return the cycles. Raise Misuse if a pass of a wait cannot take this number."""
@@ -190,7 +190,7 @@ class FirmwareView:
         _routine(name, handler)
         if name not in pie_map.VECTORS:
             raise KeyError(f"there is no vector {name!r}; {did_you_mean(name, [*pie_map.LINES, *pie_map.CPU_VECTORS])}")
-        self.cpu.handle(name, handler)
+        self.cpu.program.handle(name, handler)
         return pie_map.LINES[name] if name in pie_map.LINES else (pie_map.CPU_VECTORS[name], 0)
 
 

@@ -53,5 +53,5 @@ def profiled(
         since = programs[name].asleep_since
         if since is not None:
             profile.slept(scene.kernel.now - since)
-        profile.finish(scene.kernel.now)
+        profile.count_to(scene.kernel.now)
     return found

@@ -151,14 +151,6 @@ def test_service_routine_pays_prologue_and_epilogue():
     assert bench.run(main, 600) == [("routine", 114 + 17), ("end", 200 + entry + 17 + 13 + iret)]
 
 
-def test_routine_is_counted_once_as_busy_time():
-    bench = bench_with([(100, 0, 0)], isr_prologue=17, isr_epilogue=13)
-    bench.cpu.program.handle("SEQ1INT", lambda: bench.cpu.compute(50))
-    bench.enable()
-    bench.run(lambda: bench.cpu.compute(300), 900)
-    assert bench.cpu.busy_cycles == 300 + 10 + 17 + 50 + 13 + 8
-
-
 # Waits that time out ---------------------------------------------------------------------
 
 

@@ -91,7 +91,7 @@ def test_firmware_that_is_ended_runs_its_finally_and_lands_no_write():
     bench.processor.time.reclock()  # of a CPU that waits for nothing
     assert bench.log == [("ended", 16)]
     bench.kernel.run_until(2000 * TICKS)
-    assert (bench.chip.status, bench.cpu.finished, bench.kernel.next_time()) == (4, False, NEVER)
+    assert (bench.chip.status, bench.cpu.program.finished, bench.kernel.next_time()) == (4, False, NEVER)
     assert bench.processor.causing_statement() is None
 
 
@@ -111,7 +111,7 @@ def test_firmware_can_be_started_again():
     bench.processor.kill(GreenletExit)
     bench.cpu.start(lambda: (bench.cpu.compute(30), bench.note("end")), delay=7)
     bench.kernel.run_until(1000 * TICKS)
-    assert bench.log == [("end", 50 + 7 + 30)] and bench.cpu.finished
+    assert bench.log == [("end", 50 + 7 + 30)] and bench.cpu.program.finished
 
 
 def test_firmware_is_ended_by_the_exception_that_was_asked_for():

@@ -38,7 +38,7 @@ def unit(*modules: str, low: frozenset[int] = frozenset(), **wires: int) -> tupl
 def run(dsp: Dsp, kernel: Kernel, firmware: Callable[[], None]) -> None:
     dsp.start(firmware)
     kernel.run_until(kernel.now + 2_000_000)
-    assert dsp.cpu.finished
+    assert dsp.cpu.program.finished
 
 
 def test_every_module_ends_where_the_manual_has_the_end_of_its_addresses():

@@ -249,4 +249,4 @@ def test_after_main_returns_each_request_is_served_and_masked_ones_are_not():
     masked = Bench([(200, 0, 0)])
     masked.cpu.program.handle("SEQ1INT", lambda: masked.note("1 in"))
     assert masked.run(lambda: masked.cpu.compute(20), 1200) == []
-    assert masked.cpu.finished
+    assert masked.cpu.program.finished

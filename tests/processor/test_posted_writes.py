@@ -212,7 +212,7 @@ def test_write_of_the_last_instruction_of_main_lands():
     bench = Bench([(1, 4, -1)])
     bench.run(lambda: (bench.cpu.compute(9), set_c(bench)), 100)
     assert bench.chip.status == 0
-    assert bench.cpu.finished
+    assert bench.cpu.program.finished
 
 
 def test_protected_write_that_is_followed_by_edis_lands():

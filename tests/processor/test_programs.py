@@ -136,7 +136,7 @@ def test_it_makes_the_same_records_as_python_firmware_that_does_the_same(steps: 
     program = scripted(bench, *body * steps, *[work(1)] * 150, routine=(Step(Op.LOAD, COUNT),))
     bench.kernel.run_until(2000 * TICKS)
     assert bare(found) == bare(expected) and len(found) > 3 * steps
-    assert bench.processor.program is program and program.finished and firmware.cpu.finished
+    assert bench.processor.program is program and program.finished and firmware.cpu.program.finished
 
 
 def test_it_runs_beside_python_firmware_that_reads_the_same_module():

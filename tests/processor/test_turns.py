@@ -103,7 +103,7 @@ def test_a_plain_function_is_called_from_home_and_never_above_firmware():
     bench.kernel.call_at(20 * TICKS, lambda: seen.update(plain=firmware_frames()))
     bench.kernel.run_until(200 * TICKS)
     assert "firmware" in seen["agent"], "the way on which no stack is changed"
-    assert "firmware" not in seen["plain"] and bench.cpu.finished
+    assert "firmware" not in seen["plain"] and bench.cpu.program.finished
 
 
 @pytest.mark.parametrize("plain", [True, False])
@@ -294,7 +294,7 @@ def test_a_place_is_that_of_the_waiting_statement_also_for_those_who_ask_in_the_
     bench.kernel.run_until(200 * TICKS)
     line = firmware.__code__.co_firstlineno + 1
     assert [str(place) for place in places] == [f"firmware:{line}"]
-    assert bench.processor.causing_statement() is None or bench.cpu.finished
+    assert bench.processor.causing_statement() is None or bench.cpu.program.finished
 
 
 def test_a_program_that_is_to_go_on_in_what_it_began_itself_is_told():

@@ -270,23 +270,20 @@ class Profile(CallListener):
         self._since = 0
 
     def called(self, name: str, tick: int) -> None:
-        self._count(tick)
+        self.count_to(tick)
         self._stack = (*self._stack, name)
         self.calls[name] += 1
 
     def returned(self, name: str, tick: int) -> None:
-        self._count(tick)
+        self.count_to(tick)
         self._stack = self._stack[:-1]
 
     def slept(self, ticks: int) -> None:
         """Count a time without instructions."""
         self.waits[self._stack] += ticks
 
-    def finish(self, tick: int) -> None:
-        """Count the time up to the end of the run."""
-        self._count(tick)
-
-    def _count(self, tick: int) -> None:
+    def count_to(self, tick: int) -> None:
+        """Count the time up to this tick."""
         if tick > self._since:
             self.stacks[self._stack] += tick - self._since
             self._since = tick

@@ -64,12 +64,8 @@ class DebugInfo:
 
     def line_at(self, address: int) -> SourceLine | None:
         """Return the source line of the instruction at a run address."""
-        at = bisect_right(self._starts, address) - 1
+        at = bisect_right(self.lines, address, key=lambda line: line[0]) - 1
         return self.lines[at][1] if at >= 0 else None
-
-    @cached_property
-    def _starts(self) -> list[int]:
-        return [address for address, _ in self.lines]
 
     def each(self, parse: Callable[[DWARFInfo, CompileUnit], Iterator[T]]) -> list[T]:
         """Return what `parse` yields for each compilation unit, up to damaged data."""

@@ -34,18 +34,14 @@ SLEEPS = Stop.SLEEPS
 
 @final
 class Instructions:
-    """The instructions that one CPU's Python firmware executes.
+    """The instructions that one CPU's Python firmware executes."""
 
-    busy_cycles: the cycles of computations and service routines, but not of waits.
-    """
-
-    __slots__ = ("_core", "_epilogue", "_processor", "_program", "_prologue", "_time", "busy_cycles")
+    __slots__ = ("_core", "_epilogue", "_processor", "_program", "_prologue", "_time")
 
     _prologue: int
     _epilogue: int
 
     def __init__(self, processor: Processor, program: PythonProgram, code: CodeCosts) -> None:
-        self.busy_cycles = 0
         self._processor = processor
         self._program = program
         self._time: CpuTime = processor.time
@@ -125,7 +121,7 @@ class Instructions:
     def _call_routine(self, number: int) -> None:
         processor, program, time = self._processor, self._program, self._time
         spin, program.spin = program.spin, None
-        began, busy = time.cycle, self.busy_cycles
+        began = time.cycle
         if not processor.take_interrupt(number):
             program.yield_turn()
         routine = program.entered
@@ -135,7 +131,6 @@ class Instructions:
         self.run(self._epilogue)
         if not processor.iret():
             program.yield_turn()
-        self.busy_cycles = busy + time.cycle - began
         program.spin = spin
         if spin is not None:
             spin.hold_up(time.cycle - began)

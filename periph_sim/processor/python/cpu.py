@@ -71,15 +71,6 @@ class Cpu:
         """Number of SYSCLKOUT cycles that have passed."""
         return self.time.cycle
 
-    @property
-    def finished(self) -> bool:
-        """True if main has returned."""
-        return self.program.finished
-
-    @property
-    def busy_cycles(self) -> int:
-        return self._instructions.busy_cycles
-
     # Code ----------------------------------------------------------------------
 
     def load(self, address: int, width: int = 16) -> int:
@@ -98,7 +89,6 @@ class Cpu:
         """Execute single-cycle instructions, interruptible after each of them. A name makes it a span."""
         if name:
             self.mark_span(name, 1)
-        self._instructions.busy_cycles += cycles
         self._instructions.run(cycles)
         if name:
             self.mark_span(name, 0)

@@ -43,11 +43,15 @@ class BadBudget(ValueError):
 
 
 class BudgetPlan(Struct, frozen=True):
-    """text: its measure's sentence. given: the limits as the table has them. limits: in ticks, millionths or counts.
+    """How one budget is measured and judged in a scene.
 
-    not_before: of its measure.
-    joined: each condition that is joined to it, as a budget. same_as: the place of the budget before it that has the
-    same measure; -1 for none.
+    text: the sentence of its measure.
+    make: returns a new measure.
+    given: the limits as the table has them.
+    limits: the same limits in ticks, millionths or counts.
+    not_before: the tick before which the measure leaves out values.
+    joined: the joined conditions, each as a budget with its plan.
+    same_as: the index of the earlier budget that has the same measure; -1 if there is none.
     """
 
     text: str
@@ -140,7 +144,7 @@ def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, giv
 
 
 def _part(budget: Budget, which: str, given: str | int) -> int:
-    """Return a share such as "40 %" in millionths. BadBudget if it is not one."""
+    """Return a share such as "40 %" in millionths. Raise BadBudget if it is not a share."""
     try:
         return round(share(given) * MILLIONTHS)
     except ValueError:
@@ -149,7 +153,7 @@ def _part(budget: Budget, which: str, given: str | int) -> int:
 
 
 def _steps(budget: Budget, which: str, given: str | int) -> int:
-    """Return a limit such as 2 or "2.5 LSB" in millionths. BadBudget if it is not one."""
+    """Return a limit such as 2 or "2.5 LSB" in millionths. Raise BadBudget if it is not a limit in LSB."""
     text = str(given)
     try:
         steps = exact_number(text.removesuffix("LSB"))

@@ -48,7 +48,7 @@ class Asked(Struct, frozen=True):
 class ByPlan:
     """Schedule of an agent: round n is due n periods after the first.
 
-    It is missed if none begins before the next one is due.
+    A round is missed if it has not begun when the next one is due.
     """
 
     def __init__(self, asked: Asked) -> None:
@@ -84,9 +84,9 @@ class ByPlan:
 
 
 class ByRoundBefore:
-    """Schedule of a firmware or a capture: a round is due a period after the begin of the one before.
+    """Schedule of a firmware or a capture: a round is due one period after the begin of the round before.
 
-    There are no more after as many as are due.
+    After the requested number of rounds, no more are due.
     """
 
     def __init__(self, asked: Asked) -> None:
@@ -118,13 +118,14 @@ class ByRoundBefore:
 
 
 class BusRounds:
-    """on_transfer, on_round: called at its end. on_due: called with the due time of a round once it is known.
+    """Groups the transfers of a bus into rounds.
 
+    on_transfer, on_round: called at the end of each transfer and each round.
     on_other: called for a transfer that is none of the requests.
+    on_due: called with the due time of a round once it is known whether the round began.
     on_missed: called with the due time of a round that did not begin, or the START that shows a missing request.
-
-    begun_at: called at the end of the run for the START of a transfer that is not over; NO_TIME if there is none.
-    completed, missed: rounds so far.
+    begun_at: returns, at the end of the run, the START of an unfinished transfer; NO_TIME if there is none.
+    completed, missed: number of rounds so far.
     """
 
     def __init__(self, asked: Asked | None, begun_at: Callable[[], int]) -> None:
@@ -148,7 +149,7 @@ class BusRounds:
         self._over = NO_TIME  # the end of the last round
 
     def transfer(self, transfer: Transfer) -> None:
-        """Take a transfer that is over."""
+        """Assign a complete transfer to the set-up, to a round, or to neither."""
         first: Phase = transfer.phases[0]
         if self._ack_polling and not first.read and not first.data:
             self._tell(transfer)

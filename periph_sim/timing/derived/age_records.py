@@ -52,16 +52,19 @@ class ChipTopics:
 
 
 class AgeRecords(Listener):
-    """origins: of what reads carry; None where only model ages are wanted."""
+    """Makes the records of the ages of sensor reads and of model runs.
+
+    origins: the origins of the data that reads carry; None where only model ages are needed.
+    """
 
     def __init__(self, recorder: Recorder, origins: read_origins.Origins | None = None) -> None:
         self.origins: read_origins.Origins | None = origins
         self._chips = {chip.address: ChipTopics(recorder, name) for name, chip in known_sensors().items()}
         self._model_run: Topic = recorder.topic(Kind.DATA, MODEL, "model run")
-        self._first_ended = NO_TIME  # the end of the first frame,
-        self._last_ended = NO_TIME  # of the last one,
-        self._taken = NO_TIME  # of the one that the models under way work on,
-        self._made = NO_TIME  # and of the one that the last models worked on
+        self._first_ended = NO_TIME  # when the first frame ended
+        self._last_ended = NO_TIME  # when the last frame ended
+        self._taken = NO_TIME  # when the frame ended that the present model run uses
+        self._made = NO_TIME  # when the frame ended that the last complete model run used
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         """Note a host frame that ended at `tick`."""
@@ -73,7 +76,7 @@ class AgeRecords(Listener):
         return 0 if what == MODEL else UNWANTED
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
-        """Handle the begin (1) or the end (0) of the models."""
+        """Handle the begin (1) or the end (0) of a model run."""
         if value:
             self._taken = self._last_ended
         elif self._taken != NO_TIME:

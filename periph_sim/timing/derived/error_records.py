@@ -28,13 +28,13 @@ from ...devices.truth import Axes, distance
 from ..measures.measure import MILLIONTHS
 from .transfer_records import begin_of
 
-RECENT = 8  # frames that a read is always compared with,
-MOST = 64  # and those that it is compared with at most
-BYTES = 6  # of a read that carries a whole sample
+RECENT = 8  # minimum number of frames that a read is compared with
+MOST = 64  # maximum number of frames that a read is compared with
+BYTES = 6  # length of a read that carries a whole sample
 
 
 class _Chip:
-    """One chip. fitted: when the frame was due that fitted its last read."""
+    """The state and the records of one chip. fitted: the due time of the frame that fitted the chip's last read."""
 
     def __init__(self, recorder: Recorder, name: str, data: ChipData) -> None:
         self.name = name
@@ -47,7 +47,11 @@ class _Chip:
 
 
 class ErrorRecords:
-    """truth_at: by chip, its true values at a tick. frame_due: the tick at which a host frame is due."""
+    """Makes the records of the errors of the values that the controller reads from sensors.
+
+    truth_at: returns the true values of each chip at a tick.
+    frame_due: returns the tick at which a host frame is due.
+    """
 
     def __init__(
         self, recorder: Recorder, truth_at: Callable[[int], Mapping[str, Axes]], frame_due: Callable[[int], int]

@@ -33,11 +33,12 @@ BEFORE_ANY = -1  # instead of a frame's number: what firmware shows before a fra
 
 
 class Origin(NamedTuple):
-    """frame: whose values the bytes carry, the youngest of several; None where they are those of no frame.
+    """The host frame whose values a read carries.
 
-    ended: the tick at which its last stop bit ended. wanted: of all that would have been right what agrees in the
-    most bytes. judged: False if the bytes may be right or wrong, because not everything that would have been right
-    was compared with them.
+    frame: the number of the frame, the youngest if several fit; None if the bytes are the values of no frame.
+    ended: the tick at which the last stop bit of that frame ended.
+    wanted: among all bytes that would have been right, those that agree with the read in the most bytes.
+    judged: False if the bytes may be right or wrong, because not all possible histories were compared with them.
     """
 
     frame: int | None
@@ -47,7 +48,7 @@ class Origin(NamedTuple):
 
     @property
     def known(self) -> bool:
-        """They are the values of a frame that the host has sent."""
+        """True if the bytes are the values of a frame that the host has sent."""
         return self.frame is not None and self.frame != BEFORE_ANY
 
 
@@ -101,11 +102,11 @@ class FrameHistory:
         return shown
 
 
-RECENT = 8  # frames that the bytes of a read are compared with first
-KEPT = 64  # frames that a run of the models is tried with, at most
-COMPLETE = 256  # the number of chains up to which all are followed
-PASSED_OVER = 3  # frames: of more chains, only those that pass over no more are followed,
-MOST = 64  # and of these only the youngest
+RECENT = 8  # number of frames that the bytes of a read are compared with first
+KEPT = 64  # number of recent frames among which the input of a model run is searched
+COMPLETE = 256  # up to this number of chains, all are followed
+PASSED_OVER = 3  # if there are more, only the chains that skip at most this number of frames are followed
+MOST = 64  # maximum number of those chains; the youngest are kept
 
 
 @final
@@ -186,9 +187,11 @@ class FrameOrigins(Origins):
 
 @final
 class Chain:
-    """A possible history of the models: the frame of their last run, and the values that it left.
+    """A possible history of the models: the frame of their last run, and the values that this run produced.
 
-    before: the number of the frame of the run before, on which that depends as well.
+    sent: that frame.
+    before: the number of the frame of the run before, on which the values depend as well.
+    shown: the values.
     """
 
     __slots__ = ("before", "sent", "shown")
@@ -223,10 +226,10 @@ class ModelOrigins(Origins):
         """Start anew: the firmware was reset, and the pin is an input."""
         self._pulled_up = True
         self._chains = [Chain(NOTHING_SENT, BEFORE_ANY, self._codes.at_rest)]
-        self._left_out = False  # chains that may be the true one, since a read last agreed with one
-        self._before: list[Chain] = []  # those of the run before the last
+        self._left_out = False  # since a read last agreed with a chain, some possible chains were not followed
+        self._before: list[Chain] = []  # the chains up to the run before the last
         self._runs = 0
-        self._over: list[Run] = []  # ended runs that are not in a chain yet
+        self._over: list[Run] = []  # complete runs that are not in a chain yet
         self._last: Run | None = None
         self._may_take: list[Sent] = []
 
@@ -253,7 +256,7 @@ class ModelOrigins(Origins):
         if not fitting and _fitting(self._before, address, got):
             return _nearest(
                 got, [(chain.sent, chain.shown.data(address)) for chain in self._before]
-            )  # the read began before the last run was over
+            )  # the read began before the last model run was complete, so it shows the values of the run before
         if not fitting:
             fitting = _fitting(self._anew(), address, got)
         if fitting:

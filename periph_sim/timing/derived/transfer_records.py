@@ -40,7 +40,7 @@ def begin_of(transfer: Transfer, phase: Phase) -> int:
 
 
 class TransferRecords:
-    """Makes the records of one bus."""
+    """Makes the records of the transfers of one bus."""
 
     def __init__(self, recorder: Recorder) -> None:
         self._phase: Topic = recorder.topic(Kind.TRANSFER, I2C, "phase")
@@ -84,15 +84,17 @@ class TransferRecords:
 
 
 class RoundRecords:
-    """Makes the records of rounds. period: ticks from one round's due time to the next one's.
+    """Makes the records of rounds.
 
-    thing     tick                     value
-    due       when it was due          0; of each round, once it is known whether it began
-    missed    when it was due          0; or the START that shows that a request is missing
-    begin     its begin                0; of each complete round, when it is over
-    end       its last STOP            0
-    next      when the next is due     0; of each complete round, which may have ended later
-    refused   when it was due          number of its requests whose address was not acknowledged, if any
+    thing     tick                      value
+    due       due time of a round       0; recorded for each round, once it is known whether the round began
+    missed    due time of a round       0; or the tick of the START that shows that the round lacks a request
+    begin     begin of the round        0; recorded for each complete round, at its end
+    end       its last STOP             0
+    next      due time of the next one  0; recorded for each complete round, which may have ended later than that
+    refused   due time of the round     number of its requests whose address was not acknowledged; omitted if it is 0
+
+    period: ticks from one round's due time to the next one's.
     """
 
     def __init__(self, recorder: Recorder, rounds: BusRounds, period: int) -> None:

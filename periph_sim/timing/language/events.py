@@ -52,10 +52,15 @@ ANYTHING = ""  # as the thing of a matcher
 
 
 class Event(Struct, frozen=True):
-    """kind: the event's first word. name: what it is about. how: which change or way. number: a value, if given.
+    """An event that a sentence names.
 
-    others: events that are as good, "or" between them. nth, group: which one of a transfer, round, burst or service
-    routine counts; -1 is the last. routine: the interrupt of the group.
+    kind: the first word of the event.
+    name: the wire, field, span or other thing that it is about.
+    how: the change, or the direction of the access.
+    number: the value; None if none is given.
+    others: alternative events, joined by "or".
+    nth, group: the event counts only as the nth one in its transfer, round, burst or service routine; -1 is the last.
+    routine: the interrupt whose service routine is the group.
     """
 
     kind: str
@@ -71,9 +76,10 @@ class Event(Struct, frozen=True):
 
 
 class Group(Struct, frozen=True):
-    """A stretch of a run in which events are counted: a name of GROUPS.
+    """A stretch of a run in which events are counted.
 
-    begin, end: START and STOP; of a burst a frame's begin and end; of a service routine its own.
+    name: one of GROUPS.
+    begin, end: START and STOP; for a burst, the begin and end of a frame; for a service routine, its entry and return.
     """
 
     name: str
@@ -82,10 +88,14 @@ class Group(Struct, frozen=True):
 
 
 class Matcher(Struct, frozen=True, dict=True):
-    """where: the places it may happen at; None for any. others: matchers that are as good, "or" between them.
+    """Test of whether a record is an event.
 
-    what: ANYTHING for all things of the kind. nth, group: which one counts, 1 for the first, -1 for the last, where not
-    every one does. thing: of a derived one.
+    where: the places at which the event may happen; None for any place.
+    what: the thing; ANYTHING for all things of the kind.
+    mask, want: the bits of the value that are compared, and what they must be.
+    others: the matchers of alternative events, joined by "or".
+    nth, group: which event in the group counts: 1 is the first, -1 the last; 0 if every one counts.
+    thing: what is known about a derived record; None for other records.
     """
 
     text: str
@@ -190,7 +200,7 @@ def matcher(event: Event | str, scope: Scope) -> Matcher:
 
 
 def group_of(event: Event, scope: Scope) -> Group:
-    """Return the group in which an event is counted. BadEvent if the scene has no such group."""
+    """Return the group in which an event is counted. Raise BadEvent if the scene has no such group."""
     if event.group not in ("burst", "interrupt"):
         return stretch_of(event.group, scope, f"{event.text!r}: a {event.group}")
     what, ends = f"interrupt {event.routine}", ("enter", "leave")

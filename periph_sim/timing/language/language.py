@@ -53,11 +53,11 @@ from .scope import BadEvent
 from .tokens import Words
 
 CLAUSES = {
-    "for": "for each",  # an occasion: something that there was to measure
-    "measured": "measured at",  # an occasion that was measured, where the values do not show that
-    "given": "given",  # without one, nothing is proven
-    "unless": "unless",  # something that cannot be judged
-    "unfinished": "unfinished",  # a value that the end of the run cuts off
+    "for": "for each",  # an event that is an occasion to measure
+    "measured": "measured at",  # an event that shows that an occasion was measured, where the values do not show it
+    "given": "given",  # an event without which the budget is not judged
+    "unless": "unless",  # an event that cannot be judged
+    "unfinished": "unfinished",  # an event with a value that the end of the run cuts off
 }
 LEVELS = ("high", "low")
 BUS_STATES = ("busy", "free")
@@ -65,9 +65,10 @@ CPU_STATES = ("busy", "idle")
 
 
 class During(Struct, frozen=True):
-    """A state: it begins with one of `enters` and is over with one of `leaves` that is none of `enters`.
+    """A state of the run. It begins with one of `enters`, and ends with one of `leaves` that is not in `enters`.
 
-    cpu: one of CPU_STATES instead. unit: the one whose CPU is in it.
+    cpu: one of CPU_STATES, if the state is that of a CPU; it then has no `enters` and `leaves`.
+    unit: the unit of that CPU.
     """
 
     text: str
@@ -79,12 +80,20 @@ class During(Struct, frozen=True):
 
 @dataclass(frozen=True)
 class Said:
-    """form: a key of FORMS. events: those named. text: all of it. unit, name: of a field, vector, unit or chip.
+    """A parsed sentence of the language.
 
-    state: of times in one. clauses: what follows, each with its event.
-    pairing: one of PAIRINGS, or empty. group: "transfer", "round" or "unit" that a pair lies in. instant: of values.
-    window: of a share, as a text; "" for the whole run. of: what the jitter is of, if that is a measure. access: to the
-    first one.
+    form: a key of FORMS.
+    events: the events that the sentence names, in order.
+    text: the whole sentence.
+    unit, name: the unit, and the field, vector or chip that it names.
+    state: the state in which time is measured; None for other forms.
+    pairing: one of PAIRINGS; "" if none is given.
+    group: "transfer", "round" or "unit", if both events of a pair must be in the same one.
+    instant: for a value error, "first bit" or "frame": the instant at which the true value is taken.
+    window: the length of the window of a share, as text; "" for the whole run.
+    of: the measure whose jitter is meant.
+    access: True if an interrupt's latency is measured up to the first access.
+    clauses: the clauses at the end, each with its event.
     """
 
     form: str
@@ -115,7 +124,7 @@ def near_form(text: str) -> str:
 
 @lru_cache(maxsize=1024)  # scenes of one case say the same again and again
 def measure_of(text: str) -> Said:
-    """Return the parsed text of a measure. BadEvent if it cannot be parsed."""
+    """Return the parsed text of a measure. Raise BadEvent if it cannot be parsed."""
     words = Words(text)
     said = _PARSERS[words.one_of(list(FORMS))](words)
     words.end()
@@ -314,7 +323,7 @@ def _load(form: str) -> Callable[[Words], Said]:
 
 
 def _checked_window(words: Words, given: str) -> str:
-    """Return the length of a window. BadEvent if it is none."""
+    """Return the length of a window. Raise BadEvent if the text is not a length."""
     if not given:
         raise BadEvent(f"{words.text!r} ends where the length of a window is expected; write for instance per 20 ms")
     try:

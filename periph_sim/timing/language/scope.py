@@ -26,7 +26,12 @@ if TYPE_CHECKING:
 
 
 class Thing(NamedTuple):
-    """needs: what the scene must have, as of a `Measure`. unit: of its value. by_read: it is of one phase."""
+    """A kind of derived record.
+
+    needs: what the scene must contain, as in `Measure`.
+    unit: the unit of its value.
+    by_read: True if there is one record for each read phase.
+    """
 
     needs: str
     unit: str = "value"
@@ -97,14 +102,16 @@ class AnyName:
 
 @dataclass(frozen=True)
 class Scope:
-    """units: each with its modules. controller, host: whether the scene has that agent on its wires.
+    """What a scene contains and a measure may name.
 
-    lines: wires that carry frames; of a scene that names none, RX and TX where they are wires. pairs: RS-485 ones.
-
-    rounds: the requests of the controller's rounds are known, whichever party it is.
-    images: units that run an image, each with the names in it.
-    measures: sentences of the user's own, by name.
-    uncounted: a unit whose program reports no overflows, since it is no Python firmware; empty if there is none.
+    units: the modules of each unit.
+    controller, host: True if the scene has that agent on its wires.
+    rounds: True if the requests of the controller's rounds are known, whichever party is the controller.
+    lines: the wires that carry frames; if the scene names none, RX and TX where they are wires.
+    pairs: the RS-485 pairs.
+    images: the names in the image of each unit that runs an image.
+    uncounted: a unit whose program reports no overflows, since it is not Python firmware; "" if there is none.
+    measures: the user's own sentences by name.
     """
 
     units: dict[str, tuple[str, ...]] = field(default_factory=dict)

@@ -77,7 +77,7 @@ class Words:
         if not colon:
             return "", word
         if not name:
-            name = self.take(expected)  # imu: "a name in quotes"
+            name = self.take(expected)  # a quoted name after the unit, such as imu: "my span"
             name = name[1:-1] if name[0] in "\"'" else name
         return unit, name
 

@@ -17,13 +17,16 @@ from ...core.time import NO_TIME
 from ...core.wire import Wire
 from ...traces.decode.i2c_stream import BITS, FALL, KINDS, RISE, START, STOP, I2cStream
 
-SCL, SDA = 0, 1  # which wire it is that is pulled
+SCL, SDA = 0, 1  # numbers of the two wires
 
 
 class BusFromWires(BitParty):
-    """unit: the one whose pins are called ours, "" for none. Subclasses override the events at the end of the class.
+    """Decoder of the bytes on the wires. It distinguishes the pulls of one unit, called ours, from those of the others.
 
-    stream: the bytes of the transfer under way.
+    unit: the name of that unit; "" for none.
+    stream: the bytes of the transfer in progress.
+
+    Subclasses override the events at the end of the class.
     """
 
     def __init__(self, unit: str) -> None:

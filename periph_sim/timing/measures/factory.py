@@ -44,7 +44,10 @@ Maker: TypeAlias = Callable[[], Measure]  # shares nothing with a run, so it ser
 
 
 def expanded(text: str, sentences: Mapping[str, str]) -> str:
-    """Return a measure's text with the user's own names replaced by sentences. BadEvent if one is defined by itself."""
+    """Return a measure's text with the user's own names replaced by their sentences.
+
+    Raise BadEvent if a name is defined by itself.
+    """
     before, names = "", [text]
     while text in sentences or text.startswith(JITTER):
         if text in sentences:

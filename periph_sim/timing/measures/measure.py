@@ -27,12 +27,15 @@ if TYPE_CHECKING:
     from .expectations import Expected, Reply, WatchedWire
 
 
-MOST = 1 << 15  # cells
+MOST = 1 << 15  # maximum number of cells
 
 
 @final
 class Cell:
-    """count: of its values. value: the largest. at: when that was first."""
+    """Values that share a cell of the histogram.
+
+    count: their number. value: the largest. at: the first tick at which the largest occurred.
+    """
 
     __slots__ = ("at", "count", "value")
 
@@ -55,7 +58,7 @@ class Tally:
     def __init__(self, most: int = MOST) -> None:
         self._most = most
         self._cells: dict[int, Cell] = {}
-        self._shift = 0  # of a value, to the number of its cell
+        self._shift = 0  # a value shifted right by this is the number of its cell
 
     def __len__(self) -> int:
         return len(self._cells)
@@ -244,7 +247,7 @@ class Measure(Listener):
         return np.array(values, np.int64), np.array(at, np.int64)
 
     def all_kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Return `kept` of a measure that keeps its values."""
+        """Return `kept`, the values and their ticks. Call it only after `keep`."""
         assert self.kept is not None
         return self.kept
 

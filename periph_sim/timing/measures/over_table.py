@@ -25,7 +25,10 @@ Ticks = NDArray[np.int64]
 
 
 class Durations(NamedTuple):
-    """duration: ticks from each first event to its second. start: when the first one was, the same length."""
+    """Times between pairs of events, in ticks.
+
+    duration: from the first event to the second. start: the tick of the first event.
+    """
 
     duration: Ticks
     start: Ticks
@@ -37,9 +40,11 @@ def between(
     """Return the times from each `begin` to the `end` that belongs to it, if there is one.
 
     rule: as after the comma in a budget: "in order", "next" or "last"; "same transfer" or "same round" for pairs within
-    one of them, from its START to the next one's; or both: "last, same transfer". transfers_in_round: how many
-    transfers a round has; needed for "same round", as no record says it. BadEvent if a text names no event, or one that
-    this run cannot have had, or if a second `begin` comes before the `end` of the first and no rule says what then.
+    one of them, from its START to the next one's; or both: "last, same transfer".
+    transfers_in_round: how many transfers a round has; needed for "same round", as no record says it.
+
+    Raise BadEvent if a text names no event, or an event that this run cannot contain, or if a second `begin` comes
+    before the `end` of the first and no rule says which of them the `end` belongs to.
     """
     pairing, group = _rules(rule)
     scope = scope_of_table(table)
@@ -102,11 +107,11 @@ def _rules(rule: str) -> tuple[str, str]:
 
 
 def periods(table: RecordTable, event: str) -> Durations:
-    """Return the times from each event to the next of its kind. BadEvent as for `between`."""
+    """Return the times from each event to the next of its kind. Raise BadEvent as `between` does."""
     ticks = happened(table, event)
     return Durations(np.diff(ticks), ticks[:-1])
 
 
 def happened(table: RecordTable, event: str) -> Ticks:
-    """Return the ticks at which an event happened. BadEvent as for `between`."""
+    """Return the ticks at which an event happened. Raise BadEvent as `between` does."""
     return table.tick[rows_of(matcher(event, scope_of_table(table)), table)]

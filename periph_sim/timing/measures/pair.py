@@ -31,10 +31,11 @@ FIRST, SECOND, START, STOP = range(4)  # places of a pair's events
 
 
 class _Waiting:
-    """First events that wait for their second one: the tick of each, and how many events in between came before it.
+    """First events whose second event has not come yet: the tick of each, and the number of events counted before it.
 
-    oldest, oldest_counted: of the one that waits longest, mostly the only one; oldest is NO_TIME if none waits.
-    since, counted_at: of the others, in order. counted: events in between, since something waits.
+    oldest, oldest_counted: those of the event that waits longest, mostly the only one; oldest is NO_TIME if none waits.
+    since, counted_at: those of the other waiting events, in order.
+    counted: number of events in between, since any event has been waiting.
     """
 
     STATE = State("oldest_counted counted counted_at", ticks="oldest since", made=True)
@@ -48,7 +49,7 @@ class _Waiting:
         self.counted = 0
 
     def add(self, tick: int) -> None:
-        """Have an event wait."""
+        """Add an event that waits."""
         if self.oldest == NO_TIME:
             self.oldest, self.oldest_counted, self.counted = tick, 0, 0
         else:

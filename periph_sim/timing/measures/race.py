@@ -93,7 +93,10 @@ class Race(Measure):
 
 
 class Distances(NamedTuple):
-    """cycles: from each read to its nearest change. tick: when the read was, the same length. int64."""
+    """Distances between reads and changes, one for each read, as int64.
+
+    cycles: from the read to its nearest change. tick: when the read was made.
+    """
 
     cycles: NDArray[np.int64]
     tick: NDArray[np.int64]
@@ -102,8 +105,9 @@ class Distances(NamedTuple):
 def races(table: RecordTable, name: str, sysclk: Fraction | None = None) -> Distances:
     """Return the cycles between each read of a status register, or of one field, and the nearest change.
 
-    name: "I2C-A.I2CSTR", "imu:I2C-A.I2CSTR.XRDY". sysclk: in Hz; None takes what the records show. BadEvent if the
-    run can have no such register; NotInRun if the firmware never accessed it.
+    name: "I2C-A.I2CSTR", "imu:I2C-A.I2CSTR.XRDY". sysclk: in Hz; None takes what the records show.
+
+    Raise BadEvent if the run can contain no such register, and NotInRun if the firmware never accessed it.
     """
     from ...records.races import distances
 

@@ -11,7 +11,13 @@ from ..language.scope import MAPS, BadEvent, Scope
 
 
 class Watched(Struct, frozen=True):
-    """A status register, or one field of it. unit, module, register: empty for all of the scene's, with its units."""
+    """The status register, or one field of it, that a measure names.
+
+    text: the measure's text.
+    unit, module, register: empty if all registers of the scene are meant.
+    field: empty if the whole register is meant.
+    units: the units of the scene, if all their registers are meant.
+    """
 
     text: str
     unit: str = ""
@@ -22,7 +28,7 @@ class Watched(Struct, frozen=True):
 
     @property
     def name(self) -> str | None:
-        """The name that `records` uses; None for all registers."""
+        """The register's name as `records` uses it; None for all registers."""
         return ".".join(filter(None, (self.unit, self.module, self.register, self.field))) or None
 
     def shows(self, record: Record) -> bool:
@@ -30,7 +36,7 @@ class Watched(Struct, frozen=True):
         return self.is_about(record.kind, record.where, record.what)
 
     def is_about(self, kind: Kind, where: str, what: str) -> bool:
-        """Return the same for all records of one kind, place and thing."""
+        """Return what `shows` returns for every record of this kind, place and thing."""
         if kind is Kind.ACCESS:
             place = f"{self.module}.{self.register}" if self.register else what[2:]
             return self.concerns(kind, where, what) and what[2:] == place
@@ -46,7 +52,7 @@ class Watched(Struct, frozen=True):
 
 
 def raced(unit: str, text: str, scope: Scope) -> Watched:
-    """Return what "I2C-A.I2CSTR.XRDY" or "I2C-A.I2CSTR" names. BadEvent unless hardware changes its flags."""
+    """Return what "I2C-A.I2CSTR.XRDY" or "I2C-A.I2CSTR" names. Raise BadEvent unless hardware changes its flags."""
     if text.count(".") == 2:
         owner, module, register, f = scope.field(unit, text)
         field = f.name
@@ -62,7 +68,10 @@ def raced(unit: str, text: str, scope: Scope) -> Watched:
 
 
 def losing(unit: str, text: str, scope: Scope) -> Watched:
-    """Return the register whose flags may be lost; all of the scene's if none is named. BadEvent if none can be."""
+    """Return the register whose flags may be lost; all registers of the scene if none is named.
+
+    Raise BadEvent if none of its flags can be lost.
+    """
     if not text:
         if not scope.units:
             raise BadEvent("the scene has no unit")
@@ -77,7 +86,7 @@ def losing(unit: str, text: str, scope: Scope) -> Watched:
 
 
 def clearing(unit: str, text: str, scope: Scope) -> Watched:
-    """Return the flag that a write may clear along with another. BadEvent if writing 1 does not clear it."""
+    """Return the flag that a write may clear along with another. Raise BadEvent if writing 1 does not clear it."""
     owner, module, register, f = scope.field(unit, text)
     clearable = [each.name for each in one_clears(register)]
     if f.name not in clearable:

@@ -30,7 +30,7 @@ def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_jso
         return _explain(image, function, as_json)
     from ...processor.image_files.inspection import as_json as as_dict
     from ...processor.image_files.inspection import inspect, text
-    from ...processor.image_files.load import program_in
+    from ...processor.image_files.program_file import program_in
 
     with usage_errors_in_one_sentence():
         found = inspect(program_in(image))
@@ -41,7 +41,7 @@ def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_jso
 def _explain(image: Path, function: str, as_json: bool) -> int:
     """Show the cycles of one function."""
     from ...processor.image_files.function_cycles import cycles_as_json, cycles_text, function_cycles
-    from ...processor.image_files.load import program_in
+    from ...processor.image_files.program_file import program_in
 
     with usage_errors_in_one_sentence():
         found = function_cycles(program_in(image), function)

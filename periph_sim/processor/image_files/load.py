@@ -1,4 +1,4 @@
-"""Load an image that fits the F28335 from a linker's output file or a source, or raise BadImage with the reason.
+"""Load a linker's output file as an image that fits the F28335, or raise BadImage with the reason.
 
 Checked: no two loaded sections overlap, each is in loadable memory, the entry is in loaded code. Reserved memory, or
 the run addresses of copied code, may overlap on purpose (UNION in the linker's command file).
@@ -93,15 +93,3 @@ def shared_memory(image: Image) -> list[str]:
                 "unless this is a UNION in the linker's command file, one overwrites the other"
             )
     return notes
-
-
-SOURCE = ".asm"
-
-
-def program_in(path: Path) -> Image:
-    """Load or assemble the image in a file. Raise BadImage naming the file if it is not an F28335 image."""
-    if path.suffix != SOURCE:
-        return load(path)
-    from .assemble import assemble_file  # slow import, needed for sources only
-
-    return assemble_file(path)[0]

@@ -2,7 +2,7 @@
 
     frame --ChipModel.run--> Shown --data--> bytes, by address
 
-A model of which the firmware uses one is a subclass of `ChipModel`: it computes what a controller should read.
+The models that firmware can use are subclasses of `ChipModel`; they compute what a controller should read.
 """
 
 # core: compiled
@@ -38,8 +38,10 @@ BYTES = 6  # that a chip shows before the first run
 
 
 class ChipModel:
-    """addresses: of the chips that it computes. no_frame: its input before a frame has come.
+    """Base of the models by which firmware computes the register bytes of chips.
 
+    addresses: the addresses of these chips.
+    no_frame: the input of a run before a frame has come.
     at_rest: the output before the first run, with zeros in all chips.
     """
 

@@ -21,7 +21,7 @@ class FrameEncoding(Protocol):
 
 
 class FrameSource(Protocol):
-    """The values of frames by number, of a motion. beyond: how often each value was beyond its range."""
+    """The values of a motion's frames by number. beyond: how often each value was beyond its range."""
 
     @property
     def motion(self) -> Any: ...
@@ -33,9 +33,11 @@ class FrameSource(Protocol):
 
 
 class HostFrames(Protocol):
-    """The definitions of the module. FRAME_BYTES: of a frame. PARTS: named values of a frame, x, y and z.
+    """The module that defines the frames of a [host].
 
-    ADDRESSES: of the chips that show values of a frame where firmware has no model. Encoding: its class of settings.
+    FRAME_BYTES: the length of a frame.
+    PARTS: the values of a frame by name, each as x, y and z.
+    ADDRESSES: the addresses of the chips that show the values of a frame if firmware computes no model.
     """
 
     FRAME_BYTES: int
@@ -58,7 +60,7 @@ class HostFrames(Protocol):
         """Return the values of a frame without a motion."""
 
     def encode(self, values: tuple[int, ...], byte_order: ByteOrder = "little") -> bytes:
-        """Return the bytes of a frame. OverflowError for a value that does not fit."""
+        """Return the bytes of a frame. Raise OverflowError if a value does not fit."""
 
     def decode(self, data: bytes) -> tuple[int, ...]:
         """Return the values of a frame from its bytes, low byte first."""

@@ -97,7 +97,10 @@ NEEDED = ("on_write", "on_read")  # at least one of them
 
 
 class PythonTarget(PlainReply):
-    """guard: calls the hooks. make: builds the user's object, again when power returns. It is its own reply."""
+    """A device that a Python object of the user emulates. It is its own reply.
+
+    guard: calls the object's hooks. make: builds the object, and builds it again when power returns.
+    """
 
     def __init__(self, guard: UserCode, address: int, make: Callable[[], object]) -> None:
         self.addresses = (address,)

@@ -74,7 +74,7 @@ def driver(name: str, address: int, who: tuple[int, str], writes: tuple[tuple[in
 
 
 def register_bytes(chip: ChipData, xyz: Sequence[Any]) -> bytes:
-    """Return the six bytes of three values in the chip's order. OverflowError for one that does not fit 16 bits."""
+    """Return the six bytes of three values in the chip's order. Raise OverflowError if a value does not fit 16 bits."""
     first, second, third = chip.order
     try:
         return (BIG if chip.big else LITTLE).pack(int(xyz[first]), int(xyz[second]), int(xyz[third]))

@@ -68,7 +68,7 @@ class InterruptFifo:
         return True
 
     def pop(self) -> int:
-        """Remove and return the oldest word. IndexError if the FIFO is empty."""
+        """Remove and return the oldest word. Raise IndexError if the FIFO is empty."""
         return self.words.pop(0)
 
     def is_released(self) -> bool:

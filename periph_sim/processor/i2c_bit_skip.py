@@ -22,7 +22,7 @@ from ..core.wire import Pin
 from ..f28335.i2c.module import I2c
 from ..f28335.i2c.register_map import SCL
 
-MARGIN = 2  # cycles: an edge between two cycles is sampled at the later one
+MARGIN = 2  # cycles added to each distance, since an edge between two cycles is sampled at the later one
 SCL_INDEX = 0  # among the module's outputs
 
 
@@ -42,7 +42,7 @@ class I2cModuleParty(BitParty):
         self._calm_for = -1  # key of the values that `_calm` depends on,
         self._hz = clock.hz  # and the clock rate
         self._asking = False  # the module, as the master, is about to skip bits
-        self._release_cause = 0  # the record under which it released SCL for the first of them
+        self._release_cause = 0  # the record that caused the release of SCL for the first skipped bit
 
     def act(self, tag: int) -> None:
         """Release SCL for the first bit again; the byte now passes edge by edge."""

@@ -32,9 +32,11 @@ BETWEEN, RECONNECT = range(2)  # purposes of events: the levels before a SYSCLKO
 
 
 class Router(Agent):
-    """wires: GPIO number -> wire. pulled_down: pads that an external resistor holds low while they are not driven.
+    """Connects the peripherals' pins with the wires as the GPIO registers select.
 
-    inputs, outputs: signal of the pin table -> the peripheral's pin.
+    wires: the wire of each GPIO number.
+    pulled_down: pads that an external resistor holds low while they are not driven.
+    inputs, outputs: the peripheral's pin for each signal of the pin table.
     """
 
     STATE = State("_pins _free_pins _direct _feeds pads _monitored _unread _routes _outs _lines", ticks="_between_at")

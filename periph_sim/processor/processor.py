@@ -71,8 +71,10 @@ class UnansweredWait(NamedTuple):
 
 
 class Program:
-    """spin: the wait in progress. polls_skipped: number of passes of waits that were not executed.
+    """Base of the programs that a processor runs.
 
+    spin: the wait in progress.
+    polls_skipped: number of passes of waits that were not executed.
     returned_at: the cycle at which main returned; None before.
     """
 
@@ -140,7 +142,7 @@ NONE, FETCHES, ENTERS, RETURNS = range(4)  # the pending step: fetch of the vect
 
 @final
 class Processor(Agent):
-    """stopped: reason of the last stop; None before the first."""
+    """Processor of a unit. stopped: the reason of the last stop; None before the first."""
 
     STATE = State("time notes bus interrupts stopped _under_way _vector", cycles="_goal", records="_cause")
 

@@ -118,7 +118,7 @@ class InstructionLocation(SourceLocation):
 
 
 class Parts(NamedTuple):
-    """file: name without folder; "" without debug data, `line` is then 0."""
+    """The parts of a location. file: the name without the folder; "" without debug data, and `line` is then 0."""
 
     function: str
     file: str

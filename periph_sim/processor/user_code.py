@@ -52,7 +52,11 @@ class NoProgress(BaseException):
 
 
 class RunWatch(Protocol):
-    """thread: the thread that executes this CPU's firmware; 0 if none. stall_limit: seconds of CPU time."""
+    """A program whose run is watched for stalls.
+
+    thread: the thread that executes this CPU's firmware; 0 if there is none.
+    stall_limit: seconds of CPU time that it may take at one instant.
+    """
 
     thread: int
     stall_limit: float

@@ -55,7 +55,7 @@ class Modify:
 
 @final
 class Flag:
-    """rose: the record of its last rise."""
+    """A flag of a register. rose: the record of its last rise."""
 
     __slots__ = ("mask", "name", "register", "rose")
 

@@ -46,7 +46,10 @@ Faults: TypeAlias = "Callable[[Run, Options], Iterator[Fault]]"
 
 
 class Lint(NamedTuple):
-    """says: what the lint finds, in one sentence. faults: the function that yields the faults of a run."""
+    """A rule that recorded accesses can violate.
+
+    says: what the lint finds, in one sentence. faults: the function that yields the faults of a run.
+    """
 
     says: str
     faults: Faults

@@ -20,8 +20,8 @@ from .run import Rows, Run
 NDBool = NDArray[np.bool_]
 Number = TypeVar("Number", np.int64, np.bool_)
 
-SHORTEST_PASS, LONGEST_PASS = 4, 400  # cycles of a pass of a polling loop
-MOST_READS = 3  # of one register in a pass
+SHORTEST_PASS, LONGEST_PASS = 4, 400  # minimum and maximum cycles of a pass of a polling loop
+MOST_READS = 3  # maximum number of reads of one register in a pass
 # Share of passes that must agree on the length of a pass: with one read in a pass, nearly all of them.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
 FEW_GAPS = 3  # from this number on, the gaps' greatest common divisor is taken as the length of a pass
@@ -43,7 +43,9 @@ class Polls(NamedTuple):
 
 
 class _Grid:
-    """The time base of passes: a unit's cycles if its clock is known, since they need not be whole ticks; else ticks.
+    """The time base in which the passes of a loop are counted.
+
+    It counts the unit's cycles if its clock is known, since a cycle need not be a whole number of ticks; else ticks.
 
     cycle: the length of a cycle in this base.
     """

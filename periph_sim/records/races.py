@@ -37,10 +37,14 @@ class NearMiss:
 
 @dataclass(frozen=True)
 class PlaceRaces:
-    """One place's reads of one register. before: a read that just missed a change; after: one that just saw it.
+    """The reads of one register at one place in the firmware, compared with the changes of the register.
 
-    polls: reconstructed from skipped waits. unplaced: skipped waits with a change for which that failed.
-    histogram: reads by the distance to their nearest change, by decades of cycles; `alone` had no change to compare.
+    before: the read that missed a change by the fewest cycles.
+    after: the read that saw a change after the fewest cycles.
+    polls: number of reads that were reconstructed from skipped waits.
+    unplaced: number of skipped waits with a change whose reads could not be reconstructed.
+    histogram: number of reads by the decade of their distance, in cycles, to the nearest change.
+    alone: number of reads without a change to compare with.
     """
 
     unit: str
@@ -94,7 +98,7 @@ def races(run: Run, register: str | None = None) -> Races:
 
 
 def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
-    """Return (cycles, ticks, unplaced). NotInRun as for `races`.
+    """Return (cycles, ticks, unplaced). Raise NotInRun as `races` does.
 
     cycles: from each read or reconstructed poll to its nearest change, if there is a change.
     ticks: the ticks of these reads and polls, in order.

@@ -196,7 +196,10 @@ def _of_place(register: ClearedRegister, unit: str, name: str, place: str) -> Re
 
 
 def _lost(name: str, found: FlagOfPlace, other: bool) -> LostFlag:
-    """Return how often a flag was lost. other: another flag was meant."""
+    """Return how often a flag was lost at a place.
+
+    other: True if the flag is not one that the place means to clear, so that clearing it along with another loses it.
+    """
     between, along, unseen = (found.between.ticks or [], found.along.ticks or [], found.unseen.ticks or [])
     if not other:
         along = unseen = []

@@ -57,7 +57,7 @@ def happened(record: Record) -> str:
 def happened_where(record: Record) -> str:
     """Return a record as text with its unit: "dsp.I2C-A.I2CSTR.SDIR set", "dsp: SCIRXINTA entered at sci_received:76".
 
-    Of changes of flags, only those of a variable have a place in the firmware.
+    The place in the firmware follows if the record has one; among changes of flags, only those of variables have one.
     """
     said = happened(record)
     if record.kind is Kind.FLAG:

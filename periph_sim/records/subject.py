@@ -19,7 +19,7 @@ from ..f28335.memory.ram import MEMORY
 from .register_maps import is_status, registers_of
 from .run import Group, NotInRun, Run
 
-COARSEST = Fraction(1, 10**6)  # seconds: coarsest resolution of a shown instant; a coarser time selects no change
+COARSEST = Fraction(1, 10**6)  # seconds: a time given with this resolution or a finer one selects the change next to it
 
 
 @dataclass(frozen=True)

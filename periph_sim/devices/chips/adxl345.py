@@ -249,7 +249,7 @@ class Adxl345(RegisterChip):
             self.fifo.push(self.formatted(self.source(self._clock.tick(number))))
 
     def formatted(self, g: Sequence[float | Fraction]) -> bytes:
-        """Return the data bytes of accelerations in g: offset, full resolution or 10 bits, saturation, justify."""
+        """Return the data bytes of accelerations in g, with the offsets, resolution and justification that are set."""
         span = self.get("DATA_FORMAT", "Range")
         bits = 10 + span if self.get("DATA_FORMAT", "FULL_RES") else 10
         scale = self.lsb_per_unit

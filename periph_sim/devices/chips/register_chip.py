@@ -31,11 +31,14 @@ def byte_register(offset: int, name: str, access: str, reset: int, source: str, 
 
 
 class RegisterChip:
-    """address: seven bits. stored: register number -> value. notes: since the owner last cleared it.
+    """Base of the chips that are read and written as registers.
 
-    touched: open questions whose option affected a read value, or the bus.
-    powered: the tick at which the supply came. ready: the delay in seconds from then, later the tick, at which the chip
-    begins to acknowledge its address.
+    address: seven bits.
+    stored: the stored values by register number.
+    notes: the notes since the owner last cleared the list.
+    touched: the open questions whose option affected a read value, or the bus.
+    powered: the tick at which the supply came.
+    ready: given as the delay in seconds from then; stored as the tick from which the chip acknowledges its address.
     """
 
     STATE = State("stored", ticks="ready")
@@ -127,7 +130,7 @@ class RegisterChip:
 
 
 def nearest(value: float | Fraction) -> int:
-    """Round to the nearest whole number, halves to even. ValueError for NaN and infinity."""
+    """Round to the nearest whole number, halves to even. Raise ValueError for NaN and infinity."""
     if not isfinite(value):
         raise ValueError(f"a chip's source gave {value}; a sample needs a finite number")
     return round(value)

@@ -70,7 +70,7 @@ class PlainReply:
 
 
 class Target(Protocol):
-    """addresses: all that it answers to, 7 bits each."""
+    """A device on the bus. addresses: all addresses that it acknowledges, 7 bits each."""
 
     @property
     def addresses(self) -> tuple[int, ...]: ...
@@ -102,7 +102,7 @@ def families() -> Mapping[str, Family]:
 
 
 def address_among(place: TargetContext, model: str, possible: tuple[int, ...]) -> int:
-    """Return the device's address, its first one if the case gives none. BadDevice for an impossible one."""
+    """Return the device's address, its first one if the case gives none. Raise BadDevice for an impossible address."""
     address = possible[0] if place.address is None else place.address
     if address not in possible:
         can = ", ".join(f"{one:#04x}" for one in possible)

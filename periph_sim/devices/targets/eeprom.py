@@ -32,7 +32,10 @@ ERASED = 0xFF
 
 
 class Part(NamedTuple):
-    """size, page: in bytes. word: bytes of the word address. blocks: number of its device addresses."""
+    """The geometry of a memory.
+
+    size, page: in bytes. word: bytes of the word address. blocks: number of its device addresses.
+    """
 
     size: int
     page: int
@@ -83,7 +86,11 @@ def _contents(value: object) -> object:
 
 
 class Settings(Table, frozen=True, kw_only=True):
-    """contents: from address 0 on, the rest is 0xFF. write_protect: or the wire that is high while protected."""
+    """The settings of a serial memory.
+
+    contents: the bytes from address 0 on; the rest is 0xFF.
+    write_protect: true, or the wire that is high while the memory is protected.
+    """
 
     contents: Annotated[bytes | Path, Before(_contents, str | list[int])] = b""
     page: Annotated[int, Meta(ge=1, le=256), After(_power_of_two)] | None = None
@@ -92,7 +99,7 @@ class Settings(Table, frozen=True, kw_only=True):
 
 
 class Eeprom(PlainReply):
-    """memory: stored bytes. It is its own reply."""
+    """A serial memory on the bus. It is its own reply. memory: the stored bytes."""
 
     STATE = State("memory _place _pointer _begin _buffer _written", ticks="_busy_until")
 

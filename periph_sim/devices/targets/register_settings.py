@@ -16,7 +16,7 @@ Mask = bool | Bits  # true: all bits
 
 
 class Sets(Table, frozen=True, kw_only=True):
-    """bits: set in another register with every update, such as a data-ready flag."""
+    """Bits that every update sets in another register, such as a data-ready flag."""
 
     register_name: str = field(name="register")
     bits: Bits
@@ -32,10 +32,14 @@ class Interrupt(Table, frozen=True, kw_only=True):
 
 
 class RegisterTable(Table, frozen=True, kw_only=True):
-    """at: the pointer of its first byte. read_only, write_1_clears, read_clears: bits, or true for all.
+    """A register of the device.
 
-    Updates by the device: updates (times and values, or the path of a .csv file), or every `every` from `first` on (by
-    default `every` later) the next of `values`, whose last one remains, or `step` more.
+    at: the pointer of its first byte.
+    read_only, write_1_clears, read_clears: the bits with this property, or true for all bits.
+    updates: times and values of updates by the device, or the path of a .csv file with them.
+    every, first: instead, the period of its updates and the time of the first one; without `first`, one period.
+    values: the values of these updates in turn; the last one remains.
+    step: instead, what each of these updates adds.
     """
 
     name: str
@@ -87,7 +91,10 @@ class RegisterTable(Table, frozen=True, kw_only=True):
 
 
 class Settings(Table, frozen=True, kw_only=True):
-    """registers: the map. pointer_counts: unit of the pointer. wrap: the end at which the pointer wraps."""
+    """The register map of the device.
+
+    pointer_counts: the unit of the pointer. wrap: the end at which the pointer wraps.
+    """
 
     registers: Annotated[tuple[RegisterTable, ...], Meta(min_length=1)] = field(name="register")
     pointer_bytes: Literal[1, 2] = 1

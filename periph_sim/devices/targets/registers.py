@@ -62,7 +62,7 @@ class Feed:
 
 
 def feed_of(table: RegisterTable, entry: int, place: TargetContext) -> Feed | None:
-    """Return a register's feed; None if only the bus changes it. BadDevice for an invalid file."""
+    """Return a register's feed; None if only the bus changes the register. Raise BadDevice if a file is invalid."""
     if table.every is not None:
         first = table.every if table.first is None else table.first
         period = max(1, place.ticks(table.every))
@@ -107,7 +107,7 @@ def _rows(path: Path, table: RegisterTable) -> tuple[tuple[Fraction, int], ...]:
 
 
 class RegisterDevice(PlainReply):
-    """values: by the registers' names. It is its own reply."""
+    """A device whose registers a case describes. It is its own reply. values: the registers' values by name."""
 
     STATE = State("values _feeds _pointer _byte _taken")
 
@@ -129,7 +129,7 @@ class RegisterDevice(PlainReply):
             self._plan()
 
     def power_on(self) -> None:
-        """Reset every register; earlier updates are lost."""
+        """Reset every register. Updates that were due before now have no effect."""
         for feed in self._feeds.values():
             feed.advance(self._place.kernel.now)
         self._reset()

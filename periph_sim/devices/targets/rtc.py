@@ -35,7 +35,10 @@ class BadTime(ValueError):
 
 
 class CalendarTime(NamedTuple):
-    """weekday: 0 to 6, with an arbitrary day 0. whole_day: 24-hour format."""
+    """The time that a clock chip shows.
+
+    weekday: 0 to 6, with an arbitrary day 0. whole_day: True in the 24-hour format.
+    """
 
     at: datetime
     weekday: int
@@ -60,7 +63,7 @@ def registers_of(time: CalendarTime) -> bytes:
 
 
 def time_in(registers: bytes) -> CalendarTime:
-    """Return the time in eight registers. BadTime if they contain none."""
+    """Return the time in eight registers. Raise BadTime if they contain no time."""
     second, minute, hour, day, month, year, weekday, century = registers
     whole_day = bool(hour & MIL)
     hours = _number("HR", hour & ~(MIL if whole_day else PM))

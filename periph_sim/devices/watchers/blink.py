@@ -20,9 +20,12 @@ KIND = "blink"
 
 
 class Settings(Table, frozen=True, kw_only=True):
-    """rate: periods a second. duty: the part of a period for which the wire is high; None: not checked.
+    """The expected blinking of a wire.
 
-    after: edges up to then are ignored. first: deadline of the first rise; None: two periods after `after`.
+    rate: periods a second.
+    duty: the part of a period for which the wire is high; it is not checked if it is not given.
+    after: edges up to this time are ignored.
+    first: the deadline of the first rise; two periods after `after` if it is not given.
     """
 
     rate: Frequency

@@ -23,9 +23,11 @@ KIND = "edges"
 
 
 class Settings(Table, frozen=True, kw_only=True):
-    """edges: expected times, counted from `since`, and kinds. more: further edges are allowed.
+    """The expected edges of a wire.
 
-    after: edges up to then are ignored.
+    edges: their times, counted from `since`, and kinds.
+    after: edges up to this time are ignored.
+    more: further edges are allowed.
     """
 
     edges: Annotated[tuple[tuple[Duration, Literal["rise", "fall"]], ...], Meta(min_length=1)]

@@ -35,7 +35,7 @@ class I2cLimits:
         # The last settings without a violation:
         self._clock_within_tm = 0  # I2CPSC + 1
         self._clock_within_hz: Fraction = self.sysclk_hz  # SYSCLKOUT with that prescaler
-        self._within = (0, 0, self.sysclk_hz)  # phases of SCL, and SYSCLKOUT
+        self._within = (0, 0, self.sysclk_hz)  # low and high cycles of SCL, and the SYSCLKOUT that they count
 
     def module_clock(self) -> None:
         tm = self._state.tm

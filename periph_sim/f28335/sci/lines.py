@@ -130,7 +130,7 @@ class SciLines(Chip):
         self._replan()
 
     def suspend(self, now: int, on: bool) -> None:
-        """Stop with the CPU in the debugger (True), or resume."""
+        """Stop (True) when the debugger halts the CPU, as FREE and SOFT allow, or resume (False)."""
         self._run(now)
         self._suspended = on
         self._rx_stopping = False

@@ -183,7 +183,7 @@ class SciRxBits:
             self._turn(end)
 
     def _turn(self, tick: int) -> None:
-        """Begin the next run at `tick`."""
+        """Begin the next run of equal samples at `tick`."""
         self._level ^= 1
         if self._level:
             self._high_from = max(tick, self._idle_base)

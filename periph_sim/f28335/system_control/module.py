@@ -131,7 +131,10 @@ class SystemControl(Chip):
     # Queries ----------------------------------------------------------------
 
     def enabled(self, gate: str) -> bool:
-        """Return True if the clock that a field of PCLKCR0 or PCLKCR3 switches is on. ValueError for other names."""
+        """Return True if the clock that a field of PCLKCR0 or PCLKCR3 switches is on.
+
+        Raise ValueError for other names.
+        """
         if gate not in GATE_BIT:
             raise ValueError(f"PCLKCR0 and PCLKCR3 have no field {gate!r}; they have {', '.join(GATES)}")
         return bool(self.gates & GATE_BIT[gate])

@@ -29,7 +29,11 @@ VCU = (0xE2, 0xE5)  # upper bytes
 
 
 class Instruction(NamedTuple):
-    """address: of its first word. pair: first word << 16 | second word, ignored if the instruction has one word."""
+    """A decoded instruction.
+
+    address: the address of its first word.
+    pair: first word << 16 | second word; the second word is ignored if the instruction has one word.
+    """
 
     address: int
     pair: int

@@ -25,8 +25,8 @@ ALL, EVERY = "R0H-R7H", 0xFF
 FLAGS = 1 << 8  # LUF and LVF, beside R0H to R7H
 NAMES = (*(f"R{number}H" for number in range(8)), "LUF and LVF")
 FLAG_BITS = LUF | LVF
-CONDITIONS = (12, 13)  # that test LUF and LVF
-AT_ONCE = "RaH"  # of a pair "2p/1": the register that its second half loads
+CONDITIONS = (12, 13)  # codes of the conditions that test LUF and LVF
+AT_ONCE = "RaH"  # in pairs of latency "2p/1", the register that the second half loads without a delay slot
 BLOCKS = frozenset(("RPTB_label_RC", "RPTB_label_loc16"))
 
 

@@ -30,7 +30,10 @@ class BadInstruction(ValueError):
 
 
 class Part(NamedTuple):
-    """show: formats the fields, for an instruction's address. pattern: text that `read` parses, "" for literals."""
+    """A part of an operand's syntax.
+
+    show: formats the fields, for an instruction's address. pattern: the text that `read` parses; "" for literals.
+    """
 
     show: Callable[[Values, int], str]
     pattern: str

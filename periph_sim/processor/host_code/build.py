@@ -46,7 +46,11 @@ class MissingHeader(BadSources):
 
 
 class Sources(Struct, frozen=True):
-    """folders: of headers. defines: macros with their values. undefined: with UBSan, which reports to stderr."""
+    """The C sources of a program.
+
+    folders: the folders of headers. defines: macros with their values.
+    undefined: True to compile with UBSan, which reports undefined behaviour to stderr.
+    """
 
     files: tuple[Path, ...]
     folders: tuple[Path, ...] = ()

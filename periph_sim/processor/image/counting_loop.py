@@ -30,7 +30,7 @@ from .cpu import ImageCpu
 from .memory import L0_AGAIN, L4_AGAIN, MIRROR, in_plain_ram
 from .observers import InstructionWatch
 
-MOST_TRACED = 256  # instructions of a pass
+MOST_TRACED = 256  # maximum number of instructions in a traced pass
 COUNTERS = 9  # first entries of a state: ACC and XAR0 to XAR7
 WORD, HALF = 1 << 16, 1 << 15
 

@@ -123,7 +123,10 @@ class ImageCpu(ImageMemory):
             self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRU430F RPT"))
 
     def access_at(self, f: Operation, cycle: int) -> int:
-        """Return the first cycle from this one in which the operand, or the one of *(0:16), can be accessed."""
+        """Return the first cycle, not before `cycle`, in which all accesses of the operation can be made.
+
+        They are the access to its operand and, for instructions with *(0:16), the one to that address.
+        """
         if self.ea != REGISTER and f.accesses and not in_plain_ram(self.ea):
             self._tested = f.tested
             cycle = self._access_at(cycle, self.ea, f.accesses & READS != 0, f.wide)

@@ -43,7 +43,7 @@ SYMBOL_CLASSES = (EXTERNAL, STATIC, LABEL)
 
 
 class SectionHeader(NamedTuple):
-    """run, load: the header's fields for physical and virtual address."""
+    """Header of a section. run, load: the header's fields for the physical and the virtual address."""
 
     name: str
     run: int

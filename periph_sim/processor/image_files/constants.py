@@ -28,7 +28,10 @@ CONSTANT = re.compile(r"(MOVL|MOVB|ADDB|SUBB) (X?AR)[0-7n],#\d+")
 
 
 class Access(NamedTuple):
-    """how: "r", "w" or "rw". value: the value written if it is a known address register, else None."""
+    """Access to memory at a constant address.
+
+    how: "r", "w" or "rw". value: the value written if it is a known address register, else None.
+    """
 
     address: int
     width: int

@@ -24,7 +24,7 @@ T = TypeVar("T")
 
 
 class SourceLine(NamedTuple):
-    """file: the path as given to the compiler."""
+    """Line of a source file. file: the path as given to the compiler."""
 
     file: str
     line: int
@@ -34,7 +34,7 @@ class SourceLine(NamedTuple):
 
 
 class FunctionRange(NamedTuple):
-    """name: as in C. end: the address after its last word."""
+    """Addresses of a function. name: as in C. end: the address after its last word."""
 
     name: str
     address: int
@@ -42,7 +42,7 @@ class FunctionRange(NamedTuple):
 
 
 class DebugInfo:
-    """damaged: why the debug data could not be read completely; "" if they were."""
+    """Debug data of an image. damaged: why they could not be read completely; "" if they were."""
 
     def __init__(self, image: Image) -> None:
         self.damaged = ""
@@ -128,7 +128,7 @@ def text_of(raw: bytes | str) -> str:
 
 
 class Function(NamedTuple):
-    """address: run address. size: in words. source: line of its first instruction; None if unknown."""
+    """Function of an image. address: its run address. size: in words. source: its first line; None if it is unknown."""
 
     name: str
     address: int
@@ -138,7 +138,7 @@ class Function(NamedTuple):
 
 
 class FunctionMap:
-    """functions: from debug data, and elsewhere from symbols; by section and address."""
+    """Functions of an image. functions: from debug data, and elsewhere from symbols; ordered by section and address."""
 
     def __init__(self, image: Image) -> None:
         self.debug = DebugInfo(image)

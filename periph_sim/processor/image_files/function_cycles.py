@@ -35,7 +35,7 @@ class Row(NamedTuple):
 
 
 class FunctionCycles(NamedTuple):
-    """least: total cycles of all rows, no condition true."""
+    """Cycles of a function. least: the total of all rows if no condition is true."""
 
     function: Function
     rows: tuple[Row, ...]

@@ -52,7 +52,11 @@ class Register(NamedTuple):
 
 @dataclass(frozen=True)
 class Inspection:
-    """entry_name: symbol or function at the entry, else its address. instructions, words: counts in code sections."""
+    """The contents of an image, as `inspect` summarises them.
+
+    entry_name: the symbol or function at the entry; its address if it has no name.
+    instructions, words: their numbers in the code sections.
+    """
 
     image: Image
     entry_name: str

@@ -29,9 +29,12 @@ class BadImage(ValueError):
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """size: in words. words: loaded contents; empty if memory is only reserved, or unused.
+    """A section of an image.
 
-    allocated: it occupies memory of the chip. code: it is marked as instructions.
+    size: in words.
+    words: the loaded contents; empty if memory is only reserved, or unused.
+    allocated: True if the section occupies memory of the chip.
+    code: True if it is marked as instructions.
     """
 
     name: str
@@ -61,7 +64,7 @@ class Section:
 
 @dataclass(frozen=True)
 class Symbol:
-    """label: a compiler-generated label inside a function."""
+    """Symbol of an image. label: True for a label inside a function that the compiler generated."""
 
     name: str
     address: int

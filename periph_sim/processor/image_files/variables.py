@@ -176,7 +176,7 @@ INDEX = re.compile(r"\[(\d{1,6})\]")
 
 
 class Variable(Struct, frozen=True):
-    """words: 16 bits each. kind: UNSIGNED, SIGNED or FLOAT."""
+    """Variable of an image. words: its number of 16-bit words. kind: UNSIGNED, SIGNED or FLOAT."""
 
     name: str
     address: int

@@ -127,7 +127,7 @@ def _of_party(run: Run, row: int, record: Record) -> list[Link]:
 # Parties that pull a wire low --------------------------------------------------
 #
 #     EDGE fell "controller"   HOLD "controller, dsp.SCLA"   HOLD "dsp.SCLA"   EDGE rose
-#     pulled it low first      joined in                     holds it alone
+#     the controller pulls     the unit pulls it low, too    the unit alone still pulls
 
 
 def holders(run: Run, row: int, record: Record) -> tuple[str, ...]:
@@ -154,9 +154,9 @@ def wire_rows(run: Run, wire: str) -> Rows:
 
 
 def causes_of_hold(run: Run, row: int, record: Record) -> list[Link]:
-    """Return a link to the record since which the present holders have held a line that others released.
+    """Return a link to the record since which the parties that now hold the wire low have all held it.
 
-    Empty if a party began to hold it with this record, which then has the cause of that.
+    Return no link if one of them began to hold the wire with this record; the record's own cause then explains it.
     """
     ours = set(_named(record.text))
     joined = row

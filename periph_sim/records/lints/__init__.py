@@ -1,1 +1,1 @@
-"""Lints, each a function with `finds` that yields the accesses at fault (`lint.py`)."""
+"""Lints. Each is a function with the decorator `finds` (`lint.py`); it yields the accesses that violate a rule."""

@@ -82,7 +82,7 @@ class PerfettoWriter(RecordingWriter):
         self._file.write("\n]}\n")
 
     def _transfers(self, now: int) -> None:
-        """Return the bytes that the independent decoder finds on SCL and SDA, with their exact begins and ends."""
+        """Write the transfers and bytes that the independent decoder finds on SCL and SDA up to the tick `now`."""
         if not {"SCL", "SDA"} <= set(self._edges):
             return
         length = now + 1
@@ -90,7 +90,7 @@ class PerfettoWriter(RecordingWriter):
         track = self._track("bus", "transfers")
         per_second = Fraction(self._per_second)
         for transfer in i2c.transfers(Capture(Path(), per_second, length, channels, sampled=False)):
-            if not transfer.phases:  # its START is before the recording
+            if not transfer.phases:  # the START is earlier than the recording
                 continue
             self._begin(track, _title(transfer), transfer.phases[0].start.at)
             for place, byte in ((place, byte) for phase in transfer.phases for place, byte in enumerate(phase.bytes)):

@@ -123,11 +123,9 @@ class CallListener:
 
     def called(self, name: str, tick: int) -> None:
         """Receive the begin of a function."""
-        raise NotImplementedError
 
     def returned(self, name: str, tick: int) -> None:
         """Receive the end of the innermost active function."""
-        raise NotImplementedError
 
     def slept(self, ticks: int) -> None:
         """Receive the time for which the innermost function has executed no instruction."""
@@ -370,6 +368,3 @@ class PresetMemory(CallListener):
     def called(self, name: str, tick: int) -> None:
         if name in MAIN:
             self.put()
-
-    def returned(self, name: str, tick: int) -> None:
-        pass

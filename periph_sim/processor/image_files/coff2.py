@@ -216,9 +216,8 @@ def write(image: Image) -> bytes:
     for section in image.sections:
         data = struct.pack(f"<{len(section.words)}H", *section.words)
         place = at + len(raw) if data else 0
-        headers += _header_of(
-            strings.field(section.name), section.run, section.address, section.size, place, _flags(section)
-        )
+        flags = BSS if not section.loaded else TEXT if section.code else DATA
+        headers += _header_of(strings.field(section.name), section.run, section.address, section.size, place, flags)
         raw += data
     for name, data in debug:
         headers += _header_of(strings.field(name), 0, 0, len(data), at + len(raw), COPY)
@@ -250,12 +249,6 @@ class _NewStrings:
 
     def table(self) -> bytes:
         return struct.pack("<I", 4 + len(self._names)) + self._names
-
-
-def _flags(section: Section) -> int:
-    if not section.loaded:
-        return BSS
-    return TEXT if section.code else DATA
 
 
 def _header_of(name: bytes, run: int, load: int, size: int, raw: int, flags: int) -> bytes:

@@ -26,9 +26,9 @@ from .gpio.pin_mux_table import FUNCTIONS
 from .pie.register_map import VECTORS
 from .system_control.register_map import PCLKCR0, PCLKCR3
 
-ARGUMENTS = frozenset(("name", "number", "options"))  # that the class of a chip may have
+ARGUMENTS = frozenset(("name", "number", "options"))  # arguments that the class of a chip may have
 CLOCKS = ("SYSCLKOUT", "LSPCLK")
-FLASH = range(0x30_0000, 0x34_0000)  # of the F28335, the part with the most flash
+FLASH = range(0x30_0000, 0x34_0000)  # addresses of flash in the F28335, the part with the most flash
 
 
 class Frame(IntEnum):

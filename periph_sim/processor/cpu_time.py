@@ -22,13 +22,14 @@ from ..core.time import LAST_TICK, Clock
 
 @final
 class CpuTime:
-    """cycle: number of SYSCLKOUT cycles that have passed for this CPU.
+    """The time of one CPU, in cycles of its SYSCLKOUT.
 
-    lease: before this cycle only this CPU's program can act; 0: unknown.
+    cycle: the number of cycles that have passed for this CPU.
+    lease: before this cycle only this CPU's program can act; 0 if it is not known.
     lands: the cycle at whose end the next posted write takes effect; NEVER if there is none. The lease ends there.
     met: the cycle at which the kernel's time was last set to this CPU's.
-    asleep: at an instruction boundary, so that an interrupt can wake it.
-    watching: it executes passes of a wait that it could sleep through; `wakes` is the cycle at which it would be woken.
+    asleep: True if it sleeps at an instruction boundary, so that an interrupt can wake it.
+    watching: True if it executes passes of a wait that it could sleep through; it would then be woken at cycle `wakes`.
     """
 
     STATE = State("asleep watching _wake", cycles="cycle lands met wakes _wake_cycle _until", ticks="_wake_tick")

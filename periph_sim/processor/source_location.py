@@ -109,7 +109,7 @@ TEXT = re.compile(r"(?P<function>.+) \((?:(?P<file>[^()]+):(?P<line>\d+), )?(?P<
 
 
 class InstructionLocation(SourceLocation):
-    """path, line: "" and 0 without debug data."""
+    """Location of an instruction of an image. path, line: "" and 0 without debug data."""
 
     __slots__ = ()
 

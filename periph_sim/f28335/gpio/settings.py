@@ -98,7 +98,7 @@ def module_of(signal: str) -> str:
 
 ALL = (1 << PINS) - 1
 SYNCHRONISED_ONLY = 64  # this pin and all above: port C has no QSEL
-GROUPS = 8  # of eight pins that share a sampling period
+GROUPS = 8  # number of groups of eight pins that share a sampling period
 DIRECTIONS = tuple(at.GPIO[f"GP{port}DIR"].offset for port in "ABC")
 PULL_UPS = tuple(at.GPIO[f"GP{port}PUD"].offset for port in "ABC")
 CONTROLS = tuple(at.GPIO[f"GP{port}CTRL"].offset for port in "AB")

@@ -54,7 +54,7 @@ from .register_map import (
 from .registers import I2cRegisters
 
 FIRST_BYTE = 0x01  # the START byte
-SKIPPED_BITS = 7  # of a byte; the eighth decides
+SKIPPED_BITS = 7  # number of skipped bits in a byte; the eighth decides
 NO_BIT = -1
 ONES = 0xFF
 

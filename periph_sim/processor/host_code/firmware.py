@@ -49,7 +49,7 @@ from .library import (
 from .register_layout import BYTES_A_WORD, IER, IFR, LARGEST, VECTORS, WORD, BadLayout, Place, RegisterLayout
 
 FIRST_BASE, ROOM = 0x2000_0000_0000, 0x100_0000  # of registers: one address for each running program
-BLOCK_CYCLES = 6  # of a basic block: about three statements with loads, operations and stores
+BLOCK_CYCLES = 6  # cycles of a basic block: about three statements with loads, operations and stores
 BLOCKS_AT_ONCE = 64  # blocks between time updates in code without any access
 LOOP_CYCLES = 1_000_000  # at once, for an empty loop; service routines may interrupt it
 DELAY_PASS, DELAY_CALL = 5, 9  # DSP28x_usDelay: cycles per pass, and of the call

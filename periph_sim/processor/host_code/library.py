@@ -24,7 +24,7 @@ from elftools.elf.sections import SymbolTableSection
 
 from .register_layout import LARGEST
 
-BYTES = 0x4_0000  # of registers: 2 ** 16 words
+BYTES = 0x4_0000  # bytes of registers: 2 ** 16 words
 READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY, ENDS = range(8)  # requests of runtime.c
 UNWINDS, NO_PLACE, PROTECTED = -1, 0, 1  # replies; larger numbers are places written
 ENDED, UNWOUND, FAULT, LOOPS = range(4)  # how a function ended
@@ -42,7 +42,10 @@ ASKED = ctypes.CFUNCTYPE(
 
 
 class Library:
-    """path: of the file, loaded only here. base: host address of the chip's word 0."""
+    """A compiled library of C firmware, loaded into this process.
+
+    path: the file, which is loaded only here. base: the host address of the chip's word 0.
+    """
 
     def __init__(self, path: Path, base: int, asked: Asked, blocks_at_once: int) -> None:
         self._path = path

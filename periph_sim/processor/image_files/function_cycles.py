@@ -24,7 +24,12 @@ UNC_BRANCH = "B_off16_COND"
 
 
 class Row(NamedTuple):
-    """published: from the table; "7/4" is taken/not taken. stall: cycles by rule. why: their reasons, and options."""
+    """The cycles of one instruction.
+
+    published: the cycles in the table; "7/4" is taken/not taken.
+    stall: the additional cycles, by rule.
+    why: the reasons for them, and the options on which they depend.
+    """
 
     address: int
     text: str

@@ -75,9 +75,12 @@ class Symbol:
 
 @dataclass(frozen=True, eq=False)
 class Image:
-    """kind: "TI COFF2" or "ELF". initial: (address, words) that a loader writes into reserved memory.
+    """A linked program.
 
-    debug: DWARF sections by name. tool_version: of the linker, 0 if unknown.
+    kind: "TI COFF2" or "ELF".
+    initial: (address, words) that a loader writes into reserved memory.
+    debug: the DWARF sections by name.
+    tool_version: the version of the linker; 0 if it is not known.
     """
 
     kind: str

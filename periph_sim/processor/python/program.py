@@ -77,11 +77,13 @@ _threads = _Threads()
 
 @final
 class PythonProgram(Program):
-    """handlers: service routines by vector. entered: the routine to call now.
+    """A program that consists of Python functions.
 
-    stall_limit: seconds of CPU time that the firmware may take at one instant; 0: unlimited.
+    handlers: the service routines by vector.
+    entered: the routine to call now.
+    stall_limit: seconds of CPU time that the firmware may take at one instant; 0 if it is unlimited.
     placed: returns the position of firmware whose statements are not Python's.
-    thread: the thread that runs the firmware; 0 otherwise.
+    thread: the thread that runs the firmware; 0 if there is none.
     """
 
     __weakref__: object

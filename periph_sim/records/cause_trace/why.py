@@ -20,7 +20,7 @@ from ..subject import RecordedSignal, asked
 from .causes import end_of_walk, holders, walk_back, wire_rows
 from .firmware_causes import RECORDED, Link
 
-DEPTH = 8  # causes walked back
+DEPTH = 8  # maximum number of causes that are followed back
 EFFECTS = 5  # number of shown effects of a record
 AS_RESET = "as reset left it"
 SKIPPED = (

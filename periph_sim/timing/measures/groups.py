@@ -17,7 +17,7 @@ from ...core.time import NO_TIME
 from ..language.events import Group, Matcher
 from .measure import MeasuredScene
 
-PAUSE = 2  # characters without a frame that end a burst
+PAUSE = 2  # number of character times without a frame after which a burst ends
 
 
 class Groups:

@@ -51,8 +51,8 @@ class Margin(Measure):
         super().__init__()
         self._unit = unit
         self.bus = _Reads(unit, self)
-        self._waiting = NO_TIME  # the write that is in I2CDXR,
-        self._shifting = NO_TIME  # and that of what is in I2CXSR
+        self._waiting = NO_TIME  # when the byte in I2CDXR was written
+        self._shifting = NO_TIME  # when the byte in I2CXSR was written
         self._empty = True  # I2CDXR, as XRDY says
 
     @property

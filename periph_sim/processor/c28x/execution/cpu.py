@@ -58,10 +58,13 @@ class Operation:
 
 
 class Cpu(Registers):
-    """ea: address of the current operand. high_byte: it is the upper byte there.
+    """State of a CPU while it executes an instruction.
 
-    cycles: of the current instruction; written_in: in which of them, from 1 on, its writes leave D2. repeat: repeat
-    count of the next one, -1 for none.
+    ea: the address of the current operand.
+    high_byte: the operand is the upper byte at that address.
+    cycles: the cycles of the current instruction.
+    written_in: the one of these cycles, counted from 1, in which its writes leave D2.
+    repeat: the repeat count of the next instruction; -1 for none.
     """
 
     STATE = State("ea field high_byte cycles written_in repeat passes")

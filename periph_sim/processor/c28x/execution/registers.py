@@ -19,7 +19,7 @@ ACC_UNIT = 1 << 32  # weight of bit 0 of ACC in ACC:P
 
 ST1_RESET = 0x0A0B  # as the boot ROM leaves it: OBJMODE, M0M1MAP, VMAP, DBGM, INTM
 SP_RESET = 0x400
-ARP, ARP_MASK = 13, 0xE000  # of ST1
+ARP, ARP_MASK = 13, 0xE000  # lowest bit and mask of the field in ST1
 SPA = 1 << 4
 READ_ONLY = 0x00A0  # LOOP and IDLESTAT
 
@@ -34,8 +34,9 @@ class IllegalOperation(Exception):
 
 
 class Registers:
-    """xar: XAR0 to XAR7. ovc: -32 to 31. pm: as in ST0. r: R0H to R7H as bits. pc: address of the next instruction.
+    """The registers of a CPU, by their names.
 
+    xar: XAR0 to XAR7. ovc: -32 to 31. pm: as in ST0. r: R0H to R7H as bits. pc: address of the next instruction.
     st1: without ARP, which is `arp`. due: see `fpu_pipeline`.
     """
 

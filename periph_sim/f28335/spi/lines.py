@@ -162,7 +162,7 @@ class SpiLines(Chip):
         self._schedule()
 
     def suspend(self, now: int, on: bool) -> None:
-        """Stop with the CPU in the debugger (True), or resume."""
+        """Stop (True) when the debugger halts the CPU, as FREE and SOFT allow, or resume (False)."""
         self._run(now)
         was_stopped = self._is_stopped
         self._suspended = on

@@ -54,13 +54,10 @@ ANYTHING = ""  # as the thing of a matcher
 class Event(Struct, frozen=True):
     """An event that a sentence names.
 
-    kind: the first word of the event.
-    name: the wire, field, span or other thing that it is about.
-    how: the change, or the direction of the access.
-    number: the value; None if none is given.
-    others: alternative events, joined by "or".
+    kind: the first word of the event. name: the wire, field, span or other thing that it is about.
+    how: the change, or the direction of the access. number: the value; None if none is given.
+    others: alternative events, joined by "or". routine: the interrupt whose service routine is the group.
     nth, group: the event counts only as the nth one in its transfer, round, burst or service routine; -1 is the last.
-    routine: the interrupt whose service routine is the group.
     """
 
     kind: str
@@ -90,8 +87,7 @@ class Group(Struct, frozen=True):
 class Matcher(Struct, frozen=True, dict=True):
     """Test of whether a record is an event.
 
-    where: the places at which the event may happen; None for any place.
-    what: the thing; ANYTHING for all things of the kind.
+    where: the places at which it may happen; None for any place. what: the thing; ANYTHING for all of the kind.
     mask, want: the bits of the value that are compared, and what they must be.
     others: the matchers of alternative events, joined by "or".
     nth, group: which event in the group counts: 1 is the first, -1 the last; 0 if every one counts.
@@ -129,10 +125,7 @@ class Matcher(Struct, frozen=True, dict=True):
 
     @cached_property
     def subjects(self) -> frozenset[str]:
-        """The wires or registers whose records it needs, but for others', as `Recorder.subscribe` has them.
-
-        None of them if it needs all.
-        """
+        """The wires or registers whose records this one needs, without those of `others`; empty if it needs all."""
         places = self.where or frozenset()
         if self.kind in (Kind.EDGE, Kind.FRAME):
             return places
@@ -213,10 +206,7 @@ def group_of(event: Event, scope: Scope) -> Group:
 
 
 def stretch_of(name: str, scope: Scope, whose: str, hint: str = "") -> Group:
-    """Return the group for a transfer or a round, which begins with a START that is not a repeated one.
-
-    BadEvent, which begins with `whose`, if the scene has no such group.
-    """
+    """Return the group for a transfer or a round. Raise BadEvent, which begins with `whose`, if the scene has none."""
     if not (scope.rounds if name == "round" else scope.bus):
         needs = "[controller] or [rounds]" if name == "round" else "SCL and SDA"
         raise BadEvent(f"{whose} needs {needs} in the scene, which has none{hint}")

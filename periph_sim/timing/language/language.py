@@ -59,16 +59,13 @@ CLAUSES = {
     "unless": "unless",  # an event that cannot be judged
     "unfinished": "unfinished",  # an event with a value that the end of the run cuts off
 }
-LEVELS = ("high", "low")
-BUS_STATES = ("busy", "free")
-CPU_STATES = ("busy", "idle")
+LEVELS, BUS_STATES, CPU_STATES = ("high", "low"), ("busy", "free"), ("busy", "idle")
 
 
 class During(Struct, frozen=True):
     """A state of the run. It begins with one of `enters`, and ends with one of `leaves` that is not in `enters`.
 
-    cpu: one of CPU_STATES, if the state is that of a CPU; it then has no `enters` and `leaves`.
-    unit: the unit of that CPU.
+    cpu, unit: one of CPU_STATES and its unit, if the state is that of a CPU; it then has no `enters` and `leaves`.
     """
 
     text: str
@@ -82,18 +79,13 @@ class During(Struct, frozen=True):
 class Said:
     """A parsed sentence of the language.
 
-    form: a key of FORMS.
-    events: the events that the sentence names, in order.
-    text: the whole sentence.
-    unit, name: the unit, and the field, vector or chip that it names.
-    state: the state in which time is measured; None for other forms.
-    pairing: one of PAIRINGS; "" if none is given.
-    group: "transfer", "round" or "unit", if both events of a pair must be in the same one.
+    form: a key of FORMS. text: the whole sentence. events: the events that it names, in order.
+    unit, name: the unit, and the field, vector or chip that it names. state: the state in which time is measured.
+    pairing: one of PAIRINGS, or "". group: "transfer", "round" or "unit", if both events must be in the same one.
     instant: for a value error, "first bit" or "frame": the instant at which the true value is taken.
     window: the length of the window of a share, as text; "" for the whole run.
-    of: the measure whose jitter is meant.
+    of: the measure whose jitter is meant. clauses: the clauses at the end, each with its event.
     access: True if an interrupt's latency is measured up to the first access.
-    clauses: the clauses at the end, each with its event.
     """
 
     form: str

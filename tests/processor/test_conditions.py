@@ -46,6 +46,8 @@ def firmware(bench: Bench, form: str, kind: str, lead: int, timeout: int | None,
     cpu.program.handle("SEQ1INT", lambda: isr("IRQ0", 7))
     cpu.program.handle("SEQ2INT", lambda: isr("IRQ1", 23))
 
+    spin_either = cpu.waits.spin_either
+
     def main() -> None:
         cpu.compute(lead)
         while True:
@@ -58,9 +60,7 @@ def firmware(bench: Bench, form: str, kind: str, lead: int, timeout: int | None,
             elif kind == "counter":  # a read takes the count away
                 came = cpu.waits.spin(of(lambda: flags.COUNT.N == 1, flags.COUNT.when(N=1)), **more)
             else:
-                came = cpu.waits.spin_either(
-                    *of((lambda: s.A == 1, lambda: s.B == 1), (s.when(A=1), s.when(B=1))), **loop
-                )
+                came = spin_either(*of((lambda: s.A == 1, lambda: s.B == 1), (s.when(A=1), s.when(B=1))), **loop)
             bench.note(f"came {came}")
             if timeout is None:
                 cpu.waits.spin(of(lambda: status.A == 0, status.when(A=0)), timeout=90)

@@ -15,10 +15,6 @@ WINDOWS = {
     ("timing/derived/origins.py", "deque"): "a frame history, or a verdict that is not judged, stands behind it",
     ("timing/derived/origins.py", "slice"): "what is passed over is counted as left out; _anew only finds more",
     ("timing/derived/error_records.py", "deque"): "a read that may fit a frame which was left out is not judged",
-    (
-        "interfaces/reports/explain/window.py",
-        "deque",
-    ): "a level before the kept edges is unknown, and drawn so",
     ("devices/chips/adxl345.py", "slice"): "the chip's own FIFO",
     ("scene/serial/send_schedule.py", "slice"): "as many characters as the text has that they are compared with",
     ("records/subject.py", "slice"): "the parts of a name",

@@ -69,7 +69,7 @@ def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
     """Enable the PIE and the interrupts in `handlers` with their service routines."""
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1
-    pie.PIEACK.all = 0xFFF  # before PIEIER: after it, this would request a pending interrupt twice
+    pie.PIEACK.all = 0xFFF  # if PIEIER were written first, this write would request a pending interrupt twice
     for name, handler in handlers.items():
         group, line = dsp.handle(name, handler)
         setattr(pie[f"PIEIER{group}"], f"INTx{line}", 1)

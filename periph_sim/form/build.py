@@ -313,7 +313,7 @@ def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: 
         for number, (module, one) in enumerate(zip(anew, done, strict=True), 1):
             try:
                 one.result()
-            except NoBuild:
+            except (NoBuild, KeyboardInterrupt):
                 pool.shutdown(cancel_futures=True)
                 raise
             print(f"{number}/{len(anew)} {module}", flush=True)
@@ -343,6 +343,9 @@ def main(options: Sequence[str] = ()) -> int:
         BrokenExecutor,
     ) as why:  # BrokenExecutor: a process was killed, for example because memory is short
         print(f"the core stays interpreted: {why}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("stopped: the build is left as it was", file=sys.stderr)
         return 1
     return 0
 

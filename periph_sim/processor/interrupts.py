@@ -80,7 +80,7 @@ class Interrupts:
     ) -> None:
         self.core = core
         self.taken = ""
-        self.unrequested = False  # no line was flagged and enabled as its vector was fetched
+        self.unrequested = False  # True if no line was flagged and enabled when the last vector was fetched
         self._name = name
         self._pie = pie
         self._ram = ram
@@ -117,11 +117,10 @@ class Interrupts:
     def fetch(self, cycle: int) -> int:
         """Fetch the vector of the interrupt that was taken, a code address, from the table in memory."""
         number = self._number
+        self.unrequested = number <= GROUPS and not self._pie.has_request(number)
         if number > GROUPS:
-            self.unrequested = False
             address, self.taken = self._pie.cpu_vector(number), f"INT{number}"
         else:
-            self.unrequested = not self._pie.has_request(number)
             line, address = self._pie.vector(cycle, number)
             self.taken = f"INT{number}.{line}"
         routine = self._routine(cycle, address, f"INT{number}")

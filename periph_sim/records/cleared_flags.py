@@ -124,7 +124,7 @@ class Look:
 
 @final
 class Looks:
-    """The last read of each field of a register, in a list, since firmware reads few of them."""
+    """The last read of each field of a register. It is a list, because firmware reads few fields of one register."""
 
     __slots__ = ("_of",)
 

@@ -43,7 +43,7 @@ class BadBudget(ValueError):
 
 
 class BudgetPlan(Struct, frozen=True):
-    """How one budget is measured and judged in a scene.
+    """Plan for measuring and judging one budget in a scene.
 
     text: the sentence of its measure.
     make: returns a new measure.

@@ -159,7 +159,7 @@ def seen(rig: Rig, tell: Callable[[Rig], None]) -> list[tuple[object, ...]]:
 def test_i2c(use: Callable[[Rig], None]):
     options: dict[str, Value] = {"noise_filter_cycles": 1, "oar_latch": "at_irs", "int_line": "level"}
     used, fresh = Rig(**options), Rig(**options)
-    fresh.chip = I2c(fresh.chip.options)  # that nobody has touched
+    fresh.chip = I2c(fresh.chip.options)  # without any access
     fresh.chips = [fresh.chip]
     use(used)
     used.chip.reset(used.now)
@@ -279,7 +279,7 @@ def sci_seen(rig: SciRig) -> list[tuple[object, ...]]:
 )
 def test_sci(use: Callable[[SciRig], None]):
     used, fresh = SciRig(fifo=True, RXFFIENA=1), SciRig(raw=True)
-    fresh.chip = Sci()  # that nobody has touched
+    fresh.chip = Sci()  # without any access
     use(used)
     used.rxd(used.now + 1, 1)
     used.run_until(used.now + 4 - used.now % 4)  # on an edge of LSPCLK

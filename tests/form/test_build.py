@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import json
 import os
+import signal
 import subprocess
 import sys
+import time
 from concurrent.futures.process import BrokenProcessPool
 from importlib import import_module
 from importlib.util import find_spec
@@ -220,3 +222,30 @@ def test_a_source_without_declarations_is_told_in_a_line(monkeypatch, capsys, tm
     assert build.main() == 1
     said = "one.py:4: nothing says the type of One.it; annotate it in the class"
     assert capsys.readouterr().err == f"the core stays interpreted: {said}\n"
+
+
+@pytest.mark.skipif(find_spec("Cython") is None or not hasattr(os, "setsid"), reason="Cython or POSIX is missing")
+def test_ctrl_c_ends_a_build_without_the_modules_that_wait(tmp_path: Path):
+    """Each process of the terminal's group receives the signal while the first of eight modules is compiled."""
+    package, built, calls = tmp_path / "rooms", tmp_path / "built", tmp_path / "calls.txt"
+    package.mkdir()
+    (package / "__init__.py").touch()
+    for number in range(8):
+        (package / f"m{number}.py").write_text("# core: compiled\n\n\nclass One:\n    pass\n")
+    compiler = tmp_path / "slow-cc"
+    compiler.write_text('#!/bin/sh\necho called >> "$CALLS"\nexec sleep 1\n')
+    compiler.chmod(0o755)
+    code = (
+        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
+        "from pathlib import Path; from periph_sim.form import build\n"
+        f"build.build(Path({str(package)!r}), Path({str(built)!r}), 1)"
+    )
+    environment = {**os.environ, "CC": str(compiler), "CALLS": str(calls), "PYTHONPATH": str(tmp_path)}
+    with subprocess.Popen(
+        [sys.executable, "-c", code], env=environment, start_new_session=True, stderr=subprocess.DEVNULL
+    ) as process:
+        while not calls.exists() and process.poll() is None:
+            time.sleep(0.01)
+        os.killpg(process.pid, signal.SIGINT)
+        assert process.wait(60) != 0
+    assert len(calls.read_text().splitlines()) <= 3 and not built.exists()

@@ -154,7 +154,7 @@ def test_an_interrupt_that_is_pending_at_the_start_up_is_taken_once():
     assert len(entered) == 1
 
 
-def test_pieack_behind_pieier_asks_a_second_time_and_the_error_says_so():
+def test_pieack_after_pieier_requests_a_second_time_and_the_error_says_so():
     dsp, kernel, _ = unit("SCI-B")
 
     def main() -> None:

@@ -1,4 +1,4 @@
-"""Files of firmware are told from those of the package, in either form; a location in an image has its parts."""
+"""Files of firmware are distinguished from those of the package in both forms; a location in an image has parts."""
 
 from __future__ import annotations
 

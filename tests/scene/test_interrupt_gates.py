@@ -21,6 +21,7 @@ from periph_sim.core.wire import Wire
 from periph_sim.f28335.cpu.code_costs import BARE
 from periph_sim.f28335.pie.register_map import CPU_VECTORS, LINES
 from periph_sim.f28335.system_options import SystemOptions
+from periph_sim.firmware import start_pie
 from periph_sim.processor.dsp import Dsp, DspPlan
 
 MODULES = ("SCI-A", "I2C-A", "GPIO", "XINT", "TIMER0", "TIMER1", "TIMER2")
@@ -181,18 +182,13 @@ def test_a_pin_edge_reaches_the_vector_fetch_within_its_window_and_twelve_cycles
     entered: list[int] = []
 
     def main() -> None:
-        gpio, xint, pie = dsp.module("GPIO"), dsp.module("XINT"), dsp.module("PIE")
+        gpio, xint = dsp.module("GPIO"), dsp.module("XINT")
         dsp.eallow()
         gpio.GPAQSEL1.GPIO7 = qsel
         gpio.GPIOXINT1SEL.all = 7
         dsp.edis()
         xint.XINT1CR.all = 1  # falling edge, enabled
-        dsp.handle("XINT1", lambda: entered.append(dsp.cpu.cycle))
-        pie.PIECTRL.ENPIE = 1
-        pie.PIEIER1.INTx4 = 1
-        pie.PIEACK.all = 0xFFF
-        dsp.enable_interrupt(1)
-        dsp.eint()
+        start_pie(dsp, {"XINT1": lambda: entered.append(dsp.cpu.cycle)})
         dsp.compute(10_000)
 
     dsp.start(main)
@@ -219,12 +215,7 @@ def heard(levels: list[tuple[int, int]], modules: tuple[str, ...], pin: int, set
         gpio.GPIOXINT1SEL.all = pin
         dsp.edis()
         xint.XINT1CR.all = 0b1101  # both edges, enabled
-        dsp.handle("XINT1", lambda: served.append(dsp.cpu.cycle) or pie.PIEACK.__setattr__("all", 1))
-        pie.PIECTRL.ENPIE = 1
-        pie.PIEIER1.INTx4 = 1
-        pie.PIEACK.all = 0xFFF
-        dsp.enable_interrupt(1)
-        dsp.eint()
+        start_pie(dsp, {"XINT1": lambda: served.append(dsp.cpu.cycle) or pie.PIEACK.__setattr__("all", 1)})
         dsp.compute(10_000)
 
     dsp.start(main)

@@ -175,7 +175,7 @@ class Pie(Chip):
 
     def _send(self, g: int) -> None:
         """Pulse the group's CPU line if a flagged line is enabled and the group is open."""
-        if not self._pieifr[g] & self._pieier[g]:
+        if not self.has_request(g + 1):
             return
         if self._as_reset >> g & 1:
             self._options.pieack_reset.assume(self.touched)

@@ -102,7 +102,7 @@ class AnyName:
 
 @dataclass(frozen=True)
 class Scope:
-    """What a scene contains and a measure may name.
+    """The parts of a scene that a measure may name.
 
     units: the modules of each unit.
     controller, host: True if the scene has that agent on its wires.

@@ -31,7 +31,7 @@ ALL = ["SCI-A", "SCI-B", "SCI-C", "I2C-A", "GPIO", "XINT", "TIMER0", "TIMER1", "
 
 
 class Program(NamedTuple):
-    """What it takes to see its waits. seconds: of the run. unit, tables: of the case."""
+    """Settings that make its waits visible. seconds: of the run. unit, tables: of the case."""
 
     seconds: str
     unit: Mapping[str, Any] = {}

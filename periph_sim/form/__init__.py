@@ -1,12 +1,15 @@
-"""Selection of the form in which the core runs: its Python sources, or modules compiled from them. Records are equal.
+"""Choice of the modules that a run imports: the compiled core or its Python sources. Both give the same records.
 
-    sources, build --equal--> compiled modules are found first      else: interpreted, and `note` says why
+    the build matches the sources --> the compiled modules are imported
+    it does not                   --> the Python sources are imported, and `note` contains the reason
 
-A build contains one digest of all sources that it was made from. A build is ignored if one source differs, so that
-compiled code always matches the sources, or if its library has another size than when it was built, because loading a
-truncated library ends the process without a message. Sources are read and compared only if the size or the time of the
-last change of one of them differs from the build's. PERIPH_SIM_FORM=interpreted ignores any build;
-PERIPH_SIM_FORM=hard uses the build for tests, `make core HARD=1`.
+A build stores one digest of all sources from which it was made. It is ignored in two cases:
+
+- A source has changed since the build. Compiled code therefore always matches the sources.
+- The size of its library has changed. Loading a truncated library would end the process without a message.
+
+The digest is calculated only if the size or the modification time of a source differs from the value in the build.
+PERIPH_SIM_FORM=interpreted ignores every build. PERIPH_SIM_FORM=hard uses the test build of `make core HARD=1`.
 """
 
 from __future__ import annotations
@@ -29,20 +32,20 @@ from pathlib import Path
 from types import ModuleType
 
 PACKAGE = Path(__file__).resolve().parents[1]
-BUILT = PACKAGE / "compiled"  # folder of the build that `make core` makes
-HARD_BUILT = PACKAGE.parent / "build" / "hard"  # folder of the build for tests that `make core HARD=1` makes
+BUILT = PACKAGE / "compiled"  # folder of the build, which `make core` creates
+HARD_BUILT = PACKAGE.parent / "build" / "hard"  # folder of the test build, which `make core HARD=1` creates
 MANIFEST = "manifest.json"
 VARIABLE = "PERIPH_SIM_FORM"
 COMPILED, INTERPRETED, HARD = "compiled", "interpreted", "hard"
 SUFFIX = EXTENSION_SUFFIXES[0]
-LIBRARY = f"core{SUFFIX}"  # file with all compiled modules: it is loaded once, and the code of events is adjacent
+LIBRARY = f"core{SUFFIX}"  # one library for all compiled modules, so that it is loaded only once
 
 running = INTERPRETED
-note = ""  # reason for which an existing build is not used; "" for none
+note = ""  # the reason why an existing build is ignored; "" if no build is ignored
 
 
 def stamps(package: Path, modules: Sequence[str]) -> list[list[int]]:
-    """Return [size, time of last change] of each source file of these modules, and of each file of this package."""
+    """Return [size, modification time] of the source files of these modules and of the files of `periph_sim.form`."""
     sources = [f"{package}{os.sep}{module.replace('.', os.sep)}.py" for module in modules]
     own = Path(__file__).parent
     found = [os.stat(path) for path in (*sources, *(f"{own}{os.sep}{name}" for name in sorted(os.listdir(own))))]
@@ -50,8 +53,8 @@ def stamps(package: Path, modules: Sequence[str]) -> list[list[int]]:
 
 
 def digest(package: Path, modules: Sequence[str]) -> str:
-    """Return a digest of the sources of these modules ("core.kernel"), of this package and of Python's version."""
-    import hashlib  # imported here, because it is seldom needed
+    """Return a digest of Python's version and of the sources of these modules ("core.kernel") and `periph_sim.form`."""
+    import hashlib  # imported here because few runs need it
 
     found = hashlib.sha256(SUFFIX.encode())
     for path in (*(source_of(package, module) for module in modules), *sorted(Path(__file__).parent.glob("*.py"))):
@@ -66,12 +69,12 @@ def source_of(package: Path, module: str) -> Path:
 
 
 def symbol(module: str) -> str:
-    """Return the C name of a module in the library: its whole path, since several modules have the same last part."""
+    """Return the name of a module in the C library. It contains the whole path, because last parts are not unique."""
     return module.replace(".", "__")
 
 
 class DoesNotLoad(ImportError):
-    """A compiled module that this system cannot load, for example because it was built with a newer C library."""
+    """The compiled core cannot be loaded here, for example because it was built with a newer C library."""
 
 
 class _Loader(ExtensionFileLoader):
@@ -88,8 +91,8 @@ class _Loader(ExtensionFileLoader):
 def finders(package: Path, built: Path, modules: Sequence[str]) -> Callable[[str], FileFinder]:
     """Return an entry of `sys.path_hooks` that finds the compiled modules in folders of the package.
 
-    A finder in `sys.meta_path` would not work where assertions are rewritten, as pytest and cocotb do: the rewriting
-    finder is first in `sys.meta_path`, and itself finds modules by path hooks.
+    A finder in `sys.meta_path` would not work under pytest and cocotb. Their own finder, which rewrites assertions, is
+    first in `sys.meta_path`, and it uses path hooks to find modules.
     """
     names = {f"{package.name}.{module}" for module in modules}
     library = built / LIBRARY
@@ -113,7 +116,7 @@ def _is_inside(folder: str, package: Path) -> bool:
 
 
 def usable(package: Path, built: Path) -> tuple[list[str], str]:
-    """Return the modules of a build and "" if the build matches the sources; otherwise no modules, and the reason."""
+    """Return (the modules of the build, "") if the build matches the sources; otherwise ([], the reason)."""
     try:
         manifest = json.loads((built / MANIFEST).read_text("utf-8"))
         modules, made_of = list(manifest["modules"]), str(manifest["digest"])
@@ -130,12 +133,12 @@ def usable(package: Path, built: Path) -> tuple[list[str], str]:
 
 
 def way() -> str:
-    """Return the command that compiles the core, which differs between a clone and an installed package."""
+    """Return the command that compiles the core. It differs between a clone and an installed package."""
     return "make core" if (PACKAGE.parent / "Makefile").is_file() else "python -m periph_sim.form.build"
 
 
 def choose() -> None:
-    """Make the compiled modules importable, if there are any and they match the sources."""
+    """Make later imports use the compiled modules, if a build exists and matches the sources."""
     global running, note
     built = HARD_BUILT if os.environ.get(VARIABLE) == HARD else BUILT
     if os.environ.get(VARIABLE) == INTERPRETED or not built.is_dir():

@@ -9,12 +9,12 @@ The build needs Cython (the extra `core`) and a C compiler. It compiles each mod
 unless the last build has an object file that was made from the same source, declarations and options. With prefixes
 ("core", "f28335.i2c") it compiles only the modules whose names begin with one of them, and the modules they need.
 
---hard makes another build for tests, in a folder of its own: its code stops at the first fault (`HARD`).
-`python -m tests.hard` runs the tests with it.
+--hard makes a separate build for tests, which stops at the first fault (see `HARD`). `python -m tests.hard` runs the
+tests with it.
 
-There is one library instead of an extension module for each source, so that it is loaded once and the linker can sort
-the functions of all modules by name. The C functions are then apart from the wrappers that only Python calls, so an
-event uses few pages of memory.
+All modules are in one library, so that it is loaded once and the linker can sort the functions of all modules by name.
+Sorting separates the C functions from the wrappers that only Python calls. The code that events run is then in few
+pages of memory.
 """
 
 from __future__ import annotations
@@ -48,29 +48,29 @@ from .source_copy import declared, prepared, with_constants
 from .sources import UNCHECKED, Sources, header_of
 
 DIRECTIVES = {
-    "annotation_typing": False,  # Cython reads no types from annotations: they are in the .pxd file
+    "annotation_typing": False,  # Cython takes types from the .pxd file instead of annotations
     "infer_types": True,
     "cdivision": False,  # integer division rounds down, as in Python
     "boundscheck": True,
     "binding": False,
     "auto_pickle": False,
-    "allow_none_for_extension_args": False,  # a call from Python with None for a typed argument is a TypeError
-    "nonecheck": True,  # access to an attribute or method of None is an AttributeError, as in Python
+    "allow_none_for_extension_args": False,  # None from Python for a typed argument raises TypeError
+    "nonecheck": True,  # access to an attribute of None raises AttributeError, as in Python
 }
-# With `trashcan`, a chain of objects of any length is freed in a loop instead of by recursion. Cython documents the
-# directive for single classes; it applies to all classes only if it is added to the finished options.
+# With `trashcan`, a long chain of objects is freed in a loop instead of by recursion.
+# Cython documents `trashcan` for single classes. It applies to all classes if it is added to the finished options.
 FOR_ALL_CLASSES = {"trashcan": True}
-NEVER_NONE = "self"  # name of the argument that is never None, because the caller has checked the object
+NEVER_NONE = "self"  # this argument is never None, because its caller has already checked the object
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
 NOTHING_TO_DO = "all modules are built already"
 FLAGS = ("-c", "-O2", "-DNDEBUG", "-fPIC", "-fwrapv", "-fno-strict-aliasing", "-ffunction-sections", "-w")
-SANITIZERS = "-fsanitize=address,undefined"  # they miss indices of an array at the end of a structure: see `c_checks`
+SANITIZERS = "-fsanitize=address,undefined"  # `c_checks` checks the array indices that sanitizers miss
 
 
 class Kind(NamedTuple):
     """Settings of a build.
 
-    directives: directives for Cython that replace those of every build or are added to them.
+    directives: Cython directives that are added to DIRECTIVES or replace them.
     flags: flags of the C compiler.
     link: flags of the linker.
     """
@@ -81,10 +81,10 @@ class Kind(NamedTuple):
 
 
 NORMAL = Kind({}, FLAGS)
-# In this build every fault raises an exception or ends the process. Cython's code checks for None and for overflows.
-# The sanitizers check for bad addresses and for behaviour that C leaves undefined. The flags `-fwrapv`, `-DNDEBUG` and
-# `-w` would hide faults and are left out. `asan-stack=0` limits the address sanitizer to the heap, because greenlets
-# copy their stacks.
+# In the build HARD, every fault raises an exception or ends the process.
+# Cython's code checks for None and for overflows. The sanitizers check for bad addresses and undefined behaviour of C.
+# The flags `-fwrapv`, `-DNDEBUG` and `-w` are left out, because they would hide faults.
+# `asan-stack=0` limits the address sanitizer to the heap, because greenlets copy their stacks.
 HARD = Kind(
     {"nonecheck": True, "overflowcheck": True},
     (
@@ -93,12 +93,11 @@ HARD = Kind(
     ),
     (SANITIZERS,),
 )
-# The function that adds to a traceback is declared `cold`, so that the compiler moves the code of errors away from the
-# code that every event runs.
+# Tracebacks are built by a `cold` function, so that the compiler separates error handling from frequently run code.
 PROTOTYPE, COLD = re.compile(r"^static void __Pyx_AddTraceback\b", re.MULTILINE), r"__attribute__((cold)) \g<0>"
-# Matches a C method of a class, or of a base class, that is passed on as a Python object.
+# Matches a method of a compiled class that is converted to a Python object, for example to pass it as a callback.
 PASSED_ON = re.compile(r"__Pyx_CFunc_\w+_to_py_\w*\([^;\n]*->(?:__pyx_base\.)*(\w+)\);")
-SORTED = "-Wl,--sort-section=name"  # puts the C functions of all modules before their Python wrappers
+SORTED = "-Wl,--sort-section=name"  # places the C functions of all modules before their Python wrappers
 OBJECTS = "objects"
 
 
@@ -119,7 +118,10 @@ def compiler() -> str:
 
 
 def jobs() -> int:
-    """Return the number of modules to compile in parallel: the variable JOBS, or the number of cores."""
+    """Return the number of parallel compilations: the variable JOBS, or else the number of cores.
+
+    Raise NoBuild if JOBS is invalid.
+    """
     said = os.environ.get("JOBS") or str(os.cpu_count() or 1)
     if not said.isdecimal() or int(said) < 1:
         raise NoBuild(f"JOBS={said}: expected a number of modules to compile at a time, 1 or more")
@@ -143,11 +145,11 @@ def shadow(package: Path, sources: Sources, modules: Sequence[str], folder: Path
 def compile_one(
     module: str, package: str, cc: str, kind: Kind = NORMAL, always_set: Sequence[tuple[str, str]] = ()
 ) -> None:
-    """Compile one module to an object file in the present folder.
+    """Compile one module to an object file in the current directory.
 
-    always_set: pairs (class, attribute) of attributes whose setters refuse None.
+    always_set: the (class, attribute) pairs whose setters reject None.
 
-    Raise NoBuild with the output of the compiler if it fails.
+    Raise NoBuild with the compiler's output if compilation fails.
     """
     c_file = generate(module, package, kind)
     types = types_of(module, Path(package))
@@ -165,7 +167,7 @@ def compile_one(
 
 
 def require_directives(pxd: str, c_file: Path) -> None:
-    """Raise NoBuild if a directive of the .pxd file has no effect in the C code, or if a method is called wrongly."""
+    """Raise NoBuild if the C code ignores a directive of the .pxd file, or uses a typed method as a Python object."""
     text = c_file.read_text("utf-8")
     if passed_on := PASSED_ON.search(text):
         method = f"{c_file.stem}.py passes on the typed method {passed_on[1]}"
@@ -176,11 +178,11 @@ def require_directives(pxd: str, c_file: Path) -> None:
 
 
 def generate(module: str, package: str, kind: Kind = NORMAL) -> Path:
-    """Write the C file of a module into the present folder, and return its path.
+    """Write the C file of a module into the current directory, and return its path.
 
-    Cython runs in this process, because starting it takes as long as compiling a module of usual length.
+    Cython runs in this process, because starting another process takes as long as compiling a typical module.
 
-    Raise NoBuild with the output of Cython if it fails.
+    Raise NoBuild with Cython's output if Cython fails.
     """
     leave_out_checks_of_self()
     cython = import_module("Cython.Compiler.Main")
@@ -200,22 +202,22 @@ def generate(module: str, package: str, kind: Kind = NORMAL) -> Path:
 
 
 def directives(text: str, kind: Kind = NORMAL) -> dict[str, bool]:
-    """Return Cython's directives for a module. text: its source."""
+    """Return Cython's directives for a module. text: the source of the module."""
     return {**DIRECTIVES, "nonecheck": header_of(text) != UNCHECKED, **kind.directives}
 
 
 @cache
 def leave_out_checks_of_self() -> None:
-    """Patch Cython so that it does not check `self` for None at each access to an attribute."""
+    """Patch Cython so that it does not check whether `self` is None at each access to an attribute."""
     nodes = import_module("Cython.Compiler.ExprNodes")
     usual = nodes.NameNode.may_be_none
     nodes.NameNode.may_be_none = lambda node: not (node.name == NEVER_NONE and node.entry.is_arg) and usual(node)
 
 
 def link(modules: list[str], folder: Path, cc: str, kind: Kind = NORMAL) -> None:
-    """Link the object files of `modules` in `folder` to one library. Raise NoBuild with the output of the linker."""
+    """Link the object files in `folder` to one library. Raise NoBuild with the linker's output if linking fails."""
     command = [*cc.split(), "-shared", *kind.link, *(f"{module}.o" for module in modules), "-o", LIBRARY]
-    for more in ([SORTED], []):  # again without the option if the linker does not know it
+    for more in ([SORTED], []):  # the second attempt is for linkers that do not support SORTED
         done = run([*command, *more], cwd=folder, capture_output=True, text=True, check=False)
         if not done.returncode:
             return
@@ -223,7 +225,7 @@ def link(modules: list[str], folder: Path, cc: str, kind: Kind = NORMAL) -> None
 
 
 def types_of(module: str, folder: Path) -> dict[str, str]:
-    """Return the text of a module's .pxd file and of all .pxd files in `folder` that it depends on, by module."""
+    """Return the text of the .pxd file of a module, and of each module in `folder` on which it depends, by module."""
     found: dict[str, str] = {}
     waiting = [module]
     while waiting:
@@ -238,7 +240,7 @@ def types_of(module: str, folder: Path) -> dict[str, str]:
 def fingerprint(
     module: str, folder: Path, cc: str, kind: Kind = NORMAL, always_set: Sequence[tuple[str, str]] = ()
 ) -> str:
-    """Return a digest of the source, declarations, options and tools from which the object file of a module is made.
+    """Return a digest of everything that determines a module's object file: source, declarations, options and tools.
 
     folder: the folder of the prepared sources.
     """
@@ -271,7 +273,7 @@ def last_build(built: Path) -> dict[str, str]:
 
 
 def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
-    """Return the compiled modules with these prefixes and the modules whose types they use; all without prefixes."""
+    """Return the modules to compile. With prefixes, these are the matching modules and those whose types they use."""
     found = sources.compiled()
     chosen = [one for one in found if any(f"{one}.".startswith(f"{prefix}.") for prefix in prefixes)]
     if prefixes and not chosen:
@@ -280,7 +282,7 @@ def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
 
 
 def note_stamps(built: Path, written: list[list[int]]) -> None:
-    """Store when the sources were written, if they were written anew with equal content since the build."""
+    """Update the modification times in the manifest. They change if a source is saved again with equal content."""
     manifest = json.loads((built / MANIFEST).read_text("utf-8"))
     if manifest["stamps"] != written:
         anew = built / f"{MANIFEST}.new"
@@ -289,9 +291,9 @@ def note_stamps(built: Path, written: list[list[int]]) -> None:
 
 
 def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: Sequence[str] = ()) -> None:
-    """Compile the modules marked as compiled, and replace the build in `built` when all are done.
+    """Compile the marked modules. If all succeed, replace the build in the folder `built`.
 
-    A build that already has these modules and matches the sources is kept.
+    An existing build of the same modules is kept if it matches the sources.
     """
     sources = Sources(package)
     cc, modules, last = compiler(), needed(prefixes, sources), last_build(built)
@@ -332,7 +334,7 @@ def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: 
 
 
 def main(options: Sequence[str] = ()) -> int:
-    """Build the core and return the exit status: 0, or 1 if it cannot be compiled, and runs stay interpreted."""
+    """Build the core. Return the exit status: 0, or 1 if the core was not compiled."""
     prefixes, hard = [one for one in options if one != "--hard"], "--hard" in options
     try:
         build(PACKAGE, HARD_BUILT if hard else BUILT, jobs(), HARD if hard else NORMAL, prefixes)
@@ -341,7 +343,7 @@ def main(options: Sequence[str] = ()) -> int:
         BadDeclaration,
         OSError,
         BrokenExecutor,
-    ) as why:  # BrokenExecutor: a process was killed, for example because memory is short
+    ) as why:  # BrokenExecutor: a worker process was killed, for example for lack of memory
         print(f"the core stays interpreted: {why}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:

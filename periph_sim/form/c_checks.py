@@ -1,13 +1,13 @@
-"""Checks inserted into the C code that Cython writes: of the indices of arrays, and of None in setters of attributes.
+"""Checks that are inserted into the C code from Cython: array indices must be in range, and setters reject None.
 
     __pyx_v_cpu->xar[__pyx_v_f->n]  -->  __pyx_v_cpu->xar[PERIPH_SIM_INDEX(__pyx_v_f->n, 8, "xar")]
 
-Cython checks the indices of lists but not those of arrays. With the check, an index outside of its array ends the
-process with a message instead of changing other memory. The C compiler removes the check where the index cannot be
-outside, for example after a mask or in a loop to a constant.
+Cython checks the indices of lists but not those of C arrays. With the check, an index out of range ends the process
+with a message instead of changing other memory. The C compiler removes the check where the index is always in range,
+for example after a mask or in a loop to a constant.
 
     cdef public Kernel kernel    -->  `wire.kernel = None` and `del wire.kernel` are TypeErrors
-    cdef public Event following  -->  unchanged, since the source assigns None to it or declares `Event | None`
+    cdef public Event following  -->  unchanged, because the source assigns None to it or declares `Event | None`
 
 By itself, Cython accepts None for any attribute whose type is a compiled class. Modules that are compiled without
 checks for None rely on these setters; mypy checks that the package's own code never assigns None.
@@ -39,13 +39,13 @@ static inline long long __attribute__((unused)) periph_sim_index(long long index
 #define PERIPH_SIM_INDEX(index, length, name) periph_sim_index((long long)(index), length, name)
 #endif
 """  # noqa: E501
-BEGIN = "/* Module declarations from "  # a comment between Cython's own definitions and the module's functions
+BEGIN = "/* Module declarations from "  # Cython writes this comment before the functions of the module
 
 
 def arrays_of(pxds: Iterable[str]) -> dict[str, int]:
-    """Return the lengths of the arrays that these .pxd files declare, by name.
+    """Return the length of each array that these .pxd files declare, by the array's name.
 
-    Raise ValueError if two arrays of one name have different lengths.
+    Raise ValueError if two arrays with the same name have different lengths.
     """
     found: dict[str, int] = {}
     for length, name in (one for pxd in pxds for one in ARRAY.findall(pxd)):
@@ -55,7 +55,7 @@ def arrays_of(pxds: Iterable[str]) -> dict[str, int]:
 
 
 def with_index_checks(c_text: str, lengths: Mapping[str, int]) -> str:
-    """Return the C code with a check of each index of these arrays, except indices that are literal numbers."""
+    """Return the C code with range checks for all indices of these arrays, except for literal numbers."""
     if not lengths:
         return c_text
     used = re.compile(rf"->(?:__pyx_base\.)*({'|'.join(map(re.escape, lengths))})\[")
@@ -94,16 +94,16 @@ REFUSAL = """\
 
 
 def never_none(source: Source) -> list[tuple[str, str]]:
-    """Return (class, attribute) of each attribute whose type is a compiled class and that is never set to None."""
+    """Return the (class, attribute) pairs whose type is a compiled class and whose value is never None."""
     optional = set(_optional(source.tree))
     typed = [(one.name, name, of) for one in source.classes.values() for name, of in one.attributes.items()]
     return [(owner, name) for owner, name, of in typed if of.kind and name not in optional]
 
 
 def with_none_refused(c_text: str, attributes: Iterable[tuple[str, str]]) -> str:
-    """Return the C code, changed so that the setters of these (class, attribute) pairs refuse None.
+    """Return the C code with setters that reject None for these (class, attribute) pairs.
 
-    Raise ValueError if an attribute does not have exactly one setter.
+    Raise ValueError if an attribute does not have exactly one setter in the C code.
     """
     for kind, name in attributes:
         setter = rf"static int __pyx_setprop_\w*?\d{kind}_{name}\(PyObject \*o, PyObject \*v, [\w ]+\*x\) {{\n"
@@ -114,7 +114,7 @@ def with_none_refused(c_text: str, attributes: Iterable[tuple[str, str]]) -> str
 
 
 def _optional(tree: ast.Module) -> Iterator[str]:
-    """Yield the names of attributes that may be None in any class of the module."""
+    """Yield the names of attributes that may be None in some class of the module."""
     for node in walked(tree):
         if isinstance(node, ast.FunctionDef):
             arguments = [*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs]

@@ -1,4 +1,4 @@
-"""C types of functions, and of the attributes and methods of a class, as a compiled module declares them."""
+"""C types in the declarations of a compiled module: those of its functions, and of its classes' members."""
 
 from __future__ import annotations
 
@@ -27,14 +27,14 @@ OBJECT, VOID, INTEGER = "object", "void", NUMBERS["int"]
 
 
 class BadDeclaration(Exception):
-    """An annotation or a mark in a source that cannot be declared in C. The message names file and line."""
+    """A source has an annotation or mark that cannot be declared in C. The message contains file and line."""
 
 
 class Type(NamedTuple):
     """A type in C.
 
-    c: its spelling in a .pxd file.
-    kind: the compiled class, if the type is one; else None.
+    c: the spelling of the type in a .pxd file.
+    kind: the compiled class if the type is one; else None.
     optional: True if None is a valid value.
     """
 
@@ -46,9 +46,10 @@ class Type(NamedTuple):
 class Function(NamedTuple):
     """The declaration of a function.
 
-    kind: "cpdef" if it is called from Python and C, "cdef" if only from C, "def" if it stays a Python function.
-    arguments: for each argument, its type, and True if it has a default.
+    kind: "cpdef" if Python and C can call it, "cdef" if only C can call it, "def" if it stays a Python function.
+    arguments: by the argument's name, its type and whether it has a default.
     variables: the types of annotated local variables.
+    marks: the words in its `# core:` comment.
     """
 
     kind: str
@@ -62,7 +63,7 @@ CLASS_MARKS = re.compile(r"python|freelist \d+")
 
 
 class Class:
-    """A compiled class: its base, attributes and methods, with their C types."""
+    """A compiled class with its base, its attributes and its methods, and their C types."""
 
     def __init__(self, source: Source, node: ast.ClassDef) -> None:
         self.source, self.node, self.name = source, node, node.name
@@ -93,7 +94,7 @@ class Class:
 
     @property
     def attributes(self) -> dict[str, Type]:
-        """The types of all attributes that the class adds to its base. Raise BadDeclaration if a type is unknown."""
+        """The types of the attributes that the class adds to its base. Raise BadDeclaration if one is unknown."""
         known = self.known
         for name, line in self.assigned_at.items():
             if name not in known:
@@ -102,10 +103,10 @@ class Class:
 
     @cached_property
     def known(self) -> dict[str, Type]:
-        """The types of the attributes whose type follows from an annotation or from the first value."""
+        """The types of the attributes whose type can be derived from an annotation or from the first value."""
         inherited = {name for base in self.bases for name in (*base.known, *base.defined)}
         found: dict[str, Type] = {}
-        self.__dict__["known"] = found  # set before it is complete, because a value may name another attribute
+        self.__dict__["known"] = found  # set before it is complete, because values may refer to other attributes
         for target, annotation in self._annotated():
             if target.isupper():  # a constant that subclasses set
                 continue

@@ -1,4 +1,4 @@
-"""Declarations for Cython: the text of a module's .pxd file, made from the C types of its classes and functions.
+"""The text of a module's .pxd file, which declares the C types of its classes and functions to Cython.
 
 class Event:                                            cdef class Event:
     time: int                                               cdef public long long time
@@ -16,9 +16,9 @@ from .compiled_class import INTEGER, NUMBERS, OBJECT, VOID, Class, Function, Typ
 from .sources import Source, Sources
 
 LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}  # names of C types in `cython`
-# The value by which a C function shows that it has raised an exception, by result type. Without it each caller would
-# have to ask Python after each call. A C function without a result returns a truth value, which is false; a Python
-# method that overrides it returns None, which is false, too.
+# For each result type: the result that a C function returns if it has raised an exception.
+# Without such a result, callers would have to ask Python after each call whether an exception was raised.
+# C functions without a result return False. The None of a Python method that overrides one is converted to False.
 RAISES = {VOID: " except -1", "bint": " except -1", INTEGER: " except? PERIPH_SIM_RAISED"}
 RAISED = '''\
 cdef extern from *:
@@ -26,7 +26,7 @@ cdef extern from *:
     #define PERIPH_SIM_RAISED (-0x7EDCBA9876543210LL)
     """
     const long long PERIPH_SIM_RAISED
-'''  # a number that functions hardly ever return; if one does, the caller asks Python whether it is an exception
+'''  # this number is rarely a real result; callers that receive it ask Python whether an exception was raised
 
 
 def declarations(source: Source) -> str:
@@ -35,7 +35,7 @@ def declarations(source: Source) -> str:
 
 
 def used_by(sources: Sources, module: str) -> set[str]:
-    """Return the module and all modules whose types it uses, directly or indirectly."""
+    """Return the names of this module and of all modules whose types it uses, directly or indirectly."""
     found: set[str] = set()
     waiting = [module]
     while waiting:
@@ -49,7 +49,7 @@ def used_by(sources: Sources, module: str) -> set[str]:
 
 
 class Writer:
-    """Writes the declarations of one module. needed: the names to cimport, by module."""
+    """Writer of one module's declarations. needed: for each other module, the names to cimport from it."""
 
     def __init__(self, source: Source) -> None:
         self.source = source
@@ -93,7 +93,7 @@ class Writer:
         yield f"cdef class {kind.name}{base}:"
         body = []
         for name, type_ in kind.attributes.items():
-            # Private buffers and byte arrays are not public: Cython would show bytes as text that ends at the first 0.
+            # Python cannot access private buffers and byte arrays. It would read a byte array only up to its first 0.
             hidden = name.startswith("_") and (type_.c.endswith("[::1]") or type_.c.startswith("unsigned char["))
             public = "" if hidden or type_.c in self.source.pointers or name.startswith("__") else "public "
             body.append(f"    cdef {public}{self._spelled(type_)} {name}")
@@ -125,7 +125,7 @@ class Writer:
         return found if found in NUMBERS.values() else OBJECT
 
     def _spelled(self, kind: Type) -> str:
-        """Return the type as written in the .pxd file. Note its class, which must be declared before it."""
+        """Return the spelling of a type in the .pxd file. Record its class, so that the file declares or imports it."""
         owner = kind.kind
         if owner is not None and owner.source is not self.source:
             self.needed.setdefault(owner.source.name, set()).add(owner.name)

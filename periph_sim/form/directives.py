@@ -5,8 +5,8 @@
     @cython.locals(at=...)   the function declares this variable, of this C type
     trashcan (every class)   a deallocator that releases objects does so in a loop
 
-Cython silently ignores a directive in a place where it does not expect one. A directive that is not listed above is
-reported, too, because this module has no check for it.
+Cython silently ignores a directive in an unexpected place. A directive that is not in this list is reported, too,
+because it cannot be checked here.
 """
 
 from __future__ import annotations
@@ -17,8 +17,7 @@ from collections.abc import Iterator
 DIRECTIVE = re.compile(r"cython\.(\w+)(?:\((.*)\))?")
 CLASS = re.compile(r"cdef class (\w+)")
 FUNCTION = re.compile(r"cp?def .*?(\w+)\([^()]*\)")
-# The spelling in C of the types of local variables. Python's own types (`PYTHONS_OWN`) are all `PyObject *`; any other
-# name is that of a compiled class.
+# C spelling of the types of local variables, except Python's own types and compiled classes.
 LOCALS = {
     "cython.bint": "int ",
     "cython.double": "double ",
@@ -27,11 +26,11 @@ LOCALS = {
     "cython.Py_ssize_t": "Py_ssize_t ",
     "cython.uint": "unsigned int ",
 }
-PYTHONS_OWN = ("bytearray", "bytes", "dict", "list", "object", "set", "str", "tuple")
+PYTHONS_OWN = ("bytearray", "bytes", "dict", "list", "object", "set", "str", "tuple")  # all are `PyObject *` in C
 
 
 def disobeyed(pxd: str, c_text: str) -> list[str]:
-    """Return a sentence for each directive of a .pxd file that has no effect in the C code. pxd: the file's text."""
+    """Return a sentence for each directive without effect in the C code. pxd: the text of the .pxd file."""
     return list(_disobeyed(pxd, c_text))
 
 
@@ -62,7 +61,7 @@ def _disobeyed(pxd: str, c_text: str) -> Iterator[str]:
 
 
 def _decorated(pxd: str) -> Iterator[tuple[list[str], str]]:
-    """Yield (decorators, line) for each declaration of a class or function. Each decorator is joined to one line."""
+    """Yield (decorators, line) for each class or function. The lines of a long decorator are joined to one line."""
     decorators: list[str] = []
     open_one = ""
     for raw in pxd.split("\n"):
@@ -81,7 +80,7 @@ def _decorated(pxd: str) -> Iterator[tuple[list[str], str]]:
 
 
 def _slot(c_text: str, name: str, slot: str) -> str:
-    """Return the C body of a slot function of a class, such as its deallocator; "" if there is none."""
+    """Return the C body of a class's slot function, such as its deallocator; "" if the class has none."""
     found = re.search(rf"^static \w+ \*?__pyx_{slot}_\w*?\d{name}\(PyObject \*o\) {{\n(.*?)^}}", c_text, _WHOLE)
     found = found or re.search(rf"^static [\w ]+\*?__pyx_{slot}_\w*_{name}\([^\n]*\) {{\n(.*?)^}}", c_text, _WHOLE)
     return found[1] if found else ""
@@ -107,7 +106,7 @@ def _is_released_in_a_loop(c_text: str, name: str) -> bool:
 
 
 def _declares(pxd: str, c_text: str, inside: str, function: str, variable: str, kind: str) -> bool:
-    """Return True if a C function declares a variable of this type, or takes it as an argument."""
+    """Return True if the C function has a local variable or an argument with this name and type."""
     prefix = rf"{len(inside)}{inside}_" if inside else ""
     bodies = re.findall(rf"^static [^\n]*?__pyx_f_\w*?{prefix}{function}(\([^\n]*\) {{\n.*?^}})", c_text, _WHOLE)
     if kind in LOCALS:

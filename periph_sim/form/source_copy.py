@@ -1,4 +1,4 @@
-"""Prepared sources for Cython: the same lines, with Cython's decorators and with constants replaced.
+"""Preparation of a source for Cython. Lines keep their numbers, and some are changed as follows:
 
     @final                                                      @cython.final is in the .pxd file
     class Event:  # core: freelist 16                           @cython.freelist(16)
@@ -35,7 +35,7 @@ FUTURE = "from __future__ import annotations\n"
 
 
 def prepared(source: Source) -> str:
-    """Return the source with all the changes above except that of constants."""
+    """Return the source with the changes that the module's docstring lists, except those of constants."""
     lines = source.text.split("\n")
     for node in walked(source.tree):
         if isinstance(node, ast.FunctionDef):
@@ -64,7 +64,7 @@ def prepared(source: Source) -> str:
 
 
 def _replace_bare_annotations(body: list[ast.stmt], lines: list[str]) -> None:
-    """Replace each annotation without a value by `pass`, because Cython would evaluate the variable."""
+    """Replace each annotation without a value by `pass`, because Cython would read the variable there."""
     for statement in body:
         for node in [statement] if isinstance(statement, ast.ClassDef | ast.FunctionDef) else ast.walk(statement):
             if isinstance(node, ast.AnnAssign) and node.value is None:
@@ -75,7 +75,7 @@ def _replace_bare_annotations(body: list[ast.stmt], lines: list[str]) -> None:
 
 
 def _bare_returns(source: Source) -> Iterator[tuple[int, int]]:
-    """Yield row and end column, from 0, of each `return` without a value in C functions without a result."""
+    """Yield (row, end column), from 0, of each `return` without a value in C functions that return nothing."""
     kinds = source.classes.values()
     owners = [({one.name: one for one in source.tree.body if isinstance(one, ast.FunctionDef)}, source.functions)]
     owners += [(kind.defined, kind.methods) for kind in kinds]
@@ -95,7 +95,7 @@ def _returns(body: Iterable[ast.AST]) -> Iterator[ast.Return]:
 
 
 def _remove_names(statement: ast.ImportFrom, names: Collection[str], lines: list[str]) -> None:
-    """Remove names from an import statement in `lines`. The statement keeps its number of lines."""
+    """Remove names from an import statement in `lines`. Its number of lines stays the same."""
     if not any(alias.name in names for alias in statement.names):
         return
     assert statement.end_lineno is not None
@@ -106,10 +106,10 @@ def _remove_names(statement: ast.ImportFrom, names: Collection[str], lines: list
 
 
 def _look_up_spelled_out(source: Source, text: str) -> str:
-    """Replace the last line of the text, if it looks up a function by name, by a comparison for each possible function.
+    """If the last line looks up a function by name, replace it by a chain of comparisons with the possible names.
 
-    C functions are not in the module's `globals()`. The possible functions are the module's C functions whose names
-    begin with an uppercase letter.
+    C functions are not in the module's `globals()`. The possible names are those of the module's C functions that begin
+    with an uppercase letter.
     """
     found = BY_NAME.search(text)
     if not found:
@@ -120,12 +120,12 @@ def _look_up_spelled_out(source: Source, text: str) -> str:
     return text[: found.start()] + "\n".join([*lines, f"{indent}else: raise KeyError({key})"]) + "\n"
 
 
-LITERAL = 2**31 - 1  # the largest literal that Cython makes a C integer; the width of larger ones must be declared
-WORD = 64  # number of bits of a C integer; constants with more bits stay Python objects with names
+LITERAL = 2**31 - 1  # the largest integer that is written as a literal; larger constants need a declared C type
+WORD = 64  # number of bits of a C integer; larger constants are not replaced
 
 
 def declared(source: str, pxd: str) -> str:
-    """Return the .pxd file with a declaration of each integer in the source that is larger than LITERAL."""
+    """Return the .pxd text with declarations of the names PERIPH_SIM_n, which replace integers above LITERAL."""
     found = sorted(set(re.findall(r"\bPERIPH_SIM_(\d+)\b", source)))
     if not found:
         return pxd
@@ -135,9 +135,9 @@ def declared(source: str, pxd: str) -> str:
 
 
 def with_constants(source: str, names: Mapping[str, object]) -> str:
-    """Return the source with its constants replaced. names: the module's globals after its import."""
+    """Return the source with its constants replaced. names: the global names of the imported module."""
     tree = ast.parse(source)
-    lines = [line.encode() for line in source.split("\n")]  # encoded, because `ast` counts columns in bytes
+    lines = [line.encode() for line in source.split("\n")]  # as bytes, because `ast` counts columns in bytes
     imported = {
         alias.asname or alias.name: one
         for one in tree.body
@@ -145,7 +145,7 @@ def with_constants(source: str, names: Mapping[str, object]) -> str:
         for alias in one.names
         if isinstance(names.get(alias.asname or alias.name), EnumMeta)
     }
-    bound: dict[str, ast.ImportFrom] = {}  # for the text of each binding, the import that it follows
+    bound: dict[str, ast.ImportFrom] = {}  # text to insert -> the import statement before it
     for node in sorted(_names(tree), key=lambda one: (one.lineno, one.col_offset), reverse=True):
         value = _integer(node, names)
         if value is not None:
@@ -165,7 +165,7 @@ def with_constants(source: str, names: Mapping[str, object]) -> str:
 
 
 def _names(tree: ast.Module) -> Iterator[ast.Name | ast.Attribute]:
-    """Yield the names inside functions and classes, and the attributes of names, such as `Kind.FLAG`."""
+    """Yield the names inside functions and classes, and attributes such as `Kind.FLAG`."""
     outer = [one for one in tree.body if isinstance(one, ast.ClassDef | ast.FunctionDef)]
     for node in (node for one in outer for node in ast.walk(one)):
         if isinstance(node, ast.Name) or (isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name)):
@@ -173,7 +173,7 @@ def _names(tree: ast.Module) -> Iterator[ast.Name | ast.Attribute]:
 
 
 def _integer(node: ast.Name | ast.Attribute, names: Mapping[str, object]) -> int | None:
-    """Return the integer value of an uppercase name of this module or of a module that it imports; None for others."""
+    """Return the value of an uppercase integer constant of this module or of an imported module; None for others."""
     value: object = None
     if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load) and node.id.isupper():
         value = names.get(node.id)
@@ -184,7 +184,7 @@ def _integer(node: ast.Name | ast.Attribute, names: Mapping[str, object]) -> int
 
 
 def _enumeration(node: ast.Name | ast.Attribute, names: Mapping[str, object]) -> str:
-    """Return the name of the enumeration of which the node is a member; "" if it is no member of one."""
+    """Return the name of the enumeration if the node is one of its members; else ""."""
     if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name):
         return ""
     kind = names.get(node.value.id)

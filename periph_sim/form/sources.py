@@ -1,19 +1,18 @@
 """C types of a package's modules, derived from the annotations in their sources.
 
-A module is compiled if it has the line `# core: compiled`. One of its classes is compiled if its base, if any, is
-compiled, and if it has no decorator but `@final`. An attribute has the type of its annotation; without an annotation,
-it has the type of the first assigned value whose type can be derived.
+A module is compiled if it has the line `# core: compiled`. A class in it is compiled if it has no decorator other than
+`@final` and no base that is not compiled. An attribute has the type of its annotation. Without an annotation, it has
+the type of the first assigned value whose type can be derived.
 
-By default a function can be called from Python and from C (cpdef). It can be called from C only (cdef) if its name
-begins with an underscore or is missing in the `__all__` of its module. It stays a Python function (def) if Cython
-cannot make a C function of it, or if it is passed on as an object. `c_types` and comments of this form express what
-usual annotations cannot:
+By default, Python and C can call a function (cpdef). Only C can call it (cdef) if its name begins with an underscore or
+is missing in the `__all__` of its module. It stays a Python function (def) if Cython cannot compile it as a C function,
+or if it is used as an object. `c_types` and the following comments express what ordinary annotations cannot:
 
     class Event:  # core: freelist 16                   keeps up to 16 deleted objects for reuse
     class Span:  # core: python                         stays a Python class
     def s16(value: int) -> int:  # core: noexcept       never raises an exception
-    def nz16(self, value: int) -> None:  # core: C only
-    def listen(self) -> None:  # core: python
+    def nz16(self, value: int) -> None:  # core: C only     cannot be called from Python
+    def listen(self) -> None:  # core: python           stays a Python function
 """
 
 from __future__ import annotations
@@ -47,7 +46,7 @@ FUNCTION_MARKS = re.compile(r"python|C only|noexcept")
 
 
 class Sources(dict[str, "Source"]):
-    """The modules of a package by name. Each is read when it is first needed."""
+    """The modules of a package by name. Each module is read when it is first used."""
 
     def __init__(self, package: Path) -> None:
         super().__init__()
@@ -66,7 +65,7 @@ class Sources(dict[str, "Source"]):
 
 
 class Source:
-    """One module with its classes, functions and names. text: its source."""
+    """One module with its classes, functions and names. text: the source of the module."""
 
     def __init__(self, sources: Sources, name: str, text: str) -> None:
         self.sources, self.name, self.text = sources, name, text
@@ -91,7 +90,7 @@ class Source:
     def classes(self) -> dict[str, Class]:
         """The compiled classes of the module, by name."""
         found: dict[str, Class] = {}
-        self.__dict__["classes"] = found  # set before it is complete, because a class may have a base in this module
+        self.__dict__["classes"] = found  # set before it is complete, because classes may have bases in this module
         for node in self.tree.body if self.is_compiled else ():
             if isinstance(node, ast.ClassDef) and self._is_compiled_class(node):
                 found[node.name] = Class(self, node)
@@ -104,7 +103,7 @@ class Source:
         return not decorated and (not node.bases or self.find_class(ast.unparse(node.bases[0])) is not None)
 
     def marks(self, node: ast.ClassDef | ast.FunctionDef, known: re.Pattern[str]) -> list[str]:
-        """Return the marks (`# core: ...`) in the head of a class or function. Raise BadDeclaration for others."""
+        """Return the marks (`# core: ...`) of a class or function. Raise BadDeclaration for an unknown mark."""
         found: list[str] = []
         for row in range(node.lineno, max(node.body[0].lineno, node.lineno + 1)):
             mark = MARKS.search(self.text_lines[row - 1])
@@ -120,7 +119,7 @@ class Source:
 
     @cached_property
     def imports(self) -> dict[str, tuple[str, str]]:
-        """(module, name in that module) for each name that is imported from this package."""
+        """For each name imported from the same package: (module, name in that module)."""
         found = {}
         for node in walked(self.tree):
             if isinstance(node, ast.ImportFrom) and node.level:
@@ -131,7 +130,7 @@ class Source:
 
     @cached_property
     def assigned(self) -> dict[str, ast.expr]:
-        """The value of each name that the module assigns; for unpacked names, the call that returns all of them."""
+        """The value of each name that the module assigns. For unpacked names, it is the value before unpacking."""
         found: dict[str, ast.expr] = {}
         for node in self.tree.body:
             if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
@@ -143,7 +142,7 @@ class Source:
         return found
 
     def find_class(self, name: str) -> Class | None:
-        """Return the compiled class that this module knows by a name, its own or imported; None if there is none."""
+        """Return the compiled class that has this name in the module, defined or imported; None if there is none."""
         if name in self.classes:
             return self.classes[name]
         module, there = self.imports.get(name, ("", ""))
@@ -188,7 +187,7 @@ class Source:
 
     @cached_property
     def fused(self) -> dict[str, list[ast.expr]]:
-        """The constraints of each type variable that has some; Cython makes a function body for each of these types."""
+        """The constraints of each constrained type variable. Cython compiles a function once for each constraint."""
         calls = {name: one for name, one in self.assigned.items() if isinstance(one, ast.Call)}
         return {
             name: one.args[1:] for name, one in calls.items() if ast.unparse(one.func) == "TypeVar" and one.args[1:]
@@ -196,7 +195,7 @@ class Source:
 
     @cached_property
     def pointers(self) -> dict[str, list[ast.expr]]:
-        """The argument types of each type that is a pointer to a C function, by its name."""
+        """The argument types of each function pointer type, by the name of the type."""
         found = {}
         for name, value in self.assigned.items():
             if isinstance(value, ast.Subscript) and ast.unparse(value.value) == "CFunction":
@@ -204,7 +203,7 @@ class Source:
         return found
 
     def number(self, node: ast.expr) -> int:
-        """Return the value of a constant expression, such as an array's length. Raise BadDeclaration for others."""
+        """Return the value of a constant expression. Raise BadDeclaration if the expression is not constant."""
         match node:
             case ast.Constant(value=int(value)):
                 return value
@@ -218,10 +217,10 @@ class Source:
         raise self.bad(node.lineno, f"the length {ast.unparse(node)} of an array; expected a number")
 
     def type_of_value(self, value: ast.expr, within: Class | None, known: Mapping[str, ast.expr | None]) -> Type | None:
-        """Return the type of an expression, or None if its form does not show it.
+        """Return the type of an expression; None if it cannot be derived from the expression alone.
 
-        within: the class whose methods contain the expression.
-        known: the annotations of names in the expression.
+        within: the class that contains the expression, or None.
+        known: the annotations of names that the expression may contain.
         """
         match value:
             case ast.Constant(value=bool() | int() | str() | bytes() as constant):
@@ -260,7 +259,7 @@ class Source:
         return None
 
     def type_of_constant(self, name: str) -> Type | None:
-        """Return the type of a constant that the module assigns or imports; None if it is not known."""
+        """Return the type of a constant that the module assigns or imports; None if the type is unknown."""
         value = self.assigned.get(name)
         if value is not None:
             from_range = isinstance(value, ast.Call) and ast.unparse(value.func) == "range"
@@ -285,7 +284,7 @@ class Source:
 
     @property
     def pointed_at(self) -> set[str]:
-        """The names of functions that are assigned to an attribute that is a pointer to a C function."""
+        """The names of functions that are assigned to an attribute whose type is a function pointer."""
         kinds = [kind for name in (*self.classes, *self.imports) if (kind := self.find_class(name))]
         pointers = {name for kind in kinds for name, one in kind.known.items() if one.c in kind.source.pointers}
         return {
@@ -297,7 +296,7 @@ class Source:
 
     @cached_property
     def called_on_others(self) -> set[str]:
-        """The names of methods that the module calls on objects other than `self`, whose class may be unknown."""
+        """The names of methods that the module calls on other objects than `self`."""
         calls = (node.func for node in walked(self.tree) if isinstance(node, ast.Call))
         return {one.attr for one in calls if isinstance(one, ast.Attribute) and ast.unparse(one.value) != "self"}
 
@@ -309,7 +308,7 @@ class Source:
 
     @cached_property
     def cimported(self) -> dict[str, str]:
-        """For each imported C function that this module only calls: the module that defines it."""
+        """The defining module of each imported C function that this module calls and does not use as an object."""
         found = {}
         called = self.called - read_names(self.tree, "")
         for name, (module, there) in self.imports.items():
@@ -319,7 +318,7 @@ class Source:
         return found
 
     def function(self, node: ast.FunctionDef, kind: str, base: Function | None = None) -> Function:
-        """Return the declaration of a function. base: the overridden method, whose kind and types are used, if any."""
+        """Return the declaration of a function. If it overrides the method `base`, use the kind and types of `base`."""
         marks = self.marks(node, FUNCTION_MARKS)
         if "C only" in marks:
             kind = "cdef"
@@ -343,14 +342,14 @@ class Source:
             if isinstance(one, ast.AnnAssign) and isinstance(one.target, ast.Name)
         }
         result = base.result if base else self.type_of(node.returns)
-        if result.c.endswith("]"):  # a buffer is returned as the object that it belongs to
+        if result.c.endswith("]"):  # C functions return buffers and arrays as Python objects
             result = Type(OBJECT)
         return Function(kind, result, arguments, variables, marks)
 
     def _argument(self, annotation: ast.expr | None, default: ast.expr | None, kind: str) -> Type:
-        """Return the type of an argument: `object` if it may be None, but Cython would refuse None from Python callers.
+        """Return the type of an argument; `object` if it may be None and Cython would reject None from Python.
 
-        Cython refuses None for a typed argument whose default is not None.
+        Cython rejects None for a typed argument unless the default is None. Calls from C are not checked.
         """
         found = self.type_of(annotation)
         takes_none = kind == "cdef" or (isinstance(default, ast.Constant) and default.value is None)
@@ -358,6 +357,6 @@ class Source:
 
 
 def header_of(text: str) -> str:
-    """Return the text behind `# core:` in a source's header line, such as "compiled"; "" if there is no such line."""
+    """Return the text after `# core:` in a source's header line, such as "compiled"; "" if there is no such line."""
     found = HEADER.search(text)
     return found[1] if found else ""

@@ -1,4 +1,4 @@
-"""Queries on the syntax tree of a source for names, values and parts of it."""
+"""Queries on the syntax tree of a source: nodes, names that are read, and assigned values."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ OPERATORS: Mapping[type[ast.operator], Callable[[int, int], int]] = {
 
 @cache
 def walked(node: ast.AST) -> tuple[ast.AST, ...]:
-    """Return the node and all nodes below it."""
+    """Return the node and all its descendants."""
     return tuple(ast.walk(node))
 
 
@@ -29,7 +29,10 @@ def is_own(target: ast.expr) -> bool:
 
 
 def read_names(tree: ast.AST, owner: str) -> set[str]:
-    """Return the names of variables, or of attributes of the variable `owner`, that are read but not called."""
+    """Return the names of variables that are read but not called. If `owner` is given, return its attributes instead.
+
+    owner: the name of a variable, or "".
+    """
     called = {id(node.func) for node in walked(tree) if isinstance(node, ast.Call)}
     read = [one for one in walked(tree) if isinstance(getattr(one, "ctx", None), ast.Load) and id(one) not in called]
     if owner:
@@ -38,7 +41,7 @@ def read_names(tree: ast.AST, owner: str) -> set[str]:
 
 
 def pairs(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr | None]]:
-    """Yield each target of an assignment with its value; None if the value comes from unpacking an expression."""
+    """Yield (target, value) for each target of an assignment. The value is None if an expression is unpacked."""
     for target in node.targets:
         if not isinstance(target, ast.Tuple):
             yield target, node.value
@@ -49,7 +52,7 @@ def pairs(node: ast.Assign) -> Iterator[tuple[ast.expr, ast.expr | None]]:
 
 
 def own_assignments(method: ast.FunctionDef) -> Iterator[tuple[str, ast.expr | None, int]]:
-    """Yield (name, value, line) for each assignment to an attribute of `self`; the value is None if it is unpacked."""
+    """Yield (name, value, line) for each assignment to an attribute of `self`. The value is None if it is unpacked."""
     for node in walked(method):
         if isinstance(node, ast.Assign):
             found = list(pairs(node))
@@ -64,10 +67,10 @@ def own_assignments(method: ast.FunctionDef) -> Iterator[tuple[str, ast.expr | N
 
 
 def is_typable(node: ast.FunctionDef, kind: str) -> bool:
-    """Return True if Cython can make a C function of this function.
+    """Return True if Cython can compile this function as a C function.
 
-    Such a function has positional arguments and no decorator, `yield` or `super`. A "cpdef" function must also have no
-    closure.
+    Such a function has no decorator, `yield` or `super`, and no keyword-only, positional-only or variable arguments. A
+    function of kind "cpdef" also has no closure.
     """
     if node.decorator_list or node.args.kwonlyargs or node.args.vararg or node.args.kwarg or node.args.posonlyargs:
         return False

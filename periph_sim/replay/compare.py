@@ -14,6 +14,7 @@ from fractions import Fraction
 from itertools import zip_longest
 
 from ..traces.decode import i2c
+from ..traces.decode.i2c_table import I2cRowKind
 from ..traces.diff.align import align
 
 NOTHING = "nothing more"
@@ -138,23 +139,14 @@ def i2c_words(events: Iterable[i2c.Event], per_second: Fraction, origin: int = 0
 
 
 def _i2c(event: i2c.Event) -> str:
-    match event:
-        case i2c.Start():
-            return "START"
-        case i2c.RepeatedStart():
-            return "repeated START"
-        case i2c.Address(_, value, read, _):
-            return f"address {value:02X} {'read' if read else 'write'}"
-        case i2c.Data(_, value, read):
-            return f"data {'read' if read else 'write'} {value:02X}"
-        case i2c.Ack():
-            return "ACK"
-        case i2c.Nack():
-            return "NACK"
-        case i2c.Stop():
-            return "STOP"
-        case i2c.Cut(_, bits):
-            return f"cut off after {''.join(map(str, bits))}"
+    way = "read" if event.read else "write"
+    if event.kind is I2cRowKind.ADDRESS:
+        return f"address {event.value:02X} {way}"
+    if event.kind is I2cRowKind.DATA:
+        return f"data {way} {event.value:02X}"
+    if event.kind is I2cRowKind.CUT:
+        return f"cut off after {event.value:0{event.bits}b}"
+    return i2c.NAMES[event.kind]
 
 
 def byte_words(value: int, frame_error: bool, parity_error: bool) -> str:

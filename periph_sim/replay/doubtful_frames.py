@@ -21,7 +21,7 @@ from typing import NamedTuple
 
 from ..core.counted import counted
 from ..traces.capture.capture import Capture
-from ..traces.decode.uart import Break, Event, Frame, Line, RejectedStart
+from ..traces.decode.uart import Event, Line, UartRowKind
 from ..traces.decode.uart_guess import NEAR, Guess, guess
 from .compare import Happened, byte_words
 
@@ -56,7 +56,7 @@ class Settled:
 
     expected: list[Happened] = field(default_factory=list)
     found: list[Happened] = field(default_factory=list)
-    ambiguous: list[Frame] = field(default_factory=list)
+    ambiguous: list[Event] = field(default_factory=list)
 
 
 def settled(events: Sequence[Event], line: Line, rate: Fraction, found: Sequence[Word]) -> Settled:
@@ -76,7 +76,8 @@ class _Settling:
         self._items = [
             event
             for event in events
-            if isinstance(event, Frame) or (isinstance(event, RejectedStart) and event.end - event.at >= LIKELY * width)
+            if event.kind is UartRowKind.FRAME
+            or (event.kind is UartRowKind.REJECTED and event.end - event.at >= LIKELY * width)
         ]
         # Time from the start of a frame after which it has ended in every possible reading.
         self._pause = 2 * line.frame * width
@@ -86,10 +87,10 @@ class _Settling:
         item = word = 0
         while item < len(self._items):
             event = self._items[item]
-            if isinstance(event, Frame) and not event.unsure:
+            if event.kind is UartRowKind.FRAME and not event.unsure:
                 self._compare(done, event, word)
                 item, word = item + 1, word + 1
-            elif isinstance(event, Frame) and not event.unsure & 1:
+            elif event.kind is UartRowKind.FRAME and not event.unsure & 1:
                 if word < len(self._found) and self._fits(event, self._found[word]):
                     done.ambiguous.append(event)
                 else:
@@ -97,18 +98,18 @@ class _Settling:
                 item, word = item + 1, word + 1
             else:
                 frames, words = self._until_agreed(item, word)
-                done.ambiguous += [one for one in self._items[item : item + frames] if isinstance(one, Frame)]
+                done.ambiguous += [one for one in self._items[item : item + frames] if one.kind is UartRowKind.FRAME]
                 item, word = item + frames, word + words
         done.found += [one.happened for one in self._found[word:]]
         return done
 
-    def _compare(self, done: Settled, frame: Frame, word: int) -> None:
+    def _compare(self, done: Settled, frame: Event, word: int) -> None:
         words = byte_words(frame.value, frame.frame_error, frame.parity_error)
         done.expected.append(Happened(words, frame.at / self._rate))
         if word < len(self._found):
             done.found.append(self._found[word].happened)
 
-    def _fits(self, frame: Frame, word: Word) -> bool:
+    def _fits(self, frame: Event, word: Word) -> bool:
         """Return True if a word is a possible reading of the frame."""
         data = (1 << self._line.bits) - 1
         open_data = frame.unsure >> 1 & data
@@ -127,7 +128,7 @@ class _Settling:
         Of equally good agreements, choose the one with the fewest items, and then the one whose number of words is
         nearest to the usual number for these items.
         """
-        usual = int(isinstance(self._items[item], Frame))
+        usual = int(self._items[item].kind is UartRowKind.FRAME)
         last = item + 1
         while last < len(self._items) and self._items[last].at - self._items[last - 1].at < self._pause:
             last += 1
@@ -147,7 +148,7 @@ class _Settling:
         """
         items, found = self._items[item : item + AHEAD], self._found[word : word + AHEAD]
         for number, event in enumerate(items):
-            if not isinstance(event, Frame) or event.unsure & 1:
+            if event.kind is not UartRowKind.FRAME or event.unsure & 1:
                 return AHEAD
             if number == len(found) or not self._fits(event, found[number]):
                 return number
@@ -171,8 +172,8 @@ class LineErrors:
 
 def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequence[Event]) -> LineErrors:
     """Return the errors of a channel that was decoded as `line`, with the doubt about that format that follows."""
-    frames = [event for event in events if isinstance(event, Frame)]
-    breaks = {event.at for event in events if isinstance(event, Break)}
+    frames = [event for event in events if event.kind is UartRowKind.FRAME]
+    breaks = {event.at for event in events if event.kind is UartRowKind.BREAK}
     breaks |= _break_at_end(capture, channel, line)
     wrong = sum((one.frame_error or one.parity_error) and not one.unsure and one.at not in breaks for one in frames)
     found = LineErrors(wrong, len(frames), "")

@@ -137,11 +137,7 @@ class I2cOpenReplay(BusReplay):
         for bit, level in zip(byte.bits, chip, strict=True):
             ours = own and bit.driver is decode.Party.TARGET
             bits.append(bit._replace(value=level if ours else bit.value & level))
-        value: int | None = None
-        if byte.value is not None:
-            value = 0
-            for bit in bits[:8]:
-                value = value << 1 | bit.value
+        value = None if byte.value is None else decode.number_of(bits[:8])
         return decode.Byte(byte.at, value, None if byte.acked is None else not bits[8].value, tuple(bits))
 
     def _tick(self, position: Position) -> int:

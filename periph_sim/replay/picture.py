@@ -17,6 +17,8 @@ from pathlib import Path
 from ..records.register_maps import reads_take, yields_data
 from ..traces.capture.capture import Channel
 from ..traces.decode import i2c
+from ..traces.decode.i2c_table import I2cRowKind
+from ..traces.drawing.capture_lanes import LETTERS
 from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick, timing_diagram
 from .compare import Change, Divergence, Happened
 from .report import Report
@@ -26,6 +28,7 @@ BEFORE, AFTER = 22, 13  # numbers of bits shown before and after the divergence
 ALWAYS = ("AAS", "SDIR", "RRDY", "XRDY", "XSMT", "SCD", "NACK", "BB", "RXFFST", "RXRDY")
 MOST_FLAGS = 9
 LINES = ("SCL", "SDA")
+CONDITIONS = (I2cRowKind.START, I2cRowKind.REPEATED_START, I2cRowKind.STOP)
 
 
 @dataclass(frozen=True)
@@ -118,22 +121,13 @@ def _boxes(side: Side, window: tuple[float, float], wrong: float | None, bit: fl
             found.append(Box(begin, end, text, off))
 
     for transfer in side.transfers:
-        for number, phase in enumerate(transfer.phases):
-            start = side.of_transfer(phase.start.at)
-            add(start, start + 0.55 * bit, "Sr" if number else "S")
-            for place, byte in enumerate(phase.bytes):
-                if byte.value is None:
-                    continue
-                text = f"{byte.value:02X}"
-                if not place:
-                    text = f"{byte.value >> 1:02X} {'read' if byte.value & 1 else 'write'}"
-                add(side.of_transfer(byte.bits[0].at), side.of_transfer(byte.bits[7].at) + 0.45 * bit, text)
-                if byte.acked is not None:
-                    ninth = side.of_transfer(byte.bits[8].at)
-                    add(ninth, ninth + 0.45 * bit, "A" if byte.acked else "N")
-        if transfer.stop is not None and transfer.phases:
-            stop = side.of_transfer(transfer.stop.at)
-            add(stop, stop + 0.55 * bit, "P")
+        for event in i2c.events_of(transfer):
+            text = LETTERS.get(event.kind, f"{event.value:02X}")
+            if event.kind is I2cRowKind.ADDRESS:
+                text += " read" if event.read else " write"
+            if text:
+                wide = 0.55 if event.kind in CONDITIONS else 0.45
+                add(side.of_transfer(event.at), side.of_transfer(event.last) + wide * bit, text)
     return tuple(found)
 
 

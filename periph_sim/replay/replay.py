@@ -16,6 +16,7 @@ from ..core.wire import Wire
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c
+from ..traces.decode.i2c_table import I2cRowKind
 from .compare import Comparison, Happened
 from .divergence_history import AS_SLAVE, CaptureOrigin, FlagHistory, with_history
 from .i2c_setup import Played
@@ -133,9 +134,9 @@ class BusReplay(Replay):
             captured_events=part.captured_events,
             captured_transfers=len(part.whole),
             tolerance_us=float(tolerance * 1_000_000),
-            bytes=sum(isinstance(event, i2c.Address | i2c.Data) for event in replayed),
+            bytes=sum(event.kind in (I2cRowKind.ADDRESS, I2cRowKind.DATA) for event in replayed),
             addresses=[f"{address:02X}" for address in addresses],
-            nacks=sum(isinstance(event, i2c.Nack) for event in replayed),
+            nacks=sum(event.kind is I2cRowKind.NACK for event in replayed),
             captured_stretch_us=float(part.stretch / part.rate * 1_000_000),
             lag_samples=float(outcome.lag * part.sample_rate),
             **figures,

@@ -147,7 +147,7 @@ class SessionReplay(I2cReplay):
         line = line_of(dsp) if self._wanted is None else self._wanted
         words = line_events(self._serial, self._rx, line)
         self._serial_doubt = line_errors(self._serial, self._rx, line, words).doubt
-        frames = [word for word in words if isinstance(word, uart.Frame)]
+        frames = [word for word in words if word.kind is uart.UartRowKind.FRAME]
         per_position = scene.timebase.per_second / self._serial_rate
         character = line.frame * scene.timebase.per_second / Fraction(line.baud)
         kind, pause = host_frames(), (1 + PAUSE) * character / per_position
@@ -224,10 +224,10 @@ class SessionReplay(I2cReplay):
         return replace(verdict, at_s=float(round(Fraction(verdict.at_s) - lead, 9)))
 
 
-def _bursts(words: list[uart.Frame], pause: Fraction, most: int) -> list[list[uart.Frame]]:
+def _bursts(words: list[uart.Event], pause: Fraction, most: int) -> list[list[uart.Event]]:
     """Group words into frames: a new frame begins after `most` words, or if start bits are over `pause` apart."""
-    found: list[list[uart.Frame]] = []
-    last: uart.Frame | None = None
+    found: list[list[uart.Event]] = []
+    last: uart.Event | None = None
     for word in words:
         if last is None or word.at - last.at > pause or len(found[-1]) == most:
             found.append([])

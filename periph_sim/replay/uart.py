@@ -27,6 +27,7 @@ from ..scene.scene import Scene
 from ..scene.uart_lines import line_of
 from ..traces.capture.capture import Capture, gap_notes
 from ..traces.decode import uart as decode
+from ..traces.decode.uart import UartRowKind
 from . import BadReplay
 from .compare import NOTHING, Happened, compare
 from .divergence_history import AS_RECEIVER
@@ -157,7 +158,7 @@ class UartReplay(Replay):
         self._line = line = self._line_to_read()
         self._events = line_events(self._capture, self._channel.index, line)
         end = self.origin + int(self._capture.length * self.timebase.per_second / self._rate)
-        if not any(isinstance(event, decode.CutFrame) for event in self._events[-2:]):
+        if not any(event.kind is UartRowKind.CUT for event in self._events[-2:]):
             end += self.timebase.ticks(1 / Fraction(line.baud) + TAKEN, "up")
         self._play(end, progress)
         return ""
@@ -170,18 +171,18 @@ class UartReplay(Replay):
 
     def _report(self, stuck: list[str]) -> Report:
         line, events = self._line, self._events
-        frames = [event for event in events if isinstance(event, decode.Frame)]
-        breaks = [event for event in events if isinstance(event, decode.Break)]
+        frames = [event for event in events if event.kind is UartRowKind.FRAME]
+        breaks = [event for event in events if event.kind is UartRowKind.BREAK]
         errors = line_errors(self._capture, self._channel.index, line, events)
         judged = settled(events, line, self._rate, self._received())
         outcome = compare(judged.expected, judged.found)
         divergence = outcome.divergence
         notes = self._notes + self._rate_notes(line) + self._ambiguous_notes(judged.ambiguous, len(frames))
-        cut = [event for event in events if isinstance(event, decode.CutFrame)]
+        cut = [event for event in events if event.kind is UartRowKind.CUT]
         if cut:
             notes.append(
                 f"frames cut off by the end of the capture, not compared: {len(cut)}, the "
-                f"last with {counted(len(cut[-1].bits), 'data bit')}"
+                f"last with {counted(cut[-1].bits, 'data bit')}"
             )
         left = self._left()
         behind = None if divergence is None else len(judged.expected) - divergence.index
@@ -240,7 +241,7 @@ class UartReplay(Replay):
             for tick, word in self._words
         ]
 
-    def _ambiguous_notes(self, ambiguous: list[decode.Frame], frames: int) -> list[str]:
+    def _ambiguous_notes(self, ambiguous: list[decode.Event], frames: int) -> list[str]:
         if not ambiguous:
             return []
         first = ambiguous[0]

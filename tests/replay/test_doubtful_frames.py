@@ -18,8 +18,7 @@ from periph_sim.replay.uart import LEAD, UartReplay, line_format, line_settings
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Span
-from periph_sim.traces.decode import uart
-from periph_sim.traces.decode.uart import Frame, Line, RejectedStart
+from periph_sim.traces.decode.uart import Event, Line, UartRowKind
 from periph_sim.traces.formats import Capture
 from tests.captures.where import OURS
 from tests.traces.decode.drawing import of_bytes
@@ -166,15 +165,15 @@ LOGGER = Path(__file__).resolve().parents[2] / "timing" / "uart_logger.toml"
 PLAIN = Line(100_000)  # ten samples a bit at 1 MHz
 
 
-def judged(events: list[uart.Event], *words: int, line: Line = PLAIN) -> tuple[list[str], list[str], int]:
+def judged(events: list[Event], *words: int, line: Line = PLAIN) -> tuple[list[str], list[str], int]:
     """(words expected, words found, frames that are ambiguous)"""
     found = [Word(word, False, False, Fraction(n)) for n, word in enumerate(words)]
     result: Settled = settled(events, line, Fraction(10**6), found)
     return [e.words for e in result.expected], [f.words for f in result.found], len(result.ambiguous)
 
 
-def frame(at: int, value: int, unsure: int = 0) -> Frame:
-    return Frame(at, at + 100, value, False, False, bool(unsure), unsure)
+def frame(at: int, value: int, unsure: int = 0) -> Event:
+    return Event(UartRowKind.FRAME, at, at + 100, value, 8, False, False, bool(unsure), unsure)
 
 
 def test_without_glitches_everything_is_judged():
@@ -243,7 +242,7 @@ def test_of_words_that_repeat_those_are_taken_that_end_with_the_line():
 
 
 def test_a_rejected_start_of_a_quarter_bit_may_be_a_frame_and_a_shorter_one_is_none():
-    likely, short = RejectedStart(0, 4), RejectedStart(0, 2)
+    likely, short = Event(UartRowKind.REJECTED, 0, 4), Event(UartRowKind.REJECTED, 0, 2)
     events = [frame(1000, 0x55)]
     assert judged([likely, *events], 0xFF, 0x55) == judged([likely, *events], 0x55) == (["55"], ["55"], 0)
     assert judged([short, *events], 0xFF, 0x55) == (["55"], ["FF", "55"], 0)

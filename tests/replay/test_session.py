@@ -18,7 +18,7 @@ from periph_sim.timing.verdict import Verdict
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode import i2c
-from periph_sim.traces.decode.uart import Frame, Line
+from periph_sim.traces.decode.uart import Event, Line, UartRowKind
 from tests.replay.make_session import ran, sampled, samples
 from tests.replay.slow import slow_case
 from tests.scene.runs import TIMING, Edges
@@ -224,7 +224,7 @@ def test_a_firmware_that_holds_scl_until_patience_is_over_is_stuck(tmp_path):
 def test_a_frame_ends_with_its_twelfth_byte_or_a_pause():
     """Bytes 10 positions apart; a pause of more than 30 ends a frame, too."""
     begins = [*range(0, 140, 10), 160, 190, 221, 231]
-    found = _bursts([Frame(at, at + 10, 0, False, False, False, 0) for at in begins], Fraction(30), 12)
+    found = _bursts([Event(UartRowKind.FRAME, at, at + 10) for at in begins], Fraction(30), 12)
     assert [[frame.at for frame in burst] for burst in found] == [begins[:12], begins[12:16], begins[16:]]
 
 

@@ -13,7 +13,7 @@ Rules, from the I2C-bus specification (UM10204, section 3.1):
   counts at a rising SCL and its old level at a falling SCL, and neither is a START or STOP.
 - A falling SDA while SCL is high before and after it is a START or repeated START, a rising one is a STOP, also within
   a byte. The pulse of SCL in which it lies is no bit, except the ninth: the sender sampled the ACK when SCL rose. The
-  bits of an incomplete byte are `Cut`.
+  bits of an incomplete byte are CUT.
 - The first byte after a START is the address. After R/W = 1 the target drives the bytes and the controller the ACKs;
   otherwise it is the other way round. This party should drive: the lines do not show which one did.
 - The two bytes of a 10-bit address are not combined: 11110xx is decoded as an address and the second byte as data.
@@ -21,7 +21,7 @@ Rules, from the I2C-bus specification (UM10204, section 3.1):
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import NamedTuple
@@ -39,66 +39,34 @@ class Party(Enum):
     TARGET = "target"
 
 
-@dataclass(frozen=True, slots=True)
-class Start:
+class Event(NamedTuple):
+    """An event: a row of `I2cTable`, except that the second byte of a 10-bit address is DATA.
+
+    at: START, STOP: the edge of SDA; ACK, NACK: the rising SCL of the ninth bit; else that of the first bit.
+    last: the rising SCL of the last bit, which is the R/W bit of an address; START, STOP: as `at`.
+    value: the seven bits of an ADDRESS, the byte of DATA, the bits of CUT with the last one least significant; else -1.
+    bits: the number of bits: 8 of a whole byte, 1 of ACK and NACK, fewer than 8 of CUT, 0 of START and STOP.
+    read: True if the target sends in this phase, according to the R/W bit of the address.
+    """
+
+    kind: I2cRowKind
     at: int
+    last: int
+    value: int = -1
+    bits: int = 0
+    read: bool = False
 
 
-@dataclass(frozen=True, slots=True)
-class RepeatedStart:
-    at: int
-
-
-@dataclass(frozen=True, slots=True)
-class Address:
-    """An address byte. value: the seven bits of the address. rw_at: the rising SCL of the R/W bit."""
-
-    at: int
-    value: int
-    read: bool
-    rw_at: int
-
-
-@dataclass(frozen=True, slots=True)
-class Data:
-    """A data byte. read: True if the target sends it, according to the R/W bit of the address."""
-
-    at: int
-    value: int
-    read: bool
-
-
-@dataclass(frozen=True, slots=True)
-class Ack:
-    at: int
-
-
-@dataclass(frozen=True, slots=True)
-class Nack:
-    at: int
-
-
-@dataclass(frozen=True, slots=True)
-class Stop:
-    at: int
-
-
-@dataclass(frozen=True, slots=True)
-class Cut:
-    """Bits of an incomplete byte, most significant first. A START, a STOP or the end of the capture cut it off."""
-
-    at: int
-    bits: tuple[int, ...]
-
-
-Event = Start | RepeatedStart | Address | Data | Ack | Nack | Stop | Cut
-
-PLAIN: dict[I2cRowKind, Callable[[int], Event]] = {
-    I2cRowKind.START: Start,
-    I2cRowKind.REPEATED_START: RepeatedStart,
-    I2cRowKind.ACK: Ack,
-    I2cRowKind.NACK: Nack,
-    I2cRowKind.STOP: Stop,
+# The usual names of events.
+NAMES = {
+    I2cRowKind.START: "START",
+    I2cRowKind.REPEATED_START: "repeated START",
+    I2cRowKind.ADDRESS: "address",
+    I2cRowKind.DATA: "byte",
+    I2cRowKind.ACK: "ACK",
+    I2cRowKind.NACK: "NACK",
+    I2cRowKind.STOP: "STOP",
+    I2cRowKind.CUT: "cut byte",
 }
 
 
@@ -200,31 +168,37 @@ def events_of_table(table: I2cTable) -> list[Event]:
 
 
 def _event(kind: I2cRowKind, at: int, last: int, value: int, bits: int, read: bool) -> Event:
-    if kind is I2cRowKind.ADDRESS:
-        return Address(at, value, read, last)
-    if kind is I2cRowKind.DATA or kind is I2cRowKind.ADDRESS_LOW:
-        return Data(at, value & 0xFF, read)
-    if kind is I2cRowKind.CUT:
-        return Cut(at, tuple(value >> place & 1 for place in range(bits - 1, -1, -1)))
-    return PLAIN[kind](at)
+    if kind is I2cRowKind.ADDRESS_LOW:
+        return Event(I2cRowKind.DATA, at, last, value & 0xFF, bits, read)
+    return Event(kind, at, last, value, bits, read)
 
 
 def events_of(transfer: Transfer) -> Iterator[Event]:
     """Yield the events of one transfer, in order."""
     for number, phase in enumerate(transfer.phases):
-        yield RepeatedStart(phase.start.at) if number else Start(phase.start.at)
+        start = phase.start.at
+        yield Event(I2cRowKind.REPEATED_START if number else I2cRowKind.START, start, start)
+        read = bool(phase.read)
         for place, byte in enumerate(phase.bytes):
+            sent = byte.bits[:8]
+            kind = I2cRowKind.DATA if place else I2cRowKind.ADDRESS
             if byte.value is None:
-                yield Cut(byte.at, tuple(bit.value for bit in byte.bits))
-                continue
-            if place == 0:
-                yield Address(byte.at, byte.value >> 1, bool(byte.value & 1), byte.bits[7].at)
-            else:
-                yield Data(byte.at, byte.value, bool(phase.read))
+                kind = I2cRowKind.CUT
+            value = number_of(sent) >> (kind is I2cRowKind.ADDRESS)
+            yield Event(kind, byte.at, sent[-1].at, value, len(sent), read)
             if byte.acked is not None:
-                yield Ack(byte.bits[8].at) if byte.acked else Nack(byte.bits[8].at)
+                ninth = byte.bits[8].at
+                yield Event(I2cRowKind.ACK if byte.acked else I2cRowKind.NACK, ninth, ninth, -1, 1, read)
     if transfer.stop is not None and transfer.phases:
-        yield Stop(transfer.stop.at)
+        yield Event(I2cRowKind.STOP, transfer.stop.at, transfer.stop.at)
+
+
+def number_of(bits: Sequence[Bit]) -> int:
+    """Return the number that bits form, the first one most significant."""
+    value = 0
+    for bit in bits:
+        value = value << 1 | bit.value
+    return value
 
 
 def shared_edges(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> int:
@@ -280,11 +254,7 @@ def _phase(start: Condition, pulses: list[_Pulse]) -> Phase:
 def _byte(pulses: list[_Pulse], sender: Party) -> Byte:
     other = Party.TARGET if sender is Party.CONTROLLER else Party.CONTROLLER
     bits = [Bit(*pulse, sender) for pulse in pulses[:8]] + [Bit(*pulse, other) for pulse in pulses[8:]]
-    value: int | None = None
-    if len(bits) >= 8:
-        value = 0
-        for bit in bits[:8]:
-            value = value << 1 | bit.value
+    value = number_of(bits[:8]) if len(bits) >= 8 else None
     return Byte(bits[0].at, value, not bits[8].value if len(bits) == BITS else None, tuple(bits))
 
 

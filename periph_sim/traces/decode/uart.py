@@ -25,7 +25,6 @@ access each. All other steps are done for all frames at once in a table, whose r
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from enum import IntEnum
 from fractions import Fraction
 from math import ceil
@@ -305,58 +304,21 @@ def _parity(kind: str, value: NDArray[np.int32]) -> NDArray[np.int32]:
     return (odd & 1) ^ np.int32(kind == "odd")
 
 
-__all__ = ["PARITIES", "Break", "CutFrame", "Event", "Frame", "Line", "RejectedStart", "events"]
+__all__ = ["PARITIES", "Event", "Line", "events"]
 
 
-@dataclass(frozen=True, slots=True)
-class Frame:
-    """A frame.
+class Event(NamedTuple):
+    """A row of `UartTable`."""
 
-    at: the position of the start edge.
-    end: the end of its last stop bit.
-    value: the data bits; the first one is the least significant.
-    glitched: True if there is a glitch between the start edge and the end of the first stop bit.
-    unsure: a mask of the bits that receivers may read differently because of a glitch. Bit 0 is the start bit; then
-        follow data, parity and the first stop bit.
-    """
-
+    kind: UartRowKind
     at: int
     end: int
-    value: int
-    parity_error: bool
-    frame_error: bool
+    value: int = -1
+    bits: int = 0
+    parity_error: bool = False
+    frame_error: bool = False
     glitched: bool = False
     unsure: int = 0
-
-
-@dataclass(frozen=True, slots=True)
-class Break:
-    """The line was low from `at` to `end`, a whole frame or longer."""
-
-    at: int
-    end: int
-
-
-@dataclass(frozen=True, slots=True)
-class CutFrame:
-    """A frame that the end of the capture, or of its known part, cuts off.
-
-    bits: the received data bits, least significant first.
-    """
-
-    at: int
-    bits: tuple[int, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class RejectedStart:
-    """A low phase that is too short for a start bit. at: its falling edge. end: the next rising edge."""
-
-    at: int
-    end: int
-
-
-Event = Frame | Break | CutFrame | RejectedStart
 
 
 def events(capture: Capture, channel: str | int, line: Line, vote: bool = False) -> list[Event]:
@@ -374,18 +336,4 @@ def events(capture: Capture, channel: str | int, line: Line, vote: bool = False)
 
 def events_of_table(table: UartTable) -> list[Event]:
     """Return the rows of a table as events."""
-    return [
-        _event(UartRowKind(kind), *rest) for kind, *rest in zip(*(column.tolist() for column in table), strict=True)
-    ]
-
-
-def _event(
-    kind: UartRowKind, at: int, end: int, value: int, bits: int, parity: bool, frame: bool, glitched: bool, unsure: int
-) -> Event:
-    if kind is UartRowKind.FRAME:
-        return Frame(at, end, value, parity, frame, glitched, unsure)
-    if kind is UartRowKind.BREAK:
-        return Break(at, end)
-    if kind is UartRowKind.REJECTED:
-        return RejectedStart(at, end)
-    return CutFrame(at, tuple(value >> place & 1 for place in range(bits)))
+    return [Event(UartRowKind(kind), *rest) for kind, *rest in zip(*(c.tolist() for c in table), strict=True)]

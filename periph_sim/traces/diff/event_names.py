@@ -12,6 +12,8 @@ from typing import NamedTuple
 
 from ..capture.capture import Capture
 from ..decode import i2c, uart
+from ..decode.i2c_table import I2cRowKind
+from ..decode.uart import UartRowKind
 
 
 class Event(NamedTuple):
@@ -29,7 +31,7 @@ def i2c_groups(capture: Capture, scl: str | int, sda: str | int) -> list[Group]:
     """Return the transfers of a capture from its first START on. Raise LookupError for a missing channel."""
     groups: list[Group] = []
     for event in i2c.events(capture, scl, sda):
-        if isinstance(event, i2c.Start):
+        if event.kind is I2cRowKind.START:
             groups.append([])
         groups[-1].append(_i2c_event(event))
     return groups
@@ -42,34 +44,26 @@ def uart_groups(capture: Capture, channel: str | int, line: uart.Line) -> list[G
     """
     digits = (line.bits + 3) // 4
     events = uart.events(capture, channel, line)
-    return [[_uart_event(event, digits)] for event in events if not isinstance(event, uart.RejectedStart)]
+    return [[_uart_event(event, digits)] for event in events if event.kind is not UartRowKind.REJECTED]
 
 
 def _i2c_event(event: i2c.Event) -> Event:
-    match event:
-        case i2c.Start(at):
-            return Event("START", "START", at)
-        case i2c.RepeatedStart(at):
-            return Event("repeated START", "repeated START", at)
-        case i2c.Address(at, value, read):
-            return Event("address", f"address {value:02X} {'R' if read else 'W'}", at)
-        case i2c.Data(at, value):
-            return Event("byte", f"byte {value:02X}", at)
-        case i2c.Ack(at):
-            return Event("ACK", "ACK", at)
-        case i2c.Nack(at):
-            return Event("NACK", "NACK", at)
-        case i2c.Stop(at):
-            return Event("STOP", "STOP", at)
-        case i2c.Cut(at, bits):
-            return Event("cut byte", f"cut byte {''.join(map(str, bits))}", at)
+    kind = i2c.NAMES[event.kind]
+    detail = ""
+    if event.kind is I2cRowKind.ADDRESS:
+        detail = f" {event.value:02X} {'R' if event.read else 'W'}"
+    elif event.kind is I2cRowKind.DATA:
+        detail = f" {event.value:02X}"
+    elif event.kind is I2cRowKind.CUT:
+        detail = f" {event.value:0{event.bits}b}"
+    return Event(kind, kind + detail, event.at)
 
 
-def _uart_event(event: uart.Frame | uart.Break | uart.CutFrame, digits: int) -> Event:
-    match event:
-        case uart.Frame(at, _, value, parity_error, frame_error):
-            return Event("frame", f"{value:0{digits}X}{' PE' * parity_error}{' FE' * frame_error}", at)
-        case uart.Break(at):
-            return Event("break", "break", at)
-        case uart.CutFrame(at, bits):
-            return Event("cut frame", f"cut frame {''.join(map(str, bits))}", at)
+def _uart_event(event: uart.Event, digits: int) -> Event:
+    if event.kind is UartRowKind.FRAME:
+        word = f"{event.value:0{digits}X}{' PE' * event.parity_error}{' FE' * event.frame_error}"
+        return Event("frame", word, event.at)
+    if event.kind is UartRowKind.BREAK:
+        return Event("break", "break", event.at)
+    received = f"{event.value:0{event.bits}b}"[::-1] if event.bits else ""
+    return Event("cut frame", f"cut frame {received}", event.at)

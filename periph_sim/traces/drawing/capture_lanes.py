@@ -11,7 +11,7 @@ import numpy as np
 
 from ..capture.capture import Capture, Channel, Span
 from ..decode import i2c
-from ..decode.i2c_table import edges_of
+from ..decode.i2c_table import I2cRowKind, edges_of
 from .svg_diagram import BLACK, Box, Lane
 
 BUS = ("SCL", "SDA")
@@ -73,19 +73,25 @@ def _boxes(capture: Capture, span: Span, seconds: Seconds, columns: int) -> tupl
 Stretch = tuple[float, float, str]  # begin and end of a box, and its text
 
 
+# The texts of the boxes of events other than bytes. Incomplete bytes have no box.
+LETTERS = {
+    I2cRowKind.START: "S",
+    I2cRowKind.REPEATED_START: "Sr",
+    I2cRowKind.ACK: "A",
+    I2cRowKind.NACK: "N",
+    I2cRowKind.STOP: "P",
+    I2cRowKind.CUT: "",
+}
+
+
 def _bytes(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
     """Yield the boxes of a transfer: START, bytes, ACKs and STOP."""
-    for number, phase in enumerate(transfer.phases):
-        yield phase.start.at, phase.start.at + bit / 2, "Sr" if number else "S"
-        for place, byte in enumerate(phase.bytes):
-            if byte.value is None:
-                continue
-            text = f"0x{byte.value:02X}" if place else f"0x{byte.value >> 1:02X} {'R' if byte.value & 1 else 'W'}"
-            yield byte.bits[0].at, byte.bits[7].at + bit / 2, text
-            if byte.acked is not None:
-                yield byte.bits[8].at, byte.bits[8].at + bit / 2, "A" if byte.acked else "N"
-    if transfer.stop is not None and transfer.phases:
-        yield transfer.stop.at, transfer.stop.at + bit / 2, "P"
+    for event in i2c.events_of(transfer):
+        text = LETTERS.get(event.kind, f"0x{event.value:02X}")
+        if event.kind is I2cRowKind.ADDRESS:
+            text += " R" if event.read else " W"
+        if text:
+            yield event.at, event.last + bit / 2, text
 
 
 def _phases(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:

@@ -219,7 +219,7 @@ def test_a_vcd_is_exact_where_a_tick_is_whole_nanoseconds_and_rounded_up_elsewhe
 def test_sigrok_decodes_bus_and_line_of_a_recorded_run(runs: Path, suffix: str):
     path, wires = runs / f"run{suffix}", formats.read(runs / "run.psr")
     said = [line.split(": ", 1)[1] for line in sigrok_says(path, "i2c:scl=SCL:sda=SDA").splitlines()]
-    bytes_ = [event for event in i2c.events(wires) if isinstance(event, i2c.Data)]
+    bytes_ = [event for event in i2c.events(wires) if event.kind.name == "DATA"]
     assert [line for line in said if line.startswith("Data")] == [
         f"Data {'read' if event.read else 'write'}: {event.value:02X}" for event in bytes_
     ]

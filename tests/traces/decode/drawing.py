@@ -1,11 +1,13 @@
-"""Lines drawn as text, one character a sample (`-` high, `_` low), become a Capture."""
+"""Lines drawn as text, one character a sample (`-` high, `_` low), become a Capture, and events plain tuples."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from fractions import Fraction
 from pathlib import Path
 
 from periph_sim.traces.capture.capture import Capture, Channel, channel_of
+from periph_sim.traces.decode.i2c import Event
 
 LEVELS = {"-": 1, "_": 0, "?": None}
 
@@ -30,3 +32,19 @@ def of_bytes(samples: bytes, names: tuple[str, ...], rate: int = 1_000_000) -> C
         for bit, name in enumerate(names)
     )
     return Capture(Path("samples"), Fraction(rate), len(samples), channels)
+
+
+Plain = tuple[object, ...]
+
+
+def plain(events: Iterable[Event]) -> list[Plain]:
+    """Name and position of each I2C event, with value and direction of a byte and the place of an address's R/W bit."""
+    found: list[Plain] = []
+    for event in events:
+        more: Plain = ()
+        if event.kind.name == "CUT":
+            more = (tuple(event.value >> place & 1 for place in reversed(range(event.bits))),)
+        elif event.kind.name in ("ADDRESS", "DATA"):
+            more = event.value, event.read, *([event.last] if event.kind.name == "ADDRESS" else [])
+        found.append((event.kind.name, event.at, *more))
+    return found

@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.traces.decode import uart
-from periph_sim.traces.decode.uart import Break, CutFrame, Frame, Line, RejectedStart
+from periph_sim.traces.decode.uart import Event, Line, UartRowKind
 from tests.profiles import examples
 from tests.traces.decode.drawing import drawn, of_bytes
 from tests.traces.formats.writers import frame_bits, uart_wave
@@ -18,14 +18,27 @@ from tests.traces.formats.writers import frame_bits, uart_wave
 MEGA = Line(baud=100_000)  # ten samples a bit in a drawing
 
 
-def seen(bits: list[int], line: Line, width: Fraction | int = 10, tail: int = 40) -> list[uart.Event]:
+def seen(bits: list[int], line: Line, width: Fraction | int = 10, tail: int = 40) -> list[Event]:
     width = Fraction(width)
     samples = uart_wave([(Fraction(20), bits)], width, 20 + int(len(bits) * width) + tail)
     return uart.events(of_bytes(samples, ("RX",), round(line.baud * width)), "RX", line)
 
 
+def framed(at: int, end: int, value: int, *faults: int, bits: int = 8) -> Event:
+    """faults: parity error, frame error, glitched, unsure."""
+    return Event(UartRowKind.FRAME, at, end, value, bits, *faults)
+
+
+def broken(at: int, end: int) -> Event:
+    return Event(UartRowKind.BREAK, at, end)
+
+
+def cut(at: int, end: int, bits: tuple[int, ...]) -> Event:
+    return Event(UartRowKind.CUT, at, end, sum(bit << place for place, bit in enumerate(bits)), len(bits))
+
+
 def test_one_frame():
-    assert seen(frame_bits(0x4B), MEGA) == [Frame(20, 120, 0x4B, False, False)]
+    assert seen(frame_bits(0x4B), MEGA) == [framed(20, 120, 0x4B)]
 
 
 @pytest.mark.parametrize("parity", uart.PARITIES)
@@ -35,33 +48,33 @@ def test_every_shape_of_frame(parity: str, bits: int, stop: int):
     line = Line(100_000, bits, parity, stop)
     value = 0x155 & (1 << bits) - 1
     end = 20 + 10 * (1 + bits + (parity != "none") + stop)
-    assert seen(frame_bits(value, bits, parity, stop), line) == [Frame(20, end, value, False, False)]
+    assert seen(frame_bits(value, bits, parity, stop), line) == [framed(20, end, value, bits=bits)]
 
 
 @pytest.mark.parametrize(("bits", "value"), [(1, 1), (16, 0xA5C3)])
 def test_the_shortest_and_the_longest_frame(bits: int, value: int):
     end = 20 + 10 * (1 + bits + 1)
-    assert seen(frame_bits(value, bits), Line(100_000, bits)) == [Frame(20, end, value, False, False)]
+    assert seen(frame_bits(value, bits), Line(100_000, bits)) == [framed(20, end, value, bits=bits)]
 
 
 @pytest.mark.parametrize(("sent", "expected"), [("even", "odd"), ("odd", "even"), ("mark", "space"), ("space", "mark")])
 def test_the_wrong_parity_is_an_error(sent: str, expected: str):
     (frame,) = seen(frame_bits(0x31, 8, sent), Line(100_000, 8, expected))
-    assert frame == Frame(20, 130, 0x31, True, False)
+    assert frame == framed(20, 130, 0x31, True, False)
 
 
 def test_a_low_stop_bit_is_a_frame_error():
-    assert seen([*frame_bits(0xF0)[:-1], 0], MEGA) == [Frame(20, 120, 0xF0, False, True)]
+    assert seen([*frame_bits(0xF0)[:-1], 0], MEGA) == [framed(20, 120, 0xF0, False, True)]
 
 
 def test_a_low_phase_as_long_as_a_frame_is_a_break_too():
-    assert seen([0] * 10, MEGA) == [Frame(20, 120, 0, False, True), Break(20, 120)]
-    assert seen([0] * 14, MEGA) == [Frame(20, 120, 0, False, True), Break(20, 160)]
-    assert seen([0] * 9, MEGA) == [Frame(20, 120, 0, False, False)]
+    assert seen([0] * 10, MEGA) == [framed(20, 120, 0, False, True), broken(20, 120)]
+    assert seen([0] * 14, MEGA) == [framed(20, 120, 0, False, True), broken(20, 160)]
+    assert seen([0] * 9, MEGA) == [framed(20, 120, 0)]
 
 
 def test_a_break_without_an_end_in_the_capture_is_not_reported():
-    assert seen([0] * 30, MEGA, tail=0) == [Frame(20, 120, 0, False, True)]
+    assert seen([0] * 30, MEGA, tail=0) == [framed(20, 120, 0, False, True)]
 
 
 def test_a_low_glitch_shorter_than_half_a_bit_is_a_rejected_start():
@@ -70,12 +83,12 @@ def test_a_low_glitch_shorter_than_half_a_bit_is_a_rejected_start():
     wave = uart_wave([(Fraction(60), frame_bits(0x99))], Fraction(10), 300)
     both = bytes(a & b for a, b in zip(samples, wave, strict=True))
     assert uart.events(of_bytes(both, ("RX",)), "RX", MEGA) == [
-        RejectedStart(30, 34),
-        Frame(60, 160, 0x99, False, False),
+        Event(UartRowKind.REJECTED, 30, 34),
+        framed(60, 160, 0x99),
     ]
 
 
-def glitched(*places: int, value: int = 0x4B, vote: bool = False) -> list[uart.Event]:
+def glitched(*places: int, value: int = 0x4B, vote: bool = False) -> list[Event]:
     """A frame of ten samples a bit from sample 20 on, with single samples turned over."""
     samples = bytearray(uart_wave([(Fraction(20), frame_bits(value))], Fraction(10), 200))
     for place in places:
@@ -95,31 +108,31 @@ def test_a_glitch_makes_the_bit_unsure_at_whose_place_receivers_look(place: int)
     (frame,) = glitched(place, vote=True)
     bit, within = divmod(place - 20, 10)
     inside = within <= 8 if bit == 0 else 3 <= within <= 8
-    assert frame == Frame(20, 120, 0x4B, False, False, True, 1 << bit if inside else 0)
+    assert frame == framed(20, 120, 0x4B, False, False, True, 1 << bit if inside else 0)
 
 
 def test_a_glitch_at_the_middle_of_a_bit_fools_one_look_and_not_three():
     """4B has the bits 1 1 0 1 0 0 1 0; the third one is looked at at sample 55."""
-    assert glitched(55) == [Frame(20, 120, 0x4F, False, False, True, 1 << 3)]
-    assert glitched(55, vote=True) == [Frame(20, 120, 0x4B, False, False, True, 1 << 3)]
-    assert glitched(54, 55, vote=True) == [Frame(20, 120, 0x4F, False, False, True, 1 << 3)], "two looks of three"
+    assert glitched(55) == [framed(20, 120, 0x4F, False, False, True, 1 << 3)]
+    assert glitched(55, vote=True) == [framed(20, 120, 0x4B, False, False, True, 1 << 3)]
+    assert glitched(54, 55, vote=True) == [framed(20, 120, 0x4F, False, False, True, 1 << 3)], "two looks of three"
 
 
 def test_two_glitches_in_the_start_bit_are_the_start_bits_and_a_vote_may_reject_it():
     (frame,) = glitched(22, 27)
-    assert isinstance(frame, Frame) and (frame.value, frame.unsure) == (0x4B, 1)
+    assert frame.kind is UartRowKind.FRAME and (frame.value, frame.unsure) == (0x4B, 1)
     rejected, *_ = glitched(24, 26, vote=True)
-    assert rejected == RejectedStart(20, 24), "high at the first and the last of three looks"
+    assert rejected == Event(UartRowKind.REJECTED, 20, 24), "high at the first and the last of three looks"
 
 
 def test_a_pulse_of_half_a_bit_is_no_glitch():
     (frame,) = glitched(50, 51, 52, 53, 54)
-    assert frame == Frame(20, 120, 0x4B, False, False)
+    assert frame == framed(20, 120, 0x4B)
 
 
 def test_a_line_that_starts_low_waits_for_its_first_falling_edge():
     samples = bytes(35) + uart_wave([(Fraction(20), frame_bits(0x12))], Fraction(10), 200)
-    assert uart.events(of_bytes(samples, ("RX",)), "RX", MEGA) == [Frame(55, 155, 0x12, False, False)]
+    assert uart.events(of_bytes(samples, ("RX",)), "RX", MEGA) == [framed(55, 155, 0x12)]
 
 
 def test_a_line_that_comes_from_low_and_stays_high_holds_nothing():
@@ -131,28 +144,28 @@ def test_frames_back_to_back_and_a_sender_five_percent_fast():
         frames = [(20 + 10 * width * n, frame_bits(byte)) for n, byte in enumerate(b"U\x00\xff3")]
         samples = uart_wave(frames, width, 500)
         found = uart.events(of_bytes(samples, ("RX",)), "RX", MEGA)
-        assert [frame.value for frame in found if isinstance(frame, Frame)] == list(b"U\x00\xff3")
+        assert [frame.value for frame in found if frame.kind is UartRowKind.FRAME] == list(b"U\x00\xff3")
 
 
 @pytest.mark.parametrize("kept", [1, 4, 6, 25, 94])
 def test_a_frame_cut_by_the_end_of_the_capture_says_its_bits(kept: int):
     samples = uart_wave([(Fraction(20), frame_bits(0b1100101))], Fraction(10), 20 + kept)
     bits = (1, 0, 1, 0, 0, 1, 1, 0)[: max(0, (kept - 6) // 10)]
-    assert uart.events(of_bytes(samples, ("RX",)), "RX", MEGA) == [CutFrame(20, bits)]
+    assert uart.events(of_bytes(samples, ("RX",)), "RX", MEGA) == [cut(20, 20 + kept, bits)]
 
 
 def test_a_gap_cuts_a_frame_and_what_follows_is_read_afresh():
     wave = uart_wave([(Fraction(20), frame_bits(0x4B)), (Fraction(300), frame_bits(0x21))], Fraction(10), 450)
     marks = "".join("_-"[level] for level in wave)
     holed = drawn(f"RX {marks[:70]}{'?' * 100}{marks[170:]}")
-    assert uart.events(holed, "RX", MEGA) == [CutFrame(20, (1, 1, 0, 1)), Frame(300, 400, 0x21, False, False)]
+    assert uart.events(holed, "RX", MEGA) == [cut(20, 70, (1, 1, 0, 1)), framed(300, 400, 0x21)]
 
 
 def test_an_inverted_line():
     samples = uart_wave([(Fraction(20), frame_bits(0x4B)), (Fraction(160), [0] * 12)], Fraction(10), 400)
     turned = bytes(1 - level for level in samples)
     found = uart.events(of_bytes(turned, ("RX",)), "RX", Line(100_000, invert=True))
-    assert found == [Frame(20, 120, 0x4B, False, False), Frame(160, 260, 0, False, True), Break(160, 280)]
+    assert found == [framed(20, 120, 0x4B), framed(160, 260, 0, False, True), broken(160, 280)]
 
 
 @given(st.integers(0, 255), st.integers(30, 2000), st.integers(0, 99))
@@ -162,7 +175,7 @@ def test_any_byte_at_any_width_from_three_samples_and_any_phase(value: int, tent
     begin = 20 + Fraction(phase, 100)
     samples = uart_wave([(begin, frame_bits(value))], width, 40 + int(11 * width))
     found = uart.events(of_bytes(samples, ("RX",), tenths * 1000), "RX", Line(10_000))
-    assert [(f.value, f.frame_error) for f in found if isinstance(f, Frame)] == [(value, False)]
+    assert [(f.value, f.frame_error) for f in found if f.kind is UartRowKind.FRAME] == [(value, False)]
 
 
 @pytest.mark.parametrize(

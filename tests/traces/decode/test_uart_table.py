@@ -52,13 +52,13 @@ def test_the_reader_of_a_wire_gives_the_same_frames(
     middle = (2 * form.length - 1) * width // 2
     falls = set(capture.channels[0].edges.tolist())
     until = min(
-        (one.at for one in found if not isinstance(one, uart.Frame | uart.Break) or one.at + middle in falls),
+        (one.at for one in found if one.kind not in (UartRowKind.FRAME, UartRowKind.BREAK) or one.at + middle in falls),
         default=len(samples),
     )
     assert [(one.begin, one.value, one.good) for one in heard if one.begin < until] == [
         (one.at, one.value, not (one.parity_error or one.frame_error))
         for one in found
-        if isinstance(one, uart.Frame) and one.at < until
+        if one.kind is UartRowKind.FRAME and one.at < until
     ]
 
 
@@ -180,7 +180,7 @@ def test_what_is_shorter_than_half_a_bit_is_a_glitch(length: int, glitched: bool
     capture = of_bytes(bytes(samples), ("RX",))
     assert uart_table(capture, "RX", Line(100_000)).glitched.tolist() == [glitched]
     (frame,) = uart.events(capture, "RX", Line(100_000))
-    assert isinstance(frame, uart.Frame) and frame.glitched == glitched
+    assert frame.kind is UartRowKind.FRAME and frame.glitched == glitched
 
 
 @pytest.mark.parametrize(("place", "unsure"), [(61, 0), (62, 1 << 4), (67, 1 << 4), (68, 1 << 4), (69, 0)])

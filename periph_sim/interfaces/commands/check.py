@@ -5,22 +5,19 @@ from __future__ import annotations
 from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 import msgspec
 
 from ...scene.project import project_of
+from ...timing.verdict import BROKEN, NOT_JUDGED, SEEN
 from ...traces.formats.atomic_write import atomic_write
 from ..reports.baselines.check import CaseCheck
 from ..reports.baselines.check import check as checked
 from ..reports.baselines.outcome import RejectedCase
-from .command_output import command_line, print_json, progress, running_user_code
+from .command_output import command_line, print_json, print_table, progress, running_user_code, say
 from .input_options import GUARANTEED, JSON, apart
 from .watched_files import note_inputs
-
-if TYPE_CHECKING:
-    from .tables import PlainTable
 
 SECTION = "run"
 EXAMPLE = "periph-sim check timing --junit results.xml"
@@ -166,25 +163,22 @@ def _html(checks: list[CaseCheck], jobs: int | None) -> str:
 def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
     from ..reports.explain.chain import text
     from .result_text import budget_table, legend
-    from .tables import say, terminal
 
-    console = terminal()
-    say(
-        console, f"check: {sum(one.passed for one in checks)} of {len(checks) + len(refused)} as they should be", "bold"
-    )
-    console.print(_table(checks, refused))
+    say(f"check: {sum(one.passed for one in checks)} of {len(checks) + len(refused)} as they should be", "bold")
+    rows = [*map(_row, checks), *(((case.path.stem, *[""] * 5, "refused"), "red") for case in refused)]
+    print_table(TITLES, rows, right=range(1, 5), whole=range(7))
     if checks:
-        say(console, LEGEND)
+        say(LEGEND)
     for case in refused:
-        say(console, f"Error: {case.why}")
+        say(f"Error: {case.why}")
     for one in (one for one in checks if not one.passed):
         if set(one.outcome.not_passed) != set(one.outcome.breaks):
-            say(console, f"{one.outcome.figures.case}: FAIL", "bold")
-            console.print(budget_table(one.outcome.verdicts))
+            say(f"{one.outcome.figures.case}: FAIL", "bold")
+            budget_table(one.outcome.verdicts)
             for line in legend(one.outcome.verdicts):
-                say(console, line)
+                say(line)
         for finding in one.findings:
-            say(console, f"{one.outcome.path.as_posix()}, line {finding.line}: {finding.text}")
+            say(f"{one.outcome.path.as_posix()}, line {finding.line}: {finding.text}")
         for chain in one.causes.values():
             click.echo("\n".join(["", *text(chain)]))
     for one in checks:
@@ -192,35 +186,26 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
         if notes and one.state != "written":
             changes_text = ", ".join(notes)
             say(
-                console,
                 f"note: {one.outcome.figures.case}: {changes_text} (counts of the simulation, which cannot fail)",
             )
     for one in checks:
         if one.state == "written":
             for change in one.changes:
-                say(console, f"{one.outcome.figures.case}: {change}")
+                say(f"{one.outcome.figures.case}: {change}")
             click.echo(f"written: {one.baseline.as_posix()}")
             if one.changes:
                 click.echo(one.diff)
 
 
+TITLES = ("case", "seen", "broken", "not\njudged", "must\nbreak", "baseline", "")
 LEGEND = "columns count budgets; must break: named in `breaks`; baseline: changed figures"
 
 
-def _table(checks: list[CaseCheck], refused: list[RejectedCase]) -> PlainTable:
-    """Return a table with a row for each case: numbers of budgets by verdict, and the baseline's result."""
-    from ...timing.verdict import BROKEN, NOT_JUDGED, SEEN
-    from .tables import PlainTable
-
-    titles = ("case", "seen", "broken", "not\njudged", "must\nbreak", "baseline", "")
-    table = PlainTable(titles, right=range(1, 5), whole=range(7))
-    for one in checks:
-        words = [verdict.word for verdict in one.outcome.verdicts]
-        numbers = [words.count(word) for word in (SEEN, BROKEN, NOT_JUDGED)]
-        changed = sum(not change.note for change in one.changes)
-        state = f"{changed} changed" if one.state == "changed" else one.state
-        cells = (one.outcome.figures.case, *map(str, numbers), str(len(one.outcome.breaks)), state)
-        table.add_row(*cells, "pass" if one.passed else "fail", style="" if one.passed else "red")
-    for case in refused:
-        table.add_row(case.path.stem, *[""] * 5, "refused", style="red")
-    return table
+def _row(one: CaseCheck) -> tuple[tuple[str, ...], str]:
+    """Return the cells and the style of a case: numbers of budgets by verdict, and the baseline's result."""
+    words = [verdict.word for verdict in one.outcome.verdicts]
+    numbers = [str(words.count(word)) for word in (SEEN, BROKEN, NOT_JUDGED)]
+    changed = sum(not change.note for change in one.changes)
+    state = f"{changed} changed" if one.state == "changed" else one.state
+    cells = (one.outcome.figures.case, *numbers, str(len(one.outcome.breaks)), state)
+    return (*cells, "pass" if one.passed else "fail"), "" if one.passed else "red"

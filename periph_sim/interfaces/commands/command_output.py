@@ -1,4 +1,7 @@
-"""Output that all commands share: JSON objects, errors in one sentence, the progress bar, the command line."""
+"""Output of all commands: lines, tables, JSON objects, errors in one sentence, the progress bar.
+
+Tables fit 80 columns without losing words. Lines have styles on a terminal, but not in a pipe or a file.
+"""
 
 from __future__ import annotations
 
@@ -7,12 +10,69 @@ import os
 import shlex
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 import click
 
 from ... import form
+from ...core.text_table import WIDTH, table_rows, together
+
+CODES = {"bold": 1, "dim": 2, "italic": 3, "red": 31, "yellow": 33}  # of the styles of lines, in escape sequences
+UNSEEN = dict.fromkeys((7, 8, 11, 12, 13))  # control codes that are removed from lines
+TAB = 8
+
+
+def say(text: str, style: str = "") -> None:
+    """Print text without breaking its lines, so that they can be searched for. style: a key of CODES, or ""."""
+    styled = bool(style) and _has_styles()
+    for line in text.split("\n"):
+        line = line.translate(UNSEEN).expandtabs(TAB)
+        click.echo(f"\x1b[{CODES[style]}m{line}\x1b[0m" if styled and line else line, color=True)
+
+
+def _has_styles() -> bool:
+    """Return True if standard output is a terminal with styles, or if a variable says so."""
+    if os.environ.get("NO_COLOR") or os.environ.get("TERM") in ("dumb", "unknown"):
+        return False
+    return sys.stdout.isatty() or bool(os.environ.get("FORCE_COLOR")) or os.environ.get("TTY_COMPATIBLE") == "1"
+
+
+def print_table(
+    titles: Sequence[str],
+    rows: Sequence[tuple[Sequence[str], str]],
+    right: Collection[int] = (),
+    whole: Collection[int] = (),
+) -> None:
+    """Print a table with a line under its titles. It is as wide as the terminal, but at least 80 columns.
+
+    rows: the cells of each row, and its style.
+    right: the numbers of the columns that are aligned at the right.
+    whole: the numbers of the columns whose cells are kept on one line.
+    """
+    lowest = max(title.count("\n") for title in titles)
+    low_titles = ["\n" * (lowest - title.count("\n")) + title for title in titles]
+    cells = [[together(cell) if n in whole else cell for n, cell in enumerate(row)] for row, _ in rows]
+    head, *body = table_rows(low_titles, cells, right, max(_columns(), WIDTH))
+    say("\n".join(["", *head[:-1]]), "bold")
+    say(head[-1])
+    for lines, (_, style) in zip(body, rows, strict=True):
+        say("\n".join(lines), style)
+    say("")
+
+
+def _columns() -> int:
+    """Return the number of columns, from the variable COLUMNS or from the terminal; 0 if there is none."""
+    said = os.environ.get("COLUMNS", "")
+    if said.isdecimal():
+        return int(said)
+    for stream in (sys.__stdin__, sys.__stdout__, sys.__stderr__):
+        try:
+            return 0 if stream is None else os.get_terminal_size(stream.fileno()).columns
+        except (ValueError, OSError):  # the stream is closed or no terminal
+            pass
+    return 0
+
 
 VERSION = 2  # incremented when a key is removed or changes its meaning, not for a new key
 
@@ -87,12 +147,8 @@ def progress(name: str) -> Iterator[Callable[[float], None] | None]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    console = Console(stderr=True)
-    if not console.is_terminal:
-        yield None
-        return
     columns = (TextColumn("{task.description}"), BarColumn(), TimeRemainingColumn())
-    with Progress(*columns, console=console, transient=True) as bar:
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task(name, total=1.0)
         began = time.monotonic()
         yield lambda done: bar.update(task, completed=done)

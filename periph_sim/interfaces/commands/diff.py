@@ -52,9 +52,7 @@ def diff(
     from ...replay import BadReplay
     from ...replay.channels import channel_map
     from ...traces import formats
-    from ...traces.diff import diff_i2c, diff_uart
-    from ...traces.diff.text_report import as_json as as_dict
-    from ...traces.diff.text_report import text
+    from ...traces.diff import diff_i2c, diff_uart, text_report
 
     allowed = None if tolerance is None else time_given("--tolerance", tolerance)
     channel, line = (None, None) if uart is None else _line(uart)
@@ -82,7 +80,7 @@ def diff(
     if not result.entries:
         what = "I2C transfer" if line is None else "UART frame"
         raise click.ClickException(f"{a} and {b}: no {what} in either; the mapping may be wrong")
-    print_answer("diff", as_dict(result, everything) if as_json else text(result, everything))
+    print_answer("diff", text_report.as_json(result, everything) if as_json else text_report.text(result, everything))
     return 0 if result.equal else 1
 
 

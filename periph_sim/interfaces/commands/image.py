@@ -26,24 +26,16 @@ def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_jso
     """
     if cycles != (function is not None):
         raise click.UsageError("--cycles and FUNCTION belong together: periph-sim image --cycles FILE FUNCTION")
-    if function is not None:
-        return _explain(image, function, as_json)
-    from ...processor.image_files.inspection import as_json as as_dict
-    from ...processor.image_files.inspection import inspect, text
+    from ...processor.image_files import function_cycles, inspection
     from ...processor.image_files.program_file import program_in
 
     with usage_errors_in_one_sentence():
-        found = inspect(program_in(image))
-    print_answer("image", as_dict(found) if as_json else text(found, verbose))
+        program = program_in(image)
+        if function is not None:
+            spent = function_cycles.function_cycles(program, function)
+            show = function_cycles.cycles_as_json if as_json else function_cycles.cycles_text
+            print_answer("image_cycles", show(spent))
+            return 0
+        found = inspection.inspect(program)
+    print_answer("image", inspection.as_json(found) if as_json else inspection.text(found, verbose))
     return 1 if found.unknown else 0
-
-
-def _explain(image: Path, function: str, as_json: bool) -> int:
-    """Show the cycles of one function."""
-    from ...processor.image_files.function_cycles import cycles_as_json, cycles_text, function_cycles
-    from ...processor.image_files.program_file import program_in
-
-    with usage_errors_in_one_sentence():
-        found = function_cycles(program_in(image), function)
-    print_answer("image_cycles", cycles_as_json(found) if as_json else cycles_text(found))
-    return 0

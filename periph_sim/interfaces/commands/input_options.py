@@ -11,7 +11,6 @@ import click
 
 from ...core.exact_number import exact_number
 from ...core.shorten import shorten
-from ...core.time import TimeError, seconds
 from .command_output import usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
@@ -68,13 +67,12 @@ def rate_given(option: str, text: str) -> Fraction:
 
 def time_given(option: str, text: str) -> Fraction:
     """Parse a time of 0 or more. Return seconds."""
+    from ...core.settings import duration
+
     try:
-        length = seconds(text)
-    except TimeError as error:
+        return duration(text)
+    except ValueError as error:
         raise click.ClickException(f"{option}: {error}") from None
-    if length < 0:
-        raise click.ClickException(f"{option}: {text!r} is negative; expected 0 or more")
-    return length
 
 
 def address_given(option: str, text: str) -> tuple[str, int]:
@@ -95,12 +93,7 @@ def pace_given(text: str) -> Fraction:
 
 def length_given(text: str) -> Fraction:
     """Parse the value of --seconds, such as 10 or '10 s'. Return seconds, 0 or more."""
-    from ...core.settings import duration
-
-    try:
-        return duration(text if text.strip()[-1:].isalpha() else f"{text} s")
-    except ValueError as error:
-        raise click.ClickException(f"--seconds: {error}") from None
+    return time_given("--seconds", text if text.strip()[-1:].isalpha() else f"{text} s")
 
 
 def check_file_name(place: Path) -> None:

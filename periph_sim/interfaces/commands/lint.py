@@ -23,13 +23,11 @@ def lint(run: Path, bound: str, sysclk: str | None, as_json: bool) -> int:
 
     RUN is the output of `run --record x.psr`. Exit status 0: nothing found; 1: something found.
     """
-    from ...records.lint import Options, text
-    from ...records.lint import as_json as as_dict
-    from ...records.lint import lint as lint_of
+    from ...records import lint as lints
 
-    options = Options(time_given("--bound", bound))
+    options = lints.Options(time_given("--bound", bound))
     with usage_errors_in_one_sentence():
         opened = open_run(run, sysclk)
-        findings = lint_of(opened, options)
-    print_answer("lint", as_dict(opened, findings) if as_json else text(opened, findings))
+        findings = lints.lint(opened, options)
+    print_answer("lint", lints.as_json(opened, findings) if as_json else lints.text(opened, findings))
     return 1 if findings else 0

@@ -25,12 +25,11 @@ def races(run: Path, register: str | None, least: int | None, no_lost: bool, sys
 
     RUN is the output of `run --record x.psr`. Flags that a read-modify-write cleared unintentionally are listed too.
     """
+    from ...records import races_text_report as report
     from ...records.races import races as races_of
-    from ...records.races_text_report import as_json as as_dict
-    from ...records.races_text_report import text
 
     with usage_errors_in_one_sentence():
         found = races_of(open_run(run, sysclk), register)
-    print_answer("races", as_dict(found) if as_json else text(found))
+    print_answer("races", report.as_json(found) if as_json else report.text(found))
     too_near = least is not None and found.closest is not None and found.closest < least
     return int(too_near or (no_lost and found.lost > 0))

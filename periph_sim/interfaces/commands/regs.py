@@ -10,9 +10,11 @@ import click
 from ...core.options import Answers, allowed
 from ...core.registers import Register, RegisterMap
 from ...core.suggest import did_you_mean
+from ...core.text_table import WIDTH
 from ...devices.chips import chip_models
 from ...f28335.parts.f28335 import PART
-from .tables import WIDTH, PlainTable, Screen, say, terminal
+from ...records.record_text import number
+from .command_output import print_table, say
 
 OPTIONS: dict[str, type[Answers]] = {
     **PART.options_classes(),
@@ -31,56 +33,52 @@ EXAMPLE = "periph-sim regs I2C-A.I2CSTR"
 @click.option("--options", "want_options", is_flag=True, help="List the open questions and their answers instead.")
 def regs(name: str | None, want_options: bool) -> None:
     """Show the registers of MODULE, one register as MODULE.REGISTER, or all modules."""
-    console = terminal()
     if want_options:
-        show_options(console, name)
+        show_options(name)
     elif name is None:
-        show_modules(console)
+        show_modules()
     else:
         module, _, register = name.partition(".")
         if module not in MAPS:
             raise click.ClickException(f"there is no module {module!r}; {did_you_mean(module, MAPS)}")
         base, registers = MAPS[module]
         if not register:
-            show_map(console, module, base, registers)
+            show_map(module, base, registers)
         elif register in registers:
-            show_register(console, module, base, registers[register])
+            show_register(module, base, registers[register])
         else:
             hint = did_you_mean(register, (r.name for r in registers))
             raise click.ClickException(f"{module} has no register {register!r}; {hint}")
 
 
-def show_modules(console: Screen) -> None:
-    table = PlainTable(("module", "base", "registers", "source"))
-    for module, (base, registers) in MAPS.items():
-        table.add_row(module, f"{base:#06x}", str(len(registers.registers)), registers.source)
-    console.print(table)
+def show_modules() -> None:
+    rows = [
+        ((module, f"{base:#06x}", str(len(registers.registers)), registers.source), "")
+        for module, (base, registers) in MAPS.items()
+    ]
+    print_table(("module", "base", "registers", "source"), rows)
 
 
-def show_map(console: Screen, module: str, base: int, registers: RegisterMap) -> None:
-    say(console, module, "bold")
-    table = PlainTable(("address", "register", "reset", "source"))
-    for register in registers:
-        table.add_row(f"{base + register.offset:#06x}", register.name, reset_of(register), register.source)
-    console.print(table)
+def show_map(module: str, base: int, registers: RegisterMap) -> None:
+    say(module, "bold")
+    rows = [((f"{base + r.offset:#06x}", r.name, reset_of(r), r.source), "") for r in registers]
+    print_table(("address", "register", "reset", "source"), rows)
 
 
-def show_register(console: Screen, module: str, base: int, register: Register) -> None:
+def show_register(module: str, base: int, register: Register) -> None:
     title = f"{module}.{register.name}  {base + register.offset:#06x}  reset {reset_of(register)}  [{register.source}]"
-    say(console, title)
+    say(title)
     if register.protected:
-        say(console, "writes need EALLOW")
-    table = PlainTable(("bits", "field", "access", "reset", "what it is"))
-    for f in register.fields:
-        table.add_row(f.bits, f.name, f.access, f"{f.reset:#x}" if f.reset > 9 else str(f.reset), f.doc)
-    console.print(table)
+        say("writes need EALLOW")
+    rows = [((f.bits, f.name, f.access, number(f.reset), f.doc), "") for f in register.fields]
+    print_table(("bits", "field", "access", "reset", "what it is"), rows)
 
 
 def reset_of(register: Register) -> str:
     return f"{register.reset:#0{2 + register.width // 4}x}"
 
 
-def show_options(console: Screen, name: str | None) -> None:
+def show_options(name: str | None) -> None:
     """Show each option with its values, the default first, and its question below."""
     if name is not None and name not in OPTIONS:
         raise click.ClickException(f"there are no options for {name!r}; {did_you_mean(name, OPTIONS)}")
@@ -92,6 +90,6 @@ def show_options(console: Screen, name: str | None) -> None:
                     values = f"{f.default} ({values})"
                 title = f"{group}.{f.name}: {values}"
                 for line in wrap(title, WIDTH, subsequent_indent="    ", break_on_hyphens=False):
-                    say(console, line)
+                    say(line)
                 for line in wrap(str(f.metadata["question"]), WIDTH, initial_indent="  ", subsequent_indent="  "):
-                    say(console, line)
+                    say(line)

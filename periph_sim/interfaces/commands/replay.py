@@ -23,10 +23,9 @@ from ...scene.case.load import load
 from ...scene.case.model import Case
 from ...traces.capture.capture import Capture
 from ...traces.formats.atomic_write import atomic_write
-from .command_output import print_json, progress, running_user_code
+from .command_output import print_json, print_table, progress, running_user_code, say
 from .input_options import CHANGES, JSON, RATE, SALVAGE, read_capture, time_given
 from .result_text import assumptions, budget_table, legend
-from .tables import PlainTable, Screen, say, terminal
 
 FIRST = {
     "byte": "first wrong byte",
@@ -190,7 +189,7 @@ def replay(
     if as_json:
         print_json("replay", dataclasses.asdict(report))
     else:
-        show(terminal(), report, case, verbose)
+        show(report, case, verbose)
     return 0 if report.verdict == PASS or (report.verdict == AMBIGUOUS and not strict) else 1
 
 
@@ -234,21 +233,21 @@ def _address(text: str) -> int:
     return address
 
 
-def show(console: Screen, report: Report, case: Case, verbose: bool) -> None:
+def show(report: Report, case: Case, verbose: bool) -> None:
     """Print the report. verbose: list the run's assumptions."""
-    say(console, f"{report.case}, {report.capture}: {headline(report)}", style="bold")
+    say(f"{report.case}, {report.capture}: {headline(report)}", style="bold")
     for line in ["", *columns(rows(report), indent=" "), ""]:
-        say(console, line)
+        say(line)
     if report.budgets:
-        console.print(budget_table(report.budgets))
+        budget_table(report.budgets)
         for line in legend(report.budgets):
-            say(console, line)
+            say(line)
     for divergence in report.divergences:
-        show_history(console, divergence)
+        show_history(divergence)
     for line in report.notes:
-        say(console, f"note: {line}")
+        say(f"note: {line}")
     for line in assumptions(report.unknowns, case, verbose):
-        say(console, line)
+        say(line)
 
 
 def rows(report: Report) -> list[tuple[str, str]]:
@@ -302,21 +301,21 @@ def _replayed_times(report: Report) -> list[tuple[str, str]]:
     ]
 
 
-def show_history(console: Screen, divergence: Divergence) -> None:
+def show_history(divergence: Divergence) -> None:
     """Print the changes of registers around a divergence: the last ones before it and the first ones after it."""
     if not divergence.history:
         return
     at = divergence.replay_s if divergence.replay_s is not None else divergence.history[-1].at_s
     before = _polls_as_one([change for change in divergence.history if change.at_s <= at])[-BEFORE:]
     after = _polls_as_one([change for change in divergence.history if change.at_s > at])[:AFTER]
-    say(console, f"the chip around the {FIRST[divergence.kind]}", "italic")
-    table = PlainTable(("at", "", "register", "value"), right=(0, 1, 3), whole=range(4))
+    say(f"the chip around the {FIRST[divergence.kind]}", "italic")
+    rows = []
     for change in [*before, *after]:
         access = change.what[:2] in ("R ", "W ")
         value = f"{change.value:04X}" if access else str(change.value)
         style = "dim" if change.at_s > at else ""
-        table.add_row(f"{change.at_s:.9f} s", f"{(change.at_s - at) * 1e6:+.3f} us", change.what, value, style=style)
-    console.print(table)
+        rows.append(((f"{change.at_s:.9f} s", f"{(change.at_s - at) * 1e6:+.3f} us", change.what, value), style))
+    print_table(("at", "", "register", "value"), rows, right=(0, 1, 3), whole=range(4))
 
 
 def _polls_as_one(changes: list[Change]) -> list[Change]:

@@ -9,7 +9,7 @@ from ...core.options import Value
 from ...scene.case.model import Case
 from ...scene.result import SKIPPED, Result
 from ...timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict, broken, figure, limit, simulated
-from .tables import PlainTable, Screen, say
+from .command_output import print_table, say
 
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
 # The singular of the names of counts that are nouns.
@@ -17,35 +17,34 @@ THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets":
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 
 
-def show(console: Screen, result: Result, case: Case, verbose: bool = False) -> None:
+def show(result: Result, case: Case, verbose: bool = False) -> None:
     """Print a result. verbose: list the run's assumptions and skipped events."""
-    say(console, f"{result.case}: {title(result)}{estimated(result)}", style="bold")
+    say(f"{result.case}: {title(result)}{estimated(result)}", style="bold")
     if result.budgets:
-        console.print(budget_table(result.budgets))
+        budget_table(result.budgets)
     else:
-        say(console, f"the case has no budget; put one at its top, for instance:\n{A_BUDGET}")
+        say(f"the case has no budget; put one at its top, for instance:\n{A_BUDGET}")
     for line in legend(result.budgets):
-        say(console, line)
+        say(line)
     say(
-        console,
         f"{simulated(result.simulated_s)} simulated; "
         f"{counted(result.wire_bytes, 'I2C byte')}, {_sci_bytes(result)}, "
         f"{counted(result.events, 'event')}",
     )
     for line in _counts(result, verbose):
-        say(console, line)
+        say(line)
     for line in found_lines(result.budgets):
-        say(console, line)
+        say(line)
     if result.first_wrong:
-        say(console, f"first wrong: {result.first_wrong}")
+        say(f"first wrong: {result.first_wrong}")
     for place, times in list(result.wrong.items())[:12]:
-        say(console, f"wrong: {place}, {counted(times, 'time')}")
+        say(f"wrong: {place}, {counted(times, 'time')}")
     for line in result.stuck:
-        say(console, f"stuck: {line}")
+        say(f"stuck: {line}")
     for line in result.notes:
-        say(console, f"note: {line}")
+        say(f"note: {line}")
     for line in assumptions(result.unknowns, case, verbose):
-        say(console, line)
+        say(line)
 
 
 def _sci_bytes(result: Result) -> str:
@@ -90,30 +89,16 @@ def estimated(result: Result) -> str:
     return f"; cycles between accesses of {' and '.join(result.estimated)} are estimated" if result.estimated else ""
 
 
-def budget_table(budgets: Sequence[Verdict]) -> PlainTable:
-    """Return a table with a row for each budget. Broken budgets are red, and those that are not judged are yellow.
+def budget_table(budgets: Sequence[Verdict]) -> None:
+    """Print a table with a row for each budget. Broken budgets are red, and those that are not judged are yellow.
 
     Only names may take two lines.
     """
-    table = PlainTable(("budget", *FIGURES, ""), right=range(1, 5), whole=range(1, 6))
-    for verdict in budgets:
-        cells = row(verdict)
-        table.add_row(verdict.name, *(cells[name] for name in FIGURES), verdict.word, style=STYLES[verdict.verdict])
-    return table
-
-
-FIGURES = ("seen", "limit", "margin", "count")
-
-
-def row(verdict: Verdict) -> dict[str, str]:
-    """Return the cells of a verdict, indexed by the title of the column."""
-    unit = verdict.unit
-    return {
-        "seen": figure(verdict.worst, unit),
-        "limit": limit(verdict.limit, unit, verdict.which),
-        "margin": figure(verdict.margin, unit),
-        "count": verdict.counted,
-    }
+    rows = []
+    for one in budgets:
+        numbers = (figure(one.worst, one.unit), limit(one.limit, one.unit, one.which), figure(one.margin, one.unit))
+        rows.append(((one.name, *numbers, one.counted, one.word), STYLES[one.verdict]))
+    print_table(("budget", "seen", "limit", "margin", "count", ""), rows, right=range(1, 5), whole=range(1, 6))
 
 
 def broken_lines(budgets: Sequence[Verdict]) -> list[str]:

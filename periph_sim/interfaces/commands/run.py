@@ -17,7 +17,6 @@ from ...scene.scene import Scene
 from .command_output import command_line, print_json, progress, running_user_code
 from .input_options import CHANGES, GUARANTEED, JSON, SECONDS, apart
 from .result_text import show
-from .tables import terminal
 
 if TYPE_CHECKING:
     from ..reports.explain.chain import Chain
@@ -84,7 +83,7 @@ def run(
     if as_json:
         print_json("run", _object(result, chains if explain else None))
     else:
-        show(terminal(), result, loaded, verbose)
+        show(result, loaded, verbose)
         if chains:
             from ..reports.explain.chain import text
 

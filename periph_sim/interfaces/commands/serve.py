@@ -94,7 +94,6 @@ def serve(
     from ...outside.live.pacing import Pacer
     from ...outside.session import Session
     from .live_shown import Shown
-    from .tables import terminal
 
     if sum(place is not None for place in (link, real, tcp, bus)) != 1:
         raise click.UsageError("give one of --pty, --rfc2217, --port and --i2cdriver as the place of the port")
@@ -150,7 +149,7 @@ def serve(
     else:
         from .result_text import show
 
-        show(terminal(), result, served)
+        show(result, served)
         click.echo("\n".join(pacer.text()))
     return 0 if result.verdict != "fail" else 1
 

@@ -11,12 +11,11 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .command_output import print_json, progress, running_user_code
+from .command_output import print_json, print_table, progress, running_user_code, say
 from .input_options import JSON, SECONDS
 
 if TYPE_CHECKING:
     from ..reports.sweep.sweep import Sweep
-    from .tables import PlainTable
 
 SECTION = "run"
 EXAMPLE = "periph-sim sweep timing/imu_hil.toml --vary 'seed=1, 2, 3' --seconds 0.1"
@@ -160,24 +159,22 @@ def _plain(value: Any) -> object:
 
 
 def _show(came: Sweep, varied: list[str], stopped: str) -> None:
-    from .tables import say, terminal
-
-    console = terminal()
     verdicts = came.verdict.tolist()
     counts = ", ".join(f"{verdicts.count(word)} {word}" for word in dict.fromkeys(sorted(verdicts, reverse=True)))
-    say(console, "; ".join(filter(None, (f"{came.case}: {len(came)} runs", counts, stopped))), "bold")
-    table, shown = _table(came)
+    say("; ".join(filter(None, (f"{came.case}: {len(came)} runs", counts, stopped))), "bold")
+    rows, shown = _rows(came)
     if shown:
-        console.print(table)
-        say(console, "nearest: in the run with the least margin, whose number is in `run`")
+        titles = ("budget", "nearest", "limit", "run", "broken", "not\njudged")
+        print_table(titles, rows, right=range(1, 6), whole=range(1, 6))
+        say("nearest: in the run with the least margin, whose number is in `run`")
     failed = [row for row, verdict in enumerate(verdicts) if verdict != "pass"]
     listed = {*shown, *failed[:MAX_LISTED]}
     for row in sorted(listed):
         values = ", ".join(f"{key}={came.changes[key][row]}" for key in varied)
-        say(console, f"run {row}: {values}{_why(came, row)}")
+        say(f"run {row}: {values}{_why(came, row)}")
     more = len(set(failed) - listed)
     if more:
-        say(console, f"{more} more do not pass; --csv or --json has all")
+        say(f"{more} more do not pass; --csv or --json has all")
 
 
 def _why(came: Sweep, row: int) -> str:
@@ -188,30 +185,27 @@ def _why(came: Sweep, row: int) -> str:
     return "".join(f"; {name} {word}" for name, word in words.items() if word in ("broken", "not judged"))
 
 
-def _table(came: Sweep) -> tuple[PlainTable, list[int]]:
-    """Return a table with a row for each budget, and the numbers of the runs that are in it."""
+def _rows(came: Sweep) -> tuple[list[tuple[tuple[str, ...], str]], list[int]]:
+    """Return the cells and the style of each budget, and the numbers of the runs that are in the table."""
     import numpy as np
 
     from ...timing.verdict import figure, limit
-    from .tables import PlainTable
 
-    titles = ("budget", "nearest", "limit", "run", "broken", "not\njudged")
-    table = PlainTable(titles, right=range(1, 6), whole=range(1, 6))
+    rows: list[tuple[tuple[str, ...], str]] = []
     shown: dict[int, None] = {}
     for name, budget in came.budgets.items():
         words = budget.verdict.tolist()
         numbers = (str(words.count("broken")), str(words.count("not judged")))
         style = "red" if "broken" in words else ""
         if np.isnan(budget.margin).all():
-            table.add_row(name, "-", "-", "-", *numbers, style=style)
+            rows.append(((name, "-", "-", "-", *numbers), style))
             continue
         row = int(np.nanargmin(budget.margin))
         shown[row] = None
-        values = (_of_unit(column[row], budget.unit) for column in (budget.worst, budget.limit))
-        worst, most = values
+        worst, most = (_of_unit(column[row], budget.unit) for column in (budget.worst, budget.limit))
         cells = (figure(worst, budget.unit), limit(most, budget.unit, ""), str(row))
-        table.add_row(name, *cells, *numbers, style=style)
-    return table, list(shown)
+        rows.append(((name, *cells, *numbers), style))
+    return rows, list(shown)
 
 
 def _of_unit(value: Any, unit: str) -> float | int:

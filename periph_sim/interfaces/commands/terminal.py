@@ -88,9 +88,8 @@ def terminal(
     if typed.failed:
         raise click.ClickException(typed.failed)
     from .result_text import show as show_result
-    from .tables import terminal as standard_output
 
     assert port.result is not None
-    show_result(standard_output(), port.result, port.case)
+    show_result(port.result, port.case)
     click.echo("\n".join(port.pacer.text()))
     return 0 if port.result.verdict != "fail" else 1

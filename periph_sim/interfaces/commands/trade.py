@@ -10,23 +10,14 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...core.settings import duration
 from .command_output import print_answer, progress, running_user_code
-from .input_options import CHANGES, SECONDS
+from .input_options import CHANGES, SECONDS, time_given
 
 if TYPE_CHECKING:
     from ...scene.case.model import Case
 
 SECTION = "understand"
 EXAMPLE = "periph-sim trade timing/imu_hil.toml --seconds 1"
-
-
-def _error_given(text: str) -> float:
-    """Parse `--max-error`. Return seconds."""
-    try:
-        return float(duration(text))
-    except ValueError as error:
-        raise click.ClickException(f"--max-error: {error}") from None
 
 
 @click.command()
@@ -61,13 +52,11 @@ def trade(
     always run.
     """
     from ...scene.case.load import load
+    from ..reports.trade import trade as report
     from ..reports.trade.rows import chosen, rows_of
-    from ..reports.trade.trade import as_json as as_dict
-    from ..reports.trade.trade import text
-    from ..reports.trade.trade import trade as trade_of
 
     with running_user_code():
-        bound = inf if max_error is None else _error_given(max_error)
+        bound = inf if max_error is None else float(time_given("--max-error", max_error))
         loaded = load(case, list(changes))
         length = loaded.duration if length is None else length
 
@@ -76,6 +65,6 @@ def trade(
 
         rows = chosen(rows_of(make, [load(other) for other in others]), names)
         with progress(loaded.name) as on_progress:
-            found = trade_of(make, rows, length, bound, on_progress)
-    print_answer("trade", as_dict(found) if as_json else text(found))
+            found = report.trade(make, rows, length, bound, on_progress)
+    print_answer("trade", report.as_json(found) if as_json else report.text(found))
     return 0

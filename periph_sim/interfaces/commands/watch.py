@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .command_output import usage_errors_in_one_sentence
+from .command_output import say, usage_errors_in_one_sentence
 from .input_options import CHANGES, GUARANTEED
 
 if TYPE_CHECKING:
@@ -53,31 +53,29 @@ def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome 
     from ..reports.baselines.files import BadCheck, path_for, read
     from ..reports.baselines.outcome import RejectedCase
     from .result_text import broken_lines, budget_table, title
-    from .tables import say, terminal
 
-    console = terminal()
     if isinstance(came, RejectedCase):
-        say(console, f"Error: {came.why}")
+        say(f"Error: {came.why}")
         return before
-    say(console, f"{came.figures.case}: {title(came.result)}", "bold")
+    say(f"{came.figures.case}: {title(came.result)}", "bold")
     if before is None:
-        console.print(budget_table(came.verdicts))
+        budget_table(came.verdicts)
     for line in broken_lines(came.verdicts):
-        say(console, f"  {line}")
+        say(f"  {line}")
     for line in came.trouble:
-        say(console, f"  {line}")
+        say(f"  {line}")
     if before is not None:
         changed = [change for change in compare(before.figures, came.figures) if not change.note]
         for change in changed:
-            say(console, f"  {change}")
+            say(f"  {change}")
         if not changed:
-            say(console, "  no figure changed")
+            say("  no figure changed")
     try:
         baseline = read(path_for(came.path))
     except BadCheck as error:
-        say(console, f"  {error}")
+        say(f"  {error}")
         return came
     if baseline is not None:
         count = sum(not change.note for change in compare(baseline, came.figures))
-        say(console, f"  baseline: {f'{count} figures differ' if count else 'equal'}")
+        say(f"  baseline: {f'{count} figures differ' if count else 'equal'}")
     return came

@@ -27,10 +27,8 @@ def why(run: Path, question: str, depth: int, sysclk: str | None, as_json: bool)
     RUN is the output of `run --record x.psr`. A question is a field, wire, span, interrupt or variable, and a time:
     'SDA@3 us'. Variables of an image are recorded if a budget names them.
     """
-    from ...records.cause_trace.why import as_json as as_dict
-    from ...records.cause_trace.why import text
-    from ...records.cause_trace.why import why as answer_to
+    from ...records.cause_trace import why as answers
 
     with usage_errors_in_one_sentence():
-        answer = answer_to(open_run(run, sysclk), question, depth)
-    print_answer("why", as_dict(answer) if as_json else text(answer))
+        answer = answers.why(open_run(run, sysclk), question, depth)
+    print_answer("why", answers.as_json(answer) if as_json else answers.text(answer))

@@ -1,11 +1,73 @@
-"""A long interpreted run is told how it is quicker; nobody else is told anything."""
+"""Lines and tables are those that rich prints, which is not imported; a long interpreted run suggests to compile."""
 
 from __future__ import annotations
 
+import random
+from io import StringIO
+
 import pytest
+from rich.console import Console
+from rich.text import Text
 
 from periph_sim import form
-from periph_sim.interfaces.commands.command_output import LONG, SHARE, cost_of_form, progress
+from periph_sim.core.text_table import table_rows, together
+from periph_sim.interfaces.commands.command_output import LONG, SHARE, cost_of_form, print_table, progress, say
+
+LINES = (
+    *("", "one", "ends in blanks   ", "  begins with them", "a\ttab", "\t\ttwo", "two\nlines", "\n", "[bold]no markup"),
+    *("x" * 200, "words " * 40, "bell\a and \b back", "µs ─ ✓", "a :smile: is no picture", "12 34.5 'text' None"),
+)
+
+
+def by_rich(styled: bool, *lines: tuple[str, str]) -> str:
+    console = Console(file=StringIO(), force_terminal=styled, color_system="standard" if styled else None)
+    for text, style in lines:
+        console.print(Text(text, style=style), soft_wrap=True)
+    written = console.file
+    assert isinstance(written, StringIO)
+    return written.getvalue()
+
+
+@pytest.fixture(params=["a pipe", "a terminal"])
+def styled(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
+    for name in ("FORCE_COLOR", "TTY_COMPATIBLE", "NO_COLOR", "TERM"):
+        monkeypatch.delenv(name, raising=False)
+    if request.param == "a terminal":
+        monkeypatch.setenv("FORCE_COLOR", "1")
+    return bool(request.param == "a terminal")
+
+
+@pytest.mark.parametrize("line", LINES, ids=range(len(LINES)))
+def test_a_line_is_as_rich_writes_it(line: str, styled: bool, capsys: pytest.CaptureFixture[str]) -> None:
+    say(line, "bold")
+    assert capsys.readouterr().out == by_rich(styled, (line, "bold"))
+
+
+@pytest.mark.parametrize("columns", [20, 80, 101, 132])
+def test_a_table_is_as_rich_writes_it_and_never_below_80_columns(
+    columns: int, styled: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("COLUMNS", str(columns))
+    draw = random.Random(columns)
+    rows = []
+    for style in ("", "red", "yellow", "dim", ""):
+        words = [" ".join(draw.choices(("a", "word", "long" * 9), k=draw.randrange(9))) for _ in range(2)]
+        rows.append(([*words, f"{draw.randrange(10**6)} us"], style))
+    print_table(("what", "two\nlines", "number"), rows, right=(2,), whole=(2,))
+    cells = [[*row[:2], together(row[2])] for row, _ in rows]
+    head, *body = table_rows(("\nwhat", "two\nlines", "\nnumber"), cells, (2,), max(columns, 80))
+    lines = [*((line, "bold") for line in head[:-1]), (head[-1], "")]
+    lines += [(line, style) for part, (_, style) in zip(body, rows, strict=True) for line in part]
+    assert capsys.readouterr().out == by_rich(styled, ("", ""), *lines, ("", ""))
+
+
+@pytest.mark.parametrize(("name", "value"), [("TERM", "dumb"), ("NO_COLOR", "1"), ("FORCE_COLOR", "")])
+def test_variables_turn_styles_off(
+    name: str, value: str, styled: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv(name, value)
+    say("red", "red")
+    assert capsys.readouterr().out == "red\n"
 
 
 @pytest.fixture

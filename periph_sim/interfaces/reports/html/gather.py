@@ -25,9 +25,8 @@ from ..explain.chain import Chain
 from ..explain.explain import Explained, explain_each
 from .distribution import Distribution, distribution
 from .failure import Failure, failure
-from .lanes import MOST, timeline
 from .over_time import OverTime, over_time, shown_violations
-from .timeline import Timeline, only_chosen
+from .timeline import MOST, Timeline, only_chosen, timeline
 
 Standing = Literal["good", "known", "bad"]
 

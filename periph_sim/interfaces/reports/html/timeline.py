@@ -1,20 +1,42 @@
-"""A timeline for the script of the page: lanes with events in ticks, as compact JSON.
+"""The timeline around a worst occurrence: lanes with events in ticks, from a Window, as compact JSON for the page.
 
-Times are ticks from `origin` on. In JSON, each is the distance from the one before, so most are short numbers. A lane
-is `chosen` if the explanation is about it; only these lanes are drawn at first. Texts of events are indices into
-`says`, because many events share a text.
+edges     --decoder--> SCL, SDA, bytes; RX, TX; named pins; rows of the protocol table
+BUS, FRAME -----------> transfers of the controller, frames of the host
+FLAG      -----------> one lane per register field that changed
+SPAN, WAIT, IRQ ------> spans of firmware, its waits with the polled field, service routines
+ACCESS    -----------> one lane per register: reads and writes with their firmware location
+
+Lanes are chosen, and so drawn at first, if the explanation is about them. These are wires and registers that the chain
+names, the wires of the bus that it mentions (SCL and SDA for an address, RX for a frame), fields that are named by the
+chain or measured, and service routines, spans and waits within the picture.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 from typing import Any
 
-from .protocol import Row
+from ....core.records import Kind, Record
+from ....records.record_text import happened, number
+from ....records.register_maps import register_of
+from ....traces.capture.capture import Span
+from ....traces.decode import i2c
+from ..explain.cpu_activity import all_episodes, polled
+from ..explain.picture import flags_shown
+from ..explain.window import Window
+from .protocol import Row, bytes_of, rows
 
-Ticks = list[int]
+BUS_WORDS = re.compile(r"\b(SCL|SDA|START|STOP|N?ACK|acknowledged|transfer|byte \d+)\b")
+SERIAL_WORDS = re.compile(r"\b(RX|TX|SCI\w*|frames?|host|FIFO)\b")
+BUS = ("SCL", "SDA")
+SERIAL = ("RX", "TX")
+MOST = 24_000  # maximum number of events of a timeline; events farther from the occurrence are left out
+FRAME_BITS = 10  # number of bits of the host's characters: start, 8 data, stop
+EPISODES = (("span", "span"), ("wait", "waits for"), ("interrupt", "service routine of"))
+OPTIONAL = ("chosen", "long", "labels", "strong", "places")  # keys of a lane that are left out if they are empty
 
 
 class Texts(dict[str, int]):
@@ -26,63 +48,36 @@ class Texts(dict[str, int]):
 
 @dataclass
 class Lane:
-    """A lane of events. at: the ticks of the events. says: for each event, the index of its text."""
+    """A lane of events, which are edges of a `wave`, `boxes` in the order in which they begin, or `marks` of instants.
 
-    name: str
-    unit: str
-    at: Ticks = field(default_factory=list)
-    says: list[int] = field(default_factory=list)
-    chosen: bool = False
-
-    def json(self) -> dict[str, Any]:
-        return {"name": self.name, "unit": self.unit} | ({"chosen": 1} if self.chosen else {})
-
-
-@dataclass
-class Wave(Lane):
-    """A binary signal, whose events are edges. initial: the level before the first edge."""
-
-    initial: int = 0
-
-    def json(self) -> dict[str, Any]:
-        own = {"kind": "wave", "initial": self.initial, "at": _steps(self.at), "says": self.says}
-        return super().json() | own
-
-
-@dataclass
-class Boxes(Lane):
-    """Time ranges with labels, in the order in which they begin."""
-
-    end: Ticks = field(default_factory=list)
-    labels: list[int] = field(default_factory=list)
-
-    def add(self, begin: int, end: int, label: int, says: int) -> None:
-        self.at.append(begin)
-        self.end.append(max(end, begin))
-        self.labels.append(label)
-        self.says.append(says)
-
-    def json(self) -> dict[str, Any]:
-        long = [end - at for at, end in zip(self.at, self.end, strict=True)]
-        own = {"kind": "boxes", "at": _steps(self.at), "long": long, "labels": self.labels, "says": self.says}
-        return super().json() | own
-
-
-@dataclass
-class Marks(Lane):
-    """Instants with labels.
-
-    strong: True for each instant that is drawn as more important, such as a write among reads.
-    places: the location of each in the firmware; empty if unknown.
+    initial: the level of a wave before the first edge.
+    chosen: True if the explanation is about it; only such lanes are drawn at first.
+    at, end: the ticks of the events. Only boxes have an end.
+    says, labels: for each event, the indices of its text and its label. Edges have no label.
+    strong: 1 for each mark that is drawn as more important, such as a write among reads.
+    places: for each mark, the index of its location in the firmware; empty if unknown.
     """
 
+    kind: str
+    name: str
+    unit: str = ""
+    initial: int = 0
+    chosen: bool = False
+    at: list[int] = field(default_factory=list)
+    end: list[int] = field(default_factory=list)
+    says: list[int] = field(default_factory=list)
     labels: list[int] = field(default_factory=list)
     strong: list[int] = field(default_factory=list)
     places: list[int] = field(default_factory=list)
 
     def json(self) -> dict[str, Any]:
-        own = {"kind": "marks", "at": _steps(self.at), "labels": self.labels, "says": self.says, "strong": self.strong}
-        return super().json() | own | ({"places": self.places} if self.places else {})
+        """Convert to JSON. Ticks are distances from the one before, so most of them are short numbers."""
+        keys: dict[str, Any] = {"name": self.name, "unit": self.unit, "chosen": int(self.chosen), "kind": self.kind}
+        keys |= {"initial": self.initial} if self.kind == "wave" else {}
+        keys["at"] = [tick - before for before, tick in pairwise([0, *self.at])]
+        keys["long"] = [end - at for at, end in zip(self.at, self.end, strict=False)]
+        keys |= {"labels": self.labels, "says": self.says, "strong": self.strong, "places": self.places}
+        return {key: value for key, value in keys.items() if value or key not in OPTIONAL}
 
 
 @dataclass(frozen=True)
@@ -131,16 +126,252 @@ def only_chosen(timeline: Timeline) -> Timeline:
     says = Texts()
 
     def again(lane: Lane) -> Lane:
-        moved: dict[str, Any] = {}
-        for key in ("labels", "says", "places"):
-            if hasattr(lane, key):
-                moved[key] = [says.place(timeline.says[n]) for n in getattr(lane, key)]
-        return replace(lane, **moved)
+        labels, own, places = (
+            [says.place(timeline.says[n]) for n in texts] for texts in (lane.labels, lane.says, lane.places)
+        )
+        return replace(lane, labels=labels, says=own, places=places)
 
     groups = tuple((name, tuple(again(lane) for lane in lanes if lane.chosen)) for name, lanes in timeline.groups)
     return replace(timeline, groups=tuple(one for one in groups if one[1]), says=tuple(says))
 
 
-def _steps(at: Iterable[int]) -> list[int]:
-    """Return each tick as its distance from the previous one, and the first as its distance from 0."""
-    return [tick - before for before, tick in pairwise([0, *at])]
+def timeline(window: Window, cycles: dict[str, float], frame_bit: int = 0, most: int = MOST) -> Timeline:
+    """Build the timeline.
+
+    cycles: the number of ticks per cycle of SYSCLKOUT for each unit.
+    frame_bit: the number of ticks per bit of the host; 0 if there is no host.
+    most: the maximum number of events.
+    """
+    return _Lanes(window, cycles, frame_bit, most).timeline()
+
+
+@dataclass
+class _Lanes:
+    window: Window
+    cycles: dict[str, float]
+    frame_bit: int
+    most: int
+    says: Texts = field(default_factory=Texts)
+
+    def __post_init__(self) -> None:
+        self.kept = _within_reach(self.window, self.most)
+        about = "\n".join((self.window.verdict.measure, *self.window.chain_texts))
+        self.about = about
+        self.about_serial = bool(SERIAL_WORDS.search(about))
+        self.about_bus = bool(BUS_WORDS.search(about)) or not (self.about_serial or self.window.chain_texts)
+        self.chosen_flags = set(flags_shown(self.window))
+        self.records = [r for r in self.window.records if any(k.begin <= r.tick < k.end for k in self.kept)]
+        early = [r for r in self.window.records if r.tick < self.kept[0].begin]
+        self.before = {r[2:5]: r for r in (*self.window.before, *early)}
+        self.zero = self.window.begin
+
+    def timeline(self) -> Timeline:
+        window = self.window
+        groups = [("I2C bus", self._bus()), ("UART", self._serial()), ("pins", self._pins())]
+        for unit in self.cycles:
+            prefix = f"{unit} " if len(self.cycles) > 1 else ""
+            groups.append((f"{prefix}flags", self._flags(unit)))
+            groups.append((f"{prefix}firmware", self._firmware(unit)))
+            groups.append((f"{prefix}accesses", self._accesses(unit)))
+        groups.append(("notes", self._notes()))
+        return Timeline(
+            origin=self.zero - window.start,
+            begin=0,
+            end=window.end - self.zero,
+            per_second=window.timebase.per_second,
+            cycles=self.cycles,
+            shown=(window.drawn.begin - self.zero, window.drawn.end - 1 - self.zero),
+            kept=tuple((span.begin - self.zero, span.end - 1 - self.zero) for span in self.kept),
+            groups=tuple((name, tuple(lanes)) for name, lanes in groups if lanes),
+            says=tuple(self.says),
+            rows=tuple(rows(window, self._seen, self.zero)),
+        )
+
+    def _add(
+        self, lane: Lane, begin: int, says: str, label: str = "", end: int | None = None, strong: int | None = None
+    ) -> None:
+        """Add an event to a lane. begin, end: ticks of the run."""
+        lane.at.append(begin - self.zero)
+        lane.says.append(self.says.place(says))
+        if lane.kind != "wave":
+            lane.labels.append(self.says.place(label))
+        if end is not None:
+            lane.end.append(max(end, begin) - self.zero)
+        if strong is not None:
+            lane.strong.append(strong)
+
+    def _add_edges(self, lane: Lane, records: Iterable[Record], about: Callable[[Record], str]) -> Lane:
+        """Add the records at which the level of a wave changes. about: returns a text that follows that of a record."""
+        level = lane.initial
+        for record in records:
+            if record.value != level:
+                level = record.value
+                self._add(lane, record.tick, f"{happened(record)}{about(record)}")
+        return lane
+
+    # Lines --------------------------------------------------------------------------
+
+    def _waves(self, wires: Iterable[str]) -> list[Lane]:
+        """Return the waves of those wires that exist and changed."""
+        lanes = []
+        for channel in (channel for wire in wires for channel in self.window.edges.channels if channel.name == wire):
+            wire = channel.name
+            first = self.before.get((Kind.EDGE, wire, "level"))
+            edges = [r for r in self.records if r.kind is Kind.EDGE and r.where == wire]
+            if edges or first is not None or len(channel.edges):
+                initial = first.value if first is not None else edges[0].value ^ 1 if edges else channel.initial
+                drawn = (wire in BUS and self.about_bus) or (wire in SERIAL and self.about_serial)
+                wave = Lane("wave", wire, initial=initial, chosen=drawn or self._named(wire))
+                lanes.append(self._add_edges(wave, edges, lambda record: ""))
+        return lanes
+
+    def _bus(self) -> list[Lane]:
+        wires = self._waves(BUS)
+        if len(wires) < len(BUS):
+            return wires
+        lane = Lane("boxes", "bytes", chosen=self.about_bus)
+        for begin, end, label, says in bytes_of(i2c.transfers(self.window.edges), self.kept[-1].end):
+            if self._seen(begin, end):
+                self._add(lane, begin, says, label, end)
+        return [*wires, lane, *self._transfers()]
+
+    def _transfers(self) -> list[Lane]:
+        """Return a lane with the controller's transfers, if there are any."""
+        lane = Lane("boxes", "transfer", chosen=self.about_bus)
+        began: Record | None = None
+        records = [r for r in sorted(self.before.values(), key=lambda r: r.tick) if r.kind is Kind.BUS]
+        records += [r for r in self.records if r.kind is Kind.BUS]
+        ends = [(r, r.tick, r.what) for r in records if r.what in ("START", "STOP", "arbitration lost")]
+        for record, end, how in [*ends, (None, self.kept[-1].end, "continues after the recorded range")]:
+            if how == "START":
+                began = record
+            elif began is not None:
+                if self._seen(began.tick, end):
+                    self._add(lane, began.tick, f"{began.where}: {began.text}\nfrom START to {how}", began.text, end)
+                began = None
+        return [lane] if lane.at else []
+
+    def _serial(self) -> list[Lane]:
+        frames = Lane("boxes", "frames", chosen=self.about_serial)
+        for record in self.records:
+            if record.kind is Kind.FRAME and record.what == "byte":
+                byte, end = f"{record.value:02X}", record.tick + FRAME_BITS * self.frame_bit
+                self._add(frames, record.tick, f"frame 0x{byte} from {record.where}", byte, end)
+        return [*self._waves(SERIAL), *([frames] if frames.at else [])]
+
+    def _pins(self) -> list[Lane]:
+        names = [channel.name for channel in self.window.edges.channels]
+        return self._waves(name for name in names if name not in (*BUS, *SERIAL))
+
+    # A unit's inside ------------------------------------------------------------------
+
+    def _flags(self, unit: str) -> list[Lane]:
+        changes: dict[tuple[str, str], list[Record]] = {}
+        for record in self.records:
+            if record.kind is Kind.FLAG and record.where.partition(".")[0] == unit:
+                changes.setdefault((record.where.partition(".")[2], record.what), []).append(record)
+        return [self._flag(unit, module, what, of) for (module, what), of in changes.items()]
+
+    def _flag(self, unit: str, module: str, what: str, changes: list[Record]) -> Lane:
+        register, _, field_name = what.partition(".")  # a variable of an image may have any number of dots
+        of = register_of(module, register)
+        known = of[field_name] if of is not None and field_name in of else None
+        before = self.before.get(changes[0][2:5])
+        initial = before.value if before is not None else known.reset if known is not None else 0
+        about = f"\n{known.doc} [{of.source}]" if of is not None and known is not None and known.doc else ""
+        kind = "wave" if known is not None and known.msb == known.lsb else "boxes"
+        lane = Lane(kind, what, unit, initial, chosen=changes[0][3:5] in self.chosen_flags)
+        if kind == "wave":
+            return self._add_edges(lane, changes, lambda record: f"{self._because(record)}{about}")
+        ends = [record.tick for record in changes] + [self.kept[-1].end]
+        says = f"{happened(changes[0]._replace(value=initial))}{about}"
+        self._add(lane, self.kept[0].begin, says, number(initial), ends[0])
+        for record, end in zip(changes, ends[1:], strict=True):
+            says = f"{happened(record)}{self._because(record)}{about}"
+            self._add(lane, record.tick, says, number(record.value), end)
+        return lane
+
+    def _because(self, record: Record) -> str:
+        """Describe the record that caused a change in the same cycle.
+
+        Earlier causes are uncertain, so they are omitted.
+        """
+        cause = self.window.by_number.get(record.cause)
+        unit = record.where.partition(".")[0]
+        if cause is None or record.tick - cause.tick > self.cycles.get(unit, 0):
+            return ""
+        if cause.kind is Kind.ACCESS:
+            way = "read" if cause.what.startswith("R ") else "write"
+            return f"\nby the {way} of {cause.what[2:]} at {cause.text}"
+        return f"\nas {happened(cause).partition(',')[0]}" if cause.kind is Kind.EDGE else ""
+
+    def _firmware(self, unit: str) -> list[Lane]:
+        lanes: list[Lane] = []
+        over = self.kept[-1].end
+        of_unit = all_episodes(self.window, unit, self.kept[0].begin, over)
+        for doing, said in EPISODES:
+            found: list[Lane] = []
+            for one in (one for one in of_unit if one.doing == doing):
+                end = over if one.end is None else min(one.end, over)
+                row = next((row for row in found if row.end[-1] <= one.begin - self.zero), None)
+                if row is None:
+                    row = Lane("boxes", doing, unit)
+                    found.append(row)
+                what = label = one.what
+                if doing == "wait":
+                    what = polled(what)
+                    label = " ".join(word.rpartition(".")[2] for word in what.split(" "))
+                self._add(row, one.begin, f"{said} {what}" + (f"\nat {one.where}" if one.where else ""), label, end)
+                row.chosen |= self._drawn(one.begin, end)
+            lanes += found
+        return lanes
+
+    def _accesses(self, unit: str) -> list[Lane]:
+        lanes: dict[str, Lane] = {}
+        for record in self.records:
+            if record.kind is not Kind.ACCESS or record.where != unit:
+                continue
+            way, _, name = record.what.partition(" ")
+            module, _, register = name.partition(".")
+            lane = lanes.setdefault(name, Lane("marks", register, unit, chosen=self._named(register)))
+            of = register_of(module, register)
+            value = of.decode(record.value) if of is not None else f"{record.value:#06x}"
+            says = f"{'read' if way == 'R' else 'write of'} {module} {value}\nat {record.text}"
+            self._add(lane, record.tick, says, f"{record.value:X}", strong=int(way == "W"))
+            lane.places.append(self.says.place(record.text))
+        return [*lanes.values()]
+
+    def _notes(self) -> list[Lane]:
+        lane = Lane("marks", "notes")
+        for record in self.records:
+            if record.kind is Kind.NOTE:
+                self._add(lane, record.tick, f"{record.where}: {record.what}\n{record.text}", record.what, strong=1)
+                lane.chosen |= self._drawn(record.tick, record.tick)
+        return [lane] if lane.at else []
+
+    # --------------------------------------------------------------------------------
+
+    def _named(self, word: str) -> bool:
+        """Return True if the measure or the chain names a pin, or a register without a field."""
+        return bool(re.search(rf"\b{re.escape(word)}\b(?!\.)", self.about))
+
+    def _drawn(self, begin: int, end: int) -> bool:
+        """Return True if a range of ticks overlaps the picture."""
+        return begin < self.window.drawn.end and end >= self.window.drawn.begin
+
+    def _seen(self, begin: int, end: int) -> bool:
+        return any(begin < span.end and end >= span.begin for span in self.kept)
+
+
+def _within_reach(window: Window, most: int) -> tuple[Span, ...]:
+    """Return the recorded ranges, cut to at most `most` events around the occurrence, or after its begin."""
+    if len(window.records) <= most:
+        return window.kept
+    inside = [r.tick for r in window.records if window.begin <= r.tick <= window.end]
+    if len(inside) >= most:
+        return (Span(min(window.drawn.begin, window.begin), inside[most - 1] + 1),)
+    apart: Callable[[Record], int] = lambda r: max(window.begin - r.tick, r.tick - window.end, 0)  # noqa: E731
+    reach = sorted(map(apart, window.records))[most - 1]
+    first, last = window.begin - reach, window.end + reach
+    cut = [Span(max(span.begin, first), min(span.end, last + 1)) for span in window.kept]
+    return tuple(span for span in cut if span.begin < span.end)

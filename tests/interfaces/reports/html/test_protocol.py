@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.interfaces.reports.html.gather import CaseReport
-from tests.interfaces.reports.html.test_lanes import records, response, within
+from tests.interfaces.reports.html.test_timeline import records, response, within
 
 __all__ = ["records", "response"]  # fixtures
 

@@ -1,6 +1,6 @@
 // Lanes of a timeline: one lane and a scale go in, SVG elements come out; and back, from a place to an event.
 //
-// A scale has from, to (ticks), left, right (pixels) and x(tick). A lane has the fields of report/timeline.py,
+// A scale has from, to (ticks), left, right (pixels) and x(tick). A lane has the fields of Lane in html/timeline.py,
 // its times summed up; `events` counts what one can walk through.
 
 const CHARACTER = 6.1; // pixels

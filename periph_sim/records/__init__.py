@@ -1,4 +1,4 @@
-"""Questions to a recorded run: causes of values, distances between reads and changes, faults of use.
+"""Analysis of a recorded run: causes of values, distances between reads and changes, and misuse of peripherals.
 
     .psr --Run--> why, races, lint --> text, JSON
 

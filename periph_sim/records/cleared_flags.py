@@ -1,10 +1,10 @@
-"""Registers whose flags are cleared by writing 1, and what the read-modify-writes of each place cleared of them.
+"""Registers with flags that writing 1 clears, and the flags that read-modify-writes cleared, for each place.
 
     CLEARABLE --> ClearedRegister --> Place: flags that its writes cleared, by whether firmware had read them
                         '-- Flag: its last rise
 
-Records of the register come in order: its flags, its reads, its writes. Everything is counted by place, so memory does
-not grow with the run, except where the ticks are kept.
+Changes, reads and writes of a register must be passed in the order of their records. Only counts by place are kept, so
+memory does not grow with the run, unless ticks are kept.
 """
 
 # core: compiled
@@ -22,7 +22,7 @@ from .register_maps import is_status, one_clears
 
 
 class Clearable(NamedTuple):
-    """A register with flags that writing 1 clears. status: hardware sets flags of it."""
+    """A register with flags that writing 1 clears. status: True if hardware sets a flag of it."""
 
     name: str
     flags: tuple[Field, ...]
@@ -36,12 +36,17 @@ CLEARABLE = {
     if (flags := one_clears(register))
 }
 CLEARABLE_FLAGS = {(Kind.FLAG, f"{of.name}.{flag.name}") for of in CLEARABLE.values() for flag in of.flags}
-NEVER_YET = -1  # instead of a record's number
+NEVER_YET = -1  # used in place of a record's number if there is no record yet
 
 
 @final
 class Modify:
-    """A write with its read. rose: the last rise of each flag before it. cleared: mask of the flags that it cleared."""
+    """A write that belongs to a read-modify-write.
+
+    number, tick: of its record.
+    rose: for each flag, the number of the record of its last rise before the write.
+    cleared: mask of the flags that the write cleared.
+    """
 
     __slots__ = ("cleared", "number", "place", "rose", "tick", "written")
 
@@ -55,7 +60,7 @@ class Modify:
 
 @final
 class Flag:
-    """A flag of a register. rose: the record of its last rise."""
+    """A flag of a register. rose: the number of the record of its last rise."""
 
     __slots__ = ("mask", "name", "register", "rose")
 
@@ -68,9 +73,10 @@ class Flag:
 
 @final
 class Cleared:
-    """Number of times that something was cleared, and the tick of the first time: NO_TIME for never.
+    """Number of times that something was cleared.
 
-    ticks: of each time; None if they are not kept.
+    first: the tick of the first time; NO_TIME if there was none.
+    ticks: the ticks of all times; None if they are not kept.
     """
 
     __slots__ = ("count", "first", "ticks")
@@ -81,7 +87,7 @@ class Cleared:
         self.ticks: list[int] | None = [] if keeps_ticks else None
 
     def add(self, other: Cleared) -> None:
-        """Add a count without its ticks."""
+        """Add the count of `other`, without its ticks."""
         if other.count and (not self.count or other.first < self.first):
             self.first = other.first
         self.count += other.count
@@ -96,10 +102,11 @@ class Cleared:
 
 @final
 class FlagOfPlace:
-    """A flag in the writes of a place.
+    """A flag of a register in the read-modify-writes of one place.
 
-    rose: how often it rose between the read and the write. between: writes that cleared it then.
-    along: writes that cleared it after it was read as 1.
+    rose: number of times that it rose between the read and the write.
+    between: the writes that cleared it after such a rise.
+    along: the writes that cleared it after it was read as 1, though another flag was named.
     unseen: those of `along` before which the firmware had not read the flag since it rose.
     """
 
@@ -114,7 +121,11 @@ class FlagOfPlace:
 
 @final
 class Look:
-    """The last read of a field; of the whole register if its name is empty. number: of its record."""
+    """The last read of a field.
+
+    field: its name; "" for the whole register.
+    number: the number of the record of the read.
+    """
 
     __slots__ = ("field", "number")
 
@@ -139,7 +150,7 @@ class Looks:
                 look.number = number
                 return
         for look in self._of:
-            if look.field == field:  # an equal name that is another object
+            if look.field == field:  # equal, but not the same string object
                 look.field, look.number = field, number
                 return
         look = Look()
@@ -147,17 +158,20 @@ class Looks:
         self._of.append(look)
 
     def last(self, field: str) -> int:
-        """Return the record number of the last read that showed a field; NEVER_YET for none."""
+        """Return the record number of the last read that showed a field; NEVER_YET if there is none."""
         return max((look.number for look in self._of if look.field in ("", field)), default=NEVER_YET)
 
 
 @final
 class Place:
-    """The writes of one place in the firmware. flags: those of the register, in its order. count: number of writes.
+    """The read-modify-writes of one place in the firmware.
 
-    proven: bits that were written as 1 and not read as 1.
-    always: bits that were written as 1 each time.
-    looks: the last reads made for these writes.
+    flags: one entry for each flag of the register, in the same order.
+    count: number of writes.
+    proven: bits that were written as 1 although they were read as 0.
+    always: bits that every write set to 1.
+    looks: the last reads of these read-modify-writes.
+    named: names of the fields that the firmware assigned.
     """
 
     __slots__ = ("always", "count", "flags", "looks", "named", "proven")
@@ -171,7 +185,7 @@ class Place:
         self.named: set[str] = set()
 
     def meant(self, flags: list[Flag]) -> set[str]:
-        """Return the flags that firmware may have intended to clear here."""
+        """Return the names of the flags that firmware may have intended to clear here."""
         if self.named:
             return self.named
         ones = {flag.name for flag in flags if self.always & flag.mask}
@@ -180,10 +194,13 @@ class Place:
 
 @final
 class ClearedRegister:
-    """A register with flags that writing 1 clears. status: hardware sets flags of it. last: its last read-modify-write.
+    """A register with flags that writing 1 clears, and what read-modify-writes did to them.
 
-    looks: the last plain reads, as of a place. places: the places of its writes. keeps_ticks: keep the ticks at which
-    flags were cleared, and count those that only rose between a read and a write.
+    status: True if hardware sets a flag of it.
+    last: the write of its last read-modify-write.
+    looks: the last reads that do not belong to a read-modify-write.
+    places: the read-modify-writes by place.
+    keeps_ticks: keep the ticks at which flags were cleared, and also count flags that only rose between read and write.
     """
 
     __slots__ = ("flags", "keeps_ticks", "last", "looks", "places", "status")
@@ -204,7 +221,9 @@ class ClearedRegister:
         return None
 
     def looked_at(self, flag: Flag, place: Text) -> int:
-        """Return the record number of the last read that showed this flag, except reads for the writes of a place."""
+        """Return the record number of the last read that showed this flag, except reads for read-modify-writes at
+        `place`.
+        """
         last: int = self.looks.last(flag.name)
         other: Place
         for at, other in self.places.items():
@@ -213,7 +232,7 @@ class ClearedRegister:
         return last
 
     def flag_changed(self, flag: Flag, number: int, tick: int, value: int, cause: int) -> None:
-        """Take the record of a flag that rises or falls."""
+        """Process the record of a flag that rises or falls."""
         if value:
             flag.rose = number
             return
@@ -222,7 +241,7 @@ class ClearedRegister:
             last.cleared |= flag.mask
 
     def written(self, number: int, tick: int, value: int, place: Text) -> Modify:
-        """Take the record of a write that belongs to a read."""
+        """Process the record of a write that belongs to a read-modify-write."""
         made = Modify()
         made.number, made.tick, made.written, made.cleared, made.place = number, tick, value, 0, place
         made.rose = [flag.rose for flag in self.flags]
@@ -230,9 +249,10 @@ class ClearedRegister:
         return made
 
     def judge(self, number: int, value: int, field: Text, made: Modify | None) -> None:
-        """Judge a read, except for what its place intends to clear, which is known at the end.
+        """Process a read, after all earlier reads. `Place.meant` later decides which flags the firmware intended to
+        clear.
 
-        made: its write; None of a plain read. All earlier reads have been judged.
+        made: the write that belongs to the read; None for a plain read.
         """
         if made is None:
             self.looks.add(field, number)
@@ -249,7 +269,7 @@ class ClearedRegister:
         flag: Flag
         for at, flag in enumerate(self.flags):
             is_cleared = made.cleared & flag.mask != 0
-            if not (is_cleared or self.keeps_ticks):  # those that only rose are not counted
+            if not (is_cleared or self.keeps_ticks):  # flags that only rose are not counted
                 continue
             of: FlagOfPlace = place.flags[at]
             if made.rose[at] > number:

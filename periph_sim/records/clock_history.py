@@ -1,7 +1,8 @@
-"""SYSCLKOUT of a unit over a recording, from the file's clocks or from records of PLLCR and PLLSTS.
+"""History of a unit's SYSCLKOUT, taken from the file or inferred from records of PLLCR and PLLSTS.
 
-A file without clocks may still show them: a unit with a 30 MHz crystal begins at the reset's clock, as an image does,
-and all accesses fall on the cycles that follow from that. Otherwise the clock is that of `Run.cycles`.
+A file may lack clocks. They can be inferred for a unit with a 30 MHz crystal: it starts with the clock after reset, and
+changes of PLLCR and PLLSTS give the later clocks. The inferred history is accepted only if all accesses fall on its
+cycles. Otherwise `Run.cycles` determines the clock.
 
 Source: SPRUFB0D Tables 20 to 22.
 """
@@ -20,46 +21,55 @@ from numpy.typing import NDArray
 from ..core.counted import counted
 
 OSCCLK_HZ = 30_000_000
-DIVIDE = (4, 4, 2, 1)  # by DIVSEL
+DIVIDE = (4, 4, 2, 1)  # divider from the PLL's output to SYSCLKOUT, by DIVSEL
 MOST_TOLD = 3
 DIV, DIVSEL, LOCKED, OFF = "PLLCR.DIV", "PLLSTS.DIVSEL", "PLLSTS.PLLLOCKS", "WDCR.WDDIS"
-SHOWN = (DIV, DIVSEL, LOCKED, OFF)  # firmware that begins at the reset's clock sets at least one of them
+# fields that determine the clock; firmware that starts at the clock after reset changes at least one
+SHOWN = (DIV, DIVSEL, LOCKED, OFF)
 
 
 class ClockHistory(NamedTuple):
-    """The clocks of a unit. begins: the tick from which each one is in effect. periods: the ticks of its cycle."""
+    """The clocks that a unit had during a run.
+
+    begins: the tick from which each clock is in effect.
+    periods: the length of a cycle of each clock, in ticks.
+    """
 
     begins: tuple[int, ...]
     periods: tuple[Fraction, ...]
 
     @classmethod
     def told(cls, per_second: Fraction, clock: Sequence[tuple[int, Fraction]]) -> ClockHistory:
-        """Return the history of pairs of a tick and the frequency from there on."""
+        """Return the history for pairs of a tick and the frequency in Hz from that tick on."""
         return cls(tuple(tick for tick, _ in clock), tuple(per_second / hz for _, hz in clock))
 
     def at(self, tick: int) -> Fraction:
         return self.periods[max(bisect_right(self.begins, tick) - 1, 0)]
 
     def cycles(self, begin: int, end: int) -> int:
-        """Return the whole cycles between two ticks, rounded to nearest."""
+        """Return the number of cycles between two ticks, rounded to the nearest integer; it is negative if `end` is
+        earlier.
+        """
         if end < begin:
             return -self.cycles(end, begin)
         inside = [begin, *(tick for tick in self.begins if begin < tick < end), end]
         return round(sum((after - before) / self.at(before) for before, after in pairwise(inside)))
 
     def of_distances(self, ticks: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return distances in whole cycles, each in the clock of its tick, rounded to nearest."""
+        """Convert distances from ticks to whole cycles, rounded to nearest. Each uses the clock in effect at its tick
+        in `at`.
+        """
         periods = np.array([float(period) for period in self.periods])
         cycles: NDArray[np.int64] = (ticks / periods[self._now(at)] + 0.5).astype(np.int64)
         return cycles
 
     def ticks_of(self, cycles: int, at: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the length of `cycles` cycles in ticks, at each of these ticks, rounded down."""
+        """Return the length of `cycles` cycles in ticks, rounded down, for the clock in effect at each tick in `at`."""
         lengths = np.array([int(cycles * period) for period in self.periods], np.int64)
         return lengths[self._now(at)]
 
     def numbers(self, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the number of the cycle that begins at or next to each of these ticks since the first clock began."""
+        """Return for each tick the number of the cycle that begins nearest to it. Cycle 0 begins the first clock."""
         periods = np.array([float(period) for period in self.periods])
         now = self._now(ticks)
         since = ticks - np.array(self.begins, np.int64)[now]
@@ -67,14 +77,14 @@ class ClockHistory(NamedTuple):
         return found
 
     def tick(self, number: int) -> int:
-        """Return the tick at which a cycle begins."""
+        """Return the tick at which the cycle with this number begins, rounded down."""
         firsts = self._firsts
         now = max(bisect_right(firsts, number) - 1, 0)
         return self.begins[now] + int((number - firsts[now]) * self.periods[now])
 
     @property
     def _firsts(self) -> list[int]:
-        """The number of each clock's first cycle."""
+        """The number of the first cycle of each clock."""
         found = [0]
         for begin, end, period in zip(self.begins, self.begins[1:], self.periods, strict=False):
             found.append(found[-1] + round((end - begin) / period))
@@ -87,7 +97,7 @@ class ClockHistory(NamedTuple):
     def in_words(self, per_second: Fraction) -> str:
         """Return the clocks as text: "7.5 MHz, from 4.373 ms on 150 MHz".
 
-        Of more than three clocks it names only the last, with the number of changes.
+        If there are more than three clocks, the text has only the last one and the number of changes.
         """
         clocks = [f"{float(per_second / period / 1_000_000):.8g} MHz" for period in self.periods]
         if len(clocks) > MOST_TOLD:
@@ -99,9 +109,11 @@ class ClockHistory(NamedTuple):
 def history(
     per_second: Fraction, changes: Iterable[tuple[int, str, int]], accesses: Iterable[int]
 ) -> ClockHistory | None:
-    """Return the clocks that the changes of registers show; None if the accesses do not fit them.
+    """Return the clocks inferred from changes of registers; None without a change, or if the accesses do not fit the
+    clocks.
 
-    changes: of SHOWN, as (tick, what, value) in order; without any the result is None, too. accesses: their ticks.
+    changes: changes of the fields in SHOWN as (tick, field, value), in order.
+    accesses: the ticks of all accesses.
     """
     told = list(changes)
     if not told:
@@ -119,7 +131,7 @@ def history(
                 begins.append(tick)
                 periods.append(period)
     found = ClockHistory(tuple(begins), tuple(periods))
-    before: dict[int, int] = {}  # the first access under each clock
+    before: dict[int, int] = {}  # by index of a clock: the tick of the first access under it
     for tick in accesses:
         number = bisect_right(begins, tick)
         if (tick - before.setdefault(number, tick)) % found.at(tick):
@@ -128,6 +140,6 @@ def history(
 
 
 def _period(per_second: Fraction, state: dict[str, int]) -> Fraction:
-    """Return the ticks of a cycle; while the PLL locks, and in bypass, OSCCLK is only divided."""
+    """Return the length of a cycle in ticks. While the PLL locks, and in bypass, SYSCLKOUT is the divided OSCCLK."""
     ratio = state[DIV] if state[LOCKED] and 1 <= state[DIV] <= 10 else 1
     return per_second * DIVIDE[state[DIVSEL] & 3] / (OSCCLK_HZ * ratio)

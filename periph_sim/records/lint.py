@@ -1,6 +1,6 @@
 """Lints: checks of what firmware did in a recorded run. The functions in `lints/` are found automatically.
 
-Run --each lint--> rows at fault --> findings, one for each place and fault --> text, JSON
+Run --each lint--> faulty accesses --> findings, one for each place and fault --> text, JSON
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from .run import Group, Rows, Run
 
 
 class Fault(NamedTuple):
-    """Accesses of one unit with one kind of fault.
+    """Accesses of one unit that have one kind of fault.
 
-    rows: the accesses at fault, in order; empty if there is no fault.
+    rows: these accesses, in order; empty if there is no fault.
     source: the section of the manual that gives the rule.
     """
 
@@ -37,7 +37,7 @@ class Fault(NamedTuple):
 
 @dataclass(frozen=True)
 class Options:
-    """Options of lints. bound: seconds that a wait on one register may take."""
+    """Options of lints. bound: the longest time in seconds that a wait on one register may take."""
 
     bound: Fraction = Fraction(20, 1000)
 
@@ -72,7 +72,10 @@ class Finding:
 
 
 def finds(says: str) -> Callable[[Faults], Faults]:
-    """Return a decorator that makes a function a lint; its name is that of the function, with hyphens."""
+    """Return a decorator that registers a function as a lint. The lint has the function's name, with hyphens.
+
+    says: what the lint finds, in one sentence.
+    """
 
     def register(faults: Faults) -> Faults:
         _LINTS[faults.__name__.replace("_", "-")] = Lint(says, faults)
@@ -89,7 +92,9 @@ def all_lints() -> dict[str, Lint]:
 
 
 def lint(run: Run | Path | str, options: Options | None = None) -> list[Finding]:
-    """Return the findings of all lints, ordered by their first time. run: a recorded run, or its file."""
+    """Return the findings of all lints, ordered by the time of their first occurrence. run: a recorded run, or its
+    file.
+    """
     if not isinstance(run, Run):
         run = Run.read(run)
     found = []
@@ -102,18 +107,20 @@ def lint(run: Run | Path | str, options: Options | None = None) -> list[Finding]
 
 
 def accesses(run: Run, way: str, register: Register) -> Iterator[Group]:
-    """Yield the accesses of one way ("R" or "W") to a register, by unit and module."""
+    """Yield the reads (way "R") or writes ("W") of a register, one group for each unit and module."""
     return (group for group in run.accesses if group.way == way and group.register is register)
 
 
 def held(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bool_]:
-    """Return True for each access of a group at which a field of the same module was 1."""
+    """Return, for each access of a group, whether a field was 1 just before it. register, name: the field, in the same
+    module.
+    """
     found: NDArray[np.bool_] = run.values(group.unit, group.module, register, register[name], group.rows) == 1
     return found
 
 
 def text(run: Run, findings: list[Finding]) -> str:
-    """Return the findings as text, each with its place, source, lint and first time; then their number."""
+    """Return the findings as text, each with its place, source, lint and first time. The last line has their number."""
     lines = []
     for f in findings:
         times = "once" if f.count == 1 else f"{f.count} times, first"

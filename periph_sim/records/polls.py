@@ -1,7 +1,8 @@
 """Reconstruction of skipped polls next to a change, from the recorded passes of a wait.
 
-A skipped wait leaves its first and last passes in a recording. Its passes are equally long, so the polls between are on
-a grid that the passes before the gap define. If the last read after the gap is on the grid, the gap is a skipped wait.
+A recording contains only the first and the last passes of a skipped wait. All passes are equally long, so the skipped
+polls are on a grid that the passes before the gap define. If the first read after the gap is on this grid, the gap is a
+skipped wait.
 
     first pass, . . . . . . [change] . , last pass
                         ^before    ^after
@@ -22,18 +23,19 @@ Number = TypeVar("Number", np.int64, np.bool_)
 
 SHORTEST_PASS, LONGEST_PASS = 4, 400  # minimum and maximum cycles of a pass of a polling loop
 MOST_READS = 3  # maximum number of reads of one register in a pass
-# Share of passes that must agree on the length of a pass: with one read in a pass, nearly all of them.
+# PASSES_AGREE: share of passes that must be a multiple of the most frequent length, with one read in a pass;
+# MORE_AGREE: the same with more reads. GAPS_AGREE: share of the changes in gaps whose gap must fit the grid.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
-FEW_GAPS = 3  # from this number on, the gaps' greatest common divisor is taken as the length of a pass
+FEW_GAPS = 3  # with this number of gaps or more, their greatest common divisor can be taken as the length of a pass
 
 
 class Polls(NamedTuple):
     """The reconstructed polls next to changes in skipped waits.
 
-    before, after: for each change, the tick of the last poll before it and of the first poll from it on; -1 if that
+    before, after: for each change, the tick of the last poll before it and of the first poll at or after it; -1 if that
     poll was recorded.
     changes: the rows of these changes.
-    unplaced: the reads before gaps that could not be filled, as places among the reads.
+    unplaced: indices of the reads after which a gap follows whose polls could not be reconstructed.
     """
 
     before: Rows
@@ -45,7 +47,8 @@ class Polls(NamedTuple):
 class _Grid:
     """The time base in which the passes of a loop are counted.
 
-    It counts the unit's cycles if its clock is known, since a cycle need not be a whole number of ticks; else ticks.
+    If the unit's clock is known, positions are numbers of its cycles, since a cycle need not be a whole number of
+    ticks. Otherwise they are ticks.
 
     cycle: the length of a cycle in this base.
     """
@@ -58,7 +61,7 @@ class _Grid:
         return ticks if self._clock is None else self._clock.numbers(ticks)
 
     def ticks(self, places: Rows) -> Rows:
-        """Convert places to ticks; -1 stays -1."""
+        """Convert positions to ticks; -1 stays -1."""
         if self._clock is None:
             return places
         return np.array([place if place < 0 else self._clock.tick(place) for place in places.tolist()], np.int64)
@@ -67,8 +70,10 @@ class _Grid:
 def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows, looking: NDBool) -> Polls:
     """Return the polls in skipped waits that are next to a change.
 
-    reads: rows of one place that reads one register. waits: the read after it is the next access of its routine.
-    changes: rows of the register's changes. looking: the reads of what changed; the polls belong to them.
+    reads: rows of the reads of one register at one place.
+    waits: for each read, True if the next access of its routine is the next of these reads.
+    changes: rows of the changes to consider.
+    looking: for each read, True if it read the fields that changed; only polls of such reads are returned.
     """
     grid = _Grid(run, unit)
     ticks = grid.places(run.table.tick[reads])
@@ -113,7 +118,7 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
 
 
 def _period(cycle: Fraction, ticks: Rows, waits: NDBool, gaps: Rows, in_pass: int, longest: int) -> int:
-    """Return the length of a pass of `in_pass` reads at this place; 0 if the recording does not show it."""
+    """Return the length of a pass with `in_pass` reads at this place; 0 if the recording does not show it."""
     whole = _within(waits, in_pass)
     lengths = (ticks - _shifted(ticks, in_pass))[whole]
     short = lengths[(lengths > 0) & (lengths <= longest)]
@@ -129,7 +134,7 @@ def _period(cycle: Fraction, ticks: Rows, waits: NDBool, gaps: Rows, in_pass: in
 
 
 def _shifted(column: NDArray[Number], back: int) -> NDArray[Number]:
-    """Return the column shifted by `back` reads; the first value is repeated."""
+    """Return the column shifted towards later reads by `back` places; the first value is repeated."""
     return column if not back else np.concatenate([column[:1].repeat(min(back, len(column))), column[:-back]])
 
 

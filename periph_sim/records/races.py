@@ -1,9 +1,10 @@
-"""Distances between the firmware's reads of status registers and the changes of what they read, by place.
+"""Time between the firmware's reads of status registers and changes of the fields that they read, for each place.
 
-reads, skipped polls  --> distance to the nearest change, in cycles --> closest, histogram by decades
-read-modify-writes    --> flags that rose in between, flags cleared unmeant
+    reads, skipped polls  --> distance to the nearest change, in cycles --> closest, histogram by decades
+    read-modify-writes    --> flags that rose between read and write, flags cleared unintentionally
 
-    i2c.I2CSTR.XRDY == 1   changes of XRDY     i2c.I2CSTR.all, i2c.I2CSTR.SCD = 1   of any field: all go back
+A read of one field, as in `i2c.I2CSTR.XRDY == 1`, is compared with changes of that field. A read of the whole register,
+as in `i2c.I2CSTR.all` or in the read-modify-write `i2c.I2CSTR.SCD = 1`, is compared with changes of all its fields.
 """
 
 from __future__ import annotations
@@ -22,13 +23,18 @@ from .read_modify_write import ReadModifyWrite, modifies_of, read_modify_writes
 from .run import Group, Rows, Run
 from .subject import groups_of
 
-DECADES = 6  # classes of distances in cycles: 0, 1 to 9, 10 to 99, 100 to 999, 1000 to 9999, and more
+DECADES = 6  # number of classes of distances in cycles: 0, 1 to 9, 10 to 99, 100 to 999, 1000 to 9999, and more
 NEVER = np.iinfo(np.int64).max
 
 
 @dataclass(frozen=True)
 class NearMiss:
-    """The closest read on one side of a change. cycles: between read and change. tick: the tick of the read."""
+    """The read that came closest to a change, before it or after it.
+
+    cycles: distance between read and change.
+    tick: the tick of the read.
+    field: the field that changed.
+    """
 
     cycles: int
     tick: int
@@ -39,12 +45,13 @@ class NearMiss:
 class PlaceRaces:
     """The reads of one register at one place in the firmware, compared with the changes of the register.
 
-    before: the read that missed a change by the fewest cycles.
-    after: the read that saw a change after the fewest cycles.
+    reads: number of recorded reads.
     polls: number of reads that were reconstructed from skipped waits.
     unplaced: number of skipped waits with a change whose reads could not be reconstructed.
+    before: the read that missed a change by the fewest cycles.
+    after: the read that saw a change after the fewest cycles.
     histogram: number of reads by the decade of their distance, in cycles, to the nearest change.
-    alone: number of reads without a change to compare with.
+    alone: number of reads for which there is no change to compare with.
     """
 
     unit: str
@@ -71,7 +78,7 @@ class Races:
 
     @property
     def closest(self) -> int | None:
-        """The fewest cycles between any read and a change; None if there was none."""
+        """The fewest cycles between any read and a change; None if no read could be compared with a change."""
         return min((place.closest for place in self.places if place.closest is not None), default=None)
 
     @property
@@ -81,14 +88,15 @@ class Races:
 
     @property
     def along(self) -> int:
-        """Number of flags that read-modify-writes cleared unintentionally, read or not."""
+        """Number of flags that read-modify-writes cleared unintentionally, whether they had been read or not."""
         return sum(flag.along for modify in self.modifies for flag in modify.flags)
 
 
 def races(run: Run, register: str | None = None) -> Races:
-    """Return the races of all status registers, or of one such as "I2C-A.I2CSTR" or one of its fields; closest first.
+    """Return the races of one register or field, such as "I2C-A.I2CSTR", or of all status registers. The closest come
+    first.
 
-    Raise NotInRun if the firmware never accessed such a register, or if it does not exist.
+    Raise NotInRun if the register does not exist or the firmware never accessed it.
     """
     chosen = groups_of(run, register)
     reads = [(group, f, place) for group, f in chosen if group.way == "R" for place in _reads_by_place(run, group)]
@@ -100,7 +108,7 @@ def races(run: Run, register: str | None = None) -> Races:
 def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
     """Return (cycles, ticks, unplaced). Raise NotInRun as `races` does.
 
-    cycles: from each read or reconstructed poll to its nearest change, if there is a change.
+    cycles: the distance of each read or reconstructed poll to its nearest change. Reads without a change are left out.
     ticks: the ticks of these reads and polls, in order.
     unplaced: number of skipped waits with a change whose polls could not be reconstructed.
     """
@@ -123,7 +131,7 @@ class _Reads(NamedTuple):
     """All reads of one register at a place.
 
     looked_at: for each read the code of the field that it read; the code of "" means the whole register.
-    waits: for each read, True if the next access of its routine is the next of these reads.
+    waits: for each read, True if the next access of its routine is again one of these reads.
     """
 
     place: str
@@ -133,7 +141,9 @@ class _Reads(NamedTuple):
 
 
 def _reads_by_place(run: Run, group: Group) -> Iterator[_Reads]:
-    """Yield the reads of each place. Read-modify-writes read the whole register, since they write it back."""
+    """Yield the reads of each place. The read of a read-modify-write counts as one of the whole register: all is
+    written back.
+    """
     table = run.table
     rows, following = run.in_order(group.unit)
     order = np.argsort(rows)
@@ -150,9 +160,10 @@ def _reads_by_place(run: Run, group: Group) -> Iterator[_Reads]:
 
 
 def _loops_of_an_image(run: Run, unit: str, reads: Rows, nexts: Rows) -> NDBool:
-    """Return True for each read that a loop repeats after one or two other reads, which have places of their own.
+    """Return True for each read that a loop makes again after one or two reads at other places.
 
-    It is a loop if only reads lie between, and the next pass follows shortly or after a recorded wait.
+    A loop is assumed if only reads are in between, and if the next pass follows after at most LONGEST_PASS cycles or
+    after a recorded wait.
     """
     rows, following = run.in_order(unit)
     order = np.argsort(rows)
@@ -178,7 +189,7 @@ def _code(run: Run, name: str) -> int:
 
 
 def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
-    """Return the rows at which fields changed, without changes by the unit's own accesses at the same tick."""
+    """Return the rows at which fields changed, except changes that the unit's own access made at the same tick."""
     of = [run.changes(group.unit, group.module, group.register, each) for each in fields]
     rows = np.sort(np.concatenate(of))
     others: Rows = rows[~np.isin(run.made_by(rows), run.in_order(group.unit)[0])]
@@ -186,9 +197,9 @@ def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
 
 
 class _Side(NamedTuple):
-    """Reads and reconstructed polls, each with the nearest change on one side of it.
+    """Reads and reconstructed polls, each with the nearest change on one side: either the next one or the last one.
 
-    ticks: the ticks of the reads.
+    ticks: the ticks of the reads and polls.
     distances: ticks between read and change; NEVER if there is no change.
     changes: the rows of the changes.
     """
@@ -204,9 +215,13 @@ NONE = _Side(*(np.zeros(0, np.int64) for _ in range(3)))
 class _Beside(NamedTuple):
     """The reads of a place, with the changes of the fields that they read.
 
-    before: reads with the next change after them. after: reads with the last change before them.
-    ticks: the tick of each read or reconstructed poll. nearest: its distance to the nearest change.
-    reads: number of recorded reads. polls: number of reconstructed polls.
+    before: reads with the next change after them.
+    after: reads with the last change before them.
+    ticks: the tick of each read or reconstructed poll.
+    nearest: its distance in ticks to the nearest change.
+    reads: number of recorded reads.
+    polls: number of reconstructed polls.
+    unplaced: number of skipped waits whose polls could not be reconstructed.
     """
 
     before: _Side
@@ -219,7 +234,10 @@ class _Beside(NamedTuple):
 
 
 def _beside(run: Run, group: Group, f: Field | None, place: _Reads) -> _Beside:
-    """Return the reads of a place, skipped polls included, each with the nearest change. f: only reads of it."""
+    """Return the reads of a place and its reconstructed polls, each with the nearest changes.
+
+    f: the field to which reads and changes are limited; None for all fields.
+    """
     before, after, nearest, reads = [NONE], [NONE], [NONE], 0
     unplaced = np.zeros(0, np.int64)
     for code in sorted(set(place.looked_at.tolist())):
@@ -243,7 +261,7 @@ def _beside(run: Run, group: Group, f: Field | None, place: _Reads) -> _Beside:
 
 
 def _of_reads(run: Run, reads: Rows, changes: Rows) -> tuple[_Side, _Side]:
-    """Return the reads with the change after each, and the reads with the change before each."""
+    """Return the reads with the next change after each, and the same reads with the last change before each."""
     tick = run.table.tick[reads]
     at, rows = np.searchsorted(changes, reads), np.append(changes, 0)
     ends = run.table.tick[rows]
@@ -253,7 +271,7 @@ def _of_reads(run: Run, reads: Rows, changes: Rows) -> tuple[_Side, _Side]:
 
 
 def _of_polls(run: Run, polls: Polls, ticks: Rows) -> _Side:
-    """Return the reconstructed polls that are beside a change."""
+    """Return the reconstructed polls that are next to a change. ticks: for each change the tick of its poll, or -1."""
     there = ticks >= 0
     changes, at = polls.changes[there], ticks[there]
     return _Side(at, np.abs(run.table.tick[changes] - at), changes)
@@ -283,7 +301,7 @@ def _judged(run: Run, group: Group, f: Field | None, place: _Reads) -> PlaceRace
 
 
 def _closest(run: Run, unit: str, side: _Side, way: int) -> NearMiss | None:
-    """Return the read that is closest to a change; the earliest of several, None if no read has a change on this side.
+    """Return the read that is closest to a change, the earliest of several; None if no read has a change on this side.
 
     way: 1 if the changes follow the reads, -1 if they precede them.
     """

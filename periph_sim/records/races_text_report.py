@@ -84,7 +84,7 @@ def as_json(races: Races) -> dict[str, object]:
 
 
 def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
-    """Return a row for the closest read before a change and one for the closest after one; names are in the first."""
+    """Return two rows, for the closest read before a change and after one. Only the first row has the names."""
     found = [("before", place.before), ("after", place.after)]
     rows = [
         (side, *(("-", "", "") if miss is None else (str(miss.cycles), miss.field, races.run.at(miss.tick))))
@@ -94,7 +94,7 @@ def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
 
 
 def _counts(races: Races, place: PlaceRaces) -> tuple[str, ...]:
-    at = parsed(place.place)  # not None for a place in an image; its source line is in the table above
+    at = parsed(place.place)  # None unless the place is in an image; the table above has its source line
     short = place.place if at is None else f"{at.function} {at.pc:#08x}"
     return (_name(races, place), short, str(place.reads), str(place.polls), *map(str, place.histogram))
 

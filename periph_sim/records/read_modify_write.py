@@ -1,9 +1,9 @@
-"""Read-modify-writes of a run: pairs of a read and a write of one statement, and flags that they lose.
+"""Read-modify-writes of a run: the read and the write that one statement makes, and flags that are lost by it.
 
     i2c.I2CSTR.SCD = 1     R I2CSTR, W I2CSTR: one place, one routine, one field, a few cycles apart
-                           whatever else was read as 1 is cleared as well
+                           every other flag that was read as 1 is cleared as well
 
-The write may land after accesses that the CPU makes meanwhile, so it need not be the next one.
+The CPU may make other accesses before the write is made, so the write need not be the next access.
 """
 
 from __future__ import annotations
@@ -21,7 +21,9 @@ from .run import Group, Rows, Run, among
 
 
 class Pairs(NamedTuple):
-    """Rows of reads and of their writes, in the order of the writes. in_order: the rows of the reads, sorted."""
+    """Rows of reads and of the writes that belong to them, in the order of the writes. in_order: rows of the reads,
+    sorted.
+    """
 
     reads: Rows
     writes: Rows
@@ -72,7 +74,7 @@ def _found(run: Run, unit: str) -> Rows:
 
 
 def _statements(run: Run) -> Rows:
-    """Return a number for the statement of each place."""
+    """Return for each place a number for its statement. Places in the same statement have the same number."""
     numbers: dict[str, int] = {}
     return np.array([numbers.setdefault(statement(place), len(numbers)) for place in run.table.names["text"]], np.int64)
 
@@ -88,13 +90,13 @@ def _split(names: tuple[str, ...]) -> tuple[np.ndarray[tuple[int], np.dtype[np.b
 class LostFlag:
     """One flag in the read-modify-writes of one place.
 
-    rose: how often the flag rose between the read and the write.
-    lost_between: how often that write then cleared it.
-    along: how often it was set at the read and cleared by the write, though another flag was meant.
-    unseen: how many of these `along` the firmware had not read since the flag rose. A read that named another field of
-    the register does not count.
+    rose: number of times that the flag rose between the read and the write.
+    lost_between: number of times that the write then cleared it.
+    along: number of times that it was 1 at the read and was cleared by the write, though another flag was meant.
+    unseen: those of `along` before which the firmware had not read the flag since it rose. A read that named another
+    field of the register does not count.
     lost: the ticks at which it was cleared without having been read, in order.
-    cleared: the ticks at which it was cleared unintentionally, read or not.
+    cleared: the ticks at which it was cleared unintentionally, whether it had been read or not.
     """
 
     flag: str
@@ -115,8 +117,9 @@ class LostFlag:
 class ReadModifyWrite:
     """The read-modify-writes of one place.
 
+    count: how many there were.
     meant: the flags that the firmware named, or that it certainly intended to clear.
-    doubt: flags that were all set each time, so that the recording does not show which of them was meant.
+    doubt: flags of which every write set all to 1, so that the recording does not show which of them were meant.
     """
 
     unit: str
@@ -134,9 +137,9 @@ class ReadModifyWrite:
 
 
 def modifies_of(run: Run, groups: Iterable[Group]) -> tuple[ReadModifyWrite, ...]:
-    """Return the read-modify-writes of several groups by place, those that lost most first.
+    """Return the read-modify-writes of several groups by place. Those that lost the most flags come first.
 
-    There are none of a register of which writing 1 clears no field.
+    Registers without a field that writing 1 clears are left out.
     """
     found = []
     for group in groups:
@@ -149,7 +152,9 @@ def modifies_of(run: Run, groups: Iterable[Group]) -> tuple[ReadModifyWrite, ...
 
 
 def pairs(run: Run, group: Group) -> tuple[Rows, Rows]:
-    """Return the reads and the writes, row by row, of the read-modify-writes among a group of writes."""
+    """Return the reads and the writes of the read-modify-writes whose writes are in the group, as two arrays of equal
+    length.
+    """
     found = read_modify_writes(run, group.unit)
     ours = among(found.writes, group.rows)
     return found.reads[ours], found.writes[ours]
@@ -198,7 +203,8 @@ def _of_place(register: ClearedRegister, unit: str, name: str, place: str) -> Re
 def _lost(name: str, found: FlagOfPlace, other: bool) -> LostFlag:
     """Return how often a flag was lost at a place.
 
-    other: True if the flag is not one that the place means to clear, so that clearing it along with another loses it.
+    other: True if the firmware does not intend to clear this flag here, so that clearing it along with another loses
+    it.
     """
     between, along, unseen = (found.between.ticks or [], found.along.ticks or [], found.unseen.ticks or [])
     if not other:

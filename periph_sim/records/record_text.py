@@ -1,4 +1,4 @@
-"""Records as text. The packing of values is defined here.
+"""Formatting of records as text, and decoding of the values of BUS records.
 
 BUS address 0x1A1   "controller: 0x68 W NACK (gyroscope)"
 BUS byte 0x22       "controller: 0x11 ACK (gyroscope)"
@@ -15,11 +15,15 @@ from ..core.records import Kind, Record
 from ..core.registers import Field
 from .register_maps import register_of
 
-IN_FIRMWARE = (Kind.ACCESS, Kind.IRQ, Kind.SPAN, Kind.WAIT)  # their text is a place in the firmware
+IN_FIRMWARE = (Kind.ACCESS, Kind.IRQ, Kind.SPAN, Kind.WAIT)  # kinds of records whose `text` is a place in the firmware
 
 
 class BusByte(NamedTuple):
-    """A byte on the bus with its acknowledge bit. `value` of an address byte excludes its R/W bit `read`."""
+    """A byte on the bus with its acknowledge bit.
+
+    value: the byte; for an address byte the 7-bit address without the R/W bit.
+    read: the R/W bit of an address byte; None for other bytes.
+    """
 
     value: int
     acked: bool
@@ -32,7 +36,7 @@ class BusByte(NamedTuple):
 
 
 def bus_byte(record: Record) -> BusByte | None:
-    """Return the byte of a BUS record; None for START, STOP and the like, which carry none."""
+    """Return the byte of a BUS record; None for a record without a byte, such as START and STOP."""
     value, acked = record.value >> 1, not record.value & 1
     if record.what == "address":
         return BusByte(value >> 1, acked, bool(value & 1))
@@ -40,7 +44,7 @@ def bus_byte(record: Record) -> BusByte | None:
 
 
 def on_the_bus(record: Record) -> str:
-    """Return a BUS or FRAME record without its party and purpose: "START", "0x68 R ACK", "0x55", "frame"."""
+    """Return a BUS or FRAME record as text without its party and purpose: "START", "0x68 R ACK", "0x55", "frame"."""
     if record.kind is Kind.FRAME:
         return (
             "frame" if record.what == "begin" else record.what if record.what in PAIR_PARTS else f"0x{record.value:02X}"
@@ -57,7 +61,7 @@ def happened(record: Record) -> str:
 def happened_where(record: Record) -> str:
     """Return a record as text with its unit: "dsp.I2C-A.I2CSTR.SDIR set", "dsp: SCIRXINTA entered at sci_received:76".
 
-    The place in the firmware follows if the record has one; among changes of flags, only those of variables have one.
+    The place in the firmware follows if the record has one. A FLAG record has one only for a variable.
     """
     said = happened(record)
     if record.kind is Kind.FLAG:
@@ -69,7 +73,7 @@ def happened_where(record: Record) -> str:
 
 
 def number(value: int) -> str:
-    """Return a field's value as text: up to 9 in decimal, else in hexadecimal."""
+    """Return a field's value as text: decimal up to 9, else hexadecimal."""
     return str(value) if 0 <= value < 10 else f"{value:#x}"
 
 

@@ -19,26 +19,26 @@ def register_of(module: str, name: str) -> Register | None:
 
 
 def reads_take(name: str) -> bool:
-    """Return True if a read of "MODULE.REGISTER" removes what it yields: a word from a buffer, or a flag."""
+    """Return True if a read of "MODULE.REGISTER" removes what it returns: a word from a buffer, or a flag."""
     register = register_of(*name.partition(".")[::2])
     return register is not None and register.reads_take
 
 
 def yields_data(name: str) -> bool:
-    """Return True if a read of "MODULE.REGISTER" yields one of the words that pass through it."""
+    """Return True if a read of "MODULE.REGISTER" returns a word of the data that passes through the register."""
     register = register_of(*name.partition(".")[::2])
     return register is not None and register.yields is Yields.DATA
 
 
 def is_status(register: Register) -> bool:
-    """Return True if hardware changes one of its single bits by itself: a flag that firmware reads."""
+    """Return True if the register has a flag, which is a single bit that hardware changes."""
     return any(f.msb == f.lsb and (f.cpu is Cpu.R or f.on_write is OnWrite.ONE_CLEARS) for f in register.fields)
 
 
 def one_clears(register: Register) -> tuple[Field, ...]:
-    """Return the fields that writing 1 clears."""
+    """Return the fields that are cleared by writing 1."""
     return tuple(f for f in register.fields if f.on_write is OnWrite.ONE_CLEARS)
 
 
 MODIFY = 4  # maximum cycles between read and write of one read-modify-write
-OVERTAKEN = 3  # the write is one of this number of accesses that follow its read
+OVERTAKEN = 3  # the write of a read-modify-write is among this number of accesses after its read

@@ -1,4 +1,4 @@
-"""A recorded run with the queries that questions need, each a search in sorted arrays.
+"""A recorded run with queries, each of which is a search in sorted arrays.
 
 RecordTable --> Run: rows of a field, its value at a tick, accesses with place and register, cycles, times
 """
@@ -27,13 +27,13 @@ from .register_maps import register_of
 Rows = NDArray[np.int64]
 
 UNITS = (("ns", 1), ("us", 10**3), ("ms", 10**6))
-HEAD = 64  # bytes that tell a recording from other files
+HEAD = 64  # number of bytes at the begin of a file that identify a recording
 WAY_OUT = "record one with periph-sim run CASE --record RUN.psr"
 SYSCLK_HZ = 150_000_000  # of an F28335 at full speed
 
 
 def among(these: Rows, rows: Rows) -> NDArray[np.bool_]:
-    """Return True for each of these that is among the rows. np.isin is five times slower for few rows."""
+    """Return, for each element of `these`, whether it is in `rows`. np.isin is five times slower for few rows."""
     if not len(rows):
         return np.zeros(len(these), bool)
     rows = np.sort(rows)
@@ -42,11 +42,11 @@ def among(these: Rows, rows: Rows) -> NDArray[np.bool_]:
 
 
 class NotInRun(ValueError):
-    """A question about something that the recording does not have; one sentence."""
+    """Error: the recording does not have what was asked for. The message is one sentence."""
 
 
 class Group(NamedTuple):
-    """The accesses of one way by one unit to one register. way: "R" or "W"."""
+    """All reads, or all writes, of one register by one unit. way: "R" or "W"."""
 
     unit: str
     way: str
@@ -56,15 +56,20 @@ class Group(NamedTuple):
 
 
 class Cycles(NamedTuple):
-    """The length of a SYSCLKOUT cycle. ticks: number of ticks in a cycle. how: the source of this figure."""
+    """The length of a SYSCLKOUT cycle.
+
+    ticks: number of ticks in a cycle.
+    how: the source of this figure, in words.
+    """
 
     ticks: Fraction
     how: str
 
 
 class Run:
-    """A recording, opened. NotInRun if the file holds a capture and no run; BadCapture if it cannot be read.
+    """An open recording of a run.
 
+    `read` raises NotInRun for a file that is no recorded run, and BadCapture for one that cannot be decoded.
     sysclk: SYSCLKOUT in Hz; None takes what the recording shows, or 150 MHz.
     """
 
@@ -99,7 +104,7 @@ class Run:
     # Looks -----------------------------------------------------------------------
 
     def rows(self, kind: Kind, where: str | None = None, what: str | None = None) -> Rows:
-        """Return the rows of one kind, place and thing, in the order of their ticks."""
+        """Return the rows with this kind and, if given, this `where` and `what`, in the order of their ticks."""
         key = kind, where, what
         if key not in self._rows:
             found = self.table.rows(kind, where, what)
@@ -122,7 +127,7 @@ class Run:
         return self.table.records(rows)
 
     def row_of(self, number: int) -> int | None:
-        """Return the row of a record by its number; None if it was not recorded."""
+        """Return the row of the record with this number; None if it was not recorded."""
         row = int(np.searchsorted(self.table.number, number))
         return row if number and row < len(self.table) and int(self.table.number[row]) == number else None
 
@@ -134,14 +139,16 @@ class Run:
         return np.where(at_once, causes, -1)
 
     def last(self, rows: Rows, tick: int, before: int | None = None) -> int | None:
-        """Return the last of these rows up to a tick, and before row `before` if that is given; or None."""
+        """Return the last of these rows at or before `tick` and, if `before` is given, before that row; None if there
+        is none.
+        """
         place = int(np.searchsorted(self.table.tick[rows], tick, "right"))
         while place and before is not None and rows[place - 1] >= before:
             place -= 1
         return int(rows[place - 1]) if place else None
 
     def next(self, rows: Rows, after: int) -> int | None:
-        """Return the first of these rows after row `after`, or None."""
+        """Return the first of these rows after row `after`; None if there is none."""
         place = int(np.searchsorted(rows, after, "right"))
         return int(rows[place]) if place < len(rows) else None
 
@@ -149,7 +156,7 @@ class Run:
 
     @cached_property
     def units(self) -> dict[str, tuple[str, ...]]:
-        """The modules of each unit by its name, including those that every unit has."""
+        """The names of each unit's modules, including the modules that every unit has."""
         return {
             unit: (*(module for module in modules if not module.startswith("pin:")), *PART.in_every_unit)
             for unit, modules in self.table.modules.items()
@@ -173,11 +180,12 @@ class Run:
         """Return the value of a field just before each of these rows."""
         changes = self.changes(unit, module, register, f)
         before = np.searchsorted(changes, rows) - 1
-        held = np.append(self.table.value[changes], f.reset)  # place -1: what reset leaves
+        held = np.append(self.table.value[changes], f.reset)  # index -1: the value after reset
         return held[before]
 
     def in_order(self, unit: str) -> tuple[Rows, Rows]:
-        """Return the unit's accesses by routine, and for each of them the next one in the same routine, -1 at its end.
+        """Return the unit's accesses by routine, and for each the next access in the same routine, or -1 for the last
+        one.
 
         The main program comes first, then each run of a service routine; the accesses of each are in order.
         """
@@ -195,16 +203,20 @@ class Run:
         return rows, following
 
     def routine(self, unit: str, entry: int) -> Rows:
-        """Return the unit's accesses in one run of a service routine. entry: number of its entry; 0: main program."""
+        """Return the unit's accesses in one run of a service routine.
+
+        entry: the number of the record of its entry; 0 for the main program.
+        """
         rows, _ = self.in_order(unit)
         routines = self.remembered(f"routines of {unit}", lambda: self.table.cause[rows])
         found: Rows = rows[np.searchsorted(routines, entry) : np.searchsorted(routines, entry, "right")]
         return found
 
     def service(self, unit: str, routine: int, after: int, before: int) -> tuple[Rows, Rows]:
-        """Return the rows at which service routines ended between two rows, and those at which they were entered.
+        """Return the rows at which service routines ended between two rows, and the rows at which these routines were
+        entered.
 
-        routine: the number of the entry of the routine that they interrupted; 0: the main program.
+        routine: the routine that they interrupted, as the number of the record of its entry; 0 for the main program.
         """
         table = self.table
 
@@ -221,7 +233,7 @@ class Run:
 
     @cached_property
     def accesses(self) -> tuple[Group, ...]:
-        """All accesses, grouped by unit, way and register; those to registers without a map are left out."""
+        """All accesses to known registers, grouped by unit, way and register."""
         table = self.table
         rows = self.rows(Kind.ACCESS)
         where, what = table.columns["where"][rows].astype(np.int64), table.columns["what"][rows].astype(np.int64)
@@ -244,13 +256,13 @@ class Run:
         return self.rows(Kind.ACCESS, unit, f"{way} {module}.{register}")
 
     def looking_at(self, reads: Rows, f: Field) -> Rows:
-        """Return the reads that read field `f` by name, or the whole register."""
+        """Return those of the reads that read field `f` by name, or the whole register."""
         about = np.array([name in ("", f.name) for name in self.table.names["field"]], bool)
         found: Rows = reads[about[self.table.columns["field"][reads]]]
         return found
 
     def by_place(self, rows: Rows) -> Iterator[tuple[str, Rows]]:
-        """Yield each place in the firmware, "function:line", with its rows."""
+        """Yield each place in the firmware, such as "function:line", with those of the rows that have it."""
         codes = self.table.columns["text"][rows]
         for code in sorted(set(codes.tolist())):
             yield self.table.names["text"][code], rows[codes == code]
@@ -258,14 +270,14 @@ class Run:
     # Time ------------------------------------------------------------------------
 
     def clock(self, unit: str = "") -> ClockHistory:
-        """Return SYSCLKOUT of a unit; that of the first unit if no unit has this name."""
+        """Return the history of SYSCLKOUT of a unit. If no unit has this name, it is the history of the first unit."""
         if self._sysclk is None and self._clocks:
             return self._clocks.get(unit) or next(iter(self._clocks.values()))
         return ClockHistory((0,), (self.cycles.ticks,))
 
     @property
     def tells_clocks(self) -> bool:
-        """True if the file holds each unit's clock exactly."""
+        """True if the clocks of the units come from the file, which has them exactly."""
         return self._sysclk is None and bool(self.table.clocks)
 
     @property
@@ -275,7 +287,9 @@ class Run:
 
     @cached_property
     def cycles(self) -> Cycles:
-        """The cycle of SYSCLKOUT: as given, else as recorded last, else as the accesses show it, else of 150 MHz."""
+        """The length of a SYSCLKOUT cycle: as given, else as recorded last, else as the accesses show it, else for 150
+        MHz.
+        """
         if self._sysclk is not None:
             return Cycles(self.per_second / self._sysclk, f"SYSCLKOUT {_mhz(self._sysclk)}, as given")
         if self._clocks:
@@ -302,7 +316,7 @@ class Run:
 
     @cached_property
     def _clocks(self) -> dict[str, ClockHistory]:
-        """Return the clock history of each unit for which the recording contains or shows it, by unit."""
+        """The clock history by unit, from the recording or inferred; units without one are left out."""
         if self.table.clocks:
             return {unit: ClockHistory.told(self.per_second, clock) for unit, clock in self.table.clocks.items()}
         if len(self.table.modules) != 1:
@@ -323,9 +337,9 @@ class Run:
     def length(self, ticks: int, begin: int | None = None, unit: str = "") -> str:
         """Return a duration as text: its time, and the number of SYSCLKOUT cycles in it.
 
-        begin: the first tick of the duration, since the clock may change during the run; None: the clock at the end.
-        unit: the unit, such as "dsp", whose cycles are counted. If it is "", as for a wire, cycles are given only if
-        all units have the same clock.
+        begin: the first tick of the duration, which selects the clock; None selects the clock at the end of the run.
+        unit: the unit whose cycles are counted, such as "dsp". If it is "", as for a wire, cycles are given only if all
+        units have the same clock.
         """
         ns = self.seconds(ticks) * 10**9
         suits, size = next(((u, size) for u, size in UNITS if abs(ns) < 1000 * size), ("s", 10**9))

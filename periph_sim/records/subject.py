@@ -1,6 +1,6 @@
-"""The things that a question names: a signal and a tick, as "I2CA.I2CSTR.XRDY@12.345ms", or accesses to a register.
+"""Parsing of questions about a run: a signal and a time, as "I2CA.I2CSTR.XRDY@12.345ms", or accesses to a register.
 
-Units may be left out where only one has the thing; hyphens and case do not matter.
+The name of a unit may be left out if only one unit has the signal or register. Hyphens and case do not matter.
 """
 
 from __future__ import annotations
@@ -19,12 +19,16 @@ from ..f28335.memory.ram import MEMORY
 from .register_maps import is_status, registers_of
 from .run import Group, NotInRun, Run
 
-COARSEST = Fraction(1, 10**6)  # seconds: a time given with this resolution or a finer one selects the change next to it
+COARSEST = Fraction(1, 10**6)  # seconds; a time with this resolution or a finer one can select a change near it
 
 
 @dataclass(frozen=True)
 class RecordedSignal:
-    """A field, a wire, a span, an interrupt or a variable. where, what: as records have them. unit: "" for a wire."""
+    """A field, a wire, a span, an interrupt or a variable.
+
+    unit: "" for a wire.
+    where, what: as in the signal's records.
+    """
 
     kind: Kind
     name: str
@@ -46,12 +50,12 @@ def asked(run: Run, question: str) -> tuple[RecordedSignal, int]:
 
 
 def named(run: Run, name: str) -> RecordedSignal:
-    """Return the one subject that a name means. Raise NotInRun if no subject, or more than one, matches."""
+    """Return the one signal that a name means. Raise NotInRun if no signal, or more than one, matches."""
     known = subjects(run)
     wanted = _folded(name)
     found = (
         [s for s in known if s.name == name]
-        or [s for s in known if s.name.endswith("." + name)]  # a span "model" beside a wire "MODEL"
+        or [s for s in known if s.name.endswith("." + name)]  # tells a span "model" from a wire "MODEL"
         or [s for s in known if _folded(s.name) == wanted]
         or [s for s in known if _folded(s.name).endswith("." + wanted)]
     )
@@ -64,7 +68,7 @@ def named(run: Run, name: str) -> RecordedSignal:
 
 
 def subjects(run: Run) -> list[RecordedSignal]:
-    """Return all subjects of a run."""
+    """Return all signals of a run."""
     found = []
     for unit, modules in run.units.items():
         for module in modules:
@@ -88,14 +92,15 @@ def subjects(run: Run) -> list[RecordedSignal]:
 
 
 def _memories(run: Run) -> list[int]:
-    """Return the codes of the places of units' variables in the table."""
+    """Return the codes of the places that hold variables of units, in the column `where` of the table."""
     return [code for code, where in enumerate(run.table.names["where"]) if where.endswith(f".{MEMORY}")]
 
 
 def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
-    """Return the tick that a time means: that of the subject's change which is shown as this time, if there is one.
+    """Return the tick that a time in a question means.
 
-    Shown times are rounded, so the exact instant of a change may be a little later than what is typed for it.
+    If a change of the signal is displayed as this time, the result is the tick of that change. Displayed times are
+    rounded, so the exact tick differs slightly from the typed time.
     """
     try:
         at = seconds(text)
@@ -115,14 +120,14 @@ def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
 
 
 def _last_digit(text: str) -> Fraction:
-    """Return the unit of a time's last digit in seconds: 1e-10 for "26730.2667us"."""
+    """Return the value of one unit in a time's last digit, in seconds: 1e-10 for "26730.2667us"."""
     number = text.strip()[: len(text.strip()) - len(text.strip().lstrip("0123456789._"))]
     zeros = re.sub(r"\d", "0", number)
     return seconds(f"{zeros[:-1]}1{text.strip()[len(number) :]}") if zeros[-1:] == "0" else Fraction(1)
 
 
 def _hint(known: list[RecordedSignal], name: str) -> str:
-    """Return a phrase with the nearest names, written with as many parts as the given one, or with what the run has."""
+    """Return a suggestion: the known names most similar to `name`, with as many parts; else what the run has."""
     parts = name.count(".") + 1
     short = dict.fromkeys(".".join(s.name.split(".")[-parts:]) for s in known if s.name.count(".") + 1 >= parts)
     folded = {_folded(text): text for text in short}
@@ -140,9 +145,10 @@ def _folded(name: str) -> str:
 
 
 def groups_of(run: Run, register: str | None) -> list[tuple[Group, Field | None]]:
-    """Return the groups of accesses to a register, each with the named field, None for the whole register.
+    """Return the groups of accesses to a register, each with the field that was named; None for the whole register.
 
-    register: None for every status register. Raise NotInRun if the firmware never accessed what is named.
+    register: a name such as "I2C-A.I2CSTR" or "I2C-A.I2CSTR.XRDY"; None selects every status register. Raise NotInRun
+    if the firmware never accessed it.
     """
     if register is not None:
         return _accesses_named(run, register)

@@ -1,8 +1,9 @@
-"""Walk from a record back to its causes, each with how it is known.
+"""Search from a record back to its causes. Each link states whether it was recorded or inferred.
 
-A recording names the causes of what chips do: the access or edge that changed a flag or moved a pin. After filters and
-bit clocks it is the last one that had come through. Three causes are inferred from the order of the records, and marked
-so: what a party did on the wire before an edge, the request for an interrupt, and what firmware read before it wrote.
+A recording has the causes of what chips do: the access or edge that changed a flag or moved a pin. If the chip filters
+or samples its inputs, the recorded cause is the last input that had passed. Three causes are inferred from the order of
+the records: what a party did on the wire before an edge, the request for an interrupt, and what firmware read before it
+wrote.
 """
 
 from __future__ import annotations
@@ -18,11 +19,11 @@ from ...f28335.pie.register_map import LINES
 from ..run import Rows, Run
 from .firmware_causes import INFERRED, MOST_ACCESSES, RECORDED, Link, accesses_before, causes_of_access, held_up
 
-ROUND_A_GATE = 16  # maximum cycles between a module's request and the flag of the PIE
+ROUND_A_GATE = 16  # maximum cycles between a module's request and the PIEIFR flag that it sets
 
 
 def walk_back(run: Run, row: int, depth: int) -> Iterator[Link]:
-    """Yield the record itself, then at most `depth` causes, each after the links beside it."""
+    """Yield the record itself, then at most `depth` causes. Each cause follows the links that are shown beside it."""
     step = Link(row, run.record(row), "")
     yield step
     flag: Record | None = None
@@ -54,7 +55,8 @@ def end_of_walk(run: Run, steps: Sequence[Link], depth: int) -> str:
 
 
 def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> list[Link]:
-    """Return the causes of a record: the main one last, if it is known, and before it the links beside it.
+    """Return links to the cause of a record, which is last if it is known, and before it to the records shown beside
+    it.
 
     flag: the change of a field whose causes led to this record, or None.
     """
@@ -71,7 +73,7 @@ def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> li
 
 
 def _recorded(run: Run, record: Record) -> list[Link]:
-    """Return the cause that the record names."""
+    """Return a link to the cause that the record names."""
     found = run.row_of(record.cause)
     if found is None:
         return []
@@ -82,7 +84,7 @@ def _recorded(run: Run, record: Record) -> list[Link]:
 
 
 def _request(run: Run, row: int, record: Record) -> list[Link]:
-    """Return the request for a flag of the PIE: the field of the module that requested last, within a few cycles."""
+    """Return a link to the request that set a PIEIFR flag: the flag of a module that rose last, within a few cycles."""
     unit, _, owner = record.where.rpartition(".")
     register, _, line = record.what.partition(".")
     if owner != "PIE" or not register.startswith("PIEIFR") or not record.value:
@@ -103,7 +105,10 @@ def _request(run: Run, row: int, record: Record) -> list[Link]:
 
 
 def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
-    """Return the PIE's flag of an interrupt and the service routines that delayed it; for its end, its begin."""
+    """Return links from an entry of a service routine to its PIEIFR flag and to the service routines that delayed it.
+
+    The cause of the end of a service routine is its entry.
+    """
     if not record.value or record.what not in LINES:
         return _recorded(run, record)
     group, line = LINES[record.what]
@@ -116,7 +121,7 @@ def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
 
 
 def _of_party(run: Run, row: int, record: Record) -> list[Link]:
-    """Return the last action of the party that pulled or released the wire."""
+    """Return a link to the last action of the party that pulled or released the wire."""
     party = mover(run, row, record)
     rows = np.sort(np.concatenate([run.rows(kind, party) for kind in (Kind.BUS, Kind.FRAME)]))
     found = run.last(rows, record.tick, row)
@@ -131,7 +136,9 @@ def _of_party(run: Run, row: int, record: Record) -> list[Link]:
 
 
 def holders(run: Run, row: int, record: Record) -> tuple[str, ...]:
-    """Return the parties that pull the wire low after this record; for a rising edge, those that did before it."""
+    """Return the parties that pull the wire low after this record; for a rising edge, those that pulled it low until
+    then.
+    """
     before = _before(run, row, record)
     return _named(record.text) if not record.value else () if before is None else _named(before.text)
 
@@ -154,7 +161,7 @@ def wire_rows(run: Run, wire: str) -> Rows:
 
 
 def causes_of_hold(run: Run, row: int, record: Record) -> list[Link]:
-    """Return a link to the record since which the parties that now hold the wire low have all held it.
+    """Return a link to the record from which on the parties that now hold the wire low have all held it.
 
     Return no link if one of them began to hold the wire with this record; the record's own cause then explains it.
     """

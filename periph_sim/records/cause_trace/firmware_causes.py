@@ -1,13 +1,13 @@
-"""Causes of accesses of the firmware.
+"""Search for the causes of a firmware access.
 
-    write --> the look before it, in the same routine, that saw the newest change
-              beside it: the read of its own read-modify-write, the flag that it handed back; later looks
-          --> without a look: the entry of its service routine
-    read  --> the last change before it of the fields that it looked at
-          --> without a change: the entry of its service routine
+    cause of a write: the look in the same routine before it that saw the newest change
+                      without a look: the entry of its service routine
+    cause of a read:  the last change, before it, of the fields that it read
+                      without a change: the entry of its service routine
 
-A look is a read that does not belong to a read-modify-write. Beside each link are the service routines that ended in
-between, which delayed the firmware. Only the author of the firmware knows why it made an access; all of this is
+A look is a read that is not the first half of a read-modify-write. A result also has records that are shown beside the
+cause: the read of the write's own read-modify-write, the change of a flag that the write only wrote back, later looks,
+and service routines that delayed the firmware. A recording does not contain the firmware's reasons, so all of this is
 inferred from the order of the records.
 """
 
@@ -24,19 +24,20 @@ from ..register_maps import register_of
 from ..run import Rows, Run
 
 RECORDED, INFERRED = "recorded", "inferred"
-MOST_LOOKS = 8  # maximum number of looks at different places or fields that are searched before a write
-MOST_ACCESSES = 10_000  # searched for looks before a write, within its routine
-MOST_ROUTINES = 3  # number of shown routines that delayed the firmware: the longest ones
+MOST_LOOKS = 8  # number of looks, at different places or fields, after which the search before a write ends
+MOST_ACCESSES = 10_000  # maximum number of accesses of the routine that are searched for looks before a write
+MOST_ROUTINES = 3  # maximum number of service routines shown as delays of the firmware: the longest ones
 SEEN = "the last change of what it read"
 NEWEST = "the read before it that saw the newest change"
 
 
 class Link(NamedTuple):
-    """A record of a walk along causes, with its relation to another record.
+    """A record found in a search for causes, with its relation to another record.
 
-    known: RECORDED, INFERRED, or "" for the record in question.
+    known: RECORDED or INFERRED, the source of the relation; "" for the record whose causes are searched.
     because: the relation in words.
-    aside: True if the record is shown beside the cause and is not the cause itself; the walk does not continue from it.
+    aside: True if the record is shown beside the cause and is not the cause itself; the search does not continue from
+    it.
     of: the row of the record that this one is related to; -1 for the record whose causes are searched.
     """
 
@@ -49,9 +50,10 @@ class Link(NamedTuple):
 
 
 def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
-    """Return the links of an access; the last one is its cause, unless it is `aside`.
+    """Return links to the cause of an access, which is last, and to the records shown beside it.
 
-    An access of the main program has no cause if no change or earlier look explains it.
+    If the last link is `aside`, no cause was found. An access of the main program has no cause if no change or earlier
+    look explains it.
     flag: the change of a field whose causes led to this access, or None.
     """
     routine = run.row_of(record.cause)
@@ -77,7 +79,10 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
 
 
 def looks_before(run: Run, row: int, record: Record) -> list[int]:
-    """Return the last look of each place and field in the same routine before a write."""
+    """Return the rows of the looks that a write's routine made before the write.
+
+    Of several looks with the same register, place and field only the last one is returned.
+    """
     of_writes = read_modify_writes(run, record.where)
     found: dict[tuple[str, str, str], int] = {}
     for earlier in accesses_before(run, row, record)[-MOST_ACCESSES:][::-1].tolist():
@@ -90,14 +95,16 @@ def looks_before(run: Run, row: int, record: Record) -> list[int]:
 
 
 def accesses_before(run: Run, row: int, record: Record) -> Rows:
-    """Return the accesses of the same routine before an access."""
+    """Return the rows of the earlier accesses made by the routine that made the access at `row`."""
     routine = run.routine(record.where, record.cause)
     before: Rows = routine[: np.searchsorted(routine, row)]
     return before
 
 
 def _beside(run: Run, look: int) -> list[Link]:
-    """Return links that are only shown: a look after the one that the search follows, its change and its delays."""
+    """Return links to a later look, to the change that it saw and to the delays in between. All are shown beside the
+    cause.
+    """
     record = run.record(look)
     changed = change_seen(run, look, record)
     links = [Link(look, record, INFERRED, "looked at as well", aside=True)]
@@ -108,7 +115,10 @@ def _beside(run: Run, look: int) -> list[Link]:
 
 
 def change_seen(run: Run, row: int, record: Record) -> int | None:
-    """Return the last change, before a read, of the fields that it named; of the whole register if it named none."""
+    """Return the row of the last change before a read that the read could see, or None.
+
+    A read that names a field sees changes of that field; any other read sees changes of the whole register.
+    """
     module, register, fields = looked_at(record)
     if register is None:
         return None
@@ -117,7 +127,7 @@ def change_seen(run: Run, row: int, record: Record) -> int | None:
 
 
 def looked_at(record: Record) -> tuple[str, Register | None, tuple[Field, ...]]:
-    """Return module, register and fields of an access; None for the register if its name is not known."""
+    """Return the module, the register and the accessed fields of an access. An unknown register is None."""
     module, _, name = record.what[2:].partition(".")
     register = register_of(module, name)
     if register is None:
@@ -126,9 +136,11 @@ def looked_at(record: Record) -> tuple[str, Register | None, tuple[Field, ...]]:
 
 
 def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
-    """Return the ends of service routines that interrupted the routine of an access, or of an entry, between two rows.
+    """Return links to the ends of the service routines that delayed an access, or the entry of a service routine.
 
-    The last one is first.
+    These routines ended between the rows `after` and `before`. Only the MOST_ROUTINES longest are returned, the last
+    one first.
+    record: the delayed access or entry.
     """
     table = run.table
     ends, entries = run.service(record.where, record.cause, after, before)
@@ -148,7 +160,8 @@ def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
 
 
 def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
-    """Return links to the read of a write's read-modify-write, and to the change whose value the write only wrote back.
+    """Return links to the read of the read-modify-write that a write belongs to, and to the change that it only wrote
+    back.
 
     The list is empty if the write does not belong to a read-modify-write.
     flag: the change whose causes led to this write, or None.
@@ -169,7 +182,10 @@ def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[L
 
 
 def handed_back(write: Record, read: int, flag: Record) -> Field | None:
-    """Return the field of a flag's change, if the write that made it only handed back what its read had seen."""
+    """Return the field whose change is `flag` if the write only wrote back the value that was read; else None.
+
+    read: the value that the read of the read-modify-write returned.
+    """
     module, register, _ = looked_at(write)
     name, _, field = flag.what.partition(".")
     ours = flag.where == f"{write.where}.{module}" and register is not None and register.name == name

@@ -20,8 +20,8 @@ from ..subject import RecordedSignal, asked
 from .causes import end_of_walk, holders, walk_back, wire_rows
 from .firmware_causes import RECORDED, Link
 
-DEPTH = 8  # maximum number of causes that are followed back
-EFFECTS = 5  # number of shown effects of a record
+DEPTH = 8  # default for the maximum number of causes that are followed back
+EFFECTS = 5  # maximum number of effects of a record that are shown
 AS_RESET = "as reset left it"
 SKIPPED = (
     "note: polls of a wait that is skipped exactly are not recorded, only its first and last passes; "
@@ -33,11 +33,17 @@ SKIPPED = (
 class Answer:
     """The answer to a question.
 
-    value: None if it is not known, as for a wire before its first edge. since: the tick from which it had the value; 0
-    if it never changed before. back: the record that gave the value, then its causes; for a low wire first the record
-    since which its holders have not changed. pulled_by, held_by: for such a wire, the parties that pulled it low and
-    those that hold it now. reads: number of recorded reads of the field before the next change. ends: the reason why
-    `back` ends.
+    value: None if it is not known, as for a wire before its first edge.
+    since: the tick from which the signal had the value; 0 if it never changed before.
+    back: the record that gave the value, then its causes. For a low wire, the first record is the last change of the
+    parties that hold it low.
+    pulled_by: the parties that pulled a low wire low.
+    held_by: the parties that hold a low wire low at the tick of the question.
+    effects: records that the record of the value caused.
+    reader: the first recorded read of the field after it had the value.
+    reads: number of recorded reads of the field before the next change.
+    changed: the next change of the signal.
+    ends: the reason why `back` ends.
     """
 
     run: Run
@@ -56,9 +62,11 @@ class Answer:
 
 
 def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
-    """Return the answer to "I2C-A.I2CSTR.XRDY@12.345ms". NotInRun for an unknown name or a time outside the run.
+    """Return the answer to a question such as "I2C-A.I2CSTR.XRDY@12.345ms".
 
-    run: recorded, or the file of one.
+    Raise NotInRun if the name is unknown or the time is outside the run.
+    run: a recorded run, or its file.
+    depth: maximum number of causes that are followed back.
     """
     if not isinstance(run, Run):
         run = Run.read(run)
@@ -92,7 +100,7 @@ def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
 
 
 def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> int | None:
-    """Return the subject's value from `row` on; before its first change the reset value, or the wire's first level."""
+    """Return the signal's value from `row` on; before its first change, the reset value or the wire's first level."""
     if row is not None:
         return int(run.table.value[row])
     if subject.field is not None:
@@ -105,7 +113,7 @@ def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> in
 
 
 def _reads(run: Run, subject: RecordedSignal, after: int, until: int | None) -> Rows:
-    """Return the recorded reads of the subject's field after row `after` and before row `until`, if that is given."""
+    """Return the recorded reads of the signal's field after row `after` and, if `until` is given, before that row."""
     if subject.register is None or subject.field is None:
         return np.empty(0, np.int64)
     rows = run.accesses_of(subject.unit, "R", subject.module, subject.register.name)
@@ -118,7 +126,7 @@ def _step(run: Run, row: int) -> Link:
 
 
 def text(answer: Answer) -> str:
-    """Return the value and its begin, its meaning, its causes, and later reads and changes, as text."""
+    """Return an answer as text: the value and its begin, its meaning, its causes, and later reads and changes."""
     run, subject = answer.run, answer.subject
     lines = [f"{subject.name} at {run.at(answer.tick)}: {_value_text(answer)}"]
     register, f = subject.register, subject.field
@@ -168,7 +176,7 @@ def as_json(answer: Answer) -> dict[str, object]:
 
 
 def said(run: Run, step: Link) -> str:
-    """Return a record as text, for a flag with the section of the manual that describes its register."""
+    """Return a record as text. For a flag it ends with the section of the manual that describes the register."""
     record = step.record
     words = happened_where(record)
     if record.kind is Kind.EDGE and record.value:
@@ -182,7 +190,7 @@ def said(run: Run, step: Link) -> str:
 
 
 def _with_source(words: str) -> str:
-    """Return the words with the section of the manual at their end, if any, kept on one line."""
+    """Return the text with the section of the manual at its end, if any, protected from line breaks."""
     what, bracket, source = words.partition(" [")
     return f"{what} {together(f'[{source}')}" if bracket else words
 

@@ -1,1 +1,1 @@
-"""Lints. Each is a function with the decorator `finds` (`lint.py`); it yields the accesses that violate a rule."""
+"""Lints. Each is a function with the decorator `finds` from `lint.py` that yields the accesses which violate a rule."""

@@ -1,4 +1,4 @@
-"""Lints of firmware that hangs in a wait, or that is never interrupted again."""
+"""Lints of firmware that hangs in a wait, or of which an interrupt group is never acknowledged."""
 
 from __future__ import annotations
 
@@ -21,13 +21,13 @@ LONGEST_PASS = 4  # maximum number of reads in a pass of a loop
 def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
     """Yield reads of a place that polls one register for longer than the bound, or until the run ends.
 
-    There is no other access in between. A loop that makes several reads in the same order again and again is judged in
-    the same way, unless a read in it removes data, as a read of SCIRXBUF does: such a loop makes progress.
+    A wait contains no other access. A loop that makes several reads in the same order again and again is judged in the
+    same way, unless one of its reads removes data, as a read of SCIRXBUF does: such a loop makes progress.
 
-    Skipped polls are not recorded, so a wait is the stretch from its first recorded read to the next access of the same
-    routine elsewhere, or to the end of the run. What the firmware computed meanwhile without an access counts as
-    waiting; a single read is no wait, as the firmware may have continued without the register. A wait that is cut off
-    by the end of the run is a fault, however short, if no earlier wait at its place has ended.
+    Skipped polls are not recorded, so a wait lasts from its first recorded read to the next access of the same routine
+    elsewhere, or to the end of the run. Computations without an access count as waiting. A single read is no wait,
+    since the firmware may have continued without the register. A wait that is cut off by the end of the run is a fault,
+    however short, if no earlier wait at its place has ended.
     """
     table = run.table
     bound = int(options.bound * run.per_second)
@@ -62,14 +62,15 @@ def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
 
 
 def _of_loops(run: Run, unit: str, bound: int) -> Iterator[Fault]:
-    """Yield the faults of loops whose passes make several reads, each at its first read."""
+    """Yield the faults of loops whose passes make several reads. Their rows are the first reads of the loops."""
     table = run.table
     rows, following = run.in_order(unit)
     what = table.columns["what"][rows]
     ids = what.astype(np.int64) << 32 | table.columns["text"][rows]
     looks = [name.startswith("R ") and not reads_take(name[2:]) for name in table.names["what"]]
     is_look = np.array(looks)[what]
-    found: dict[tuple[int, ...], list[tuple[int, int, bool]]] = {}  # begin, length, cut by the run's end; by its reads
+    # by the reads of a loop: first row, length in ticks, True if cut off by the run's end
+    found: dict[tuple[int, ...], list[tuple[int, int, bool]]] = {}
     for reads in range(2, LONGEST_PASS + 1):
         for begin, last in _again_and_again(ids, is_look, following, reads):
             after, main = int(following[last]), table.cause[rows[last]] == 0
@@ -95,12 +96,15 @@ def _of_loops(run: Run, unit: str, bound: int) -> Iterator[Fault]:
 
 
 def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> Iterator[tuple[int, int]]:
-    """Return the first and last row of each stretch of at least two passes of `reads` reads without a shorter pass."""
+    """Yield the first and last index of each stretch of at least two equal passes of `reads` reads.
+
+    A stretch whose passes consist of shorter equal passes is left out.
+    """
     if len(ids) < 2 * reads:
         return
     again = np.append(np.zeros(reads, bool), (ids[reads:] == ids[:-reads]) & is_look[reads:])
     turns = np.flatnonzero(np.diff(np.concatenate(([0], again.astype(np.int8), [0]))))
-    ends_before = np.append(0, np.cumsum(following < 0))  # of routines
+    ends_before = np.append(0, np.cumsum(following < 0))  # number of ends of routines before each row
     for start, end in zip(turns[::2].tolist(), turns[1::2].tolist(), strict=True):
         begin, last = start - reads, end - 1
         if end - start < reads or ends_before[last] != ends_before[begin]:
@@ -110,7 +114,7 @@ def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> 
 
 
 def _parts(reads: int) -> list[int]:
-    """Return the lengths of the shorter passes that a pass of `reads` reads may consist of."""
+    """Return the lengths of the shorter passes of which a pass of `reads` reads may consist."""
     return [part for part in range(1, reads) if reads % part == 0]
 
 
@@ -124,7 +128,7 @@ TEXT = "{} is served, and PIEACK bit {} is not written afterwards: no interrupt 
 
 @finds("a service routine after which PIEACK is never written for its group")
 def group_not_acknowledged(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield entries of service routines that no write of PIEACK follows: their group never interrupts again."""
+    """Yield entries of service routines after which PIEACK is never written for their group, which blocks the group."""
     for unit in run.units:
         acknowledges = run.accesses_of(unit, "W", "PIE", PIEACK.name)
         for vector, (group, _) in LINES.items():

@@ -34,9 +34,11 @@ def flag_wiped(run: Run, options: Options) -> Iterator[Fault]:
         i2c.I2CSTR.SCD = 1       writes back every 1 that it read, and so clears SDIR if it was 1
         i2c.I2CSTR.all = 0xFFFF  clears everything
 
-    A plain write that sets no bits but those of such flags is considered intentional. Nor is it a fault to clear a flag
-    left from an earlier transfer, the flag that a bit-field write names, any flag after the STOP, or ARDY, which only
-    says that registers may be loaded.
+    These writes are no fault:
+    - a plain write that sets only bits of flags that writing 1 clears; it is considered intentional
+    - clearing the flag that a bit-field write names, or a flag left from an earlier transfer
+    - clearing a flag after the STOP
+    - clearing ARDY, which only says that registers may be loaded
     """
     table = run.table
     for group in accesses(run, "W", I2CSTR):
@@ -66,7 +68,7 @@ def flag_wiped(run: Run, options: Options) -> Iterator[Fault]:
 def stale_flag(run: Run, options: Options) -> Iterator[Fault]:
     """Yield reads in the middle of a transfer that end a wait at once, because the flag rose before the transfer began.
 
-    Only reads that name the flag are judged; recordings of Python firmware contain them.
+    Only reads that name the flag are judged. Recordings of Python firmware contain such reads.
     """
     table = run.table
     for group in accesses(run, "R", I2CSTR):
@@ -87,14 +89,16 @@ def stale_flag(run: Run, options: Options) -> Iterator[Fault]:
 
 @finds("XRDY polled without SDIR or AAS being looked at: I2CDXR loaded as slave though SDIR was read as 0")
 def xrdy_alone(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield writes of a slave that treats XRDY = 1 as a read request: it loads I2CDXR although no master reads from it.
+    """Yield writes of a slave that takes XRDY = 1 for a read request: it loads I2CDXR although no master reads from it.
 
-    XRDY is 1 in idle, so firmware has to read SDIR or AAS too. The fault is judged by its result: the last read of XRDY
+    XRDY is 1 in idle, so firmware must also read SDIR or AAS. The fault is judged by its result: the last read of XRDY
     before a write of I2CDXR showed XRDY = 1 and SDIR = 0, and SDIR was still 0 at the write, as slave and not in FIFO
     mode. Firmware that checks SDIR would not have written. Only reads of XRDY or of the whole register since the
-    previous write of I2CDXR count. A byte that is loaded without such a read is no fault of this kind, nor is a write
-    after which the firmware becomes master (its next write of I2CMDR has MST = 1). If the firmware itself cleared SDIR
-    since it was addressed, that is reported instead.
+    previous write of I2CDXR count.
+
+    A byte that is loaded without such a read is no fault of this kind. Nor is a write after which the firmware becomes
+    master (its next write of I2CMDR has MST = 1). If the firmware itself cleared SDIR since the module was addressed,
+    that is reported instead.
     """
     for group in accesses(run, "W", I2CDXR):
         reads = run.accesses_of(group.unit, "R", group.module, I2CSTR.name)
@@ -116,7 +120,7 @@ def xrdy_alone(run: Run, options: Options) -> Iterator[Fault]:
 
 
 def _sdir_wiped_by(run: Run, group: Group) -> Rows:
-    """Return for each access the firmware's write that cleared SDIR since the module was addressed, or -1."""
+    """Return, for each access, the firmware's write that cleared SDIR since the module was addressed, or -1."""
     value = run.table.value
     changes = run.changes(group.unit, group.module, I2CSTR, I2CSTR["SDIR"])
     addressed = run.changes(group.unit, group.module, I2CSTR, I2CSTR["AAS"])
@@ -134,12 +138,12 @@ OVERWRITTEN = "writes I2CDXR while XRDY = 0: the byte written before was not tak
 
 @finds("I2CDRR read with RRDY = 0: no byte came since the read before")
 def receive_register_early(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield reads of I2CDRR without a byte in it: none ever came, or the last one was read before."""
+    """Yield reads of I2CDRR when it has no new byte: none ever came, or the last one was already read."""
     for group in accesses(run, "R", I2CDRR):
         changes = run.changes(group.unit, group.module, I2CSTR, I2CSTR["RRDY"])
         last = np.append(changes, -1)[np.searchsorted(changes, group.rows) - 1]
         empty = ~held(run, group, I2CSTR, "RRDY")
-        # A byte whose RRDY was cleared by a write, or by a reset, may be read still.
+        # If a write or a reset cleared RRDY, the byte can still be read.
         by_read = (last < 0) | np.isin(run.made_by(last), group.rows)
         plain = ~held(run, group, I2CFFRX, "RXFFRST")
         enabled = held(run, group, I2CMDR, "IRS")
@@ -149,7 +153,7 @@ def receive_register_early(run: Run, options: Options) -> Iterator[Fault]:
 
 @finds("I2CDRR never read though RRDY rose")
 def receive_register_unread(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield the access that first saw RRDY = 1, of a unit that received bytes and never read I2CDRR."""
+    """Yield the first access that saw RRDY = 1 in a module that received bytes of which the firmware never read one."""
     for unit, modules in run.units.items():
         for module in (module for module in modules if module.startswith("I2C")):
             rises = run.rises(unit, module, I2CSTR, I2CSTR["RRDY"])
@@ -164,9 +168,9 @@ def receive_register_unread(run: Run, options: Options) -> Iterator[Fault]:
 
 @finds("I2CDXR written twice in a transfer with XRDY = 0 in between")
 def transmit_register_overwritten(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield writes of I2CDXR while the byte before, of the same transfer, still waits in it (XRDY = 0) and is lost.
+    """Yield writes of I2CDXR that overwrite a byte of the same transfer which the module has not taken yet (XRDY = 0).
 
-    In FIFO mode XRDY does not tell whether a byte can be taken; there nothing is judged.
+    FIFO mode is not judged, because XRDY does not show there whether a byte can be taken.
     """
     for group in accesses(run, "W", I2CDXR):
         before = np.append(-1, group.rows[:-1])
@@ -190,7 +194,7 @@ RESET = "clears IRS while the module takes part in a transfer (BB = 1): the byte
 
 @finds("own address changed in mid-transfer (BB = 1, IRS = 1)")
 def own_address_in_transfer(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield writes of another value into I2COAR while the module is on and the bus is busy."""
+    """Yield writes that change I2COAR while the module is enabled and the bus is busy."""
     for group in accesses(run, "W", I2COAR):
         rows = group.rows[held(run, group, I2CSTR, "BB") & _changed_while_on(run, group, I2COAR, "OAR")]
         yield Fault(group.unit, rows, OWN_ADDRESS, "SPRUG03B section 4 and table 17")
@@ -198,7 +202,7 @@ def own_address_in_transfer(run: Run, options: Options) -> Iterator[Fault]:
 
 @finds("IPSC changed while IRS = 1")
 def prescaler_while_enabled(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield writes of another value into I2CPSC while IRS = 1: the prescaler may change in reset only."""
+    """Yield writes that change I2CPSC while IRS = 1: the prescaler may be changed only in reset."""
     for group in accesses(run, "W", I2CPSC):
         rows = group.rows[_changed_while_on(run, group, I2CPSC, "IPSC")]
         yield Fault(group.unit, rows, PRESCALER, "SPRUG03B section 1.4 and table 12")
@@ -208,7 +212,7 @@ def prescaler_while_enabled(run: Run, options: Options) -> Iterator[Fault]:
 def reset_in_transfer(run: Run, options: Options) -> Iterator[Fault]:
     """Yield writes of IRS = 0 while the module takes part in a transfer.
 
-    The byte under way is lost, and a master reads FF afterwards.
+    The byte in progress is lost, and an external master then reads 0xFF.
     """
     for group in accesses(run, "W", I2CMDR):
         enabled = held(run, group, I2CMDR, "IRS")
@@ -220,7 +224,7 @@ def reset_in_transfer(run: Run, options: Options) -> Iterator[Fault]:
 
 
 def _changed_while_on(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bool_]:
-    """Return True for each write of another value into a field while IRS = 1."""
+    """Return, for each write of the group, whether it changes the field while IRS = 1."""
     f = register[name]
     kept = run.values(group.unit, group.module, register, f, group.rows)
     changed: NDArray[np.bool_] = kept != run.table.value[group.rows] & f.mask

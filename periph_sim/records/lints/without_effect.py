@@ -24,8 +24,7 @@ STT, STP, IRS, MST, TRX, FDF = (I2CMDR[name] for name in ("STT", "STP", "IRS", "
 def read_only(run: Run, options: Options) -> Iterator[Fault]:
     """Yield writes that try to change a read-only field.
 
-    A write that writes back the value of the field, as every bit-field assignment does, is no fault; nor is a write of
-    0.
+    It is no fault to write 0, or to write back the value of the field, as every bit-field assignment does.
     """
     value = run.table.value
     for group in run.accesses:
@@ -37,7 +36,8 @@ def read_only(run: Run, options: Options) -> Iterator[Fault]:
             wanted = f.mask & value[group.rows]
             kept = f.mask & np.array(run.values(group.unit, group.module, group.register, f, group.rows)) << f.lsb
             at = np.searchsorted(group.rows, writes)
-            kept[at] = value[reads] & f.mask  # a field that changes between read and write is given back as it was read
+            # a read-modify-write writes the field back as it was read, though it may have changed since
+            kept[at] = value[reads] & f.mask
             rows = group.rows[(wanted != 0) & (wanted != kept)]
             if len(rows):
                 name = f"{group.module}.{group.register.name}.{f.name}"
@@ -46,11 +46,11 @@ def read_only(run: Run, options: Options) -> Iterator[Fault]:
 
 @finds("a write without effect: TRX or I2CCNT as slave, STT or STP with IRS = 0")
 def without_effect(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield writes that change nothing on this chip: TRX and I2CCNT as slave, STT and STP while the module is in reset.
+    """Yield writes that have no effect on this chip: TRX and I2CCNT as slave, STT and STP while the module is in reset.
 
     TRX sets the direction of a master and of the free data format; the direction of a slave comes from the address.
-    I2CCNT does not limit a slave-receiver; for a slave-transmitter the guide is ambiguous (option `cnt_in_slave_tx`). A
-    write that a later use as master may need is no fault.
+    I2CCNT does not limit a slave-receiver. For a slave-transmitter the manual is ambiguous (option `cnt_in_slave_tx`).
+    A write that a later use as master may need is no fault.
     """
     for group in run.accesses:
         if group.way != "W":
@@ -76,7 +76,11 @@ def _of_mode(run: Run, group: Group) -> Iterator[Fault]:
 
 
 def _as_slave(run: Run, group: Group, until: Rows, chosen: Bools | bool = True) -> Rows:
-    """Return the chosen writes as slave after which the module does not become master before the row beside each."""
+    """Return those of the chosen writes that the module makes as slave and after which it stays slave up to row
+    `until`.
+
+    until: one row for each write of the group.
+    """
     rises = run.rises(group.unit, group.module, I2CMDR, MST)
     master_before = np.searchsorted(rises, until) > np.searchsorted(rises, group.rows)
     return group.rows[~held(run, group, I2CMDR, "MST") & ~master_before & chosen]

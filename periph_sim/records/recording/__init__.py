@@ -1,4 +1,4 @@
-"""Recording of a run to a file, which appears complete when the run is over, or not at all.
+"""Recording of a run to a file. The file appears only when the run is over and the recording is complete.
 
 A run that is not recorded imports neither a writer nor a table of records.
 """
@@ -21,13 +21,13 @@ if TYPE_CHECKING:
 
 
 class RecordingWriter:
-    """Base of the formats, which a file lists in FORMATS: a writer gets each record, and the last tick at the end.
+    """Base class of the formats of recordings. A module lists its formats in FORMATS.
 
-    SUFFIX: the end of its file names.
+    SUFFIX: the end of the names of its files.
     MODE: "w" for text, "wb" for bytes.
     KINDS: the kinds of records that it needs.
     write: called with each record.
-    sink: called instead, if the writer needs no Record objects.
+    sink: called instead of `write` by a writer that needs no Record objects.
     clocks: the SYSCLKOUT of each unit, set before `close`.
     """
 
@@ -40,16 +40,16 @@ class RecordingWriter:
     clocks: Clocks
 
     def __init__(self, file: IO[Any], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
-        """modules: by unit, the names of its modules, as `I2C-A`, and of its named pins, as `pin:MODEL`."""
+        """modules: for each unit the names of its modules, as `I2C-A`, and of its named pins, as `pin:MODEL`."""
         self._file = file
         self._per_second = timebase.per_second
 
     def close(self, now: int) -> None:
-        """Write what is still missing. now: the last tick of the run."""
+        """Write what has not been written yet. now: the last tick of the run."""
 
 
 class BadRecording(ValueError):
-    """A file that cannot be written; one sentence."""
+    """Error: the recording cannot be written. The message is one sentence."""
 
 
 NOT_TOLD: Clocks = {}
@@ -62,13 +62,13 @@ class EndedAt(Protocol):
 
 @cache
 def recording_formats() -> dict[str, type[RecordingWriter]]:
-    """Return the formats of this folder by suffix."""
+    """Return the formats that the modules of this package define, by suffix."""
     found = modules_with("FORMATS", __name__, __path__).values()
     return {one.SUFFIX: one for module in found for one in module.FORMATS}
 
 
 def format_of(path: Path) -> type[RecordingWriter] | None:
-    """Return the format whose suffix the name ends with, or None. A suffix may have two dots."""
+    """Return the format whose suffix ends the name, or None. A suffix may have two dots, as `.perfetto.json`."""
     name = path.name.casefold()
     return next((found for suffix, found in recording_formats().items() if name.endswith(suffix)), None)
 
@@ -77,8 +77,9 @@ def format_of(path: Path) -> type[RecordingWriter] | None:
 def recording(path: Path | None, modules: dict[str, tuple[str, ...]]) -> Iterator[tuple[Subscribe, EndedAt]]:
     """Yield two functions: one for a scene to subscribe with, and one to call with the last tick and the units' clocks.
 
-    path: None to record nothing; then the functions do nothing. modules: by unit, the names of its modules and named
-    pins. Raise BadRecording if the suffix is unknown or the file cannot be written.
+    path: None to record nothing; the functions then do nothing.
+    modules: for each unit the names of its modules and named pins.
+    Raise BadRecording if the suffix is unknown or the file cannot be written.
     """
     writers: list[RecordingWriter] = []
 
@@ -100,9 +101,10 @@ def recording(path: Path | None, modules: dict[str, tuple[str, ...]]) -> Iterato
 
 
 def rewrite(table: RecordTable, path: Path) -> None:
-    """Write a recorded run in another format: the file is the same as if it had been recorded in it.
+    """Write a recorded run in the format that the suffix of `path` selects, as `run --record` would have written it.
 
-    BadRecording when the suffix is unknown, the place cannot be written to, or the ticks are not a run's.
+    Raise BadRecording if the suffix is unknown, the file cannot be written, or a nanosecond is no whole number of
+    ticks.
     """
     per_second = table.per_second
     with _opened(path) as (chosen, file):

@@ -14,11 +14,12 @@ from ...traces.formats.record_table import Columns
 from ..record_text import bus_byte, on_the_bus
 from . import RecordingWriter
 
-VERSION = 2  # of .jsonl
+VERSION = 2  # of the .jsonl format
 
 
 class PsrWriter(RecordingWriter):
-    """Records by column: the whole run as typed arrays in one zip file; layout in `traces/formats/psr.py`.
+    """Writer of .psr: the whole run as typed arrays, one per column, in a zip file. `traces/formats/psr.py` has the
+    layout.
 
     The arrays grow by 44 bytes per record, and are written when the run is over.
     """
@@ -37,10 +38,11 @@ class PsrWriter(RecordingWriter):
 
 
 class JsonlWriter(RecordingWriter):
-    """Records as text, one JSON array per line: number, tick, kind, where, what, value, text, cause, field.
+    """Writer of .jsonl: one JSON array per line with number, tick, kind, where, what, value, text, cause and field.
 
-    The first line says the version and how many ticks a second has. The value of an address or a byte on the bus, and
-    of a UART frame, is text as people write it: "0x21 R ACK", "0x11 ACK", "0x55"; that of a START or STOP is null.
+    The first line has the version and the number of ticks per second. The value of an address or byte on the bus, or of
+    a byte of a UART frame, is text: "0x21 R ACK", "0x11 ACK", "0x55". The value of a START, a STOP or the begin of a
+    frame is null.
     """
 
     SUFFIX = ".jsonl"

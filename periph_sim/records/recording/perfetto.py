@@ -1,13 +1,13 @@
-"""A run as tracks to look at in ui.perfetto.dev or chrome://tracing: the Trace Event Format, JSON.
+"""A run as tracks for ui.perfetto.dev or chrome://tracing, as JSON in the Trace Event Format.
 
     records --> process "dsp":        threads "firmware" and "interrupts", slices that nest; notes
                 process "dsp.I2C-A":  a counter for each register field that changed
                 process "bus":        transfers with their bytes, decoded from SCL and SDA; what each party said
                 process "wires":      a counter for each wire, 0 or 1
 
-`ts` is microseconds with three decimals, rounded down to a nanosecond, which is as fine as the viewers are; `args.tick`
-of slices and instants is the exact time, in ticks of `otherData.ticks_per_second`. Counters have no other arguments,
-since each would be drawn.
+`ts` is in microseconds with three decimals, rounded down to a nanosecond, the resolution of the viewers. `args.tick` of
+slices and instants is the exact time in ticks; `otherData.ticks_per_second` has their rate. Counters have no other
+arguments, since a viewer would draw each of them.
 
 Source: Trace Event Format (Google, 2016), sections on duration, instant, counter and metadata events.
 """
@@ -33,11 +33,11 @@ THREAD_OF = {Kind.SPAN: "firmware", Kind.IRQ: "interrupts"}
 
 
 class Track:
-    """One thread of the viewer; slices on it nest."""
+    """One thread in the viewer. Slices on it nest."""
 
     def __init__(self, pid: int, tid: int) -> None:
         self.head = f'"pid":{pid},"tid":{tid}'
-        self.open: list[str] = []  # names of the slices that have not ended, encoded
+        self.open: list[str] = []  # JSON-encoded names of the slices that have not ended
 
 
 class PerfettoWriter(RecordingWriter):
@@ -158,7 +158,9 @@ def _title(transfer: i2c.Transfer) -> str:
 
 
 def _byte(byte: i2c.Byte, place: int) -> str:
-    """Return a byte as text: `0x68 W ACK` if first in a phase, else `0x1D ACK`; a cut byte as its bits."""
+    """Return a byte as text: `0x68 W ACK` if it is first in a phase, else `0x1D ACK`. A byte that is cut off has its
+    bits.
+    """
     if byte.value is None:
         return "cut off: " + "".join(str(bit.value) for bit in byte.bits)
     if byte.acked is None:
@@ -169,7 +171,7 @@ def _byte(byte: i2c.Byte, place: int) -> str:
 
 
 def _channel(index: int, name: str, flat: array[int], length: int) -> Channel:
-    """Return the levels of a wire, which was released before its first edge; flat: tick, level, tick, level."""
+    """Return the levels of a wire, which was released before its first edge. flat: tick, level, tick, level, ..."""
     pairs = np.frombuffer(flat, np.int64).reshape(-1, 2)
     return channel_of(name, index, [0, *pairs[:, 0].tolist()], [1, *pairs[:, 1].tolist()], length)
 

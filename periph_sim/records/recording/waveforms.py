@@ -1,14 +1,14 @@
-"""Waveform files of a run, .vcd, .fst and .sr: its named signals, which all of these formats show.
+"""Waveform files of a run: .vcd, .fst and .sr. All of them show these signals:
 
-    EDGE   wires.SCL                     a wire; the four of the bus and the line, pins, and any other that moves
+    EDGE   wires.SCL                     a wire: SCL, SDA, RX, TX, each named pin, and any other wire that changes
     FLAG   dsp.I2C_A.I2CSTR              a whole register of an I2C or SCI module
            dsp.I2C_A.I2CSTR.BB           each field of it
     IRQ    dsp.interrupt.I2CINT1A        1 from entering the service routine to leaving it
     SPAN   dsp.span.model                1 while the span lasts
-           bus.I2C.busy, address, ...    what SCL and SDA say, read by the independent decoder when the run is over
+           bus.I2C.busy, address, ...    state of the bus, decoded from SCL and SDA when the run is over
 
-A change costs 16 bytes until the run is over: a file names its signals before their changes, and which interrupts and
-spans there are shows only in the run.
+A file must name its signals before their changes, and only the whole run shows which interrupts and spans occur.
+Therefore all changes are kept until the run is over, at 16 bytes each.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ KINDS = (Kind.EDGE, Kind.FLAG, Kind.IRQ, Kind.SPAN)
 WIRES = ("SCL", "SDA", "RX", "TX")
 MAPS = {"I2C": I2C_MAP, "SCI": SCI_MAP}
 
-RATES = [Fraction(mhz * 10**6) for mhz in (100, 50, 20, 10, 5, 2, 1)]  # of .sr
+RATES = [Fraction(mhz * 10**6) for mhz in (100, 50, 20, 10, 5, 2, 1)]  # sample rates of .sr files, in Hz
 MOST_SAMPLES = 1 << 28  # 2.7 s at 100 MHz; packing them takes two to three seconds
 PICOSECONDS = 10**12
 # Text signals of .fst with values such as "0x68 R ACK" and "0x55". Each value is kept until the next record.
@@ -51,7 +51,7 @@ Numbers = NDArray[np.int64]
 
 
 class Signal:
-    """A signal of `width` bits, `initial` at tick 0. Several changes in one tick: the last one counts."""
+    """A signal of `width` bits with the value `initial` at tick 0. The last of several changes in one tick counts."""
 
     def __init__(self, name: str, width: int = 1, initial: int = 0) -> None:
         self.name = name
@@ -68,12 +68,12 @@ class Signal:
             self._values.append(value)
 
     def put_all(self, at: Numbers, values: Numbers) -> None:
-        """Append changes in order of time, all later than the existing ones."""
+        """Append changes in order of time, all of them later than the existing ones."""
         self._at.extend(at.tolist())
         self._values.extend(values.tolist())
 
     def changes(self) -> tuple[Numbers, Numbers]:
-        """Return (ticks, values). Ticks rise strictly from 0, and each value holds from its tick on.
+        """Return (ticks, values). The ticks increase strictly from 0, and each value holds from its tick on.
 
         The value at 0 is `initial`, unless a change at 0 replaces it. No value equals the one before it.
         """
@@ -86,15 +86,17 @@ class Signal:
 
 
 class RunSignals:
-    """The signals of a run. `write` adds its records; `signals`, `lines` and `bits` return the result."""
+    """The signals of a run. `write` adds records; `signals`, `lines` and `bits` return the result."""
 
     def __init__(self, timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
-        """modules: by unit, the names of its modules, as `I2C-A`, and of its named pins, as `pin:MODEL`."""
+        """modules: for each unit the names of its modules, as `I2C-A`, and of its named pins, as `pin:MODEL`."""
         self._per_second = timebase.per_second
         self._signals: dict[str, Signal] = {}
         self._wires = {name: self._signal(f"wires.{name}", initial=1) for name in WIRES}
-        self._fields: dict[tuple[str, str], tuple[Signal, Signal, int]] = {}  # field, its register, its lowest bit
-        self._depth: dict[tuple[str, str], int] = {}  # interrupts and spans may be entered again before they are left
+        # signal of the field, signal of its register, the field's lowest bit
+        self._fields: dict[tuple[str, str], tuple[Signal, Signal, int]] = {}
+        # nesting depth: interrupts and spans may be entered again before they are left
+        self._depth: dict[tuple[str, str], int] = {}
         for names in modules.values():
             for pin in (name.removeprefix("pin:") for name in names if name.startswith("pin:")):
                 self._wires.setdefault(pin, self._signal(f"wires.{pin}", initial=1))
@@ -128,12 +130,12 @@ class RunSignals:
         return [*wires, *bus, *(signal for signal in self._signals.values() if signal not in wires)]
 
     def lines(self, end: int) -> Capture:
-        """Return the signals of one bit, without fields of registers, as a logic analyser would capture them."""
+        """Return the signals of one bit, except fields of registers, as a logic analyser would capture them."""
         fields = {signal.name for signal, _, _ in self._fields.values()}
         return self._capture([s for s in self.signals(end) if s.width == 1 and s.name not in fields], end)
 
     def bits(self, end: int) -> Capture:
-        """Return every signal, with a channel for each bit of those with several: `dsp.I2C_A.I2CSTR[12]`."""
+        """Return all signals, with a channel for each bit of a signal of several bits: `dsp.I2C_A.I2CSTR[12]`."""
         return self._capture(self.signals(end), end)
 
     def _signal(self, name: str, width: int = 1, initial: int = 0) -> Signal:
@@ -166,7 +168,11 @@ class RunSignals:
 
 
 def _bus_state(lines: Capture) -> list[Signal]:
-    """Return SCL and SDA as a bus: busy from START to STOP; address, data, ACK and NACK while they last; the byte."""
+    """Return signals of the I2C bus, decoded from SCL and SDA.
+
+    `busy` is 1 from START to STOP. `address`, `data`, `ack` and `nack` are 1 while these parts last. `read` is the R/W
+    bit, and `byte` the last byte.
+    """
     table = i2c_table(lines, 0, 1)
     begins = table.kind == Row.START
     ends = table.kind == Row.STOP
@@ -203,15 +209,14 @@ class WaveformWriter(RecordingWriter):
 
 
 class VcdWriter(WaveformWriter):
-    """VCD for GTKWave, Surfer, sigrok and scripts: wires, bus state, registers and their fields, interrupts, spans of
-    firmware.
+    """VCD for GTKWave, Surfer, sigrok and scripts: wires, bus state, registers and their fields, interrupts, spans.
 
     Chosen:
-    - Bits only, a register as `I2CSTR[15]` to `I2CSTR[0]`: sigrok up to 0.5.2 reads nothing after a change of a vector,
-      and readers such as vcdvcd find no changes of strings. `.fst` has vectors and texts.
-    - Times in nanoseconds, exact where a tick is whole ones, as at 100 MHz, else rounded up: at 150 MHz a tick is
-      1/3 ns, which no timescale divides, and sigrok makes a sample for each unit of time, so it does not finish with
-      picoseconds. `.psr` is exact, `.fst` has picoseconds.
+    - Registers are single bits, `I2CSTR[15]` to `I2CSTR[0]`: sigrok up to 0.5.2 reads nothing after a change of a
+      vector, and readers such as vcdvcd find no changes of strings. `.fst` has vectors and texts.
+    - Times are in nanoseconds, rounded up if they are not whole. At 150 MHz a tick is 1/3 ns, which no timescale
+      divides. With picoseconds sigrok does not finish, since it makes a sample for each unit of time. `.psr` is exact,
+      and `.fst` has picoseconds.
     """
 
     SUFFIX = ".vcd"
@@ -221,17 +226,18 @@ class VcdWriter(WaveformWriter):
 
 
 class SrWriter(WaveformWriter):
-    """sigrok session for PulseView and sigrok-cli, as an analyser would show wires, bus state, interrupts and spans.
+    """sigrok session for PulseView and sigrok-cli: wires, bus state, interrupts and spans, as an analyser would show
+    them.
 
-    Of the signals of a run those of one bit, registers aside: the first 64, wires first. The rate is the fastest of
-    `RATES` that keeps the file at `MOST_SAMPLES`.
+    It has the first 64 signals of one bit, wires first, without fields of registers. The sample rate is the highest of
+    `RATES` with which the file has at most `MOST_SAMPLES` samples.
     """
 
     SUFFIX, MODE = ".sr", "wb"
 
     def close(self, now: int) -> None:
         lines = self._run.lines(now)
-        # Decoders get their channels by name: `SCL` for `wires.SCL`.
+        # Decoders find their channels by name: `SCL` for `wires.SCL`.
         shown = [replace(c, name=c.name.removeprefix("wires.")) for c in lines.channels[: sigrok_sr.MOST_WIDE]]
         rate = rate_for(Fraction(lines.length, self._per_second))
         sigrok_sr.write_to(self._file, resampled(replace(lines, channels=tuple(shown)), rate))
@@ -243,10 +249,10 @@ def rate_for(seconds: Fraction) -> Fraction:
 
 
 class FstWriter(WaveformWriter):
-    """FST for GTKWave and Surfer: registers as vectors, and what parties on the wires say as text.
+    """FST for GTKWave and Surfer: registers as vectors, and the bytes on bus and UART as text.
 
-    The file is small, and quick to open; the extra `fst` brings the library that writes it. Times are in picoseconds,
-    rounded down from ticks.
+    The file is small and quick to open. The library that writes it comes with the extra `fst`. Times are in
+    picoseconds, rounded down from ticks.
     """
 
     SUFFIX, MODE = ".fst", "wb"

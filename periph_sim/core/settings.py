@@ -6,12 +6,11 @@ converts "240 us to 260 us" to a `Spread`. `Frequency` accepts "100 kHz", `HexBy
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from typing import Annotated, Any
 
-from msgspec import Meta
+from msgspec import Meta, Struct
 
 from .convert import Before
 from .exact_number import SHOWN, exact_number
@@ -59,8 +58,7 @@ def _length(text: str) -> Fraction | str:
     return f"{text!r} is negative; a duration is 0 or more" if length < 0 else length
 
 
-@dataclass(frozen=True)
-class Spread:
+class Spread(Struct, frozen=True):
     """A cost known as a range in seconds. Each occurrence has a value from `least` to `most`, drawn by `Dsp.compute`.
 
     Raise ValueError for a negative or empty range.
@@ -140,7 +138,8 @@ def hex_bytes(value: object) -> bytes:
 
 def _said(pattern: str, *examples: str) -> Any:
     """Return the type of a text in a file, for the schema that editors read. The converters check the text."""
-    return Annotated[str, Meta(pattern=pattern, examples=[*examples])]
+    schema = {"pattern": pattern, "examples": [*examples]}  # `Meta(pattern=...)` would compile the pattern
+    return Annotated[str, Meta(extra_json_schema=schema)]
 
 
 _TIME = rf"\s*[-+0-9._eE/]+\s*({'|'.join(TIMES)}|[\u00b5\u03bc]s)\s*"

@@ -16,7 +16,6 @@ Exits that Python does not see, such as `os._exit`, are noticed by `periph_sim.e
 
 from __future__ import annotations
 
-import ctypes
 import io
 import sys
 import time
@@ -151,6 +150,8 @@ def _cpu_seconds(thread: int) -> float:
 
 def _raise_in(thread: int, what: type[BaseException]) -> None:
     """Raise this in the thread at its next bytecode; it replaces a pending exception."""
+    import ctypes  # only for a stall
+
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(what))
 
 

@@ -92,7 +92,7 @@ class ScenePlan:
         """Return True if the same budgets have the same plans in the case of the other plan."""
         one, two = self.ticks, other.ticks
         same_ticks = (one.timebase.per_second, one.start) == (two.timebase.per_second, two.start)
-        return same_ticks and self.scope == other.scope and self.scope.pairs == other.scope.pairs
+        return same_ticks and self.scope == other.scope
 
     def unit(self, name: str) -> DspPlan:
         """Return the parts of a unit. Raise BadCase for a part that it cannot have."""

@@ -40,11 +40,10 @@ word begins another state.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
-from difflib import get_close_matches
 from functools import lru_cache
 
 from msgspec import Struct
+from msgspec.structs import replace
 
 from ...core.settings import duration
 from ...devices.sensor_rounds import known_sensors
@@ -75,8 +74,7 @@ class During(Struct, frozen=True):
     unit: str = ""
 
 
-@dataclass(frozen=True)
-class Said:
+class Said(Struct, frozen=True):
     """A parsed sentence of the language.
 
     form: a key of FORMS. text: the whole sentence. events: the events that it names, in order.
@@ -90,7 +88,7 @@ class Said:
 
     form: str
     events: tuple[Event, ...] = ()
-    text: str = field(default="", compare=False)
+    text: str = ""
     unit: str = ""
     name: str = ""
     state: During | None = None
@@ -110,6 +108,8 @@ def is_form(text: str) -> bool:
 
 def near_form(text: str) -> str:
     """Return the form whose first word resembles the text's; "" if no form has one."""
+    from difflib import get_close_matches  # only for an error
+
     close = get_close_matches(text.split(" ", 1)[0], list(FORMS), 1, 0.75)
     return FORMS[close[0]] if close else ""
 

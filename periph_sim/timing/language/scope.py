@@ -13,8 +13,9 @@ of `scene/sci_monitor.py`, describes its tick and value.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, NamedTuple, Protocol
+
+from msgspec import Struct
 
 from ...core.records import Kind
 from ...core.registers import Field, Register, RegisterMap
@@ -100,8 +101,7 @@ class AnyName:
         return name
 
 
-@dataclass(frozen=True)
-class Scope:
+class Scope(Struct):
     """The parts of a scene that a measure may name.
 
     units: the modules of each unit.
@@ -114,20 +114,20 @@ class Scope:
     measures: the user's own sentences by name.
     """
 
-    units: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    units: dict[str, tuple[str, ...]] = {}
     wires: tuple[str, ...] = ()
     controller: bool = False
     host: bool = False
     rounds: bool = False
     lines: tuple[str, ...] = ()
-    pairs: tuple[str, ...] = field(default=(), compare=False)
-    images: Mapping[str, ImageNames] = field(default_factory=dict, compare=False)
-    uncounted: str = field(default="", compare=False)
-    measures: Mapping[str, str] = field(default_factory=dict)
+    pairs: tuple[str, ...] = ()
+    images: Mapping[str, ImageNames] = {}
+    uncounted: str = ""
+    measures: Mapping[str, str] = {}
 
     def __post_init__(self) -> None:
         if not self.lines:
-            object.__setattr__(self, "lines", tuple(line for line in LINES if line in self.wires))
+            self.lines = tuple(line for line in LINES if line in self.wires)
 
     @property
     def bus(self) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from msgspec.structs import replace
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.scene.scope import scope_of_case
@@ -110,7 +111,7 @@ def test_a_case_with_a_controller_and_a_host():
 
 def test_what_a_recorded_run_consisted_of():
     nothing = scope_of_table(table([]))
-    assert nothing == Scope({"dsp": MODULES}, ("SDA", "SCL", "RX", "TX", "MODEL"))
+    assert replace(nothing, pairs=(), images={}) == Scope({"dsp": MODULES}, ("SDA", "SCL", "RX", "TX", "MODEL"))
     edges = scope_of_table(table(records("5 edge LED level 1\n6 edge SCL level 0\n7 frame RX begin 0")))
     assert edges.wires == ("SDA", "SCL", "RX", "TX", "MODEL", "LED") and (edges.controller, edges.host) == (False, True)
     bus = scope_of_table(table(records("5 bus controller START 0")))

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from collections import defaultdict, deque
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import partial
 from operator import attrgetter
@@ -99,42 +99,6 @@ class FlagHistory:
         return self._frozen[moment]
 
 
-@dataclass(frozen=True)
-class CaptureOrigin:
-    """The tick of a run at which the capture begins, which converts times of the capture to ticks.
-
-    after: the number of ticks after a divergence for which history is shown.
-    """
-
-    scene: Scene
-    origin: int
-    after: int
-
-    def moment(self, divergence: Divergence) -> tuple[int, int]:
-        """Return the tick of a divergence and the last tick to show.
-
-        The tick is that of the replayed event; if the replay has no such event, that of the captured one.
-        """
-        seconds = divergence.capture_s if divergence.replay_s is None else divergence.replay_s
-        tick = self.scene.kernel.now if seconds is None else self.origin + self._ticks(seconds)
-        return tick, tick + self.after
-
-    def instant(self, divergence: Divergence) -> int:
-        """Return the tick whose statement is named as the cause of a divergence.
-
-        It is the tick from `moment`. If only the time differs, it is the tick at which the captured event was due.
-        """
-        if divergence.kind == TIMING and divergence.capture_s is not None:
-            return self.origin + self._ticks(divergence.capture_s)
-        return self.moment(divergence)[0]
-
-    def seconds(self, tick: int) -> float:
-        return float(self.scene.timebase.seconds(tick - self.origin))
-
-    def _ticks(self, seconds: float) -> int:
-        return self.scene.timebase.ticks(Fraction(seconds), "nearest")
-
-
 Run = Callable[[FlagHistory, int], None]  # a function that repeats a run, with a history as subscriber, up to a tick
 
 
@@ -154,20 +118,38 @@ AS_RECEIVER = Role("SCI-A", {})
 
 
 def with_history(
-    divergences: tuple[Divergence, ...], place: CaptureOrigin, unit: str, role: Role, again: Run
+    divergences: tuple[Divergence, ...], scene: Scene, origin: int, after: int, unit: str, role: Role, again: Run
 ) -> list[Divergence]:
-    """Return the divergences, each with the chip's activity around it and the statement that caused it."""
+    """Return the divergences, each with the chip's activity around it and the statement that caused it.
+
+    scene: the scene of the run that had the divergences.
+    origin: the tick at which the capture begins.
+    after: the number of ticks after a divergence for which history is shown.
+
+    A divergence is at the tick of the replayed event; if the replay has no such event, at that of the captured one. Its
+    cause is the statement of that tick, or of the tick at which the captured event was due if only the time differs.
+    """
     if not divergences:
         return []
-    moments = [place.moment(divergence) for divergence in divergences]
-    instants = [place.instant(divergence) for divergence in divergences]
+    timebase = scene.timebase
+    moments, instants = [], []
+    for divergence in divergences:
+        captured, replayed = (
+            None if seconds is None else origin + timebase.ticks(Fraction(seconds), "nearest")
+            for seconds in (divergence.capture_s, divergence.replay_s)
+        )
+        known = captured if replayed is None else replayed
+        tick = scene.kernel.now if known is None else known
+        moments.append((tick, tick + after))
+        instants.append(captured if divergence.kind == TIMING and captured is not None else tick)
     history = FlagHistory(moments, unit, role.module, instants=instants)
     again(history, max(until for _, until in moments))
     found = []
     for divergence, moment, instant in zip(divergences, moments, instants, strict=True):
         records = history.records_near(moment)
         changes = tuple(
-            Change(place.seconds(record.tick), _what(record.where, record.what), record.value) for record in records
+            Change(float(timebase.seconds(record.tick - origin)), _what(record.where, record.what), record.value)
+            for record in records
         )
         before = [record for record in records if record.tick <= moment[0]]
         cause = divergence.cause or _write_of(divergence.found, role, before)

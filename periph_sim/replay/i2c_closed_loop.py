@@ -34,10 +34,9 @@ from ..traces.capture.capture import Capture
 from ..traces.decode import i2c as decode
 from .compare import CONDITIONS, TIMING, Comparison, Divergence, Happened, compare, i2c_words
 from .i2c_script import controllers_half, hurried, moves, stretched_answers, usual_hold
-from .i2c_setup import HOLD, PATIENCE, STEP, TAIL, Answering, Played, answering, played
 from .replay import BusReplay, Progress
 from .report import FAIL, NOT_JUDGED, Report, verdict_of
-from .scene_setup import LEAD, alone, taken, tolerance_of
+from .setup import HOLD, LEAD, PATIENCE, STEP, TAIL, Played, alone, answering, played, tolerance_of
 from .wire_log import WireLog
 
 if TYPE_CHECKING:
@@ -209,8 +208,8 @@ class I2cReplay(BusReplay):
         self._patience = patience
         part = played(capture, scl, sda, first)
         self._answering = found = answering(case, part, addresses, lead)
-        self._filled = taken(case, found.unit, found.offered)
-        scene = self._build(case, found, subscribe)
+        prepared, self._filled = alone(case, found.unit, "controller", found.forced, found.offered)
+        scene = self._build(case, prepared, subscribe)
         wires = scene.wire("SCL"), scene.wire("SDA")
         super().__init__(scene, found.unit, lead, part, wires)
         self._tolerance = tolerance
@@ -223,8 +222,8 @@ class I2cReplay(BusReplay):
         if others:
             part.notes.append(f"an agent answers for {others}, as captured")
 
-    def _build(self, case: Case, found: Answering, subscribe: Subscribe | None) -> Scene:
-        return Scene(alone(case, found.unit, "controller", found.forced, found.offered), subscribe)
+    def _build(self, case: Case, prepared: Case, subscribe: Subscribe | None) -> Scene:
+        return Scene(prepared, subscribe)
 
     def _least_gap(self) -> int | None:
         """Return the minimum time between transfers, which is `least_gap` of `Plan`."""
@@ -264,11 +263,9 @@ class I2cReplay(BusReplay):
     # Summing up ---------------------------------------------------------------------
 
     def _report(self, stuck: list[str]) -> Report:
-        part, own, now = self._part, self._answering, self.kernel.now
-        self._replayed = self.log.capture(self.timebase, now)
-        events = decode.events(self._replayed, "SCL", "SDA")
+        part, own = self._part, self._answering
+        events, found = self._decoded()
         tolerance = tolerance_of(self._tolerance, part.sample_rate, self._scene)
-        found = i2c_words(events, Fraction(self.timebase.per_second), self.origin)
         self._compared = i2c_words(part.expected, part.rate), found
         outcome = self._with_agents(compare(*self._compared, tolerance), tolerance)
         failed = outcome.divergence is not None or (self._tolerance is not None and bool(outcome.ranked))
@@ -277,7 +274,7 @@ class I2cReplay(BusReplay):
         if verdict == FAIL and not stuck and self._agents_parted:
             verdict, unjudged = NOT_JUDGED, self._agents_parted
         us = Fraction(1_000_000, self.timebase.per_second)
-        held = self._player.held(now)
+        held = self._player.held(self.kernel.now)
         return self._bus_summary(
             outcome,
             events,

@@ -21,15 +21,13 @@ from ..core.time import Timebase
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
-from ..traces.decode import i2c as decode
 from . import BadReplay
 from .compare import compare, i2c_words
 from .divergence_history import AS_MASTER
 from .i2c_script import as_master
-from .i2c_setup import HOLD, PATIENCE, STEP, TAIL, events_of, played
 from .replay import BusReplay, Progress
 from .report import Report, verdict_of
-from .scene_setup import LEAD, alone, settings_of, taken, unit_with
+from .setup import HOLD, LEAD, PATIENCE, STEP, TAIL, alone, events_of, played, settings_of, unit_with
 
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
@@ -81,8 +79,8 @@ class I2cMasterReplay(BusReplay):
             "low": _cycles(part.low / part.rate),
             "high": _cycles(part.high / part.rate),
         }
-        self._filled = taken(case, unit, offered)
-        scene = Scene(alone(case, unit, "controller", {}, offered), subscribe)
+        prepared, self._filled = alone(case, unit, "controller", {}, offered)
+        scene = Scene(prepared, subscribe)
         wires = scene.wire("SCL"), scene.wire("SDA")
         super().__init__(scene, unit, Fraction(0) if self._scripted else LEAD, part, wires)
         ScriptedTarget(scene.kernel, *wires, half.answers, scene.timebase.ticks(HOLD))
@@ -132,12 +130,10 @@ class I2cMasterReplay(BusReplay):
 
     def _report(self, stuck: list[str]) -> Report:
         part = self._part
-        self._replayed = self.log.capture(self.timebase, self.kernel.now)
-        events = decode.events(self._replayed, "SCL", "SDA")
+        events, found = self._decoded()
         expected = events_of(self._half.done)
-        if not self._scripted:
-            events = events[: len(expected)]  # after these, the firmware's own program continues with its next round
-        found = i2c_words(events, Fraction(self.timebase.per_second), self.origin)
+        if not self._scripted:  # after these events, the firmware's own program continues with its next round
+            events, found = events[: len(expected)], found[: len(expected)]
         self._compared = i2c_words(expected, part.rate), found
         outcome = compare(*self._compared, self._tolerance)
         return self._bus_summary(

@@ -33,10 +33,9 @@ from ..scene.scene import Scene
 from ..traces.capture.capture import Capture, Channel
 from ..traces.decode import i2c as decode
 from .compare import TIMING, Divergence, compare, i2c_words
-from .i2c_setup import TAIL, Played, answering, events_of, played
 from .replay import BusReplay, Progress
 from .report import Report, verdict_of
-from .scene_setup import LEAD, alone, taken, tolerance_of
+from .setup import LEAD, TAIL, Played, alone, answering, events_of, played, tolerance_of
 
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
@@ -86,8 +85,8 @@ class I2cOpenReplay(BusReplay):
         self._repeated = partial(I2cOpenReplay, case, capture, scl, sda, addresses, first)
         part = played(capture, scl, sda, first)
         self._answering = found = answering(case, part, addresses)
-        self._filled = taken(case, found.unit, found.offered)
-        scene = OpenScene(alone(case, found.unit, "controller", found.forced, found.offered), subscribe)
+        prepared, self._filled = alone(case, found.unit, "controller", found.forced, found.offered)
+        scene = OpenScene(prepared, subscribe)
         wires = scene.wire("SCL"), scene.wire("SDA")
         back = [wire.back for wire in wires if isinstance(wire, OneWayWire)]
         super().__init__(scene, found.unit, LEAD, part, back)

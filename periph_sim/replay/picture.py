@@ -12,7 +12,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from pathlib import Path
 
 from ..records.register_maps import reads_take, yields_data
 from ..traces.capture.capture import Channel
@@ -21,7 +20,6 @@ from ..traces.decode.i2c_table import I2cRowKind
 from ..traces.drawing.capture_lanes import LETTERS
 from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick, timing_diagram
 from .compare import Change, Divergence, Happened
-from .report import Report
 
 BEFORE, AFTER = 22, 13  # numbers of bits shown before and after the divergence
 # Fields whose lanes are always shown, in this order.
@@ -93,11 +91,6 @@ def divergence_picture(divergence: Divergence, title: str, captured: Side, repla
     if began or not aligned:
         axis = f"0 is {captured.agreed:.6f} s of the capture"
     return timing_diagram(lanes, window, marks, title, axis)
-
-
-def title_of(report: Report, divergence: Divergence) -> str:
-    name = Path(report.capture).name
-    return f"{report.case}, {name}, {report.loop} loop: event {divergence.index + 1} of {report.events}"
 
 
 def _side(side: Side, colour: str, window: tuple[float, float], wrong: float | None, bit: float) -> list[Lane]:

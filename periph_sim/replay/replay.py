@@ -17,11 +17,11 @@ from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c
 from ..traces.decode.i2c_table import I2cRowKind
-from .compare import Comparison, Happened
-from .divergence_history import AS_SLAVE, CaptureOrigin, FlagHistory, with_history
-from .i2c_setup import Played
-from .picture import LINES, Side, divergence_picture, last_agreed, title_of
+from .compare import Comparison, Divergence, Happened, i2c_words
+from .divergence_history import AS_SLAVE, FlagHistory, with_history
+from .picture import LINES, Side, divergence_picture, last_agreed
 from .report import Report
+from .setup import Played, events_of
 from .wire_log import WireLog
 
 Progress = Callable[[float], None]
@@ -63,6 +63,18 @@ class Replay:
         """Compare and return the result. stuck: notes on an early end."""
         raise NotImplementedError
 
+    def picture(self, report: Report) -> str | None:
+        """Return the first divergence of a run as SVG text; None if there is none. Both sides share one time base."""
+        if not report.divergences:
+            return None
+        divergence, name = report.divergences[0], Path(report.capture).name
+        title = f"{report.case}, {name}, {report.loop} loop: event {divergence.index + 1} of {report.events}"
+        return divergence_picture(divergence, title, *self._sides(divergence))
+
+    def _sides(self, divergence: Divergence) -> tuple[Side, Side, float]:
+        """Return both sides of a picture, and the length of a bit in seconds."""
+        raise NotImplementedError
+
     def _play(self, end: int, progress: Progress | None) -> None:
         """Run up to tick `end`."""
         begin = self.kernel.now
@@ -79,7 +91,6 @@ class Replay:
     def _summary(self, path: Path, outcome: Comparison, after: int, notes: list[str], **figures: Any) -> Report:
         """Return the report. after: ticks of history shown after an event. figures: other fields of the report."""
         scene, kernel = self._scene, self.kernel
-        place = CaptureOrigin(scene, self.origin, after)
         return Report(
             case=scene.case.name,
             capture=str(path),
@@ -88,7 +99,7 @@ class Replay:
             role=self.ROLE,
             agreed=outcome.agreed,
             first_divergence=outcome.divergence,
-            divergences=with_history(outcome.ranked, place, self._unit, self.SIDE, self._run_again),
+            divergences=with_history(outcome.ranked, scene, self.origin, after, self._unit, self.SIDE, self._run_again),
             lag_worst_us=float(outcome.lag * 1_000_000),
             simulated_s=float(self.timebase.seconds(kernel.now - scene.start)),
             wall_s=round(self._wall, 6),
@@ -131,7 +142,7 @@ class BusReplay(Replay):
             notes,
             events=len(self._compared[0]),
             filled=self._filled,
-            captured_events=part.captured_events,
+            captured_events=len(events_of(part.whole)),
             captured_transfers=len(part.whole),
             tolerance_us=float(tolerance * 1_000_000),
             bytes=sum(event.kind in (I2cRowKind.ADDRESS, I2cRowKind.DATA) for event in replayed),
@@ -142,18 +153,21 @@ class BusReplay(Replay):
             **figures,
         )
 
-    def picture(self, report: Report) -> str | None:
-        """Return the first divergence of a run as SVG text; None without any."""
-        if not report.divergences:
-            return None
-        divergence, part = report.divergences[0], self._part
+    def _decoded(self) -> tuple[list[i2c.Event], list[Happened]]:
+        """Decode the log up to now. Return its events, and the same in words."""
+        self._replayed = self.log.capture(self.timebase, self.kernel.now)
+        events = i2c.events(self._replayed, *LINES)
+        return events, i2c_words(events, Fraction(self.timebase.per_second), self.origin)
+
+    def _sides(self, divergence: Divergence) -> tuple[Side, Side, float]:
+        part = self._part
         was, came = last_agreed(divergence, *self._compared)
         captured = Side("capture", tuple(zip(LINES, part.lines, strict=True)), part.rate, 0, part.transfers, was)
         wires = tuple((name, self._replayed.channel(name)) for name in LINES)
         transfers, transfers_at = self._replayed_transfers()
         per_second = Fraction(self.timebase.per_second)
         replayed = Side(self.NAME, wires, per_second, self.origin, transfers, came, transfers_at)
-        return divergence_picture(divergence, title_of(report, divergence), captured, replayed, part.bit)
+        return captured, replayed, part.bit
 
     def _replayed_transfers(self) -> tuple[Sequence[i2c.Transfer], tuple[Fraction, int] | None]:
         """Return the transfers of the replay, and the rate and origin of their positions.

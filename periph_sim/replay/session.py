@@ -33,10 +33,9 @@ from ..traces.capture.capture import Capture
 from ..traces.decode import uart
 from .doubtful_frames import line_errors
 from .i2c_closed_loop import I2cReplay
-from .i2c_setup import PATIENCE, TAIL, Answering
 from .replay import Progress
 from .report import FAIL, NOT_JUDGED, PASS, Report
-from .scene_setup import LEAD, alone, check_length, rate_of, unit_with
+from .setup import LEAD, PATIENCE, TAIL, check_length, rate_of, unit_with
 from .uart import line_events, play_line
 
 if TYPE_CHECKING:
@@ -121,11 +120,10 @@ class SessionReplay(I2cReplay):
                 "with --longest-low TIME they are left to the firmware"
             )
 
-    def _build(self, case: Case, found: Answering, subscribe: Subscribe | None) -> Scene:
-        serial_unit = unit_with(case, "SCI-A")
-        if serial_unit != found.unit:
-            raise case.mistake(f"SCI-A is in unit {serial_unit}, I2C-A in {found.unit}; a session drives one", "unit")
-        prepared = alone(case, found.unit, "controller", found.forced, found.offered)
+    def _build(self, case: Case, prepared: Case, subscribe: Subscribe | None) -> Scene:
+        serial_unit, unit = unit_with(case, "SCI-A"), self._answering.unit
+        if serial_unit != unit:
+            raise case.mistake(f"SCI-A is in unit {serial_unit}, I2C-A in {unit}; a session drives one", "unit")
         rounds = case.rounds if case.controller is None else case.controller.as_rounds()
         prepared = prepared.model_copy(update={"host": None, "budget": case.budget, "rounds": rounds})
         self._session_scene = SessionScene(prepared, subscribe)

@@ -29,13 +29,13 @@ from ..traces.capture.capture import Capture, gap_notes
 from ..traces.decode import uart as decode
 from ..traces.decode.uart import UartRowKind
 from . import BadReplay
-from .compare import NOTHING, Happened, compare
+from .compare import NOTHING, Divergence, Happened, compare
 from .divergence_history import AS_RECEIVER
 from .doubtful_frames import Word, line_errors, settled
-from .picture import Side, divergence_picture, title_of
+from .picture import Side
 from .replay import Progress, Replay
 from .report import Report, verdict_of
-from .scene_setup import LEAD, alone, check_length, rate_of, settings_of, unit_with
+from .setup import LEAD, alone, check_length, rate_of, settings_of, unit_with
 
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
@@ -125,7 +125,7 @@ class UartReplay(Replay):
         if wanted is not None:
             known = settings_of(case, unit)
             forced = {name: value for name, value in line_settings(wanted).items() if name in known}
-        super().__init__(Scene(alone(case, unit, "host", forced, {}), self._listen), unit, lead)
+        super().__init__(Scene(alone(case, unit, "host", forced, {})[0], self._listen), unit, lead)
         self._notes = play_line(self._scene, capture, channel, self.origin)
 
     @property
@@ -214,15 +214,11 @@ class UartReplay(Replay):
             errors=self.errors,
         )
 
-    def picture(self, report: Report) -> str | None:
-        """Return the first divergence of a run as SVG text; None if there is none. Both sides share one time base."""
-        if not report.divergences:
-            return None
-        divergence = report.divergences[0]
+    def _sides(self, divergence: Divergence) -> tuple[Side, Side, float]:
         agreed = divergence.capture_s or 0.0
         captured = Side("capture", (("RX", self._channel),), self._rate, 0, (), agreed)
         side = Side("SCI-A", (), self._rate, 0, (), agreed)
-        return divergence_picture(divergence, title_of(report, divergence), captured, side, 1 / float(self._line.baud))
+        return captured, side, 1 / float(self._line.baud)
 
     def received(self) -> list[Happened]:
         """Return the words read from SCIRXBUF so far as events."""

@@ -17,8 +17,8 @@ import pytest
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.replay.i2c_closed_loop import I2cReplay
-from periph_sim.replay.i2c_setup import played
 from periph_sim.replay.report import Report
+from periph_sim.replay.setup import played
 from periph_sim.scene.case.load import load as load_case
 from periph_sim.traces.decode import i2c
 from tests.captures.test_captures_decode import TOO_LARGE, channel, load, options

@@ -9,7 +9,7 @@ import pytest
 from firmware.python.captured_master import Part, parts
 from periph_sim.replay import i2c_script as reasons
 from periph_sim.replay.i2c_script import as_master
-from periph_sim.replay.i2c_setup import played
+from periph_sim.replay.setup import played
 from tests.traces.decode.drawing import of_bytes
 from tests.traces.formats.writers import I2cWave
 

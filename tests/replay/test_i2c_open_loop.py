@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.i2c_open_loop import I2cOpenReplay, _edges
-from periph_sim.replay.i2c_setup import Played
 from periph_sim.replay.report import Report
+from periph_sim.replay.setup import Played
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Channel

@@ -15,9 +15,9 @@ from ...replay.compare import Change, Divergence
 from ...replay.i2c_closed_loop import I2cReplay
 from ...replay.i2c_master import I2cMasterReplay
 from ...replay.i2c_open_loop import I2cOpenReplay
-from ...replay.i2c_setup import PATIENCE
 from ...replay.report import AMBIGUOUS, PASS, Report, headline
 from ...replay.session import SessionReplay
+from ...replay.setup import PATIENCE
 from ...replay.uart import UartReplay, line_format
 from ...scene.case.load import load
 from ...scene.case.model import Case

@@ -9,9 +9,8 @@ from pathlib import Path
 import pytest
 
 from periph_sim.replay import BadReplay
-from periph_sim.replay.i2c_setup import Played, played
-from periph_sim.replay.scene_setup import check_length, rate_of
 from periph_sim.replay.session import SessionReplay
+from periph_sim.replay.setup import Played, check_length, events_of, played, rate_of
 from periph_sim.replay.uart import UartReplay
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
@@ -45,7 +44,7 @@ def test_low_high_and_stretches_in_samples(wave: str, half: int, figures: tuple[
 
 def test_only_the_first_transfers_are_played_and_all_are_counted():
     one = part("S A0+ 07+ P S A1+ 12- P S A0+ P", first=2)
-    assert (len(one.transfers), len(one.whole), len(one.expected), one.captured_events) == (2, 3, 12, 16)
+    assert (len(one.transfers), len(one.whole), len(one.expected), len(events_of(one.whole))) == (2, 3, 12, 16)
     assert list(one.answers_of_others([0x50])) == [] and [len(a) for a in one.answers_of_others([]).values()] == [2]
 
 

@@ -13,17 +13,13 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import cache, lru_cache, partial
 from struct import Struct
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from periph_sim.core.settings import DurationRange, Spread
 from periph_sim.firmware import After, Before
-from periph_sim.imu.host_frame import ACCELERATION, ANGLE
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.parameter_sets import named as parameter_set
 from periph_sim.processor.dsp import Dsp
-
-if TYPE_CHECKING:
-    from periph_sim.imu.models.imu import Noise
 
 FRAME = Struct("<6h")
 LITTLE, BIG = Struct("<3h"), Struct(">3h")
@@ -112,16 +108,11 @@ class Models:
         noise_seed: int | None = None,
         on_overflow: Callable[[], None] = _ignore,
     ) -> None:
-        from periph_sim.imu.models.imu import State
-        from periph_sim.imu.shared_models import ModelNoise, model_of
+        from periph_sim.imu.model_codes import model_codes
 
-        self._model = model_of(arithmetic, parameters)
-        self._state_of = State
-        self._a = self._model.a
-        self._state = self._model.at_rest
+        self._models = model_codes(parameters, arithmetic, noise_seed)
+        self._shown = self._models.at_rest
         self._on_overflow = on_overflow
-        self._quiet = self._a.name != "float32"  # True without numpy, which would warn of overflows and x/0
-        self._noise = ModelNoise(arithmetic, parameters, noise_seed)
         self._number = 0
 
     def chips(self, frame: bytes) -> tuple[bytes, bytes, bytes]:
@@ -129,34 +120,13 @@ class Models:
 
         frame: twelve bytes, or the object NO_FRAME before the first frame, which has no effect on the next sample.
         """
-        if self._quiet:
-            return self._computed(frame)
-        import numpy as np
-
-        with np.errstate(all="ignore"):  # no warnings, because the arithmetic itself defines x/0
-            return self._computed(frame)
-
-    def _computed(self, frame: bytes) -> tuple[bytes, bytes, bytes]:
-        scaled, model, before = self._a.scaled, self._model, self._model.overflows
-        roll, pitch, yaw, x, y, z = FRAME.unpack(frame)
-        attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
-        pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
-        last = self._state
-        if last is model.at_rest:
-            last = self._state_of(attitude, last.body)
-        codes, state = model.step(attitude, pushed, self._added(), last)
-        if frame is not NO_FRAME:
-            self._state = state
-        for _ in range(model.overflows - before):
-            self._on_overflow()
-        x, y, z = codes.magnetometer
-        return BIG.pack(*map(int, codes.gyroscope)), LITTLE.pack(*map(int, codes.accelerometer)), _swapped(x, y, z)
-
-    def _added(self) -> Noise[Any]:
-        """Return this sample's noise. It costs no simulated time: the dissertation does not describe how it is made."""
-        added = self._noise.at(self._number)
+        values = None if frame is NO_FRAME else FRAME.unpack(frame)
+        self._shown = shown = self._models.run(self._number, values, self._shown)
         self._number += 1
-        return added
+        gyroscope, accelerometer, magnetometer = (shown.data(address) for address in (0x68, 0x53, 0x1E))
+        for _ in range(shown.overflows):
+            self._on_overflow()
+        return gyroscope, accelerometer, magnetometer
 
 
 def models_of(settings: ModelSettings, dsp: Dsp) -> Models | None:

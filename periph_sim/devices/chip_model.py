@@ -16,20 +16,24 @@ from typing import Any, final
 class Shown:
     """The register bytes of the chips after one run of a model; those of a chip are computed on first use.
 
-    state: of the model, for the next run. model: None before the first run, with zeros in all chips.
+    state: the state of the model for the next run.
+    inputs: the data from which the model computes the bytes.
+    overflows: the number of intermediate results so far that did not fit the arithmetic.
+    model: None before the first run, with zeros in all chips.
     """
 
-    def __init__(self, model: ChipModel | None, state: Any, inputs: tuple[Any, ...]) -> None:
+    def __init__(self, model: ChipModel | None, state: Any, inputs: Any, overflows: int = 0) -> None:
         self.state = state
+        self.inputs = inputs
+        self.overflows = overflows
         self._model = model
-        self._inputs = inputs  # arguments of the model's data_of that follow the address
         self._data: dict[int, bytes] = {}
 
     def data(self, address: int) -> bytes:
         """Return the register bytes of the chip with this address."""
         known = self._data.get(address)
         if known is None:
-            known = bytes(BYTES) if self._model is None else self._model.data_of(address, self._inputs)
+            known = bytes(BYTES) if self._model is None else self._model.data_of(address, self)
             self._data[address] = known
         return known
 
@@ -41,18 +45,20 @@ class ChipModel:
     """Base of the models by which firmware computes the register bytes of chips.
 
     addresses: the addresses of these chips.
-    no_frame: the input of a run before a frame has come.
     at_rest: the output before the first run, with zeros in all chips.
     """
 
     addresses: frozenset[int]
-    no_frame: tuple[int, ...]
     at_rest: Shown
 
-    def run(self, number: int, values: tuple[int, ...], before: Shown) -> Shown:
-        """Return the result of run `number`, from 0, for the values of a frame. before: the result of the last run."""
+    def run(self, number: int, values: tuple[int, ...] | None, before: Shown) -> Shown:
+        """Return the result of run `number`, from 0, for the values of a frame.
+
+        values: None before the first frame; such a run has no effect on the next one.
+        before: the result of the last run.
+        """
         raise NotImplementedError
 
-    def data_of(self, address: int, inputs: tuple[Any, ...]) -> bytes:
-        """Return the register bytes of one chip."""
+    def data_of(self, address: int, shown: Shown) -> bytes:
+        """Return the register bytes of one chip, and count overflows in `shown`."""
         raise NotImplementedError

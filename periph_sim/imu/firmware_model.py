@@ -54,9 +54,9 @@ class ImuFirmware:
         """Return the model of the chips' bytes; None if no setting names the arithmetic."""
         if self._arithmetic is None:
             return None
-        from .model_codes import ModelCodes
+        from .model_codes import model_codes
 
-        return ModelCodes(self.parameters, self._arithmetic, self._noise_seed)
+        return model_codes(self.parameters, self._arithmetic, self._noise_seed)
 
     def truth(self, motion: Motion, first: Fraction) -> MotionTruth:
         """Return the true values of a motion. first: the time of the motion, in seconds, at which frame 0 is due."""

@@ -10,16 +10,17 @@ The byte order is that of the controller (`sensors`), so that firmware with anot
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import lru_cache
 from typing import Any, final
 
 from ..devices.chip_model import ChipModel, Shown
 from ..devices.sensor_rounds import register_bytes
 from .host_frame import ACCELERATION, ANGLE
-from .models.imu import Imu, State
+from .models.imu import Imu, Inputs, State
 from .models.parameters import ImuParameters
-from .numeric.arithmetic import Arithmetic
+from .numeric.q import Q
 from .sensors import SENSORS
-from .shared_models import model_noise, model_of
+from .shared_models import REMEMBERED, model_noise, model_of
 
 BY_ADDRESS = {chip.address: (name, chip) for name, chip in SENSORS.items()}
 
@@ -32,40 +33,52 @@ class ModelCodes(ChipModel):
     """
 
     _model: Imu[Any]
-    _a: Arithmetic[Any]
     _noise: Callable[[int], Any]
 
     def __init__(self, parameters: ImuParameters, arithmetic: str, noise_seed: int | None = None) -> None:
         self._model = model_of(arithmetic, parameters)
-        self._a = self._model.a
         # True if numpy would warn of divisions by zero, whose results float32 defines.
-        self._warns = self._a.name == "float32"
+        self._warns = arithmetic == "float32"
         self._noise = model_noise(arithmetic, parameters, noise_seed)
+        self._remembered = lru_cache(REMEMBERED)(self._computed)
         self.addresses = frozenset(BY_ADDRESS)
-        self.no_frame = (0,) * 6
-        self.at_rest = Shown(None, self._model.at_rest, ())
+        self.at_rest = Shown(None, self._model.at_rest, None)
 
-    def run(self, number: int, values: tuple[int, ...], before: Shown) -> Shown:
+    def run(self, number: int, values: tuple[int, ...] | None, before: Shown) -> Shown:
         """Return the result of run `number` of the models, from 0, for the values of a frame.
 
-        The first frame after `at_rest` has no attitude before it, so its rates are zero.
+        The first frame after `at_rest` has no attitude before it, so its rates are zero. Equal runs after the same
+        result are calculated once.
         """
-        scaled, model, last = self._a.scaled, self._model, before.state
-        roll, pitch, yaw, x, y, z = values
+        shown: Shown = self._remembered(number, values, before)
+        return shown
+
+    def _computed(self, number: int, values: tuple[int, ...] | None, before: Shown) -> Shown:
+        model, last = self._model, before.state
+        scaled, overflows = model.a.scaled, self._overflows()
+        roll, pitch, yaw, x, y, z = values or (0, 0, 0, 0, 0, 0)
         attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
         pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
         noise = self._noise(number)
         model.check(attitude, pushed, noise)
         attitude_before = attitude if last is model.at_rest else last.attitude
-        turned, body = self._quietly(model.motion, (attitude, attitude_before))
-        return Shown(self, State(attitude, body), (turned, pushed, body, last.body, noise))
+        turned, body = self._quietly(model.motion, attitude, attitude_before)
+        state = last if values is None else State(attitude, body)
+        return Shown(self, state, Inputs(turned, pushed, body, last.body, noise), self._overflows() - overflows)
 
-    def data_of(self, address: int, inputs: tuple[Any, ...]) -> bytes:
-        """Return the register bytes of one chip."""
+    def data_of(self, address: int, shown: Shown) -> bytes:
+        """Return the register bytes of one chip, and count overflows in `shown`."""
         name, chip = BY_ADDRESS[address]
-        return register_bytes(chip, self._quietly(self._model.codes_of, (name, *inputs)))
+        overflows = self._overflows()
+        codes = self._quietly(self._model.codes_of, name, shown.inputs)
+        shown.overflows += self._overflows() - overflows
+        return register_bytes(chip, codes)
 
-    def _quietly(self, computed: Callable[..., Any], inputs: tuple[Any, ...]) -> Any:
+    def _overflows(self) -> int:
+        a = self._model.a
+        return a.overflows if isinstance(a, Q) else 0
+
+    def _quietly(self, computed: Callable[..., Any], *inputs: Any) -> Any:
         """Return computed(*inputs) without warnings of numpy."""
         if not self._warns:
             return computed(*inputs)
@@ -73,3 +86,9 @@ class ModelCodes(ChipModel):
 
         with np.errstate(all="ignore"):
             return computed(*inputs)
+
+
+@lru_cache(maxsize=16)
+def model_codes(parameters: ImuParameters, arithmetic: str, noise_seed: int | None) -> ModelCodes:
+    """Return the models, which firmware, the check of its output and scenes with equal arguments share."""
+    return ModelCodes(parameters, arithmetic, noise_seed)

@@ -1,62 +1,22 @@
-"""Sensor models that several users share, so that each sample is calculated once.
+"""Sensor models that several users share.
 
-    arithmetic, parameters -------> model_of ---> Imu: shared by the firmware and the check of its output
-    arithmetic, parameters, seed -> model_noise -> sample n of the noise, in the model's numbers
-
-A model is stateless, so its results are a function of its inputs. Results are cached if numbers are integers, as in Q
-formats. Floats cannot be keys of the cache, because 0.0 and -0.0 are different numbers but equal keys.
+arithmetic, parameters -------> model_of ---> Imu, which is stateless
+arithmetic, parameters, seed -> model_noise -> sample n of the noise, in the model's numbers
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache, partial
-from typing import Any, TypeVar
+from functools import lru_cache
+from typing import Any
 
 from .imu_noise import ImuNoise
-from .models.chips import Angles
 from .models.imu import Imu, Noise
 from .models.parameters import ImuParameters
 from .numeric import arithmetic_names as named
-from .numeric.arithmetic import Triple
 from .numeric.q import Q
 
-R = TypeVar("R")
-
 REMEMBERED = 16  # number of cached samples, which may belong to several runs of a scene's models
-
-
-class RememberingImu(Imu[int]):
-    """An Imu in a Q format with a cache of the last samples. `overflows` includes those of cached samples."""
-
-    def __init__(self, a: Q, imu: ImuParameters) -> None:
-        super().__init__(a, imu)
-        self._motion = lru_cache(REMEMBERED)(partial(_with_overflows, a, super().motion))
-        self._codes_of = lru_cache(3 * REMEMBERED)(partial(_with_overflows, a, super().codes_of))
-
-    def motion(self, attitude: Triple[int], before: Triple[int]) -> tuple[Angles[int], Triple[int]]:
-        made, overflows = self._motion(attitude, before)
-        self.overflows += overflows
-        return made
-
-    def codes_of(
-        self,
-        chip: str,
-        turned: Angles[int],
-        acceleration: Triple[int],
-        body: Triple[int],
-        body_before: Triple[int],
-        noise: Noise[int],
-    ) -> Triple[int]:
-        codes, overflows = self._codes_of(chip, turned, acceleration, body, body_before, noise)
-        self.overflows += overflows
-        return codes
-
-
-def _with_overflows(a: Q, compute: Callable[..., R], *arguments: Any) -> tuple[R, int]:
-    """Return the result, and the number of intermediate results that did not fit."""
-    before = a.overflows
-    return compute(*arguments), a.overflows - before
 
 
 @lru_cache(maxsize=16)
@@ -65,8 +25,7 @@ def model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
 
     Raise NoSuchArithmetic if the arithmetic does not exist, and DoesNotFit if it cannot hold a constant.
     """
-    a = named.scalar(arithmetic)
-    return RememberingImu(a, parameters) if isinstance(a, Q) else Imu(a, parameters)
+    return Imu(named.scalar(arithmetic), parameters)
 
 
 @lru_cache(maxsize=16)
@@ -94,13 +53,6 @@ def model_noise(arithmetic: str, parameters: ImuParameters, seed: int | None) ->
         )
 
     return lru_cache(REMEMBERED)(sample)
-
-
-class ModelNoise:
-    """The noise of a model's samples, for firmware. at: the function of `model_noise`."""
-
-    def __init__(self, arithmetic: str, parameters: ImuParameters, seed: int | None) -> None:
-        self.at = model_noise(arithmetic, parameters, seed)
 
 
 def _rounded(nearest: Callable[[float], int], near: list[tuple[float, float]]) -> Noise[int] | None:

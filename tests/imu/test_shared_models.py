@@ -6,45 +6,38 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.imu.imu_noise import ImuNoise
-from periph_sim.imu.models.imu import Imu, Noise
+from periph_sim.imu.model_codes import ModelCodes, model_codes
+from periph_sim.imu.models.imu import Noise
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.numeric import arithmetic_names as named
 from periph_sim.imu.shared_models import REMEMBERED, model_noise, model_of
 from tests.profiles import examples
 
 PARAMETERS = ImuParameters()
-numbers = st.integers(-200_000, 200_000)
-triples = st.tuples(numbers, numbers, numbers)
 
 
 @settings(max_examples=examples(40), deadline=None)
-@given(st.sampled_from(["q16", "q12 saturating", "q16 rounded"]), st.lists(st.tuples(triples, triples), max_size=8))
-def test_a_remembered_sample_is_the_one_that_is_computed_anew(arithmetic: str, samples):
-    shared, alone = model_of(arithmetic, PARAMETERS), Imu(named.scalar(arithmetic), PARAMETERS)
+@given(
+    st.sampled_from(["q16", "q12 saturating", "q16 rounded", "float64"]),
+    st.lists(st.tuples(*[st.integers(-32768, 32767)] * 6), max_size=8),
+)
+def test_a_remembered_sample_is_the_one_that_is_computed_anew(arithmetic: str, frames: list[tuple[int, ...]]):
+    shared, alone = model_codes(PARAMETERS, arithmetic, None), ModelCodes(PARAMETERS, arithmetic)
     for _ in range(2):
-        state = alone.at_rest
-        for attitude, pushed in samples:
-            expected = alone.step(attitude, pushed, alone.silence, state)
-            assert shared.step(attitude, pushed, shared.silence, state) == expected
-            state = expected[1]
+        shown, expected = shared.at_rest, alone.at_rest
+        for number, values in enumerate(frames):
+            shown, expected = shared.run(number, values, shown), alone.run(number, values, expected)
+            assert all(shown.data(address) == expected.data(address) for address in shared.addresses)
+            assert (shown.state, shown.overflows) == (expected.state, expected.overflows)
 
 
 def test_who_comes_second_is_given_what_the_first_has_worked_out():
-    model, still = model_of("q16", PARAMETERS), (0, 0, 0)
-    attitude = (100, 200, 300)
-    first = model.motion(attitude, still)
-    assert model_of("q16", PARAMETERS) is model
-    assert model.motion((100, 200, 300), (0, 0, 0)) is first
-    codes = model.codes_of("magnetometer", first[0], still, first[1], still, model.silence)
-    assert codes is model.codes_of("magnetometer", first[0], still, first[1], still, model.silence)
-
-
-def test_of_floats_nothing_is_remembered_since_zeros_of_two_signs_are_equal():
-    model = model_of("float64", PARAMETERS)
-    zero = model.a.constant(0.0)
-    still = (zero, zero, zero)
-    minus = model.motion((model.a.neg(zero), zero, zero), still)[0].s_phi
-    assert str(minus) != str(model.motion(still, still)[0].s_phi)
+    codes, values = model_codes(PARAMETERS, "q16", None), (100, 200, 300, 0, 0, 0)
+    first = codes.run(0, values, codes.at_rest)
+    assert model_codes(PARAMETERS, "q16", None) is codes
+    assert codes.run(0, tuple(values), codes.at_rest) is first
+    assert codes.run(1, values, codes.at_rest) is not first
+    assert codes.run(0, values, first) is not first
 
 
 @given(st.lists(st.integers(0, 3 * REMEMBERED), min_size=1, max_size=20), st.data())

@@ -15,7 +15,7 @@ from periph_sim.core.options import _defaults
 from periph_sim.core.records import RECORDED, Record, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.imu.host_frames import encoding_of
-from periph_sim.imu.shared_models import model_of
+from periph_sim.imu.model_codes import model_codes
 from periph_sim.processor.python.waits import comparison_of
 from periph_sim.scene.case.load import _loaded, load
 from periph_sim.scene.firmware_loader import BadSetting, load_firmware, settings_for
@@ -27,7 +27,7 @@ from periph_sim.timing.language.language import measure_of
 
 TIMING = Path(__file__).parents[2] / "timing"
 LENGTH = Fraction(1, 100)
-SHARED = {"cases": _loaded, "settings": keys_of, "models": model_of, "options": _defaults}
+SHARED = {"cases": _loaded, "settings": keys_of, "models": model_codes, "options": _defaults}
 OF_TEXTS = {"measures": measure_of, "events": event_of, "limits": _nearest_tick}
 
 

@@ -25,7 +25,7 @@ from ...core.text_table import text_table
 from ..models.imu import Imu
 from ..models.parameters import ImuParameters, MagnetometerParameters
 from ..models.quantity import Vector
-from ..models.sensed_motion import Unrounded
+from ..numeric.float64_arrays import Float64Arrays
 from .rest import Floats
 from .static_table import REAL
 
@@ -77,10 +77,11 @@ def fit(mean: Vector = MEAN, hard_iron: Vector = HARD_IRON) -> Fit:
 
 def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
     """Return the field in gauss that a level body measures at each yaw, without noise or rounding: shape (n, 3)."""
-    model = Imu(Unrounded(), imu)
+    model = Imu(Float64Arrays(), imu)
     zero = np.zeros(len(yaws))
     turned, _ = model.motion((zero, zero, np.radians(yaws)), (zero, zero, zero))
-    return np.stack(model.magnetometer.codes(turned, model.silence.magnetometer), axis=1) / imu.magnetometer.scale
+    lsb = np.stack(model.magnetometer.lsb(turned, model.silence.magnetometer), axis=1)
+    return lsb.clip(*imu.magnetometer.limits) / imu.magnetometer.scale
 
 
 def text(imu: ImuParameters, found: Fit) -> str:

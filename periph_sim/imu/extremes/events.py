@@ -16,8 +16,7 @@ from ..models.parameters import AccelerometerParameters, GyroscopeParameters, Im
 from ..models.quantity import BadParameter
 from ..numeric import arithmetic_names as named
 from ..numeric.arithmetic import Arithmetic
-from ..numeric.q_arrays import Ints
-from .frames import REFERENCE, codes_of
+from .frames import REFERENCE, Ints, codes_of
 from .sweep import EVERY, Finding, Happens
 from .working_range import Worst
 
@@ -46,9 +45,9 @@ def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Fin
     none, once, twice = (_rolled(steps, k) for k in (0, 1, 2))
     for name in names:
         imu = ImuParameters()
-        double = codes_of(named.arrays(name), imu, twice)
-        sums = codes_of(named.arrays(name), imu, none).codes[ROLL] + double.codes[ROLL]
-        meant = 2 * codes_of(named.arrays(REFERENCE), imu, once).codes[ROLL]
+        double = codes_of(name, imu, twice)
+        sums = codes_of(name, imu, none).codes[ROLL] + double.codes[ROLL]
+        meant = 2 * codes_of(REFERENCE, imu, once).codes[ROLL]
         off = np.abs(sums - meant)
         allowed = 2 * (1 if name == REFERENCE else worst[name].allowed()[ROLL])
         lost = np.flatnonzero(off > allowed)
@@ -137,14 +136,12 @@ def smallest_steps(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[
     g = int(AccelerometerParameters().full_scale / ACCELERATION)
     ramp = np.zeros((12, 2 * g + 1), dtype=np.int64)
     ramp[9] = np.arange(-g, g + 1)
-    seen = len(np.unique(codes_of(named.arrays(REFERENCE), ImuParameters(), ramp).codes[3]))
+    seen = len(np.unique(codes_of(REFERENCE, ImuParameters(), ramp).codes[3]))
     turn = np.zeros((12, 1), dtype=np.int64)
     turn[6] = 1
     for name in names:
-        missing = seen - len(np.unique(codes_of(named.arrays(name), ImuParameters(), ramp).codes[3]))
-        turned, still = (
-            codes_of(named.arrays(name), ImuParameters(), counts).exact[ROLL] for counts in (turn, 0 * turn)
-        )
+        missing = seen - len(np.unique(codes_of(name, ImuParameters(), ramp).codes[3]))
+        turned, still = (codes_of(name, ImuParameters(), counts).exact[ROLL] for counts in (turn, 0 * turn))
         step = float((turned - still)[0])
         note = f"{missing} of {seen} accelerometer codes never shown; one count of roll is {step:.2f} LSB of rate"
         happens: Happens = "agrees" if missing <= 0 and step > 0 else "off"

@@ -16,11 +16,13 @@ from numpy.typing import NDArray
 
 from ..host_frame import ACCELERATION, ANGLE
 from ..models import parameters
-from ..models.counts import Counting
-from ..models.imu import Imu
-from ..numeric.arithmetic import Arithmetic, Rounding, Triple
+from ..models.chips import SensorEquations
+from ..models.imu import Imu, Inputs
+from ..numeric import arithmetic_names as named
+from ..numeric.arithmetic import Arithmetic, Triple
 from ..numeric.q import Q
-from ..numeric.q_arrays import Ints, QArrays
+
+Ints = NDArray[np.int64]
 
 INT16 = 0x8000
 SENSORS = ("gyroscope", "accelerometer", "magnetometer")
@@ -41,49 +43,40 @@ class Codes:
     overflown: NDArray[np.bool_]
 
 
-class Exact(Counting):
-    """An arithmetic without saturation and rounding, which are its last two steps. It returns the exact LSB."""
-
-    def clamp(self, x: Any, low: Any, high: Any) -> Any:
-        return x
-
-    def to_integer(self, x: Any, rounding: Rounding) -> Any:
-        return x
-
-
-def codes_of(a: Arithmetic[Any], imu: parameters.ImuParameters, counts: Any) -> Codes:
-    """Return nine codes for each of n samples.
-
-    a: a new instance of an arithmetic, because a Q format stores its overflows.
-    counts: int64[12, n], or twelve ints for scalar arithmetics.
-    """
+def codes_of(name: str, imu: parameters.ImuParameters, counts: Ints) -> Codes:
+    """Return nine codes for each of n samples in an arithmetic. counts: int64[12, n]."""
+    a = named.scalar(name)
+    model = Imu(a, imu)
     with np.errstate(all="ignore"):
-        model = Imu(Exact(a), imu)
-        before, last, now = (_scaled(a, counts[i : i + 3], ANGLE) for i in (0, 3, 6))
-        _, body_before = model.motion(last, before)
-        turned, body = model.motion(now, last)
-        exact = model.codes(turned, _scaled(a, counts[9:12], ACCELERATION), body, body_before, model.silence)
-        values, codes = [], []
-        for chip, name in zip(exact, SENSORS, strict=True):
-            sensor: parameters.SensorParameters = getattr(imu, name)
-            low, high = (a.constant(limit) for limit in sensor.limits)
-            values += [a.value(x) for x in chip]
-            codes += [a.to_integer(a.clamp(x, low, high), sensor.rounding) for x in chip]
-    length = np.shape(counts[0]) or (1,)
-    return Codes(_table(codes, length), _table(values, length), np.broadcast_to(_overflown(a), length))
+        if name == "float32":  # it computes arrays as fast as single numbers
+            codes, exact = np.array(_sample(model, counts), np.float64)
+            return Codes(codes, exact, np.zeros(counts.shape[1], np.bool_))
+        rows, overflows = [], []
+        for column in counts.T.tolist():
+            rows.append(_sample(model, column))
+            overflows.append(a.overflows if isinstance(a, Q) else 0)
+    codes, exact = np.array(rows, np.float64).transpose(1, 2, 0)
+    return Codes(codes, exact, np.diff(overflows, prepend=0) > 0)
 
 
-def _overflown(a: Arithmetic[Any]) -> NDArray[np.bool_]:
-    if isinstance(a, QArrays):
-        return a.overflown
-    return np.asarray(isinstance(a, Q) and a.overflows > 0)
+def _sample(model: Imu[Any], counts: Any) -> tuple[list[Any], list[Any]]:
+    """Return the codes of a sample, and its exact LSB as floats. counts: twelve numbers of the arithmetic."""
+    a = model.a
+    before, last, now = (_scaled(a, counts[i : i + 3], ANGLE) for i in (0, 3, 6))
+    _, body_before = model.motion(last, before)
+    turned, body = model.motion(now, last)
+    inputs = Inputs(turned, _scaled(a, counts[9:12], ACCELERATION), body, body_before, model.silence)
+    codes: list[Any] = []
+    exact: list[Any] = []
+    for name in SENSORS:
+        lsb = model.lsb_of(name, inputs)
+        equations: SensorEquations[Any] = getattr(model, name)
+        exact += [a.value(x) for x in lsb]
+        codes += equations.converted(lsb)
+    return codes, exact
 
 
-def _table(rows: list[Any], length: tuple[int, ...]) -> NDArray[np.float64]:
-    return np.array([np.broadcast_to(row, length) for row in rows], dtype=np.float64)
-
-
-def _scaled(a: Arithmetic[Any], rows: Ints, lsb: float) -> Triple[Any]:
+def _scaled(a: Arithmetic[Any], rows: Any, lsb: float) -> Triple[Any]:
     return a.scaled(rows[0], lsb), a.scaled(rows[1], lsb), a.scaled(rows[2], lsb)
 
 

@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 
 from ..models import parameters
 from ..numeric import arithmetic_names as named
-from ..numeric.q_arrays import Ints
-from .frames import REFERENCE, SENSORS, Codes, codes_of
+from .frames import REFERENCE, SENSORS, Codes, Ints, codes_of
 from .working_range import Worst
 
 # agrees: as near as in the working range. exact: no deviation. full scale: the converter's last code, as intended.
@@ -166,9 +165,8 @@ def _true(sweep: Sweep, low: float, high: float, points: int) -> Floats:
 def _together(arithmetic: str, samples: list[Sample]) -> Codes:
     """Return the codes of all samples. They are calculated at once if all samples have the same parameters."""
     if all(one.imu is samples[0].imu for one in samples):
-        counts = np.stack([one.counts for one in samples], axis=1)
-        return codes_of(named.arrays(arithmetic), samples[0].imu, counts)
-    each = [codes_of(named.scalar(arithmetic), one.imu, one.counts.tolist()) for one in samples]
+        return codes_of(arithmetic, samples[0].imu, np.stack([one.counts for one in samples], axis=1))
+    each = [codes_of(arithmetic, one.imu, one.counts[:, np.newaxis]) for one in samples]
     return Codes(
         np.hstack([one.codes for one in each]),
         np.hstack([one.exact for one in each]),

@@ -22,8 +22,7 @@ from ..models.parameters import (
     Norm,
     Spherical,
 )
-from ..numeric.q_arrays import Ints
-from .frames import counted
+from .frames import Ints, counted
 from .sweep import Sample, Sweep
 
 Attitude = tuple[float, float, float]  # roll, pitch, yaw in rad

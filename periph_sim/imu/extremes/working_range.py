@@ -17,9 +17,7 @@ from numpy.typing import NDArray
 
 from ..host_frame import ACCELERATION, ANGLE
 from ..models import parameters
-from ..numeric import arithmetic_names as named
-from ..numeric.q_arrays import Ints
-from .frames import REFERENCE, SENSORS, codes_of
+from .frames import REFERENCE, SENSORS, Ints, codes_of
 
 LIMITS = np.array([int(pi / ANGLE), int(pi / 2 / ANGLE), int(pi / ANGLE)])  # counts of roll, pitch, yaw
 ROUNDS = 10  # number of refinements
@@ -76,8 +74,8 @@ def worst(
 
 
 def _errors(arithmetic: str, imu: parameters.ImuParameters, counts: Ints) -> NDArray[np.float64]:
-    exact = codes_of(named.arrays(REFERENCE), imu, counts).exact
-    off: NDArray[np.float64] = np.abs(codes_of(named.arrays(arithmetic), imu, counts).exact - exact)
+    exact = codes_of(REFERENCE, imu, counts).exact
+    off: NDArray[np.float64] = np.abs(codes_of(arithmetic, imu, counts).exact - exact)
     return np.nan_to_num(off, nan=np.inf)
 
 

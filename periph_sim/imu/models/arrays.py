@@ -9,11 +9,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ..numeric.arithmetic import Arithmetic, Triple
+from ..numeric.arithmetic import Triple
 from ..numeric.float64_arrays import Float64Arrays, Floats
-from ..numeric.q import Q
 from . import parameters
-from .imu import INPUTS, Codes, Imu, Noise, check_arrays, inputs_of
+from .imu import INPUTS, Codes, Imu, Inputs, Noise, NotFinite, inputs_of
 
 PIECE = 8192  # number of samples of a piece; the working set fits into the second-level cache
 
@@ -26,27 +25,27 @@ def codes_of(
     acceleration: Triple[Floats],
     noise: Noise[Floats] | None = None,
     *,
-    arithmetic: Arithmetic[Floats] | None = None,
     piece: int = PIECE,
 ) -> Codes[Int16s]:
-    """Return nine arrays int16[n] of LSB.
+    """Return nine arrays int16[n] of LSB, computed in float64.
 
     attitude: roll, pitch and yaw, float64[n] in rad. The rates of the first sample are zero, because there is no
         attitude before it.
     acceleration: linear acceleration along x, y and z, float64[n] in g.
     noise: nine arrays float64[n] in deg/s, g and gauss, or none.
-    arithmetic: Float64Arrays by default. For Float32, all arrays are float32; for QArrays, integers in its format.
 
-    Raise ValueError if the arrays differ in length or their type is not that of the arithmetic. Raise NotFinite, with
-    axis and sample, for a NaN or an infinity.
+    Raise ValueError if the arrays differ in length. Raise NotFinite, with axis and sample, for a NaN or an infinity.
     """
     length = len(attitude[0])
-    model = Imu(arithmetic or Float64Arrays(), imu)
+    model = Imu(Float64Arrays(), imu)
     given = inputs_of(attitude, acceleration, noise)
     if any(len(array) != length for array in given):
         raise ValueError(f"arrays of {', '.join(str(len(array)) for array in given)} samples; expected the same of all")
-    check_arrays(given)
-    _check_types(model.a, given)
+    for axis, array in zip(INPUTS, given, strict=False):
+        finite = np.isfinite(array)
+        if not finite.all():
+            index = int(np.argmin(finite))
+            raise NotFinite(axis, float(array[index]), index)
     out = np.empty((9, length), dtype=np.int16)
     last = tuple(angle[:1] for angle in attitude)
     x, y, z = model.at_rest.body
@@ -57,23 +56,11 @@ def codes_of(
             now = cut(attitude, here)
             turned, body = model.motion(now, _behind(last, now))
             added = model.silence if noise is None else Noise(*(cut(chip, here) for chip in noise))
-            codes = model.codes(turned, cut(acceleration, here), body, _behind(body_last, body), added)
-            for row, axis in zip(out, (axis for chip in codes for axis in chip), strict=True):
-                row[here] = axis
+            codes = model.codes(Inputs(turned, cut(acceleration, here), body, _behind(body_last, body), added))
+            for row, values in zip(out, (values for chip in codes for values in chip), strict=True):
+                row[here] = values
             last, body_last = _last(now), _last(body)
     return Codes((out[0], out[1], out[2]), (out[3], out[4], out[5]), (out[6], out[7], out[8]))
-
-
-def _check_types(a: Arithmetic[Floats], given: tuple[Floats, ...]) -> None:
-    """Raise ValueError if the arrays have a type that the arithmetic does not accept."""
-    if isinstance(a, Q):
-        raise ValueError(f"{a.name} of Q computes one number at a time; give QArrays for arrays")
-    if a.name == "float64":
-        return
-    wanted, called = (np.float32, "float32") if a.name == "float32" else (np.integer, "integers in its format")
-    for axis, array in zip(INPUTS, given, strict=False):
-        if not np.issubdtype(array.dtype, wanted):
-            raise ValueError(f"{axis}: an array of {array.dtype}, but {a.name} computes on {called}; convert it before")
 
 
 def cut(arrays: Triple[Floats], here: slice) -> Triple[Floats]:

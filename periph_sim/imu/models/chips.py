@@ -90,9 +90,9 @@ class SensorEquations(Generic[T]):
         self._low, self._high = (a.constant(limit) for limit in sensor.limits)
         self._rounding = sensor.rounding
 
-    def _converted(self, sensed: Triple[T]) -> Triple[T]:
-        """Return LSB on each axis, within the converter's codes."""
-        return self._v.whole(self._v.transformed(self._rows, sensed), self._low, self._high, self._rounding)
+    def converted(self, lsb: Triple[T]) -> Triple[T]:
+        """Return codes: LSB that are limited to the converter's codes, and rounded."""
+        return self._v.whole(lsb, self._low, self._high, self._rounding)
 
 
 def triple(a: Arithmetic[T], values: tuple[float, float, float]) -> Triple[T]:
@@ -124,15 +124,15 @@ class Gyroscope(SensorEquations[T]):
         """Return p, q, r in rad/s, as built or corrected."""
         return body_rates(self._a, rates, angles) if self._corrected else rates
 
-    def codes(self, body: Triple[T], acceleration: Triple[T], noise: Triple[T]) -> Triple[T]:
-        """Return codes in LSB.
+    def lsb(self, body: Triple[T], acceleration: Triple[T], noise: Triple[T]) -> Triple[T]:
+        """Return LSB before saturation and rounding.
 
         body: p, q, r in rad/s. acceleration: the linear acceleration in g. noise: in deg/s.
         """
         a, v = self._a, self._v
         x, y, z = [a.neg(body[axis]) if negative else body[axis] for axis, negative in self._axes]
         rate, pushed = v.times((x, y, z), self._degrees), v.times(acceleration, self._g_sens)
-        return self._converted(v.plus(v.plus(v.plus(rate, self._bias), noise), pushed))
+        return v.transformed(self._rows, v.plus(v.plus(v.plus(rate, self._bias), noise), pushed))
 
 
 def body_rates(a: Arithmetic[T], rates: Triple[T], angles: Angles[T]) -> Triple[T]:
@@ -164,10 +164,10 @@ class Accelerometer(SensorEquations[T]):
         self._per_g = a.constant(1 / parameters.STANDARD_GRAVITY)
         self._bias = triple(a, sensor.bias)
 
-    def codes(
+    def lsb(
         self, angles: Angles[T], acceleration: Triple[T], body: Triple[T], change: Triple[T], noise: Triple[T]
     ) -> Triple[T]:
-        """Return codes in LSB.
+        """Return LSB before saturation and rounding.
 
         acceleration: the linear acceleration in g.
         body: p, q, r in rad/s.
@@ -177,7 +177,7 @@ class Accelerometer(SensorEquations[T]):
         v = self._v
         system = v.minus(acceleration, gravity(self._a, angles))
         measured = v.plus(system, self._lever(body, change))
-        return self._converted(v.plus(v.plus(measured, self._bias), noise))
+        return v.transformed(self._rows, v.plus(v.plus(measured, self._bias), noise))
 
     def _lever(self, body: Triple[T], change: Triple[T]) -> Triple[T]:
         """Return w x (w x d) + w' x d, in g."""
@@ -224,11 +224,11 @@ class Magnetometer(SensorEquations[T]):
         self._s_elevation, self._c_elevation = a.constant(sin(elevation)), a.constant(cos(elevation))
         self._one, self._zero = a.constant(1.0), a.constant(0.0)
 
-    def codes(self, angles: Angles[T], noise: Triple[T]) -> Triple[T]:
-        """Return codes in LSB. noise: in gauss."""
+    def lsb(self, angles: Angles[T], noise: Triple[T]) -> Triple[T]:
+        """Return LSB before saturation and rounding. noise: in gauss."""
         v = self._v
         seen = v.plus(rotated(v, angles, self._earth), self._hard_iron)
-        return self._converted(v.plus(self.on_board(seen), noise))
+        return v.transformed(self._rows, v.plus(self.on_board(seen), noise))
 
     def on_board(self, field: Triple[T]) -> Triple[T]:
         """Return H_rp from H_rm: the field in the axes of the inclined board."""

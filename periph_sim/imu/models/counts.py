@@ -14,7 +14,7 @@ from ..numeric.arithmetic import Arithmetic
 from ..numeric.float64 import Float64
 from . import parameters
 from .chips import angles
-from .imu import Imu
+from .imu import Codes, Imu, Inputs
 
 COSTLESS = ("constant", "value")  # operations that a program does not execute at run time
 
@@ -76,12 +76,11 @@ def _counted(imu: parameters.ImuParameters) -> dict[str, Counter[str]]:
     turned = angles(a, attitude)
     found["angles"] = a.pop_counts()
     body = model.gyroscope.body_rates(rates, turned)
-    model.gyroscope.codes(body, still, noise.gyroscope)
-    found["gyroscope"] = a.pop_counts()
-    change = model.derivative.change(body, before)
-    found["derivative"] = derivative + a.pop_counts()
-    model.accelerometer.codes(turned, still, body, change, noise.accelerometer)
-    found["accelerometer"] = a.pop_counts()
-    model.magnetometer.codes(turned, noise.magnetometer)
-    found["magnetometer"] = a.pop_counts()
+    inputs = Inputs(turned, still, body, before, noise)
+    for chip in Codes._fields:
+        model.codes_of(chip, inputs)
+        found[chip] = a.pop_counts()
+    model.derivative.change(body, before)
+    change = a.pop_counts()
+    found["derivative"], found["accelerometer"] = derivative + change, found["accelerometer"] - change
     return {part: found[part] for part in PARTS}

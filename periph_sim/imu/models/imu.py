@@ -18,7 +18,7 @@ from typing import Any, Generic, NamedTuple, TypeVar
 from ..numeric.arithmetic import Arithmetic, Triple
 from ..numeric.q import DoesNotFit, Q
 from . import parameters
-from .chips import Accelerometer, Angles, Derivative, Gyroscope, Magnetometer, angles
+from .chips import Accelerometer, Angles, Derivative, Gyroscope, Magnetometer, SensorEquations, angles
 
 INPUTS = (
     *(f"attitude, {angle}" for angle in ("roll", "pitch", "yaw")),
@@ -46,29 +46,6 @@ def inputs_of(attitude: Any, acceleration: Any, noise: Noise[Any] | None) -> tup
     return (*attitude, *acceleration, *(axis for chip in noise or () for axis in chip))
 
 
-def check_sample(attitude: Any, acceleration: Any, noise: Noise[Any]) -> None:
-    """Raise NotFinite, with the axis, if a value of a sample is not finite. Values are numbers of any arithmetic."""
-    gyroscope, accelerometer, magnetometer = noise
-    values = (*attitude, *acceleration, *gyroscope, *accelerometer, *magnetometer)
-    if not all(map(isfinite, values)):
-        axis = next(place for place, value in enumerate(values) if not isfinite(value))
-        raise NotFinite(INPUTS[axis], float(values[axis]))
-
-
-def check_arrays(arrays: tuple[Any, ...]) -> None:
-    """Raise NotFinite, with the axis and the index of the first such sample, if a value in the arrays is not finite.
-
-    arrays: the arrays in the order of INPUTS.
-    """
-    import numpy as np
-
-    for axis, array in enumerate(arrays):
-        finite = np.isfinite(array)
-        if not finite.all():
-            index = int(np.argmin(finite))
-            raise NotFinite(INPUTS[axis], float(array[index]), index)
-
-
 R = TypeVar("R")
 T = TypeVar("T")
 
@@ -79,6 +56,21 @@ class Noise(NamedTuple, Generic[T]):
     gyroscope: Triple[T]
     accelerometer: Triple[T]
     magnetometer: Triple[T]
+
+
+class Inputs(NamedTuple, Generic[T]):
+    """The inputs of the chips at one sample.
+
+    turned: the sines and cosines of the attitude.
+    acceleration: the linear acceleration in g.
+    body, body_before: p, q, r in rad/s of this sample and of the sample before.
+    """
+
+    turned: Angles[T]
+    acceleration: Triple[T]
+    body: Triple[T]
+    body_before: Triple[T]
+    noise: Noise[T]
 
 
 class Codes(NamedTuple, Generic[T]):
@@ -105,12 +97,7 @@ def _named(part: str, build: Callable[[], R]) -> R:
 
 
 class Imu(Generic[T]):
-    """The models of the three sensors. They are stateless: `step` receives a state and returns the next one.
-
-    overflows: the number of results of a `RememberingImu` that did not fit since it was built.
-    """
-
-    overflows = 0
+    """The models of the three sensors. They are stateless: `step` receives a state and returns the next one."""
 
     def __init__(self, a: Arithmetic[T], imu: parameters.ImuParameters) -> None:
         """Raise DoesNotFit, with the part's name, if a Q format cannot hold a constant."""
@@ -127,7 +114,9 @@ class Imu(Generic[T]):
     def check(self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T]) -> None:
         """Raise NotFinite, with the axis, for a NaN or an infinity. A Q format has neither."""
         if not isinstance(self.a, Q):
-            check_sample(attitude, acceleration, noise)
+            for axis, value in zip(INPUTS, inputs_of(attitude, acceleration, noise), strict=True):
+                if not isfinite(value):
+                    raise NotFinite(axis, float(value))
 
     def motion(self, attitude: Triple[T], before: Triple[T]) -> tuple[Angles[T], Triple[T]]:
         """Return the sines and cosines of an attitude, and p, q, r in rad/s from this attitude and the one before.
@@ -137,33 +126,25 @@ class Imu(Generic[T]):
         turned = angles(self.a, attitude)
         return turned, self.gyroscope.body_rates(self.derivative.rates(attitude, before), turned)
 
-    def codes(
-        self, turned: Angles[T], acceleration: Triple[T], body: Triple[T], body_before: Triple[T], noise: Noise[T]
-    ) -> Codes[T]:
-        """Return the nine codes in LSB.
-
-        acceleration: the linear acceleration in g.
-        body, body_before: p, q, r in rad/s of this sample and of the sample before.
-        """
-        g, a, m = (self.codes_of(chip, turned, acceleration, body, body_before, noise) for chip in Codes._fields)
+    def codes(self, inputs: Inputs[T]) -> Codes[T]:
+        """Return the nine codes in LSB."""
+        g, a, m = (self.codes_of(chip, inputs) for chip in Codes._fields)
         return Codes(g, a, m)
 
-    def codes_of(
-        self,
-        chip: str,
-        turned: Angles[T],
-        acceleration: Triple[T],
-        body: Triple[T],
-        body_before: Triple[T],
-        noise: Noise[T],
-    ) -> Triple[T]:
-        """Return the codes of the chip with a name in Codes. The other arguments are as for `codes`."""
+    def codes_of(self, chip: str, inputs: Inputs[T]) -> Triple[T]:
+        """Return the codes of the chip with a name in Codes."""
+        equations: SensorEquations[T] = getattr(self, chip)
+        return equations.converted(self.lsb_of(chip, inputs))
+
+    def lsb_of(self, chip: str, inputs: Inputs[T]) -> Triple[T]:
+        """Return the LSB of the chip with a name in Codes, before saturation and rounding."""
+        turned, acceleration, body, body_before, noise = inputs
         if chip == "gyroscope":
-            return self.gyroscope.codes(body, acceleration, noise.gyroscope)
+            return self.gyroscope.lsb(body, acceleration, noise.gyroscope)
         if chip == "magnetometer":
-            return self.magnetometer.codes(turned, noise.magnetometer)
+            return self.magnetometer.lsb(turned, noise.magnetometer)
         change = self.derivative.change(body, body_before)
-        return self.accelerometer.codes(turned, acceleration, body, change, noise.accelerometer)
+        return self.accelerometer.lsb(turned, acceleration, body, change, noise.accelerometer)
 
     def step(
         self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T], before: State[T]
@@ -174,4 +155,4 @@ class Imu(Generic[T]):
         """
         self.check(attitude, acceleration, noise)
         turned, body = self.motion(attitude, before.attitude)
-        return self.codes(turned, acceleration, body, before.body, noise), State(attitude, body)
+        return self.codes(Inputs(turned, acceleration, body, before.body, noise)), State(attitude, body)

@@ -16,10 +16,10 @@ from msgspec.structs import replace
 from numpy.typing import NDArray
 
 from ..motion import Motion
-from ..numeric.arithmetic import Rounding, Triple
+from ..numeric.arithmetic import Triple
 from ..numeric.float64_arrays import Float64Arrays
 from .chips import Angles, angles
-from .imu import Imu, Noise
+from .imu import Codes, Imu, Inputs, Noise
 from .parameters import ImuParameters
 
 Floats = NDArray[np.float64]
@@ -27,17 +27,10 @@ Floats = NDArray[np.float64]
 STEP = 1e-4  # seconds over which the change of the body rates is calculated, which only a lever arm needs
 
 
-class Unrounded(Float64Arrays):
-    """The arithmetic float64 with codes that are not rounded."""
-
-    def to_integer(self, x: Floats, rounding: Rounding) -> Floats:
-        return x
-
-
 @lru_cache(maxsize=16)
 def _model_of(imu: ImuParameters) -> Imu[Floats]:
     """Return the model for a parameter set. It is stateless, so scenes with equal parameters share it."""
-    return Imu(Unrounded(), replace(imu, gyroscope=replace(imu.gyroscope, rates="corrected")))
+    return Imu(Float64Arrays(), replace(imu, gyroscope=replace(imu.gyroscope, rates="corrected")))
 
 
 class SensedMotion:
@@ -49,7 +42,7 @@ class SensedMotion:
 
     def __init__(self, imu: ImuParameters, motion: Motion) -> None:
         self._motion = motion.truth
-        self._period = imu.period
+        self._imu = imu
         self._model = _model_of(imu)
 
     def lsb(self, times: Floats, noise: Noise[Floats] | None = None) -> dict[str, Floats]:
@@ -61,11 +54,14 @@ class SensedMotion:
         turned, body = self._turning(times)
         _, later = self._turning(times + STEP)
         # The models calculate the change of the rates from two samples.
-        part = self._period / STEP
+        part = self._imu.period / STEP
         before = tuple(now - (then - now) * part for now, then in zip(body, later, strict=True))
         pushed = _columns(self._motion.acceleration(times))
-        codes = self._model.codes(turned, pushed, body, (before[0], before[1], before[2]), noise or self._model.silence)
-        return {name: np.stack(getattr(codes, name), axis=1) for name in codes._fields}
+        inputs = Inputs(turned, pushed, body, (before[0], before[1], before[2]), noise or self._model.silence)
+        return {
+            name: np.stack(self._model.lsb_of(name, inputs), axis=1).clip(*getattr(self._imu, name).limits)
+            for name in Codes._fields
+        }
 
     def _turning(self, times: Floats) -> tuple[Angles[Floats], Triple[Floats]]:
         """Return the sines and cosines of the attitude, and p, q, r in rad/s."""

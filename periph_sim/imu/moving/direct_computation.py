@@ -1,6 +1,6 @@
 """Codes that are calculated without wires, from frames and their order, one run of the models after another.
 
-    frames --> int16 counts --> models over arrays, in the firmware's arithmetic, with its noise --> codes
+    frames --> int16 counts --> models in the firmware's arithmetic, with its noise --> codes
 
 Run n of the models has the noise with number n. Run 0 is before the first frame and uses zeros. The frame that a run
 uses depends on timing. It is given, or calculated from a schedule without jitter.
@@ -9,20 +9,16 @@ uses depends on timing. It is given, or calculated from a schedule without jitte
 from __future__ import annotations
 
 from math import ceil
-from typing import Any
 
 import numpy as np
 
-from ..host_frame import ACCELERATION, ANGLE
-from ..host_frames import FRAME_BYTES, encode
+from ..host_frames import FRAME_BYTES, decode, encode
 from ..imu_noise import ImuNoise
-from ..models.arrays import codes_of, cut
-from ..models.imu import Codes, Noise
+from ..model_codes import model_codes
 from ..models.sensed_motion import SensedMotion
-from ..numeric import arithmetic_names as named
-from ..numeric.arithmetic import Arithmetic, Triple
 from ..rotations import Floats
 from ..samples import Ints, Readings
+from ..sensors import SENSORS
 from .subject import EmulatorUnderTest
 
 BITS_OF_REQUEST = 3 + 9 * 9  # bits for START, repeated START and STOP; two addresses, a pointer, six bytes
@@ -38,24 +34,14 @@ def emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings
     frames: the frame that each run of the models uses, -1 for none; then the readings are those of each run.
     """
     carried = frames_by_schedule(subject) if frames is None else frames
-    counts = _counts(subject, carried)
-    imu, runs = subject.sensors, len(carried)
-    one, many = named.scalar(subject.arithmetic), named.arrays(subject.arithmetic)
-    noise = None
-    if subject.seed is not None:
-        noise = Noise(*(_taken(one, chip) for chip in ImuNoise(imu, subject.seed).values(0, runs)))
-    scales = 3 * [ANGLE] + 3 * [ACCELERATION]
-    roll, pitch, yaw, x, y, z = (many.scaled(column, lsb) for column, lsb in zip(counts.T, scales, strict=True))
-    began = int(np.argmax(carried >= 0)) if (carried >= 0).any() else runs
-    parts = []
-    for part in (slice(0, began), slice(began, runs)):
-        added = None if noise is None else Noise(*(cut(chip, part) for chip in noise))
-        parts.append(codes_of(imu, cut((roll, pitch, yaw), part), cut((x, y, z), part), added, arithmetic=many))
-    whole = {
-        name: np.concatenate([np.stack(getattr(codes, name), axis=1) for codes in parts]).astype(np.int64)
-        for name in Codes._fields
-    }
-    return Readings(_due(subject, runs), whole, _scales(subject))
+    models = model_codes(subject.sensors, subject.arithmetic, subject.seed)
+    shown, rows = models.at_rest, []
+    for run, number in enumerate(carried.tolist()):
+        values = None if number < 0 else decode(encode(subject.frames(number), subject.frames.byte_order))
+        shown = models.run(run, values, shown)
+        rows.append([chip.values(shown.data(chip.address)) for chip in SENSORS.values()])
+    codes = dict(zip(SENSORS, np.array(rows, np.int64).reshape(-1, len(SENSORS), 3).swapaxes(0, 1), strict=True))
+    return Readings(_due(subject, len(carried)), codes, _scales(subject))
 
 
 def sensors(subject: EmulatorUnderTest) -> Readings:
@@ -81,25 +67,10 @@ def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
     return np.array(found[: subject.rounds], np.int64)
 
 
-def _counts(subject: EmulatorUnderTest, carried: Ints) -> Ints:
-    """Return the counts that the firmware reads from each frame, low byte first, int64[n, 6]; zeros for frame -1."""
-    rows = {-1: np.zeros(6, np.int64)}
-    for number in sorted(set(carried.tolist()) - {-1}):
-        data = encode(subject.frames(number), subject.frames.byte_order)
-        rows[number] = np.frombuffer(data, "<i2").astype(np.int64)
-    return np.array([rows[number] for number in carried.tolist()], np.int64).reshape(-1, 6)
-
-
-def _taken(a: Arithmetic[Any], chip: Triple[Floats]) -> Triple[Floats]:
-    """Convert noise to the numbers of an arithmetic, as the firmware does."""
-    x, y, z = (np.array([a.constant(value) for value in axis.tolist()]) for axis in chip)
-    return x, y, z
-
-
 def _due(subject: EmulatorUnderTest, rounds: int) -> Floats:
     controller = subject.controller
     return np.array([float(controller.first + n * controller.period) for n in range(rounds)])
 
 
 def _scales(subject: EmulatorUnderTest) -> dict[str, float]:
-    return {name: getattr(subject.sensors, name).scale for name in Codes._fields}
+    return {name: getattr(subject.sensors, name).scale for name in SENSORS}

@@ -1,7 +1,6 @@
 """Names of arithmetics: "float64", "float32", "q16", "q12 saturating", "q16 rounded".
 
 name --> scalar(name)   one number at a time, as firmware does
-     --> arrays(name)   element by element
      --> library(name)  the costs of its operations
 """
 
@@ -54,23 +53,8 @@ def scalar(name: str) -> Arithmetic[Any]:
     q = format_of(name)
     if q is not None:
         return (Q if q.product == "cut" else RoundedQ)(q.bits, q.overflow)
-    return Float64() if name == "float64" else _float32()
-
-
-def arrays(name: str) -> Arithmetic[Any]:
-    q = format_of(name)
-    if q is not None:
-        from .q_arrays import QArrays
-
-        return QArrays(*q)
     if name == "float64":
-        from .float64_arrays import Float64Arrays
-
-        return Float64Arrays()
-    return _float32()
-
-
-def _float32() -> Arithmetic[Any]:
+        return Float64()
     from .float32 import Float32  # imported here, because it uses numpy even for one number
 
     return Float32()

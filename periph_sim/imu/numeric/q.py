@@ -14,8 +14,7 @@ IQdiv, IQsqrt and IQmag always saturate. x/0 is the largest number, also for 0/0
 
 Source: comments in the sources of IQmath V1.4 for the C28x. There, division and root are two Newton steps from a table,
 which the comments call 32-bit accurate; here, they are exact before rounding. Everything else follows the sources step
-by step, so the format has the same losses. The functions for sine, cosine and arctangent accept Python ints and int64
-arrays (`q_arrays`). `bits` is the number of fraction bits, 1 to 29.
+by step, so the format has the same losses. `bits` is the number of fraction bits, 1 to 29.
 """
 
 # core: compiled
@@ -24,18 +23,12 @@ from __future__ import annotations
 
 from functools import cache, lru_cache
 from math import floor, frexp, isnan, isqrt, ldexp, pi
-from typing import TYPE_CHECKING, Any, Literal, TypeVar
+from typing import Literal
 
 from ...core.input_error import InputError
 from ...form.c_types import BigInt
 from .arithmetic import Rounding
 from .tables import ARCTANGENT, COSINES, PARABOLAS, SINES, TURN
-
-if TYPE_CHECKING:
-    from .q_arrays import Ints
-
-
-I = TypeVar("I", int, "Ints")  # noqa: E741
 
 Q30 = 1 << 30
 STEPS_PER_RADIAN = 0x517CC1B7  # 512 / (2 pi) in Q24
@@ -48,32 +41,21 @@ A0, A1, A2 = ([round(a[i] * Q30) for a in ARCTANGENT] for i in range(3))
 A0[0] = max(A0[0], 0)  # the angle is truncated to Q as an unsigned number
 
 
-def sine_and_cosine(angle: I, bits: int, sines: Any, cosines: Any) -> tuple[I, I]:
+def sine_and_cosine(angle: BigInt, bits: int) -> tuple[BigInt, BigInt]:
     """Return the sine and the cosine of an angle.
 
     If x is the rest of the angle beyond a step of the table, and s and c are the values of the tables there, they are
     s + x (c + x (-s/2 - x c/6)) and c + x (-s + x (-c/2 + x s/6)), all in Q30.
-
-    sines, cosines: the tables, as lists if `angle` is a number, or as arrays if it is an array.
     """
-    exact: I = abs(angle) * STEPS_PER_RADIAN  # Q(bits + 24)
+    exact: BigInt = abs(angle) * STEPS_PER_RADIAN  # Q(bits + 24)
     exact = exact >> (bits - 8) if bits >= 8 else exact << (8 - bits)  # Q32
-    k: I = (exact >> 32) & (TURN - 1)
-    x: I = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # radians, Q32
-    s: I = sines[k]
-    c: I = cosines[k]
-    up: I = s + (x * (c + (x * ((-s >> 1) - (x * c >> 48) * SIXTH) >> 32)) >> 32) >> (30 - bits)
-    along: I = c + (x * ((x * ((-c >> 1) + (x * s >> 48) * SIXTH) >> 32) - s) >> 32) >> (30 - bits)
-    sign: I = angle >> 63  # -1 or 0: changes the sign below without a branch, for ints and arrays alike
-    return (up ^ sign) - sign, along
-
-
-def arctangent(ratio: I, index: I, bits: int, a0: Any, a1: Any, a2: Any) -> I:
-    """Return the angle whose tangent is `ratio`, which is from 0 to 1, with the parabola `index`."""
-    start: I = a0[index]
-    slope: I = a1[index]
-    bend: I = a2[index]
-    return start + (ratio * (slope + (ratio * bend >> bits)) >> bits) >> (30 - bits)
+    k: BigInt = (exact >> 32) & (TURN - 1)
+    x: BigInt = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # radians, Q32
+    s: BigInt = SINE[k]
+    c: BigInt = COSINE[k]
+    up: BigInt = s + (x * (c + (x * ((-s >> 1) - (x * c >> 48) * SIXTH) >> 32)) >> 32) >> (30 - bits)
+    along: BigInt = c + (x * ((x * ((-c >> 1) + (x * s >> 48) * SIXTH) >> 32) - s) >> 32) >> (30 - bits)
+    return up if angle >= 0 else -up, along
 
 
 @cache
@@ -87,8 +69,9 @@ def atan2_of(y: int, x: int, bits: int) -> int:
     steep: bool = wide < high
     over, under = (wide, high) if steep else (high, wide)
     ratio = (over << bits) // under if under else 0
-    index = ratio * PARABOLAS >> bits
-    angle: int = arctangent(ratio, index if index < PARABOLAS else PARABOLAS - 1, bits, A0, A1, A2)
+    index = min(ratio * PARABOLAS >> bits, PARABOLAS - 1)
+    bend: BigInt = A1[index] + (ratio * A2[index] >> bits)
+    angle: int = A0[index] + (ratio * bend >> bits) >> (30 - bits)
     if steep:
         angle = quarter_turn(bits) - angle if x >= 0 else quarter_turn(bits) + angle
     elif x < 0:
@@ -214,7 +197,7 @@ class Q:
         return self._saturated(length_of(x, y))
 
     def sincos(self, x: int) -> tuple[int, int]:
-        return sine_and_cosine(x, self.bits, SINE, COSINE)
+        return sine_and_cosine(x, self.bits)
 
     def atan(self, x: int) -> int:
         return atan2_of(x, self._one, self.bits)

@@ -308,10 +308,7 @@ class ModelOrigins(Origins):
                 yield self._chain(number, third, self._chain(0, second, self._chain(0, first, at_rest)))
 
     def _chain(self, number: int, sent: Sent, before: Chain) -> Chain:
-        shown = self._codes.run(number, sent.values or self._codes.no_frame, before.shown)
-        if sent is NOTHING_SENT:
-            shown.state = before.shown.state  # a run before the first frame leaves nothing to the next
-        return Chain(sent, before.sent.number, shown)
+        return Chain(sent, before.sent.number, self._codes.run(number, sent.values or None, before.shown))
 
 
 def _fitting(chains: Iterable[Chain], address: int, got: bytes) -> list[Chain]:

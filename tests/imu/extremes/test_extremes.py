@@ -15,7 +15,6 @@ from periph_sim.imu.extremes.plot import picture
 from periph_sim.imu.extremes.sweeps import spinning
 from periph_sim.imu.extremes.text_report import as_json, text
 from periph_sim.imu.models.parameters import ImuParameters
-from periph_sim.imu.numeric import arithmetic_names as named
 from periph_sim.imu.numeric.arithmetic_names import NoSuchArithmetic
 from periph_sim.imu.numeric.q import DoesNotFit
 
@@ -132,7 +131,7 @@ def test_saturating_q16_stops_cross_axis_at_what_its_largest_rate_makes(rate: fl
     """No mistake of ours: IQrsmpy leaves 32768 deg/s, and S takes 2 % of them. Float has its own full scale there."""
     sample = spinning(rate)
     saturated, reference = (
-        codes_of(named.scalar(name), sample.imu, sample.counts.tolist()).codes[:3, 0].tolist()
+        codes_of(name, sample.imu, sample.counts[:, None]).codes[:3, 0].tolist()
         for name in ("q16 saturating", "float64")
     )
     assert saturated == [32767, 9472, 9422]

@@ -15,7 +15,6 @@ from periph_sim.imu.models.parameters import (
     ImuParameters,
     MagnetometerParameters,
 )
-from periph_sim.imu.numeric import arithmetic_names as named
 
 # LSB before rounding: gyroscope, accelerometer, magnetometer. What four searches of 20 000 samples found, and a tenth.
 STATED = {
@@ -45,7 +44,7 @@ def test_no_search_finds_more_than_is_stated(name: str) -> None:
 @given(st.integers(0, 2**32 - 1))
 def test_no_sample_is_further_off(name: str, seed: int) -> None:
     counts = drawn(64, seed)
-    reference, own = (codes_of(named.arrays(one), ImuParameters(), counts) for one in ("float64", name))
+    reference, own = (codes_of(one, ImuParameters(), counts) for one in ("float64", name))
     most = np.repeat(STATED[name], 3)[:, None]
     assert (np.abs(own.exact - reference.exact) <= most).all()
     assert (np.abs(own.codes - reference.codes) <= np.floor(most) + 1).all()
@@ -75,10 +74,7 @@ def test_the_search_stays_in_the_working_range_and_finds_the_same_again() -> Non
 def test_the_worst_sample_shows_its_error() -> None:
     found = worst("q16", ImuParameters(), samples=500, seed=3)
     at = found.at["magnetometer"][:, None]
-    off = np.abs(
-        codes_of(named.arrays("q16"), ImuParameters(), at).exact
-        - codes_of(named.arrays("float64"), ImuParameters(), at).exact
-    )
+    off = np.abs(codes_of("q16", ImuParameters(), at).exact - codes_of("float64", ImuParameters(), at).exact)
     assert off[6:9].max() == found.error["magnetometer"]
 
 

@@ -14,10 +14,8 @@ from periph_sim.imu.models.parameters import (
     ImuParameters,
     MagnetometerParameters,
 )
-from periph_sim.imu.numeric.float32 import Float32
 from periph_sim.imu.numeric.float64 import Float64
 from periph_sim.imu.numeric.q import DoesNotFit, Q
-from periph_sim.imu.numeric.q_arrays import QArrays
 
 LONG = 1000
 T = np.arange(LONG) * 0.02
@@ -116,25 +114,3 @@ def test_a_constant_that_a_format_cannot_hold_is_told_with_its_part(imu: ImuPara
     with pytest.raises(DoesNotFit) as caught:
         Imu(Q(16), imu)
     assert str(caught.value).startswith(sentence)
-
-
-@pytest.mark.parametrize(
-    ("arithmetic", "told"),
-    [
-        (Float32(), "attitude, roll: an array of float64, but float32 computes on float32; convert it before"),
-        (QArrays(16), "attitude, roll: an array of float64, but q16 computes on integers in its format; convert it"),
-        (Q(16), "q16 of Q computes one number at a time; give QArrays for arrays"),
-    ],
-)
-def test_arrays_of_another_type_than_the_arithmetic_computes_on_are_refused(arithmetic, told: str) -> None:
-    zeros = (np.zeros(3),) * 3
-    with pytest.raises(ValueError, match=f"^{told}"):
-        codes_of(ImuParameters(), zeros, zeros, arithmetic=arithmetic)
-
-
-def test_the_last_axis_of_another_type_is_named() -> None:
-    single, double = np.zeros(3, np.float32), np.zeros(3)
-    with pytest.raises(ValueError, match="acceleration, z: an array of float64"):
-        codes_of(ImuParameters(), (single,) * 3, (single, single, double), arithmetic=Float32())
-    codes = codes_of(ImuParameters(), (single,) * 3, (single,) * 3, arithmetic=Float32())
-    assert len(codes.gyroscope[0]) == 3

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from fractions import Fraction
 from math import floor
+from typing import Any
 
 import numpy as np
 import pytest
@@ -11,7 +13,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.imu.numeric.q import HIGH, LOW, STEPS_PER_RADIAN, DoesNotFit, Q, RoundedQ, factor_of, root_of
-from periph_sim.imu.numeric.q_arrays import QArrays, root_of_arrays
 
 RAW = st.integers(LOW, HIGH)
 
@@ -111,11 +112,16 @@ def spread(bits: int, most: float, count: int = 4000) -> np.ndarray:
     return np.random.default_rng(bits).integers(-int(most * 2**bits), int(most * 2**bits), count)
 
 
+def each(operation: Callable[..., Any], *columns: np.ndarray) -> np.ndarray:
+    """The results of an operation on each row of columns."""
+    return np.array([operation(*row) for row in zip(*(column.tolist() for column in columns), strict=True)])
+
+
 @pytest.mark.parametrize("bits", FORMATS)
 def test_sine_and_cosine_are_within_one_unit_or_29_bits(bits: int) -> None:
     """IQNcos.asm: about 29 bits; what is cut to the format is less than one of its units."""
     angles = spread(bits, 20.0)
-    sine, cosine = QArrays(bits).sincos(angles)
+    sine, cosine = each(Q(bits).sincos, angles).T
     allowed = 2.0**-bits + 2.0**-29 + 20 * 2.0**-25 / 81.5  # the unit, the table, the constant 512 / 2 pi
     assert np.abs(sine / 2**bits - np.sin(angles / 2**bits)).max() <= allowed
     assert np.abs(cosine / 2**bits - np.cos(angles / 2**bits)).max() <= allowed
@@ -124,20 +130,20 @@ def test_sine_and_cosine_are_within_one_unit_or_29_bits(bits: int) -> None:
 @pytest.mark.parametrize("bits", FORMATS)
 def test_atan2_is_within_the_cut_quotient_and_its_parabola(bits: int) -> None:
     y, x = spread(bits, 3.0), np.roll(spread(bits, 3.0), 1)
-    angle = QArrays(bits).atan2(y, x)
+    angle = each(Q(bits).atan2, y, x)
     off = np.abs(angle / 2**bits - np.arctan2(y, x))
     assert off.max() <= 3 * 2.0**-bits + 8e-8
 
 
 @pytest.mark.parametrize("bits", FORMATS)
 def test_roots_magnitudes_and_quotients_are_rounded_to_nearest(bits: int) -> None:
-    a, one = QArrays(bits), 2.0**bits
+    a, one = Q(bits), 2.0**bits
     x, y = spread(bits, 2.0), np.roll(spread(bits, 2.0), 1)
-    assert np.abs(a.sqrt(np.abs(x)) / one - np.sqrt(np.abs(x) / one)).max() <= 0.501 / one
-    assert np.abs(a.mag(x, y) / one - np.hypot(x, y) / one).max() <= 0.501 / one
+    assert np.abs(each(a.sqrt, np.abs(x)) / one - np.sqrt(np.abs(x) / one)).max() <= 0.501 / one
+    assert np.abs(each(a.mag, x, y) / one - np.hypot(x, y) / one).max() <= 0.501 / one
     large = np.abs(y) > one  # so that the quotient fits
     assert large.any() or bits > 28
-    assert (np.abs(a.div(x, y) / one - x / np.where(large, y, 1))[large] <= 0.501 / one).all()
+    assert (np.abs(each(a.div, x, y) / one - x / np.where(large, y, 1))[large] <= 0.501 / one).all()
 
 
 @pytest.mark.parametrize(
@@ -160,53 +166,19 @@ def test_atan2_at_the_axes_and_diagonals(y: int, x: int, angle: float) -> None:
 def test_division_by_nothing_is_the_largest_number_as_in_iqndiv() -> None:
     a = Q(16)
     assert [a.div(x, 0) for x in (5, 0, -5)] == [HIGH] * 3
-    assert QArrays(16).div(np.array([5, 0, -5]), np.array([0, 0, 0])).tolist() == [HIGH] * 3
 
 
 def test_root_of_a_negative_number_is_0_and_magnitude_saturates() -> None:
     a = Q(16)
     assert a.sqrt(-1) == 0
     assert a.mag(HIGH, HIGH) == HIGH == a.mag(LOW, LOW)
-    assert QArrays(16).mag(np.array([LOW]), np.array([LOW])).tolist() == [HIGH]
-
-
-@given(st.integers(0, 2**63))
-def test_the_root_over_arrays_is_the_integer_root(square: int) -> None:
-    assert root_of_arrays(np.array([square], dtype=np.uint64))[0] == root_of(square)
-
-
-@pytest.mark.parametrize("bits", [3, 8, 16, 24, 29])
-@given(x=RAW, y=RAW)
-def test_one_number_and_arrays_give_the_same_bits(bits: int, x: int, y: int) -> None:
-    for overflow in ("wrap", "saturate"):
-        one, many = Q(bits, overflow), QArrays(bits, overflow)
-        xs, ys = np.array([x]), np.array([y])
-        for two in ("add", "sub", "mul", "div", "mag", "atan2"):
-            assert getattr(one, two)(x, y) == getattr(many, two)(xs, ys)[0], two
-        for alone in ("neg", "sqrt", "atan"):
-            assert getattr(one, alone)(x) == getattr(many, alone)(xs)[0], alone
-        assert one.sincos(x) == tuple(int(part[0]) for part in many.sincos(xs))
-        for rounding in ("nearest", "floor", "toward zero"):
-            assert one.to_integer(x, rounding) == many.to_integer(xs, rounding)[0]
-        assert (one.overflows > 0) == bool(many.overflown.any())
 
 
 @given(st.integers(2, 1 << 31), st.integers(-1, 1))
-def test_roots_of_arrays_are_rounded_to_nearest_where_float64_cannot_tell(root: int, beside: int) -> None:
+def test_roots_are_rounded_to_nearest_where_float64_cannot_tell(root: int, beside: int) -> None:
     """Between n - 1 and n lies n * n - n + 1/4: one whole number less is rounded down, one more up."""
     square = root * root - root + beside
-    assert root_of_arrays(np.array([square], dtype=np.uint64))[0] == (root - 1 if beside < 1 else root)
     assert root_of(square) == (root - 1 if beside < 1 else root)
-
-
-@given(st.sampled_from(range(1, 30)), RAW | st.sampled_from([LOW, HIGH, 0, -1]), RAW | st.sampled_from([LOW, HIGH, 0]))
-def test_single_numbers_and_arrays_give_the_same_to_the_last_bit(bits: int, x: int, y: int) -> None:
-    """Arrays have 64 bits as C has; `test_sine_of_a_number_of_any_width` has Python's."""
-    one, many = Q(bits), QArrays(bits)
-    xs, ys = np.array([x]), np.array([y])
-    assert one.sincos(x) == tuple(int(values[0]) for values in many.sincos(xs))
-    assert one.atan(x) == int(many.atan(xs)[0])
-    assert one.atan2(y, x) == int(many.atan2(ys, xs)[0])
 
 
 @pytest.mark.parametrize("bits", FORMATS)

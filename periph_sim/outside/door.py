@@ -1,10 +1,10 @@
-"""External wires of a scene: levels are applied at given ticks, and changes of our own side's pulls are reported.
+"""Wires of a scene that lead outside. The outside moves them at given ticks, and changes of our pulls are reported.
 
     put(tick, levels) --event of that tick--> pins --> wires <-- units, chips
                        on_instant <-----------'        '--our pulls-> changes
 
-All lines that move at one instant move together, regardless of the order of the calls of `put`. The outside's own pulls
-are not reported.
+Our pulls are those of the case's units, chips and agents. Pulls of the outside are not reported. All lines that move in
+one tick move together, regardless of the order of the calls of `put`.
 """
 
 # core: compiled
@@ -26,7 +26,7 @@ WHO = "outside"  # name of the outside in records, and as a party on the wires
 
 
 class Change(NamedTuple):
-    """A line released (1) or pulled low (0) by our side at tick `at`."""
+    """Our side has released a line (level 1) or pulled it low (level 0) at tick `at`."""
 
     at: int
     line: str
@@ -35,10 +35,10 @@ class Change(NamedTuple):
 
 @final
 class Door(Agent):
-    """The outside's pins on wires.
+    """The pins of the outside on the wires.
 
-    on_instant: a function that is called for each instant at which the outside moves lines, in order of time, with the
-        tick and the levels of these lines.
+    on_instant: a function that is called for each tick in which the outside moves lines, with the tick and the levels
+        of these lines.
     """
 
     def __init__(
@@ -57,19 +57,19 @@ class Door(Agent):
             wire.watch_pulls(self, line)
 
     def put(self, at: int, name: Text, level: int) -> None:
-        """Move a line at tick `at`, which must not be past.
+        """Schedule a move of a line at tick `at`, which must not be past.
 
-        If a line is moved twice at a tick, the last call counts.
+        If a line is moved several times in one tick, only the last call has an effect.
         """
         self._put.setdefault(at, {})[name] = level
 
     def plan(self) -> None:
-        """Schedule the moves that were put, before time advances. Until then the kernel has no event for them."""
+        """Schedule the kernel's event for the first move. Call this just before time advances."""
         if self._put:
             self._event = self._kernel.schedule(min(self._put), self)
 
     def withdraw(self) -> None:
-        """Remove the event that `plan` scheduled, so that the kernel's next event is one of the case's own."""
+        """Cancel the event that `plan` has scheduled, so that the kernel has only events of the case."""
         if self._event is not None:
             self._kernel.cancel(self._event)
             self._event = None
@@ -88,7 +88,7 @@ class Door(Agent):
         pin.drive(level)
 
     def held(self, name: Text) -> int:
-        """Return the level that our own side drives: 0 if it pulls the line."""
+        """Return 0 if our side pulls the line low, else 1."""
         wire: Wire
         pin: Pin
         wire, pin = self._wires[name], self._pins[name]
@@ -102,7 +102,7 @@ class Door(Agent):
             self._changes.append(Change(now, name, level))
 
     def changes(self) -> list[Change]:
-        """Return the changes since the last call, in order of time. Changes that were undone at once are left out."""
+        """Return the changes since the last call, in order of time, except those that were undone in the same tick."""
         found = self._changes
         if not found:
             return []

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class OutsideError(ValueError):
-    """An invalid request from outside.
+    """A request from outside is invalid.
 
     The message is a sentence with the place, what was found, what was expected, and a remedy.
     """

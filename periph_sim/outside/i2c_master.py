@@ -2,9 +2,9 @@
 
     start(0x68, read=False)   write(0x3B)        start(0x68, read=True)      read(ack=False)      stop()
     SDA --|__ A6..A0 W [ack]  D7..D0 [ack]    --|__ A6..A0 R [ack]        [D7..D0] N            __|--
-    SCL held low between calls, as adapters do
+    SCL is held low between calls, as by real adapters
 
-Every call advances the session by its duration on the wires, including the time that others hold SCL low.
+Every call advances the session by its duration on the wires. This includes the time for which others hold SCL low.
 
 Source: UM10204 sections 3.1.4 to 3.1.10 and Table 10.
 """
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 LINES = ("SDA", "SCL")
 HOLD = Fraction(300, 10**9)  # hold time of SDA that a controller must provide: UM10204 Table 10, note 3
 FASTEST = 5_000_000  # maximum rate in Hz, that of Ultra Fast-mode
-PATIENCE = Fraction(25, 1000)  # seconds for which SCL or the bus may be held: SMBus section 3.1.1.3
+PATIENCE = Fraction(25, 1000)  # maximum time in seconds for which others may hold a line: SMBus section 3.1.1.3
 
 
 class Master:
@@ -35,10 +35,10 @@ class Master:
     held: True if SCL is held low between two calls.
 
     Raise OutsideError if SDA and SCL do not lead outside, if a call comes in the wrong order, if others hold a line for
-    more than 25 ms, and if another controller wins the bus.
+    more than 25 ms, or if another controller wins the bus.
     """
 
-    _reads: bool  # True if the present transfer reads; set by `start`, before `held` becomes True
+    _reads: bool  # True if the present transfer reads; valid while `held` is True
 
     def __init__(self, session: Session) -> None:
         missing = [line for line in LINES if line not in session.lines]
@@ -46,7 +46,7 @@ class Master:
             who = f"{' and '.join(missing)} of case {session.case.name}"
             raise OutsideError(f"{who} {'do' if len(missing) > 1 else 'does'} not lead outside; name both")
         self._session = session
-        self._fell = 0  # the tick of the last fall of SCL, while SCL is held low
+        self._fell = 0  # the tick of the last falling edge of SCL; valid while `held` is True
         self.held = False
         self.rate = "100 kHz"
 
@@ -69,7 +69,7 @@ class Master:
 
     @property
     def reads(self) -> bool:
-        """True while a transfer reads."""
+        """True during a transfer that reads."""
         return self.held and self._reads
 
     @property
@@ -98,7 +98,7 @@ class Master:
         return self._byte(address << 1 | read)
 
     def write(self, *values: int) -> bool:
-        """Send bytes up to the first that is not acknowledged. Return True if all were acknowledged."""
+        """Send bytes, and stop after the first NACK. Return True if all bytes were acknowledged."""
         if not self.writes:
             raise OutsideError("write: there is no transfer to write in; begin one with start(address)")
         for value in values:
@@ -107,7 +107,7 @@ class Master:
         return all(self._byte(value) for value in values)
 
     def read(self, ack: bool) -> int:
-        """Read a byte and acknowledge it, or not if it is the last one."""
+        """Read a byte. ack: False to answer with NACK, as required after the last byte."""
         if not self.reads:
             raise OutsideError("read: there is no transfer to read in; begin one with start(address, read=True)")
         value = 0
@@ -117,11 +117,11 @@ class Master:
         return value
 
     def bits(self, *levels: int) -> list[int]:
-        """Clock single bits, which may be a part of a byte. Return the level of SDA at each of them.
+        """Send clock pulses for single bits, for example for a part of a byte. Return the level of SDA in each bit.
 
         levels: for each bit, 1 to release SDA and 0 to pull it low.
 
-        A START or STOP may follow after any number of bits; the target continues to count them.
+        The target counts these bits like those of whole bytes. A START or STOP may follow after any number of bits.
         """
         if not self.held:
             raise OutsideError("bits: there is no transfer to clock bits in; begin one with start(address)")
@@ -143,7 +143,7 @@ class Master:
             raise OutsideError("STOP is impossible: SDA is low, held by another party")
 
     def clear(self) -> bool:
-        """Send nine clocks with SDA released, and a STOP, to free a held SDA. Return True if both lines are high then.
+        """Free SDA if a target holds it low: send nine clock pulses and a STOP. Return True if both lines are high.
 
         A transfer in progress is aborted. Source: UM10204 section 3.1.16.
         """
@@ -167,9 +167,9 @@ class Master:
         self.held = False
 
     def transfer(self, address: int, data: Sequence[int] = b"", count: int = 0) -> bytes | None:
-        """Write data, if any, and then read `count` bytes after a repeated START. If both are 0, send only the address.
+        """Write `data` to an address, and then read `count` bytes after a repeated START. Either part may be empty.
 
-        Return the bytes that were read; None if the address or a byte was not acknowledged.
+        If both are empty, only the address is sent. Return the bytes that were read; None after a NACK of the target.
         """
         if type(count) is not int or count < 0:
             raise OutsideError(f"count {count!r}: expected the number of bytes to read, 0 or more")
@@ -198,7 +198,7 @@ class Master:
         return not self._bit(1)
 
     def _bit(self, level: int) -> int:
-        """Clock one bit and return SDA at the end of SCL's high time."""
+        """Send one clock pulse, with SDA at `level`. Return SDA's level at the end of SCL's high time."""
         self._put_sda(level)
         self._rise()
         self._wait(self._half)
@@ -207,14 +207,14 @@ class Master:
         return seen
 
     def _put_sda(self, level: int) -> None:
-        """Drive SDA after SCL's fall, or now if that is later."""
+        """Drive SDA when the hold time after SCL's falling edge has passed. If it has passed already, drive SDA now."""
         session = self._session
         at = max(self._fell + self._hold, session.now)
         session.apply(at, {"SDA": level})
         session.advance(at + 1)
 
     def _rise(self) -> None:
-        """Release SCL after its low time, and wait until it is high."""
+        """Release SCL at the end of its low time, and wait until it is high."""
         session = self._session
         at = max(self._fell + self._half, session.now)
         session.apply(at, {"SCL": 1})
@@ -232,7 +232,7 @@ class Master:
         session.advance(session.now + 1)
 
     def _wait(self, ticks: int) -> None:
-        """Wait for a number of ticks after the last edge, which was in the tick before."""
+        """Advance to `ticks` ticks after the last edge, which was in the tick before `now`."""
         self._session.advance(self._session.now + ticks - 1)
 
     def _wait_high(self, line: str) -> None:

@@ -1,4 +1,4 @@
-"""Log file of the outside's moves, written instant by instant. `scene.outside_log` describes its format."""
+"""Log file of the moves that the outside makes. `scene.outside_log` describes the format."""
 
 from __future__ import annotations
 
@@ -33,25 +33,25 @@ class LogWriter:
             raise OutsideError(f"{path}: {error.strerror}; give the log another place") from None
         head = {"format": FORMAT, "version": VERSION, "case": case.name, "ticks_per_second": ticks_per_second}
         file: dict[str, object] = {}
-        if case.file is not None and case.file.is_file():  # otherwise a program has built the case
+        if case.file is not None and case.file.is_file():  # a case that was built by a program has no file
             file = {"file": relpath(case.file, path.parent), "set": case.changes}
-        self._waiting: list[object] | None = [{**head, "wires": wires, **file}]  # lines for `begin` to write; then None
+        self._waiting: list[object] | None = [{**head, "wires": wires, **file}]  # lines for `begin`; None after it
 
     def begin(self) -> None:
         """Write the waiting lines. The session calls this when its time begins to pass."""
         if self._waiting is not None:
-            if self._path.is_file():  # otherwise it is a device or a pipe, which cannot be truncated
+            if self._path.is_file():  # devices and pipes cannot be truncated
                 self._file.truncate(0)
             waiting, self._waiting = self._waiting, None
             for value in waiting:
                 self._write(value)
 
     def serial(self, wire: str) -> None:
-        """Store that bytes drive a wire from this instant on."""
+        """Write that a serial line drives this wire from now on."""
         self._write({"serial": wire})
 
     def instant(self, tick: int, levels: Mapping[str, int], begun: Sequence[str] = ()) -> None:
-        """Write an instant. begun: wires on which a byte begins."""
+        """Write the levels to which lines move at a tick. begun: the wires on which a byte begins at this tick."""
         self._write([tick, dict(sorted(levels.items())), *([sorted(begun)] if begun else [])])
 
     def end(self, tick: int) -> None:
@@ -77,13 +77,13 @@ class LogWriter:
 
 
 def refuse_input(path: Path, case: Case, what: str) -> None:
-    """Raise OutsideError if a session of this case reads the file to which it would write. what: the output."""
+    """Raise OutsideError if a session of this case reads the file. what: the name of the output in the message."""
     if is_input(path) or any(is_same(path, file) for file in case.files()):
         raise OutsideError(f"{path}: the session reads this file; give the {what} another place")
 
 
 def is_same(path: Path, other: Path) -> bool:
-    """Return True if both are names of, or links to, one existing file."""
+    """Return True if both paths lead to the same existing file."""
     try:
         return path.samefile(other)
     except OSError:

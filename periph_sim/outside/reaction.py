@@ -1,12 +1,12 @@
-"""The earliest tick at which a case may answer to moves of the outside.
+"""Calculation of the earliest tick at which a case may answer a move of the outside.
 
     events of the kernel                                              --+--> the first tick at which our pins may move
     edges that were put and not applied yet: at once, or after a filter -'
 
-An I2C module that is not a master receives an edge only after its noise filter, and an SCI after its synchroniser. In
-the middle of a byte, a module does not answer to edges: the I2C module reports the number of such edges, which is valid
-as long as they are far enough apart and SDA changes only while SCL is low. All other listeners are assumed to answer at
-once. A program moves a pin when one of its writes has reached a register.
+An I2C module that is not a master receives an edge after its noise filter, and an SCI receives it after its
+synchroniser. An I2C module does not answer in the middle of a byte. It states the number of further SCL edges to which
+it will not answer. The number is valid if all pulses pass the filter and SDA changes only while SCL is low. All other
+listeners are assumed to answer at once. Firmware moves a pin when one of its writes reaches a register.
 """
 
 # core: compiled
@@ -44,9 +44,9 @@ _tick = itemgetter(0)
 
 @final
 class Reaction(Agent):
-    """Calculator of the earliest answer of a scene. Times are ticks of the kernel.
+    """Calculator of the earliest answer of a scene. Times are in ticks of the kernel.
 
-    lines: the lines that lead outside.
+    lines: the names of the lines that lead outside.
     """
 
     _kernel: Kernel
@@ -61,7 +61,7 @@ class Reaction(Agent):
         self._mark = scene.kernel.schedule(scene.kernel.now, self)
         scene.kernel.cancel(self._mark)
         self._wires = [scene.wires[name] for name in lines]
-        self._version = -1  # the sum of the versions of the wires, which only increase
+        self._version = -1  # the sum of the wires' versions when the listeners were last updated
         self._clocks = {socket: dsp.clock for dsp in scene.units.values() for socket in dsp.sockets.values()}
         self._cpu_clocks = {dsp.processor: dsp.clock for dsp in scene.units.values()}
         self._chips = {
@@ -72,18 +72,18 @@ class Reaction(Agent):
         self._routers: list[Router] = []  # routers with synchronised pads that listen to the lines
         self._listening: list[Socket] = []  # listening modules whose inputs have a filter: I2C and SCI
         self._modules: list[tuple[Socket, I2c]] = []  # the I2C modules in `_listening`
-        self._pins: list[list[Pin]] = []  # for each of these modules: the pins of SCL, the pins of SDA
-        self._scl = self._sda = ""  # the lines of these pins; "" if there are none or several
+        self._pins: list[list[Pin]] = []  # for each module in `_modules`: its pins of SCL, then its pins of SDA
+        self._scl = self._sda = ""  # the lines on which all these modules are; "" if they are on different lines
         self._at_once = True  # True if a listener may answer without a filter
         self._now = scene.kernel.now  # the next tick
         self._levels = dict.fromkeys(lines, 1)  # levels after the moves before `_now`
         self._put: list[tuple[int, str, int]] = []  # moves from `_now` on, in order of time
-        self._fresh = False  # True if the following values are up to date:
+        self._fresh = False  # True if the values in the following lines are up to date
         self._due = NEVER
         self._silent = -1  # number of further edges of SCL that are unobservable; -1: any edge is observable
-        self._widest = 0  # ticks of the longest pulse that a filter may remove
+        self._widest = 0  # length in ticks of the longest pulse that a filter may remove
         self._widest_of: list[tuple[int, Clock]] = []  # the filter widths and clocks from which `_widest` was computed
-        self._hz: list[Fraction] = []  # the frequencies of these clocks
+        self._hz: list[Fraction] = []  # the frequencies of the clocks in `_widest_of`
         self._seen = self._levels.copy()  # levels after all moves that were put
         self._scl_moved = LONG_AGO  # tick of the last edge of SCL among all moves that were put
         self._scl_done = LONG_AGO  # tick of the last edge of SCL before `_now`
@@ -106,7 +106,7 @@ class Reaction(Agent):
             self._pass(len(self._put) - REMEMBERED)
 
     def due(self) -> int:
-        """Return the tick before which none of our pins moves if nothing more is put; NEVER if none will."""
+        """Return a tick before which our pins do not move if `put` is not called again; NEVER if they never move."""
         if not self._fresh:
             self._look()
         return self._due
@@ -152,7 +152,7 @@ class Reaction(Agent):
             self._weigh(tick, line, level)
 
     def _listeners(self) -> None:
-        """Update the listeners: firmware may have changed the routing of pins."""
+        """Update the listeners, because firmware may have changed the routing of pins."""
         version: int = 0
         wire: Wire
         for wire in self._wires:
@@ -171,15 +171,15 @@ class Reaction(Agent):
         self._modules = [(socket, socket.chip) for socket in self._listening if isinstance(socket.chip, I2c)]
 
     def _lines(self) -> None:
-        """Update the lines of the modules' pins."""
-        pins = [pins for socket, _ in self._modules for pins in socket.pins]  # each module has two
+        """Update `_pins`, and the lines on which the I2C modules are."""
+        pins = [pins for socket, _ in self._modules for pins in socket.pins]  # SCL and SDA of each module
         if pins != self._pins:
             self._pins = pins
             scl, sda = ({pin.wire.name for some in pins[line::2] for pin in some} for line in (0, 1))
             self._scl, self._sda = (scl.pop(), sda.pop()) if len(scl) == len(sda) == 1 else ("", "")
 
     def _first_event(self) -> int:
-        """Return the tick of the first event that may move a pin. Unobservable wake-ups of modules do not count."""
+        """Return the first tick at which an event may move a pin. Unobservable wake-ups of modules do not count."""
         due = NEVER
         event = self._events()
         while event is not None and event.time < due:
@@ -188,7 +188,7 @@ class Reaction(Agent):
         return due
 
     def _events(self) -> Event | None:
-        """Return the first event of the kernel, from which the others can be reached; None if there is none."""
+        """Return the kernel's first event; None if it has none. `following` leads to the later events."""
         kernel = self._kernel
         kernel.reschedule(self._mark, kernel.now, 0)  # this is the first of all events, because past events have run
         event = self._mark.following
@@ -196,7 +196,7 @@ class Reaction(Agent):
         return event
 
     def _effect(self, event: Event) -> int:
-        """Return the tick before which an event does not move a pin."""
+        """Return a tick before which this event does not move a pin."""
         agent = event.agent
         if isinstance(agent, Socket):
             socket: Socket = agent
@@ -216,7 +216,7 @@ class Reaction(Agent):
         return event.time
 
     def _weigh(self, tick: int, line: Text, level: int) -> None:
-        """Lower `_due` to the earliest answer to a move, unless no listener can answer to it."""
+        """Lower `_due` to the earliest answer to a move, if a listener can answer it."""
         if level == self._seen[line]:
             return
         self._seen[line] = level
@@ -227,7 +227,7 @@ class Reaction(Agent):
             if line == self._scl:
                 before, self._scl_moved = self._scl_moved, tick
                 if tick - before <= self._widest:
-                    tick = max(before, self._now)  # a pulse that the filter may remove: SDA moved while SCL was high
+                    tick = max(before, self._now)  # the filter may remove this pulse; then SDA moved while SCL was high
                 elif self._silent:
                     self._silent -= 1
                     return

@@ -1,4 +1,4 @@
-"""Repetition of a session from its case and its log. It has the same records."""
+"""Repetition of a session from its case and its log. The repetition has the same records."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def replay(
     subscribe: Subscribe | None = None,
     programs: Mapping[str, Firmware] | None = None,
 ) -> Result:
-    """Run the case with the moves of a log. Raise OutsideError if the log is damaged or belongs to other clocks."""
+    """Run the case with the logged moves. Raise OutsideError if the log is damaged or its ticks have another length."""
     case = case if isinstance(case, Case) else load(Path(case))
     try:
         return _replayed(case, LogReader(Path(log)), str(log), subscribe, programs)

@@ -3,8 +3,9 @@
     write --queue--> frames, bit by bit --apply--> RX --> SCI
     read  <--bytes-- decoder <----------- TX <-- SCI
 
-The client's rate and format define the bit times on the wire, so that a mismatch causes framing errors and breaks, as
-between two real ports. A frame is put on the line when time reaches it, so the queue contains bytes and not edges.
+The client's rate and format define the bit times on the wire. A mismatch with the SCI's settings therefore causes
+framing errors and breaks, as between two real ports. Waiting bytes stay in a queue. The edges of a frame are scheduled
+just before the session reaches its start bit.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ PORT = re.compile(r"sci-?([abc])", re.IGNORECASE)
 
 Wrong = Literal["", "parity", "stop"]
 WRONG = ("", "parity", "stop")
-# Seconds; a client's waiting bytes are sent even if another client connects if they take no longer than this.
+# After a change of client, waiting bytes of the previous one are still sent if this takes at most this many seconds.
 LAST = Fraction(1, 10)
 
 
@@ -37,11 +38,11 @@ class SerialLine:
     """The other end of one SCI's lines.
 
     rx: the name of the wire RX.
-    received: number of received bytes.
+    received: number of bytes received from the SCI.
     wrong: number of received bytes with a wrong parity or stop bit.
-    waiting: number of bytes that are not on the line yet.
-    sent: number of bytes that were put on the line.
-    broken: True if RX is low for a break, or will be when all waiting bytes have been sent.
+    waiting: number of bytes in the queue.
+    sent: number of bytes whose edges have been scheduled.
+    broken: True during a break, and if a break will begin after the waiting bytes.
     """
 
     def __init__(self, session: Session, rx: str, tx: str, baud: int, form: str) -> None:
@@ -50,21 +51,21 @@ class SerialLine:
         self.wrong = self.sent = self.received = 0
         self.waiting = 0
         self._got = bytearray()
-        self._queue: deque[tuple[bytes, Wrong] | int] = deque()  # bytes, or RX's level for a break
+        self._queue: deque[tuple[bytes, Wrong] | int] = deque()  # bytes; or RX's level: a break begins (0), ends (1)
         self._place = 0  # index of the next byte in the first entry of `_queue`
-        self._begins: deque[int] = deque()  # ticks of start bits that are on the line but that time has not reached yet
+        self._begins: deque[int] = deque()  # ticks of the future start bits that are already scheduled
         self.broken = False
         self._parts = 1  # number of parts into which a tick is divided, so that a bit is a whole number of parts
-        self._free = 0  # the time from which the line may carry the next frame, in parts of a tick
+        self._free = 0  # the earliest time for the next frame, in parts of a tick
         self.set(baud, form)
         reader = UartReader(session.scene.wire(tx), lambda: (self._bit, self._format))
         reader.on_end.append(self._heard)
 
     def set(self, baud: int, form: str = "8n1") -> None:
-        """Set rate and format from the next frame on. Raise OutsideError if they are invalid."""
+        """Set the rate and format of all later frames. Raise OutsideError if they are invalid."""
         free = self._free_at()
         self._bit, self._format = self.checked(baud, form)
-        # Times are counted in parts of a tick, because a frame that follows the previous one may begin between ticks.
+        # Times are counted in parts of a tick, because the next frame may begin between two ticks.
         self._parts = self._bit.denominator
         self._parts_of_bit = self._bit.numerator
         self._free = free * self._parts
@@ -77,7 +78,7 @@ class SerialLine:
         return Fraction(self._session.ticks_per_second, baud), UartFormat(bits, PARITIES[parity], stop)
 
     def write(self, data: bytes, wrong: Wrong = "") -> None:
-        """Queue bytes after those that are waiting. wrong: "parity" or "stop" to send them with this bit inverted."""
+        """Append bytes to the queue. wrong: "parity" or "stop" to send this bit of each byte with the wrong level."""
         if not isinstance(data, bytes | bytearray | memoryview):
             raise OutsideError(f"{data!r} is not of type bytes; write b'abc' or 'abc'.encode()")
         if wrong not in WRONG:
@@ -90,7 +91,7 @@ class SerialLine:
             self.waiting += len(data)
 
     def hold_break(self, on: bool) -> None:
-        """Pull RX low after the waiting bytes, until this is called again or bytes are written."""
+        """Begin (True) or end (False) a break after the waiting bytes. Written bytes also end a break."""
         if on != self.broken:
             self.broken = on
             self._queue.append(0 if on else 1)
@@ -106,9 +107,9 @@ class SerialLine:
         self._free = end * self._parts + self._parts_of_bit
 
     def next_client(self) -> int:
-        """Assign the line to another client. Return the number of waiting bytes of the last client that are discarded.
+        """Assign the line to another client. Return the number of discarded bytes of the previous client.
 
-        Bytes that take less than a tenth of a second are kept, because a program may write them and end.
+        Its waiting bytes are kept if they take at most a tenth of a second, because a program may end after a write.
         """
         lasts = self.waiting * self._format.length * self._bit
         if lasts <= LAST * self._session.ticks_per_second:
@@ -116,7 +117,7 @@ class SerialLine:
         discarded, self.waiting = self.waiting, 0
         self._queue.clear()
         self._place = 0
-        self._queue.append(1)  # end a break that was held
+        self._queue.append(1)  # ends a break of the previous client
         self.broken = False
         return discarded
 
@@ -128,7 +129,7 @@ class SerialLine:
         return got
 
     def feed(self, until: int) -> None:
-        """Put frames that begin before tick `until` on the line. The session calls it before it advances."""
+        """Schedule the edges of all frames that begin before tick `until`. The session then advances to this tick."""
         parts = self._parts
         while self._queue:
             begin = self._begin()
@@ -137,7 +138,7 @@ class SerialLine:
             first = self._queue[0]
             if isinstance(first, int):
                 self._session.apply(begin // parts, {self.rx: first})
-                # One bit is the minimum length of a break, and the minimum distance of the next frame from its end.
+                # A break lasts at least one bit, and the next frame begins at least one bit after its end.
                 self._free = begin + self._parts_of_bit
                 self._queue.popleft()
                 continue
@@ -150,7 +151,7 @@ class SerialLine:
                 self._place = 0
 
     def next_begin(self) -> int:
-        """Return the tick at which a waiting byte or a waiting change of a break moves RX next; NEVER if none waits."""
+        """Return the tick at which the queue moves RX next; NEVER if the queue is empty."""
         return self._begin() // self._parts if self._queue else NEVER
 
     def _begin(self) -> int:
@@ -158,14 +159,14 @@ class SerialLine:
         return max(self._free, self._session.now * self._parts)
 
     def begins(self, tick: int) -> bool:
-        """Return True if a frame begins in this tick. Call it in order of time, for each tick in which RX moves."""
+        """Return True if a frame begins in this tick. Call this for each tick in which RX moves, in order of time."""
         if not self._begins or self._begins[0] != tick:
             return False
         self._begins.popleft()
         return True
 
     def _frame(self, begin: int, byte: int, wrong: Wrong) -> None:
-        """Put a frame on the line. begin: the time of its start bit, in parts of a tick."""
+        """Schedule the edges of a frame. begin: the time of its start bit, in parts of a tick."""
         form, parts, bit = self._format, self._parts, self._parts_of_bit
         levels = form.levels(byte)
         if wrong == "parity":
@@ -180,7 +181,7 @@ class SerialLine:
             at += bit
         self.sent += 1
         self._begins.append(begin // parts)
-        if not before:  # after a low stop bit, the line is high for a bit before the next frame
+        if not before:  # after a low stop bit, RX is high for one bit before the next frame
             self._session.apply(at // parts, {self.rx: 1})
             at += bit
         self._free = at
@@ -204,15 +205,15 @@ def parts_of_format(form: str) -> tuple[int, str, int]:
 
 
 def module_of(port: str) -> str:
-    """Return the module of a port: "SCI-A" for "scia"; any other name is returned as it is."""
+    """Return the module's name for a port's name: "SCI-A" for "scia". Other names are returned unchanged."""
     plain = PORT.fullmatch(port)
     return f"SCI-{plain[1].upper()}" if plain else port
 
 
 def serial_line(session: Session, port: str, baud: int, form: str) -> tuple[str, SerialLine]:
-    """Return the name of a port's SCI, and its other end.
+    """Return the full name of the SCI that `port` names, and the other end of its lines.
 
-    Raise OutsideError if there is no such SCI, or if its RX does not lead outside.
+    Raise OutsideError if there is no such SCI, or if the wire of its RX does not lead outside.
     """
     try:
         sci = sci_named(session.case, module_of(port), "outside")

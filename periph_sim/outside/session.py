@@ -1,11 +1,12 @@
-"""A case that is stepped from outside: lines are moved at given ticks, and changes of our pins are returned.
+"""A case that external code steps. The code moves lines at given ticks, and receives the changes of our pins.
 
     apply(at, levels) --> Door --> wires of the scene <-- units, chips, agents of the case
     advance(until)    --> kernel runs up to `until` --> changes of our own pulls
     finish()          --> Result, as from a run
 
-`now` is the next tick, of which no events have run yet, so a level that is applied at it is effective in it. The same
-calls of `apply` give the same records, regardless of the steps in between. A session has no input or output of its own.
+"Our" pins and pulls are those of the case; "the outside" is the external code. `now` is the next tick. None of its
+events have run, so a level that is applied at `now` is effective in this tick. The records depend only on the calls of
+`apply`, and not on the steps in which time advances. A session has no input or output of its own.
 """
 
 # core: compiled
@@ -41,11 +42,11 @@ if TYPE_CHECKING:
 
 
 class Session:
-    """A case that external code steps, and whose lines `outside` it moves.
+    """A case that external code steps and whose lines it moves.
 
-    case: a case from `load` or `make_case`, or its file.
-    outside: the names of the wires that lead outside, instead of those in the [outside] table of the case.
-    log: a file for the outside's moves, from which `replay` repeats the run.
+    case: a case from `load` or `make_case`, or the path of its file.
+    outside: the names of the wires that lead outside; None for those in the [outside] table of the case.
+    log: the path of a log of the outside's moves, from which `replay` can repeat the run.
     subscribe, programs: as in a `Scene`.
 
     Times are ticks (`ticks_per_second`), counted from the beginning of the case. A session is a context manager; if the
@@ -109,9 +110,9 @@ class Session:
         return self.scene.timebase.ticks(duration(length), "nearest")
 
     def advance(self, until: BigInt) -> list[Change]:
-        """Run up to tick `until`, exclusive, and return the changes of our own pulls.
+        """Run up to tick `until`, exclusive, and return the changes of our pulls.
 
-        Raise OutsideError if it is past.
+        Raise OutsideError if `until` is past.
         """
         self._open()
         self._check_tick(until)
@@ -133,10 +134,10 @@ class Session:
         return [change._replace(at=change.at - self._start) for change in changes] if changes else changes
 
     def next_output(self) -> int | None:
-        """Return the tick before which none of our pins moves if the outside makes no further moves; None if none will.
+        """Return a tick before which our pins do not move unless the outside moves a line; None if they never move.
 
-        Further moves are made by `apply` and by writes to a serial line. If bytes are waiting for such a line, the tick
-        is not after the beginning of the first of them.
+        The outside moves lines by `apply` and by writes to a serial line. If bytes are waiting for a serial line, the
+        returned tick is at most that of their first start bit.
         """
         self._open()
         due = self._reaction.due()
@@ -147,10 +148,11 @@ class Session:
     # Lines -----------------------------------------------------------------------
 
     def apply(self, at: int, levels: Mapping[str, int]) -> None:  # core: python
-        """Let the outside pull lines low (0) or release them (1) at tick `at`, all of them together.
+        """Pull lines low (0) or release them (1) from outside, all at tick `at`.
 
-        If a line is moved twice at a tick, the last call counts. Raise OutsideError, without any effect, if the tick is
-        past, a line does not lead outside, or a level is invalid.
+        If a line is moved several times in one tick, only the last call has an effect.
+
+        Raise OutsideError if the tick is past, a line does not lead outside, or a level is invalid. Then no line moves.
         """
         self._open()
         self._check_tick(at)
@@ -170,14 +172,14 @@ class Session:
     def pulls(self, line: Text) -> bool:
         """Return True if our side pulls a line low, regardless of the outside.
 
-        Raise OutsideError for a line that is not outside.
+        Raise OutsideError if the line does not lead outside.
         """
         if line not in self.lines:
             raise OutsideError(f"line {line!r} does not lead outside; {did_you_mean(line, self.lines)}")
         return not self._door.held(line)
 
     def level(self, line: Text) -> int:
-        """Return the level of a wire, with the pulls of both sides, at the end of the last tick that was run."""
+        """Return the level of a wire at the end of the last tick that has run. It includes the pulls of both sides."""
         if line not in self.scene.wires:
             raise OutsideError(f"there is no wire {line!r}; {did_you_mean(line, self.scene.wires)}")
         return self.scene.wires[line].level
@@ -186,13 +188,13 @@ class Session:
 
     @property
     def i2c(self) -> Master:
-        """A controller on SDA and SCL, at 100 kHz by default (see `rate`)."""
+        """A controller on SDA and SCL. Its rate is 100 kHz, unless `Master.rate` is set."""
         if self._master is None:
             self._master = Master(self)
         return self._master
 
     def serial(self, port: Text, baud: BigInt = 115_200, form: Text = "8n1") -> SerialLine:
-        """Return the other end of an SCI's lines. port: the SCI, for example "scia", "SCI-A" or "dsp.SCI-A".
+        """Create the other end of an SCI's lines. port: the SCI, for example "scia", "SCI-A" or "dsp.SCI-A".
 
         Raise OutsideError if there is no such SCI, its RX does not lead outside, or its other end exists already.
         """

@@ -1,4 +1,4 @@
-"""A session's bus as CircuitPython's `busio.I2C`: calls of a driver become transfers on the wires.
+"""A session's bus as an object like CircuitPython's `busio.I2C`. A driver's calls become transfers on the wires.
 
 Source: CircuitPython 9.2, shared-bindings, busio.I2C.
 """
@@ -20,8 +20,8 @@ class I2C:
 
     pause: the simulated time that passes before each call, because a driver's `time.sleep` does not advance it.
 
-    Raise OSError with the codes of hardware: ENODEV if the address is not acknowledged, EIO if a byte is not
-    acknowledged, ETIMEDOUT if the bus is held.
+    Raise OSError with the same codes as on hardware: ENODEV if the address is not acknowledged, EIO if a byte is not
+    acknowledged, ETIMEDOUT if another party holds the bus.
     """
 
     def __init__(self, session: Session, frequency: int = 100_000, pause: str = "100 us") -> None:
@@ -51,7 +51,7 @@ class I2C:
         self._locked = False
 
     def scan(self) -> list[int]:
-        """Return the addresses that a target acknowledges."""
+        """Return all addresses that are acknowledged by a target on the bus."""
         return [address for address in ADDRESSES if self._asks(address)]
 
     def writeto(self, address: int, buffer: bytes | Buffer, *, start: int = 0, end: int | None = None) -> None:

@@ -1,9 +1,9 @@
-"""`/dev/i2c-N` for code that opens it by number, as smbus2 does. Within a block, these files access given sessions.
+"""Files `/dev/i2c-N` that access sessions within a block. Unmodified drivers can open them, for example smbus2.
 
     os.open, open --unused file number-------> ioctl: address, SMBus transfer, messages --> Master --> SDA, SCL
                                                read, write: plain transfers
 
-Other files are not affected. Outside of the block, these files are not affected either.
+All other files work as usual. After the block, `/dev/i2c-N` accesses the computer's own buses again.
 
 Source: Linux 6.6 Documentation/i2c/dev-interface.rst, smbus-protocol.rst and fault-codes.rst; include/uapi/linux/i2c.h
 and i2c-dev.h.
@@ -36,27 +36,27 @@ class SmbusTransfer:
         S address W command [data ...] [PEC] P
         S address W command [data ...] Sr address R data ... [PEC] N P
 
-    The code covers all bytes of the transfer, addresses included: CRC-8, x^8 + x^2 + x + 1 (System Management Bus 3.2,
+    The PEC covers all bytes of the transfer, addresses included: CRC-8, x^8 + x^2 + x + 1 (System Management Bus 3.2,
     sections 6.4 and 6.5).
 
-    Raise OSError with the codes of a kernel: ENXIO if the address is not acknowledged, EIO if a byte is not
-    acknowledged, EBADMSG for a wrong packet error code, EPROTO for a block of an invalid length.
+    Raise OSError with the codes of the Linux kernel: ENXIO if the address is not acknowledged, EIO if a byte is not
+    acknowledged, EBADMSG for a wrong PEC, EPROTO for a block of an invalid length.
     """
 
     def __init__(self, master: Master, address: int, checks: bool = False) -> None:
         self._master = master
         self._address = address
         self._checks = checks
-        self._code = 0  # packet error code of the bytes so far
+        self._code = 0  # PEC of the bytes so far
 
     def begin(self, reads: bool) -> None:
-        """Send START, or repeated START, and the address."""
+        """Send a START, or a repeated START within a transfer, and the address."""
         if not self._master.start(self._address, reads):
             raise OSError(errno.ENXIO, f"address {self._address:#04x} was not acknowledged")
         self._add(self._address << 1 | reads)
 
     def send(self, data: Iterable[int], answered: bool = False) -> None:
-        """Write bytes. answered: True if a read follows, in which the target sends the packet error code."""
+        """Write bytes. answered: True if a read follows; the target then sends the PEC at the end of the read."""
         self.begin(reads=False)
         for byte in data:
             self._send(byte)
@@ -105,8 +105,8 @@ class SmbusTransfer:
 RETRIES, TIMEOUT = 0x701, 0x702
 SLAVE, TENBIT, FUNCS, SLAVE_FORCE, RDWR, PEC, SMBUS = 0x703, 0x704, 0x705, 0x706, 0x707, 0x708, 0x720
 QUICK, BYTE, BYTE_DATA, WORD_DATA, PROC_CALL, BLOCK_DATA, BLOCK_PROC_CALL, I2C_BLOCK = 0, 1, 2, 3, 4, 5, 7, 8
-FUNCTIONS = 0x1 | 0x8 | 0x8000 | 0x0FFF_0000  # plain I2C; PEC; block process call; all SMBus transfers
-READS = 1  # value of `read_write` for a read, and the same bit in the flags of a message
+FUNCTIONS = 0x1 | 0x8 | 0x8000 | 0x0FFF_0000  # I2C_FUNC bits: plain I2C, PEC, block process call, all SMBus transfers
+READS = 1  # value of `read_write` for a read, and flag of a message that reads
 FIRST_FILE = 1 << 20  # the first file number that is used; no process has numbers as high as this
 
 
@@ -155,7 +155,7 @@ class Adapter:
         elif request == PEC:
             self._checks = bool(int(argument))
         elif request in (RETRIES, TIMEOUT):
-            pass  # number of retries after lost arbitration, and time-out of a held bus: ignored, the time-out is 25 ms
+            pass  # both settings are ignored: there are no retries, and a held bus times out after 25 ms
         elif request == SMBUS:
             self._on_bus(self._smbus, _SmbusTransfer.from_address(ctypes.addressof(argument)))
         elif request == RDWR:
@@ -174,7 +174,7 @@ class Adapter:
         return bytes(got)
 
     def _on_bus(self, transfer: Callable[[Master, Any], object], argument: Any) -> None:
-        """Run a transfer and end it by a STOP, also after an error."""
+        """Run a transfer and end it with a STOP, even after an error."""
         session = self._session
         if self._address < 0 and not isinstance(argument, _Messages):
             raise OSError(errno.EINVAL, "no address was given")
@@ -235,7 +235,7 @@ class Adapter:
 
 
 class _Opened(io.RawIOBase):
-    """An open file as `open` returns it, unbuffered."""
+    """The unbuffered file object that `open` returns for `/dev/i2c-N`."""
 
     def __init__(self, number: int, adapter: Adapter) -> None:
         self._number = number
@@ -261,12 +261,13 @@ class _Opened(io.RawIOBase):
 
 @contextmanager
 def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[None]:
-    """Make `/dev/i2c-N` the bus of the session with that number, within a block. This requires Linux.
+    """Let `/dev/i2c-N` access the bus of the session `sessions[N]` within a block. This requires Linux.
 
     pause: the simulated time that passes before each transfer, because `time.sleep` does not advance it.
 
-    The files raise OSError with the codes of a kernel: ENXIO if the address is not acknowledged, EIO if a byte is not
-    acknowledged, ETIMEDOUT if the bus is held, EAGAIN if arbitration is lost, ENOENT for a number without a session.
+    Access raises OSError with the codes of the Linux kernel: ENXIO if the address is not acknowledged, EIO if a byte is
+    not acknowledged, ETIMEDOUT if another party holds the bus, EAGAIN if arbitration is lost, ENOENT if `sessions` has
+    no entry N.
     """
     import fcntl
 

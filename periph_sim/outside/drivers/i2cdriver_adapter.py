@@ -1,4 +1,4 @@
-"""The serial protocol of an I2CDriver, without a port: converts bytes of its client to transfers and answers.
+"""The serial protocol of an I2CDriver, without a port. The client's bytes become transfers, and answers are returned.
 
     client --'s' 0xD0, 0xC0 0x00, 'p' ...--> I2cDriver --start, write, stop--> Master --> SDA, SCL
            <--report: '0' | lost, timeout, ACK----
@@ -16,8 +16,8 @@ The I2CDriver is an adapter with a serial port for a PC (i2cdriver.com). Its pro
 Source: the I2CDriver's firmware (github.com/jamesbowman/i2cdriver, firmware/main.fs and capture.fs).
 
 Chosen: the status states 5 V, 0 mA, 25 degrees. The checksum covers each byte of the bus once, addresses included. A
-line that `b` would drive high is released, because the bus is open drain. 'v' with its byte and 'w', which test
-pull-ups, do nothing. If a line is held for more than 25 ms, the next report contains a time-out.
+line that `b` would drive high is released, because the bus is open drain. The commands 'v' BYTE and 'w', which test
+pull-ups, do nothing. If a line is held low for more than 25 ms, the next report has the time-out bit.
 """
 
 from __future__ import annotations
@@ -30,22 +30,22 @@ from ..errors import ArbitrationLost, OutsideError
 from ..i2c_master import Master
 from ..session import Session
 
-Service = Generator[None, int, None]  # receives the bytes of its client
+Service = Generator[None, int, None]  # a generator to which each byte of the client is sent
 
 ACK, TIMEOUT, LOST = 1, 2, 4  # bits of a report
 SCAN = range(0x08, 0x78)
 MOST = 64  # maximum number of data bytes of a command
-NOBODY = 0xFF  # the byte that is read outside of a transfer
+NOBODY = 0xFF  # the result of a read outside of a transfer
 INFORMATION = 80  # number of characters of the status and the introspection, with their brackets
-A_BYTE = "10 us"  # time of a byte at 1 Mbaud
-START, STOP, BITS = 1, 2, 8  # tokens of a capture; BITS is combined with three of the nine bits of a byte
+A_BYTE = "10 us"  # time of a byte on the adapter's serial port, at 1 Mbaud
+START, STOP, BITS = 1, 2, 8  # tokens of a capture; BITS is the flag of a token with three of the nine bits of a byte
 WIRES = ("SDA", "SCL")
 
 
 class I2cDriver:
     """The adapter on the bus of a session.
 
-    pause: the ticks that pass before each START, because a client's own pauses do not advance simulated time.
+    pause: the number of ticks before each START, because a client's own pauses do not advance simulated time.
     """
 
     def __init__(self, session: Session, pause: int) -> None:
@@ -73,14 +73,14 @@ class I2cDriver:
         next(self._service)
 
     def receive(self, data: bytes) -> bytes:
-        """Process these bytes of the client and return the answers."""
+        """Execute the commands in these bytes of the client, and return the answers."""
         for byte in data:
             self._service.send(byte)
         said, self._said = bytes(self._said), bytearray()
         return said
 
     def captured(self) -> bytes:
-        """Return the bus traffic since the last call, in the capture format; b"" outside of a capture."""
+        """Return the traffic on the bus since the last call, in the format of the command 'c'; b"" if none."""
         tokens = [token for transfer in self._transfers for token in _tokens(transfer)]
         self._transfers.clear()
         tokens += [0] * (len(tokens) % 2)
@@ -115,7 +115,7 @@ class I2cDriver:
             elif command == ord("c"):
                 yield from self._capture()
             elif command in (ord("m"), ord("v")):
-                yield  # the monitor's display and the pull-up test are not modelled
+                yield  # only the byte is read; the monitor's display and the pull-up test are not modelled
             elif command in self._simple:
                 self._simple[command]()
 
@@ -148,7 +148,7 @@ class I2cDriver:
         self._say(0x30 | self._lines())
 
     def _bang(self) -> Service:
-        """Apply each byte, whose bits are: SDA is driven, its level, SCL is driven, its level, report the lines."""
+        """Apply each byte up to '@'. Its bits, lowest first: drive SDA, SDA's level, drive SCL, SCL's level, report."""
         session = self._session
         self._let_go()
         while (bits := (yield)) != ord("@"):
@@ -216,7 +216,7 @@ class I2cDriver:
                 self._give_up(error)
 
     def _give_up(self, error: OutsideError) -> None:
-        """Release the lines after a time-out or lost arbitration; the next report contains the error."""
+        """Release the lines after a time-out or lost arbitration. The next report will contain the error."""
         self._trouble = LOST if isinstance(error, ArbitrationLost) else TIMEOUT
         self._let_go()
 
@@ -249,7 +249,7 @@ class I2cDriver:
         )
 
     def _count(self, byte: int) -> None:
-        """Update the checksum: CRC-16/CCITT, most significant bit first."""
+        """Update the checksum with a byte of the bus: CRC-16/CCITT, most significant bit first."""
         crc = self._checksum ^ byte << 8
         for _ in range(8):
             crc = crc << 1 ^ (0x1021 if crc & 0x8000 else 0)

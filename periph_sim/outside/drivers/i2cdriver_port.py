@@ -1,4 +1,4 @@
-"""A case's bus as an I2CDriver at a serial port, which programs can open within a block.
+"""An I2CDriver adapter that is connected to a case's bus. Programs can open its serial port within a block.
 
 program --/dev/pts/N, or LINK--> thread, which owns the session --I2cDriver--> SDA, SCL
 """
@@ -17,8 +17,8 @@ from ...scene.result import Result
 from ..session import Session
 from .i2cdriver_adapter import I2cDriver
 
-STEP = "1 ms"  # simulated time of a step while a capture waits for traffic
-TURN = 0.001  # seconds of real time from one such step to the next
+STEP = "1 ms"  # simulated time by which each step advances the session during a capture
+TURN = 0.001  # real time in seconds from one step to the next during a capture
 
 
 class I2cDriverPort:
@@ -29,8 +29,8 @@ class I2cDriverPort:
     case, outside, log: as in a `Session`.
     link: the path of a symbolic link to `path`, or None.
     run_up: the simulated time that passes before a program can open the port.
-    pause: the simulated time that passes before each START, because a program's own pauses have no effect on it. During
-        a capture, time passes by itself.
+    pause: the simulated time that passes before each START, because a program's own pauses do not advance simulated
+        time. During a capture, simulated time advances by itself.
 
     Raise BadCase and OutsideError like a `Session`, and OutsideError if `link` exists (see `PseudoTerminal`). Later
     errors are raised at the end of the block.
@@ -74,7 +74,7 @@ class I2cDriverPort:
 
 
 class _Thread(threading.Thread):
-    """The thread that builds, runs and ends the session, because firmware runs in the thread that built it.
+    """The thread that builds, runs and ends the session. Firmware must run in the thread that builds it.
 
     failed: the error that ended the session early, or None.
     """
@@ -138,7 +138,7 @@ class _Thread(threading.Thread):
         return self._give(adapter.captured())
 
     def _give(self, data: bytes) -> bool:
-        """Send data, and wait for the client to read it. Return False if the block was left meanwhile."""
+        """Send all data. Wait while the client reads none of it. Return False if the block was left meanwhile."""
         while data:
             ready, writable, _ = select.select([self._wake_read], [self._terminal.file], [])
             if ready:

@@ -1,1 +1,1 @@
-"""A session in real time: a loop steps it by a clock, and doors transfer bytes between the steps."""
+"""Sessions in real time. A loop steps the session by a clock; its doors, the connections to clients, transfer bytes."""

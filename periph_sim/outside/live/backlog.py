@@ -1,4 +1,4 @@
-"""Bytes that an SCI has sent and no client has read.
+"""Bytes that an SCI has sent and that no client has read yet.
 
 The last megabyte is kept for a client that is not connected or does not read. Older bytes are discarded and counted.
 """
@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 MOST = 1 << 20  # maximum number of waiting bytes in either direction
-AT_ONCE = 4096  # maximum number of bytes that are passed in one call
-MOST_HELD = 16 * MOST  # limit above which bytes that the system holds are not counted any more
+AT_ONCE = 4096  # maximum number of bytes of one read or write call
+MOST_HELD = 16 * MOST  # maximum number of bytes that `left_there` counts
 
 
 class Backlog:
@@ -31,9 +31,9 @@ class Backlog:
             del self._bytes[:beyond]
 
     def flush(self, write: Callable[[bytes], int]) -> None:
-        """Pass the bytes to `write`, until it accepts none.
+        """Pass the bytes to `write` until it accepts no more.
 
-        write: a function that returns the number of accepted bytes, and raises BlockingIOError if it accepts none.
+        write: a function that returns the number of accepted bytes, or raises BlockingIOError if it accepts none.
         """
         while self._bytes:
             try:
@@ -56,9 +56,9 @@ class Backlog:
 
 
 def left_there(read: Callable[[], bytes]) -> int:
-    """Discard and count the bytes that the system has received from a client.
+    """Discard the bytes that the operating system has received from a client. Return their number.
 
-    read: a function that returns some of them, and b"" if none is left.
+    read: a function that returns some of these bytes, or b"" if none is left.
     """
     count = 0
     while count < MOST_HELD and (data := read()):

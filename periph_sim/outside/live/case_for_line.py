@@ -3,7 +3,7 @@
 a party at an SCI      drives its RX
 a party at SDA, SCL    drives both
 
-`scene.outside_parties` defines which parties of the case are replaced by it.
+`scene.outside_parties` defines which parties of the case the external party replaces.
 """
 
 from __future__ import annotations
@@ -32,11 +32,11 @@ def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) ->
 
 
 def case_for_bus(path: str | Path, changes: tuple[str, ...] = ()) -> Case:
-    """Load a case for a party at SDA and SCL. Raise BadCase for errors; the session rejects a case without a bus."""
+    """Load a case for a party at SDA and SCL. Raise BadCase if it has errors; `Session` rejects one without a bus."""
     return _driven(load(Path(path), list(changes)), *LINES)
 
 
 def _driven(case: Case, *lines: str) -> Case:
-    """Return the case with these lines driven from outside, in addition to those that its [outside] names."""
+    """Return the case with these lines led outside, in addition to those in its [outside] table."""
     named = () if case.outside is None else case.outside.wires
     return with_outside(case, tuple(dict.fromkeys((*named, *lines))))

@@ -1,10 +1,10 @@
-"""An I2CDriver at a pseudo-terminal, in a session that a loop steps.
+"""An I2CDriver adapter at a pseudo-terminal, as a door of a session in real time.
 
 client --/dev/pts/N, or LINK--> I2cDriver --> SDA, SCL
 
-A transfer is executed at once and advances the session by its duration on the wires; the loop then waits for the clock.
-If a client does not read its answers, its commands are not executed while a megabyte of answers waits. The answers are
-discarded when another client connects.
+A transfer is executed at once and advances the session by its duration on the wires. The loop then waits for the clock.
+If a client does not read its answers, its commands are not executed while a megabyte of answers waits. When another
+client connects, these answers are discarded.
 """
 
 from __future__ import annotations
@@ -44,8 +44,8 @@ class I2cDriverDoor:
         return [self._terminal.file] if len(self.back) < MOST else []
 
     def turn(self) -> None:
-        """Execute up to a few kilobytes of received commands. The others remain for the next turn."""
-        if self._terminal.clients()[1]:  # a new client must not receive the answers for the previous one
+        """Execute received commands, at most a few kilobytes of them. Later turns execute the rest."""
+        if self._terminal.clients()[1]:  # a new client must not receive answers to the previous one
             self.back.clear()
             self._terminal.discard_unread()
         if len(self.back) < MOST:

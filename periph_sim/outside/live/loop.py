@@ -1,4 +1,4 @@
-"""The loop of the thread that owns a session. A pacer determines its steps, between which the doors transfer bytes.
+"""Loop that steps a session in the session's thread. A pacer delays the steps; doors transfer bytes between them.
 
 doors --turn--> session --advance a step--> doors --turn--> ...      until `stop`, or a tick
 """
@@ -18,16 +18,16 @@ STEP = "1 ms"  # simulated time of a step, which is the maximum delay of a byte
 
 
 class Door(Protocol):
-    """A connection that transfers bytes. files: returns the files whose input ends a wait, which may change."""
+    """A connection between a session and clients. `files` returns the files whose input the loop waits for."""
 
     def files(self) -> Sequence[int]: ...
 
     def turn(self) -> None:
-        """Transfer bytes in both directions. The session's thread calls this between steps. It may advance the time."""
+        """Transfer bytes in both directions. The loop calls this between steps. The door may advance the session."""
 
 
 class Loop:
-    """Loop that steps a session. step: the simulated time between two turns of the doors."""
+    """Loop that steps a session. step: the simulated time of a step."""
 
     def __init__(self, session: Session, pacer: Pacer, doors: Sequence[Door], step: str = STEP) -> None:
         self._session = session
@@ -54,7 +54,7 @@ class Loop:
         self._turn()
 
     def _wait(self, due: int) -> None:
-        """Wait until the step is due. Input of a door ends the wait; it is processed at the time of the next step."""
+        """Wait until the step to `due` is due. Meanwhile, let the doors transfer bytes whenever input arrives."""
         left = self._pacer.wait(due)
         while left > 0 and not self._stopped:
             files = [file for door in self._doors for file in door.files()]
@@ -70,7 +70,7 @@ class Loop:
 
 @contextmanager
 def signals_calling(on_signal: Callable[[int, Any], None]) -> Iterator[None]:
-    """Call a function on Ctrl-C and SIGTERM within a block.
+    """Within a block, call a function on Ctrl-C and on SIGTERM.
 
     SIGTERM is needed because commands that a shell runs in the background ignore Ctrl-C.
     """

@@ -1,4 +1,4 @@
-"""Pacing of simulated time by a clock: how long to wait, and the lateness.
+"""Pacing of simulated time by a clock: how long to wait for a tick, and how late the simulation reaches it.
 
     due(tick) = the time of the clock at which a tick is due; lateness = the delay after this time
 
@@ -42,13 +42,13 @@ class Pacer:
         self.when_late = when_late
         self.late = self.slips = 0
         self.worst = 0.0
-        self.counts = [0] * (len(STEPS) + 1)  # number of steps up to each bound of STEPS, and beyond the last
+        self.counts = [0] * (len(STEPS) + 1)  # number of steps in each class of lateness, between the bounds in STEPS
         self._per_second = float(ticks_per_second * pace)
         self._clock = clock
         self._origin: float | None = None
 
     def wait(self, tick: int) -> float:
-        """Return the seconds until this tick is due; 0 if it is due already. The clock starts with the first call."""
+        """Return the seconds until this tick is due; 0 if it is due already. Pacing begins with the first call."""
         if not self._per_second:
             return 0.0
         now = self._clock()
@@ -57,9 +57,9 @@ class Pacer:
         return max(0.0, self._origin + tick / self._per_second - now)
 
     def reached(self, tick: int) -> None:
-        """Record that the simulation is at this tick.
+        """Record the lateness of the simulation, which has reached this tick.
 
-        Raise OutsideError if it is too late and `when_late` is "stop".
+        Raise OutsideError if the lateness is above TOLERATED and `when_late` is "stop".
         """
         if not self._per_second or self._origin is None:
             return
@@ -75,7 +75,7 @@ class Pacer:
                 self.slips += 1
 
     def percentile(self, share: float) -> float:
-        """Return the first bound of STEPS, in seconds, that a share of the steps does not exceed; else `worst`."""
+        """Return a bound in seconds for the lateness of this share of the steps: one of STEPS, or else `worst`."""
         wanted, passed = share * sum(self.counts), 0
         for step, count in zip(STEPS, self.counts, strict=False):
             passed += count

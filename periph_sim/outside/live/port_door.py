@@ -2,8 +2,8 @@
 
     SCI <--bits--> SerialLine <--bytes--> /dev/ttyUSB0 <--> a board, a host
 
-pyserial is required. A port's driver does not mark characters with a wrong parity or stop bit. A port that vanishes is
-reported, and opened again when it returns. Meanwhile the SCI's bytes wait.
+pyserial is required. The port's driver does not report which characters have a wrong parity or stop bit. If the port
+vanishes, this is reported, and the port is opened again when it returns. Meanwhile the SCI's bytes wait.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ HELD = "another program has it open; close it there first"
 FORBIDDEN = "no permission to open it; join the group that has it, often dialout"
 GONE = "it is gone: unplugged, closed at its other end, or read by another program, too"
 NO_PORT = "it is no serial port"
-USED = ("read failed", "write failed", "device reports readiness")  # pyserial's messages about a port that was open
+USED = ("read failed", "write failed", "device reports readiness")  # pyserial's messages if an open port fails
 WHY = {
     errno.ENOENT: "there is no such port",
     errno.ENXIO: "there is no such port",
@@ -40,7 +40,7 @@ WHY = {
 def in_our_words(port: str, error: BaseException) -> str:
     """Return the message for an error of a port as "PORT: reason".
 
-    For errors without a text of ours, the reason is the text of the system or of pyserial.
+    For errors that are not in WHY, the reason is the text of the operating system or of pyserial.
     """
     text = str(error)
     if (isinstance(error, OSError) and error.errno == errno.EIO) or text.startswith(USED):
@@ -59,7 +59,7 @@ AGAIN = 1.0  # seconds between attempts to open the port
 
 
 class PortDoor:
-    """Passes bytes between a port and a line. Raise OutsideError if the port cannot be opened, or is already open.
+    """Passes bytes between a port and a line. Raise OutsideError if the port cannot be opened or is in use.
 
     notify: callback that receives a sentence if the port vanishes or returns.
     unread: number of received bytes that were not read when the door was closed.

@@ -3,8 +3,8 @@
     client's thread --write--> queue --.                        .--> SerialLine --> RX
                     <--read--  queue <-- loop, in its own thread      <--        TX
 
-pace: the number of simulated seconds in a second. With 0, the loop has no thread: time passes at full speed while the
-client reads or flushes, and the client's time-outs are in simulated time.
+pace: the number of simulated seconds per second of real time. With pace=0 there is no such thread. The session then
+runs at full speed while the client reads or flushes, and the client's time-outs are in simulated time.
 
 Source: pyserial 3.5, serial.serialutil.SerialBase, and its protocol handlers.
 """
@@ -35,17 +35,17 @@ from .pacing import Pacer
 
 KEYS = ("port", "pace", "log", "set")
 SLOWER = "write more slowly, or give a longer write_timeout"
-WAITED = 0.01  # seconds of the port's own clock between checks whether the line accepts more bytes
-FOREVER = 3600  # maximum time in simulated seconds that a read without time-out waits at full speed
+WAITED = 0.01  # seconds, by the port's clock, between attempts to queue the rest of a write
+FOREVER = 3600  # limit in simulated seconds for a read without time-out at full speed
 
 
 class _Queue:
-    """A door whose other side is the client's thread."""
+    """A door between a session and a client in another thread of this process."""
 
     def __init__(self, line: SerialLine) -> None:
         self._line: SerialLine | None = line
         self._to_line = bytearray()
-        self._setting: tuple[int, str] | None = None  # requested rate and format that the line does not have yet
+        self._setting: tuple[int, str] | None = None  # rate and format to set in the next turn
         self._breaks: list[bool] = []
         self._came = Backlog()
         self.changed = threading.Condition()
@@ -70,7 +70,7 @@ class _Queue:
                 self.changed.notify_all()
 
     def put(self, data: bytes | memoryview) -> int:
-        """Queue bytes. Return the number of accepted bytes: a client may be at most a megabyte ahead of the line."""
+        """Queue bytes, and return how many were accepted. At most a megabyte may wait for the line."""
         with self.changed:
             taken = data[: max(0, MOST - self.waits())]
             self._to_line += taken
@@ -112,7 +112,7 @@ class _Queue:
 
 
 class ClosedError(PortNotOpenError):  # type: ignore[misc]
-    """A closed port was used. The message contains its URL. Programs can catch this as pyserial's error."""
+    """A closed port was used. The message contains its URL. Programs can catch this as pyserial's PortNotOpenError."""
 
     def __init__(self, url: str) -> None:
         SerialException.__init__(self, f"{url} is closed; open() restarts its case")
@@ -122,11 +122,11 @@ class Serial(SerialBase):  # type: ignore[misc]
     """A port like `serial.Serial` whose other side is an SCI of a case.
 
     result: the result of the run, after the port is closed.
-    pacer: the pacer, which has the lateness.
-    lost: number of discarded bytes. Of the bytes that the SCI sends, the last megabyte is kept for reading.
+    pacer: the pacer of the session, which measures the lateness.
+    lost: number of discarded bytes from the SCI. At most a megabyte is kept until the client reads it.
 
-    A write waits, up to `write_timeout`, while a megabyte waits for the line. `set` in a URL changes a key of the case,
-    and may be repeated.
+    A write blocks for at most `write_timeout` while a megabyte waits for the line. `set=...` in a URL changes a key of
+    the case, and may be repeated.
     """
 
     is_open: bool
@@ -170,10 +170,10 @@ class Serial(SerialBase):  # type: ignore[misc]
         mistakes: list[Exception] = []
 
         def live() -> None:
-            """Build, run and end the session in one thread: firmware must stay in the thread that started it."""
+            """Build, run and end the session in one thread, because firmware must stay in the thread that starts it."""
             try:
                 self._build(path, port, pace, given.get("log"), changes)
-            except Exception as error:  # it will be raised in the client's thread
+            except Exception as error:  # `_begin` raises it in the client's thread
                 mistakes.append(error)
                 return
             finally:
@@ -202,7 +202,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._loop = Loop(self._session, self.pacer, [self._queue])
 
     def _end(self) -> None:
-        """End the session and delete all references to it. The thread that ran the session must call this."""
+        """End the session and delete all references to it. Only the thread that ran the session may call this."""
         self.result = self._session.finish()
         self.lost = self._queue.lost
         self._queue.leave()
@@ -226,7 +226,7 @@ class Serial(SerialBase):  # type: ignore[misc]
             warnings.warn(said, RuntimeWarning, stacklevel=2)
 
     def clock(self) -> float:
-        """Return the port's time in simulated seconds."""
+        """Return the time of the port's clock, in simulated seconds."""
         if self._thread is None:
             return self._session.now / self._session.ticks_per_second
         return time.monotonic() * float(self._pace)
@@ -275,7 +275,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         return len(sent)
 
     def flush(self) -> None:
-        """Wait until all written bytes are on the line."""
+        """Wait until all written bytes have left the queue to the line."""
         self._must_be_open()
         if self._thread is None:
             self._step_until(lambda: not self._queue.waits(), None)
@@ -289,7 +289,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._queue.read(self._queue.available())
 
     def reset_output_buffer(self) -> None:
-        """Do nothing, because bytes that were written to a line cannot be withdrawn."""
+        """Do nothing, because written bytes cannot be withdrawn from a line."""
         self._must_be_open()
 
     def _step_until(self, over: Any, timeout: float | None) -> None:
@@ -324,7 +324,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._queue.hold_break(self._break_state)
 
     def send_break(self, duration: float = 0.25) -> None:
-        """Send a break after all written bytes. With pace=0 its length is simulated time."""
+        """Send a break after all written bytes. duration: seconds; simulated seconds if pace=0."""
         self.flush()
         if self._thread is not None:
             super().send_break(duration)

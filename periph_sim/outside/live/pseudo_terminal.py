@@ -1,4 +1,4 @@
-"""The serving side of a pseudo-terminal. It remains open when clients come and go.
+"""The server's side of a pseudo-terminal. It remains open when clients come and go.
 
 client --/dev/pts/N, or LINK--> read      write --> client
 """
@@ -22,7 +22,7 @@ EVENTS_AT_ONCE = 4096  # maximum number of bytes of events that are read in one 
 
 
 class Openings:
-    """Counter of a file's clients, by Linux's inotify. Without inotify, as on macOS, no client is noticed."""
+    """Counter of the clients that have a file open. It uses Linux's inotify; on systems without it, it counts none."""
 
     def __init__(self, path: str) -> None:
         self._open = 0
@@ -40,9 +40,10 @@ class Openings:
             self._file = -1
 
     def passed(self) -> tuple[bool, bool]:
-        """Return two flags about the time since the last call.
+        """Return (left, came), which describe the time since the last call.
 
-        The first is True if the last client left, and the second is True if a client came when there was none.
+        left: True if the last remaining client closed the file. came: True if a client opened the file when no other
+        client had it open.
         """
         left = came = False
         for mask in self._masks():
@@ -71,9 +72,9 @@ class PseudoTerminal:
     """A new pseudo-terminal. Raise OutsideError if `link` exists, unless an earlier session left it.
 
     path: the path that clients open.
-    link: the path of a symbolic link to it, or None.
-    file: the serving side, which never blocks.
-    kept: the clients' side, kept open so that the terminal does not end when the last client leaves.
+    link: the path of a symbolic link to `path`, or None.
+    file: the file descriptor of the server's side, which never blocks.
+    kept: the file descriptor of the clients' side. It stays open, so that the terminal outlives its last client.
     """
 
     def __init__(self, link: Path | None) -> None:
@@ -95,7 +96,7 @@ class PseudoTerminal:
                 raise OutsideError(f"{link}: {found}; give the link another name") from None
 
     def _is_left_behind(self, link: Path) -> bool:
-        """Return True if an earlier session left `link`: its target is gone, or has the number of the new terminal."""
+        """Return True if `link` is from an earlier session: its target is missing, or is the new terminal."""
         if not link.is_symlink():
             return False
         target = link.readlink()
@@ -109,11 +110,11 @@ class PseudoTerminal:
         os.close(self.kept)
 
     def clients(self) -> tuple[bool, bool]:
-        """Return two flags about the time since the last call: the last client left, and another one came."""
+        """Return (left, came) for the time since the last call: the last client left, and a first client came."""
         return self._openings.passed()
 
     def read(self) -> bytes:
-        """Return received bytes, up to a few kilobytes; b"" if there are none."""
+        """Return some of the received bytes, at most AT_ONCE; b"" if there are none."""
         try:
             return os.read(self.file, AT_ONCE)
         except BlockingIOError:
@@ -124,9 +125,9 @@ class PseudoTerminal:
             return b""
 
     def discard_unread(self) -> None:
-        """Discard written bytes that no client has read."""
+        """Discard the written bytes that no client has read yet."""
         termios.tcflush(self.kept, termios.TCIFLUSH)
 
     def write(self, data: bytes) -> int:
-        """Write bytes and return the number accepted. Raise BlockingIOError for none."""
+        """Write bytes, and return how many were accepted. Raise BlockingIOError if none was accepted."""
         return os.write(self.file, data)

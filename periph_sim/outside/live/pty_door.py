@@ -1,11 +1,11 @@
-"""A serial line at a pseudo-terminal: an SCI receives the bytes that a client writes, and the client reads its bytes.
+"""A serial line at a pseudo-terminal. An SCI receives the client's bytes, and the client reads the SCI's bytes.
 
     client --/dev/pts/N, or LINK--> terminal --bytes--> SerialLine --bits--> RX
                   rate set by the client -------------> length of a bit
 
-The client's rate becomes that of the line, so that a mismatch causes framing errors and breaks. A pseudo-terminal
-transfers no parity and no breaks, so the format of the line is given at creation. The terminal remains open when
-clients close it or end.
+The line uses the client's rate. A mismatch with the SCI's rate therefore causes framing errors and breaks. A
+pseudo-terminal transfers neither parity nor breaks, so the format of the line is an argument. The terminal remains open
+when clients close it or end.
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ RATES = {value: int(name[1:]) for name, value in vars(termios).items() if name[0
 class PtyDoor:
     """Passes bytes between a pseudo-terminal and a line. Raise OutsideError if `link` exists already.
 
-    A client that is a megabyte ahead of the line waits, as at a port with flow control. Unsent bytes of a client that
-    has left are discarded and reported when the next client comes, unless the line needs little time for them.
+    If a client is a megabyte ahead of the line, its writes wait, as at a port with flow control. When the next client
+    comes, unsent bytes of the previous one are discarded and reported, unless the line can send them in a short time.
 
     path: the path that clients open.
-    link: the path of a symbolic link to it, or None.
+    link: the path of a symbolic link to `path`, or None.
     back: bytes from the SCI that the terminal has not accepted yet.
     unread: number of bytes from clients that were not read when the door was closed.
     """
@@ -63,7 +63,7 @@ class PtyDoor:
     def turn(self) -> None:
         self._follow_rate()
         left, came = self._terminal.clients()
-        if left and not came:  # all bytes in the terminal are from the client that has left
+        if left and not came:  # all bytes in the terminal were written by the client that has left
             while data := self._terminal.read():
                 self._line.write(data)
         if came and (discarded := self._line.next_client()):

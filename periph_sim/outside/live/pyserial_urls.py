@@ -1,4 +1,4 @@
-"""Registration of `f28335://` URLs with pyserial, which is required."""
+"""Registration of `f28335://` URLs with pyserial, which must be installed."""
 
 from __future__ import annotations
 

@@ -1,11 +1,11 @@
-"""A serial line over TCP, by RFC 2217: a client on this computer sets rate and format, sends and receives.
+"""A serial line over TCP, by RFC 2217. A client on this computer sends, receives, and sets the rate and format.
 
     client, rfc2217://127.0.0.1:4000 --TCP--> PortManager --bytes--> SerialLine --bits--> RX
                                               baud, format, break --^
 
-pyserial's PortManager implements Telnet. There is one client at a time: a second client is rejected, with the name of
-the first one. A client that sends invalid Telnet is disconnected; its earlier bytes are kept. A program without RFC
-2217, such as netcat, uses the line with the rate and format that it had at its creation.
+pyserial's PortManager implements Telnet. There is one client at a time. A second client is rejected by a message with
+the name of the first client. A client that sends invalid Telnet is disconnected; its earlier bytes are kept. A program
+without RFC 2217, such as netcat, uses the line with its present rate and format.
 
 Source: RFC 2217; RFC 854; pyserial 3.5, serial.rfc2217.PortManager.
 """
@@ -22,15 +22,15 @@ from ..serial_line import SerialLine, parts_of_format
 from .backlog import AT_ONCE, MOST, Backlog, left_there
 
 LOOPBACK = "127.0.0.1"
-WHILE = 0.05  # seconds for which bytes are awaited that the system has not delivered yet
-LONGEST_OPTION = 256  # maximum number of bytes of a subnegotiation; those of RFC 2217 have at most seven
-KEEPALIVE = {"TCP_KEEPIDLE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}  # a dead client is disconnected in 25 s
+WHILE = 0.05  # maximum time in seconds to wait for a client's last bytes
+LONGEST_OPTION = 256  # maximum number of bytes of a Telnet subnegotiation; those of RFC 2217 have at most seven
+KEEPALIVE = {"TCP_KEEPIDLE": 10, "TCP_KEEPINTVL": 5, "TCP_KEEPCNT": 3}  # a dead client is disconnected after 25 s
 
 
 class Rfc2217Door:
-    """Server of one line. Raise OutsideError if the port is in use or pyserial is missing.
+    """TCP server for one serial line. Raise OutsideError if the port is in use or pyserial is missing.
 
-    port: the TCP port, or 0 for any free one.
+    port: the TCP port; 0 for any free port.
     notify: callback that receives a sentence when a client comes or goes.
     """
 
@@ -102,7 +102,7 @@ class Rfc2217Door:
             return
         name = f"client {address[0]}:{address[1]}"
         connection.setblocking(False)
-        # Its unread bytes are processed before the end of its connection.
+        # A client that has disconnected is replaced by the new one. Its last bytes are discarded if they are unread.
         if self._client is not None and self._client.closed():
             self._let_go(self._client, "left")
         if self._client is not None:
@@ -118,7 +118,7 @@ class Rfc2217Door:
 
 
 class ClientDisconnected(Exception):
-    """A client has disconnected, or must be disconnected. The message is a sentence without its subject, the client."""
+    """A client has disconnected, or must be disconnected. The message continues a sentence that begins "client X"."""
 
 
 class Client:
@@ -143,20 +143,20 @@ class Client:
         self._connection.close()
 
     def closed(self) -> bool:
-        """Return True if the client has closed its end or vanished, even if its last bytes are not read yet."""
+        """Return True if the client has closed its connection or vanished, even if its last bytes are unread."""
         poll = select.poll()
         poll.register(self.file, getattr(select, "POLLRDHUP", 0))
         return bool(poll.poll(0))
 
     def receive_rest(self) -> bytes:
-        """Return bytes that arrive, Telnet included; b"" if none arrives within WHILE or the connection is closed."""
+        """Return unread bytes, Telnet commands included; b"" if none arrives in WHILE seconds or on a closed socket."""
         try:
             return self._connection.recv(MOST) if select.select([self.file], [], [], WHILE)[0] else b""
         except (OSError, ValueError):  # ValueError: the connection is closed
             return b""
 
     def write(self, data: bytes) -> None:
-        """Queue Telnet answers. The PortManager calls this."""
+        """Queue Telnet answers to the client. The PortManager calls this."""
         self._out += data
 
     def receive(self) -> bool:
@@ -186,12 +186,12 @@ class Client:
         return True
 
     def _put(self) -> None:
-        """Put received data on the line. This is done before a command changes the settings of the line."""
+        """Write received data to the line. Commands that change the line's settings call this first."""
         self._line.write(bytes(self._data))
         self._data.clear()
 
     def send(self, back: Backlog) -> None:
-        """Send Telnet answers and then bytes from the SCI, until the client accepts no more."""
+        """Send Telnet answers, and then bytes from the SCI, until the client accepts no more."""
         back.flush(self._escaped)
         self._send()
 
@@ -214,17 +214,17 @@ class Client:
 
 
 class Port:
-    """The port that a PortManager controls. Its line raises ValueError for an unsupported rate or format.
+    """The port that a PortManager controls. An unsupported rate or format raises ValueError.
 
-    The settings of modem lines and flow control are constant, because an SCI has no modem lines, and TCP's flow control
-    delays a client that is ahead.
+    The settings of modem lines and flow control are constant. An SCI has no modem lines, and TCP's flow control delays
+    a client that sends faster than the line.
     """
 
     xonxoff = rtscts = cts = dsr = ri = cd = False
     rts = dtr = True
 
     def __init__(self, line: SerialLine, baud: int, form: str, door: Rfc2217Door) -> None:
-        self.before: Callable[[], None] = lambda: None  # a function that is called before each command
+        self.before: Callable[[], None] = lambda: None  # called before each command
         self._line = line
         self._door = door
         self._baud = baud
@@ -282,11 +282,11 @@ class Port:
         self._door.back.clear()
 
     def reset_output_buffer(self) -> None:
-        """Do nothing, because bytes that were sent to the line cannot be withdrawn."""
+        """Do nothing, because written bytes cannot be withdrawn from a line."""
 
 
 def _try_to_send(connection: socket.socket, data: bytes) -> None:
     try:
         connection.send(data)
     except OSError:
-        return  # the client has disconnected already
+        return  # the client has already disconnected

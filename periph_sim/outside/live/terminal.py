@@ -1,4 +1,4 @@
-"""pyserial's miniterm on a case: keys go to an SCI, and the SCI's output is shown.
+"""pyserial's miniterm on a case. It sends keys to an SCI and shows the SCI's output.
 
 Source: pyserial 3.5, serial.tools.miniterm.
 """
@@ -14,7 +14,7 @@ FILTERS = tuple(TRANSFORMATIONS)
 
 
 class Terminal(Miniterm):  # type: ignore[misc]
-    """A miniterm on a session. failed: the reason if the session ended before the user ended it, else ""."""
+    """A miniterm on a session. failed: the reason why the session ended by itself; "" if the user has ended it."""
 
     def __init__(self, port: Serial, echo: bool, eol: str, shown: str, encoding: str) -> None:
         super().__init__(port, echo, eol, (shown,))
@@ -23,7 +23,7 @@ class Terminal(Miniterm):  # type: ignore[misc]
         self.set_tx_encoding(encoding)
 
     def talk(self, greeting: str) -> None:
-        """Run until Ctrl-] or the end of the session. greeting: a text that is shown when keys are read."""
+        """Show the greeting, and run until the user presses Ctrl-] or the session ends."""
         self.start()
         self.console.write(f"{greeting}\r\n")
         try:
@@ -40,7 +40,7 @@ class Terminal(Miniterm):  # type: ignore[misc]
         except (
             SerialException,
             OSError,
-        ) as error:  # OSError: this kernel cannot interrupt a wait for a key
+        ) as error:  # OSError: on this system, a wait for a key cannot be interrupted
             self.failed = str(error.__context__ or error)
             self.console.write("\r\nthe session has ended; press a key\r\n")
 

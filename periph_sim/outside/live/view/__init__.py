@@ -1,4 +1,4 @@
-"""The display of a live session. The session's thread takes snapshots periodically, and other threads display them.
+"""Display of a live session. The session's thread takes snapshots periodically, and other threads display them.
 
 session --Status--> snapshot --Board--> terminal, browser
 """

@@ -25,15 +25,15 @@ class Board:
             self._changed.notify_all()
 
     def close(self) -> None:
-        """End the sequence of snapshots, so that no reader waits for another one."""
+        """Mark the latest snapshot as the last one, so that no reader waits for another."""
         with self._changed:
             self._closed = True
             self._changed.notify_all()
 
     def after(self, number: int, timeout: float) -> tuple[int, Snapshot | None]:
-        """Wait for a snapshot newer than `number`, and return its number and the snapshot.
+        """Wait for a snapshot with a higher number than `number`. Return its number and the snapshot.
 
-        Return `number` and None if there is none at the timeout, or if the board is closed.
+        Return (`number`, None) if there is none after `timeout` seconds, or if the board is closed.
         """
         with self._changed:
             self._changed.wait_for(lambda: self._number > number or self._closed, timeout)
@@ -48,7 +48,7 @@ EVERY = 0.25  # seconds between two snapshots
 
 
 class ViewDoor:
-    """The display as a door of a session, which puts a snapshot on its board several times per second."""
+    """A door that puts a snapshot of the session on a board several times per second."""
 
     def __init__(self, status: Status, board: Board, clock: Callable[[], float] = time.monotonic) -> None:
         self._status, self._board, self._clock = status, board, clock

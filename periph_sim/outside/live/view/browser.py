@@ -1,10 +1,10 @@
-"""The view as a web page for browsers of this computer, updated from a board.
+"""Display of a session as a web page, for browsers on this computer. The page is updated from a board.
 
     GET /        the page
     GET /events  snapshots as server-sent events, one for each new snapshot
 
-The server has its own threads, which only read the board. By default it listens on the loopback address and answers
-only requests to names of this computer, so that no other page can read the view.
+The server has its own threads, which only read the board. By default it listens on the loopback address. It then
+answers only requests that address this computer by a local name, so that pages of other sites cannot read the display.
 
 Source: WHATWG HTML, section 9.2, server-sent events.
 """
@@ -23,13 +23,13 @@ from .board import Board
 PAGE = Path(__file__).with_name("page.html")
 LOOPBACK = "127.0.0.1"
 OURS = ("127.0.0.1", "localhost", "[::1]")
-PATIENCE = 1.0  # seconds without a new snapshot after which the server checks if the client is connected
-END_SEEN = 0.05  # interval, in seconds, at which the server checks if it must stop
+PATIENCE = 1.0  # seconds without a new snapshot after which the server checks that the client is still connected
+END_SEEN = 0.05  # interval in seconds at which the server checks whether it must stop
 RULES = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; connect-src 'self'; img-src data:"
 
 
 class Browser:
-    """Server of the page, in a thread of its own. url: the page's address. Raise OutsideError if the port is in use."""
+    """Server of the page, in its own thread. url: the page's address. Raise OutsideError if the port is in use."""
 
     def __init__(self, board: Board, port: int, address: str = LOOPBACK) -> None:
         try:
@@ -53,7 +53,7 @@ class Browser:
 class _Server(ThreadingHTTPServer):
     board: Board
     guarded: bool
-    daemon_threads = False  # `server_close` waits for the threads, which end because the board is closed
+    daemon_threads = False  # `server_close` waits for the threads, which end when the board is closed
 
 
 class _Handler(BaseHTTPRequestHandler):

@@ -1,8 +1,9 @@
-"""The waveform of the last round, from the edges of wires as they are recorded.
+"""The waveform of the last round, from recorded edges of wires.
 
-    edges --the last 1 << 14--> those from begin to end of a round --> for each wire its first level and its edges
+    edges --the last 1 << 14 are kept--> those in the last round --> for each wire: its first level and its edges
 
-If no rounds are defined, it is the last transfer; if there is no bus, the last activity of the serial lines.
+Without rounds in the case, the waveform shows the last transfer. Without a bus, it shows the serial lines up to their
+last edge.
 """
 
 from __future__ import annotations
@@ -19,13 +20,13 @@ from ....scene.scene import Scene
 
 KEPT = 1 << 14  # number of edges that are kept, of all wires together; a round of 27 bytes has 800
 MARGIN = 20  # microseconds that are shown before and after the round
-SERIAL = 2000  # microseconds that are shown of serial lines
+SERIAL = 2000  # length of a waveform of serial lines, in microseconds
 
 Span = tuple[int, int, str]  # begin and end in ticks, and its title
 
 
 class Line(TypedDict):
-    """One line of a waveform. first: the level at the begin. edges: times in microseconds from the begin."""
+    """One line of a waveform. first: the level at its begin. edges: times in microseconds since its begin."""
 
     name: str
     first: int
@@ -33,7 +34,7 @@ class Line(TypedDict):
 
 
 class Wave(TypedDict):
-    """A waveform. at_s: its begin in seconds of the run. length: its length in microseconds."""
+    """A waveform. at_s: its begin in seconds since the start of the run. length: its length in microseconds."""
 
     title: str
     at_s: float
@@ -42,9 +43,9 @@ class Wave(TypedDict):
 
 
 class LastRound(Listener):
-    """The recorded edges of the wires that are shown. Call `subscribe` while the scene is built.
+    """Recorder of the last edges of some wires. Call `subscribe` while the scene is built.
 
-    wires: the names of the wires, in the order in which they are shown.
+    wires: the names of the wires, in the order in which the waveform shows them.
     """
 
     _per_us: int  # ticks in a microsecond
@@ -59,7 +60,7 @@ class LastRound(Listener):
         recorder.subscribe([Kind.EDGE], self, {Kind.EDGE: self._wires})
 
     def listen(self, scene: Scene) -> None:
-        """Subscribe to rounds or transfers."""
+        """Subscribe to the rounds of a scene; if it has none, to its transfers."""
         if scene.bus.asked is not None:
             scene.on_round(self._round)
         elif "SCL" in scene.wires:
@@ -78,7 +79,7 @@ class LastRound(Listener):
         self._span = one.phases[0].start_at, one.stop_at, one.name or "the last transfer"
 
     def wave(self, start: int) -> Wave | None:
-        """Return the waveform; None before there is one. start: the tick at which the run began."""
+        """Return the waveform; None if no edge was recorded yet. start: the tick at which the run began."""
         span = self._span or self._serial()
         if span is None:
             return None

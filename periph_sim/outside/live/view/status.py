@@ -1,10 +1,10 @@
-"""Status of a live session: snapshots for display from its scene, serial line and pacer.
+"""Snapshots of a live session for display, made from its scene, serial line and pacer.
 
     transfers --> last readings --> attitude
     counts of the last two seconds --> rates
     registers --> set flags;  budgets --> verdicts so far;  pacer --> lateness
 
-A snapshot consists of plain values, created in the session's own thread and independent of it afterwards.
+A snapshot consists of plain values. It is created in the session's thread, and other threads may then read it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .last_round import LastRound, Wave
 
 WINDOW = 2.0  # seconds over which rates are averaged
 SELDOM = 10.0  # seconds between calculations of a percentile, which needs all values
-SAID = 3  # number of sentences from doors that are shown
+SAID = 3  # number of the doors' last sentences that are shown
 FLAGS = {
     "SCI": ("SCIRXST.BRKDT", "SCIRXST.FE", "SCIRXST.OE", "SCIRXST.PE", "SCIFFRX.RXFFOVF"),
     "I2C": ("I2CSTR.AL", "I2CSTR.NACK", "I2CSTR.NACKSNT", "I2CSTR.RSFULL", "I2CSTR.SDIR", "I2CSTR.BB"),
@@ -42,7 +42,7 @@ class Reading(TypedDict):
 
 
 class BudgetSoFar(TypedDict):
-    """The state of a budget during the run. state: "pass", "fail", or "" if nothing was measured yet."""
+    """The state of a budget during the run. state: "pass", "fail", or "" as long as the budget is not judged."""
 
     name: str
     seen: str
@@ -55,7 +55,7 @@ class Lateness(TypedDict):
     """The lateness of the session's steps, as a histogram.
 
     steps: the upper bounds of the classes, in seconds.
-    counts: the number of steps in each class; the last is for those beyond all bounds.
+    counts: the number of steps in each class; the last class has no upper bound.
     late: the number of steps whose lateness exceeds `tolerated`.
     """
 
@@ -72,7 +72,7 @@ class Lateness(TypedDict):
 class Snapshot(TypedDict):
     """The state of a session for display.
 
-    rates: counts per simulated second; "pace" is the number of simulated seconds in a second.
+    rates: counts per simulated second. The entry "pace" is the number of simulated seconds per second of real time.
     over: True if the session has ended.
     """
 
@@ -95,8 +95,8 @@ class Status:
     """Maker of snapshots of a session.
 
     where: the address for clients.
-    line: the serial line, or None for a bus.
-    wave: the source of the waveform, or None if it is not displayed.
+    line: the serial line; None if the session is connected to a bus.
+    wave: the source of the waveform; None if no waveform is displayed.
     """
 
     def __init__(
@@ -172,7 +172,7 @@ class Status:
         self._rounds += 1
 
     def _attitude(self) -> list[float] | None:
-        """Return the attitude if the firmware's model can calculate it from the readings; else None."""
+        """Return the attitude that the firmware's model calculates from the readings; None if it cannot."""
         model = self._session.scene.model
         readings = {name: reading["values"] for name, reading in self._readings.items()}
         return None if model is None else model.attitude(readings)

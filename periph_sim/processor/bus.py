@@ -52,8 +52,6 @@ class Posted:  # core: freelist 4
 
     STATE = State("operand value where", cycles="lands", records="cause", made=True)
 
-    __slots__ = ("cause", "following", "lands", "operand", "value", "where")
-
     lands: int
     operand: Operand
     value: int
@@ -75,17 +73,6 @@ class Bus:
 
     STATE = State("ram _posted_last issued_at", cycles="free_from free_of _last_pf1_write", chains="_posted")
 
-    __slots__ = (
-        "_clock", "_core", "_last_pf1_write", "_name", "_named", "_notes", "_nothing", "_pairs",
-        "_pf1_back_to_back_write", "_pf2_read_ws", "_pf2_write_ws", "_place", "_posted", "_posted_last",
-        "_read_listed", "_recorder", "_records_access", "_subjects", "_time", "_waits", "_words", "_write_lands",
-        "_write_listed", "free_from", "free_of", "issued_at", "map", "ram",
-    )  # fmt: skip
-
-    _subjects: frozenset[str] | None
-    _waits: WaitStates
-    _write_lands: IntOption
-    _pf1_back_to_back_write: IntOption
     _pf2_read_ws: IntOption
     _pf2_write_ws: IntOption
 
@@ -116,11 +103,13 @@ class Bus:
         self._place = place
         self._records_access = recorder.wants(Kind.ACCESS)
         wanted = recorder.subjects(Kind.ACCESS)
-        self._subjects = None if wanted is None else frozenset(subject.rpartition(".")[2] for subject in wanted)
-        self._waits = WaitStates(options)
-        self._pf1_back_to_back_write = options.pf1_back_to_back_write
+        self._subjects: frozenset[str] | None = (
+            None if wanted is None else frozenset(subject.rpartition(".")[2] for subject in wanted)
+        )
+        self._waits: WaitStates = WaitStates(options)
+        self._pf1_back_to_back_write: IntOption = options.pf1_back_to_back_write
         self._pf2_read_ws, self._pf2_write_ws = options.pf2_read_ws, options.pf2_write_ws
-        self._write_lands = options.write_lands
+        self._write_lands: IntOption = options.write_lands
         self._read_listed = self._write_listed = False  # an access in frame 2
         self._words: list[Operand | None] = []  # by address, made at the first access
         self._pairs: list[Operand | None] = []  # of 32 bits

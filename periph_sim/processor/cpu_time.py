@@ -34,22 +34,6 @@ class CpuTime:
 
     STATE = State("asleep watching _wake", cycles="cycle lands met wakes _wake_cycle _until", ticks="_wake_tick")
 
-    __slots__ = (
-        "_clock",
-        "_kernel",
-        "_until",
-        "_wake",
-        "_wake_cycle",
-        "_wake_tick",
-        "asleep",
-        "cycle",
-        "lands",
-        "lease",
-        "met",
-        "wakes",
-        "watching",
-    )
-
     def __init__(self, kernel: Kernel, clock: Clock, agent: Agent) -> None:
         """agent: acts at the cycle of a scheduled wake-up; it calls `arrive` first."""
         self.cycle = 0

@@ -30,19 +30,6 @@ class FirmwareNotes:
 
     STATE = State("counts places", ticks="first_at")
 
-    __slots__ = (
-        "_clock",
-        "_kernel",
-        "_name",
-        "_place",
-        "_recorder",
-        "counts",
-        "first_at",
-        "placed",
-        "places",
-        "strict",
-    )
-
     def __init__(
         self,
         kernel: Kernel,

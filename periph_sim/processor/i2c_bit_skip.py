@@ -30,17 +30,13 @@ SCL_INDEX = 0  # among the module's outputs
 class I2cModuleParty(BitParty):
     """The I2C module of a unit as a party whose bits can be skipped. socket: the module's. clock: SYSCLKOUT."""
 
-    __slots__ = ("_asking", "_calm", "_calm_for", "_chip", "_clock", "_hz", "_release_cause", "_socket")
-
-    _hz: Fraction
-
     def __init__(self, socket: Socket, chip: I2c, clock: Clock) -> None:
         self._socket = socket
         self._chip = chip
         self._clock = clock
         self._calm = False
         self._calm_for = -1  # key of the values that `_calm` depends on,
-        self._hz = clock.hz  # and the clock rate
+        self._hz: Fraction = clock.hz  # and the clock rate
         self._asking = False  # the module, as the master, is about to skip bits
         self._release_cause = 0  # the record that caused the release of SCL for the first skipped bit
 
@@ -123,8 +119,6 @@ class I2cModuleParty(BitParty):
 @final
 class I2cMasterGate(PinReleaseGate):
     """Gate that holds SCL's pin low while bits that the module clocks are skipped."""
-
-    __slots__ = ("_bit_skip", "_chip", "_party", "_times")
 
     def __init__(self, party: I2cModuleParty, chip: I2c, clock: Clock, bit_skip: BitSkip) -> None:
         self._party = party

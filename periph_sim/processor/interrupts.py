@@ -50,23 +50,6 @@ class Interrupts:
 
     STATE = State("core taken _number", records="_causes")
 
-    __slots__ = (
-        "_causes",
-        "_clock",
-        "_name",
-        "_notes",
-        "_number",
-        "_pie",
-        "_ram",
-        "_recorder",
-        "_records_irq",
-        "_returning",
-        "_time",
-        "core",
-        "taken",
-        "unrequested",
-    )
-
     def __init__(
         self,
         name: str,

@@ -36,56 +36,6 @@ class Operand:
     placed: True if records of reads contain the place.
     """
 
-    __slots__ = (
-        "address",
-        "block",
-        "chip",
-        "field",
-        "frame1",
-        "frame2",
-        "harmless",
-        "looks",
-        "lsb",
-        "mask",
-        "meets",
-        "name",
-        "named",
-        "offset",
-        "pieack",
-        "place",
-        "placed",
-        "protected",
-        "read_waits",
-        "reads",
-        "recorded",
-        "register",
-        "shift",
-        "socket",
-        "steady",
-        "words",
-        "write_waits",
-        "writes",
-    )
-
-    socket: Socket
-    chip: Chip
-    name: str
-    named: str
-    address: int
-    lsb: int
-    mask: int
-    offset: int
-    read_waits: int
-    shift: int
-    write_waits: int
-    block: bool
-    frame1: bool
-    frame2: bool
-    harmless: bool
-    looks: bool
-    meets: bool
-    protected: bool
-    steady: bool
     reads: Topic
     writes: Topic
 
@@ -104,28 +54,28 @@ class Operand:
         self.register = register
         self.words = words
         self.field = field
-        self.named = "" if field is None else field.name
-        self.socket = socket
-        self.chip = socket.chip
-        self.offset = register.offset
-        self.address = place.base + self.offset
-        self.mask = WORDS_MASK[words] if field is None else field.mask
-        self.lsb = 0 if field is None else field.lsb
-        self.shift = 16 if words == HIGH else 0
-        self.name = f"{place.name}.{register.name}"
-        self.read_waits = waits.read[place.frame]
-        self.write_waits = waits.write[place.frame]
-        self.block = place.base in PROTECTED_BLOCK
-        self.frame1 = place.frame is Frame.PF1
-        self.frame2 = place.frame is Frame.PF2
-        self.protected = register.protected
+        self.named: str = "" if field is None else field.name
+        self.socket: Socket = socket
+        self.chip: Chip = socket.chip
+        self.offset: int = register.offset
+        self.address: int = place.base + self.offset
+        self.mask: int = WORDS_MASK[words] if field is None else field.mask
+        self.lsb: int = 0 if field is None else field.lsb
+        self.shift: int = 16 if words == HIGH else 0
+        self.name: str = f"{place.name}.{register.name}"
+        self.read_waits: int = waits.read[place.frame]
+        self.write_waits: int = waits.write[place.frame]
+        self.block: bool = place.base in PROTECTED_BLOCK
+        self.frame1: bool = place.frame is Frame.PF1
+        self.frame2: bool = place.frame is Frame.PF2
+        self.protected: bool = register.protected
         self.pieack = register is PIEACK
         self.recorded = recorded
         self.placed = False
-        self.harmless = harmless and not neighbour
-        self.meets = not self.harmless or socket.before is not None
-        self.steady = harmless and register.yields is not Yields.TIME
-        self.looks = harmless and words == LOW and register.width == 16 and socket.before is None
+        self.harmless: bool = harmless and not neighbour
+        self.meets: bool = not self.harmless or socket.before is not None
+        self.steady: bool = harmless and register.yields is not Yields.TIME
+        self.looks: bool = harmless and words == LOW and register.width == 16 and socket.before is None
 
     def record(self, reads: Topic, writes: Topic) -> None:
         """Set the topics of its records."""

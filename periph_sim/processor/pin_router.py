@@ -41,9 +41,6 @@ class Router(Agent):
 
     STATE = State("_pins _free_pins _direct _feeds pads _monitored _unread _routes _outs _lines", ticks="_between_at")
 
-    _wires: dict[int, Wire]
-    _unread: BigInt
-
     def __init__(
         self,
         kernel: Kernel,
@@ -63,7 +60,7 @@ class Router(Agent):
         self._recorder = recorder
         self._gpio = gpio
         self._gpio_socket = gpio_socket
-        self._wires = wires
+        self._wires: dict[int, Wire] = wires
         self._undriven = {n: int(n not in pulled_down) for n in wires}
         self._inputs = inputs
         self._outputs = outputs
@@ -74,7 +71,7 @@ class Router(Agent):
         self.pads = Sampler(kernel, recorder, self)  # pads whose edges the GPIO machine receives
         self._line = {n: line for line, n in enumerate(wires)}  # pad -> its line of `pads`
         self._monitored: set[int] = set()
-        self._unread = -1  # mask: all other pads
+        self._unread: BigInt = -1  # mask: all other pads
         self._between_at = NO_TIME  # when it next receives edges between two SYSCLKOUT edges
         self._xint = xint
         self._routes = -1

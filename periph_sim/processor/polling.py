@@ -27,8 +27,6 @@ class Poll:
 
     STATE = State("operand value before where", made=True)
 
-    __slots__ = ("before", "operand", "value", "where")
-
     operand: Operand
     value: int
     before: int
@@ -49,20 +47,6 @@ class Spin:
     """
 
     STATE = State("pass_cycles made reads pure bare held_up last", cycles="since ends start live_from", made=True)
-
-    __slots__ = (
-        "bare",
-        "ends",
-        "held_up",
-        "last",
-        "live_from",
-        "made",
-        "pass_cycles",
-        "pure",
-        "reads",
-        "since",
-        "start",
-    )
 
     def __init__(self, since: int, pass_cycles: int | None = None, ends: int = NEVER) -> None:
         self.since = since
@@ -151,8 +135,6 @@ class Lease(ChipObserver):
     """The time for which further passes have the same result: until a bit that the pass looked at changes."""
 
     STATE = State("_sockets _spin", cycles="_first")
-
-    __slots__ = ("_first", "_sockets", "_spin", "_time")
 
     def __init__(self, time: CpuTime) -> None:
         self._time = time

@@ -146,23 +146,6 @@ class Processor(Agent):
 
     STATE = State("time notes bus interrupts stopped _under_way _vector", cycles="_goal", records="_cause")
 
-    __slots__ = (
-        "_cause",
-        "_goal",
-        "_outer",
-        "_program",
-        "_recorder",
-        "_under_way",
-        "_vector",
-        "bus",
-        "interrupts",
-        "kernel",
-        "name",
-        "notes",
-        "stopped",
-        "time",
-    )
-
     def __init__(
         self,
         kernel: Kernel,

@@ -95,7 +95,7 @@ class _ImageNames:
 
     @cached_property
     def _image(self) -> Image:
-        from ..processor.image_files.program_file import program_in
+        from ..processor.image_files.load import program_in
 
         return program_in(Path(self._path))
 

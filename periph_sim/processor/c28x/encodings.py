@@ -34,18 +34,6 @@ class BitField(NamedTuple):
         return pair >> self.shift & self.mask
 
 
-class CyclesWhere(NamedTuple):
-    """Cycles that apply if a field has this value (`exactly`), or any of its bits."""
-
-    field: str
-    exactly: bool
-    number: int
-    cycles: int
-
-    def holds(self, value: int) -> bool:
-        return value == self.number if self.exactly else value & self.number != 0
-
-
 @dataclass(frozen=True, eq=False, slots=True)
 class Encoding:
     """One form of an instruction.
@@ -53,7 +41,8 @@ class Encoding:
     mask, value: the fixed bits within the two words. bounds: values of fields that belong to the pattern.
     kind: core, fpu, c2xlp, c27x, emu or trap. alias_of: the form for which this is
     a fixed value of the operand field. also: another syntax of it, or "". shift_bias: the shift minus the
-    value of field s. cycles: when executed alone; see `cycles_of`. repeated: cycles of N + 1 executions after RPT,
+    value of field s. cycles: when executed alone. cycles_where: "y & 0x30: 2" or "k = 15: 4", those that apply if field
+    y has any of these bits, or field k this value; or "". repeated: cycles of N + 1 executions after RPT,
     less N; 0 if not repeatable. latency: "2p" if the result is available one instruction later; "2p/1", "2p/2p"
     for the halves of a pair; else "". depends: status bits that change its effect. flags, op: its effect, for the
     tests of `execution`.
@@ -73,7 +62,7 @@ class Encoding:
     shift_bias: int
     cycles: int
     not_taken: int
-    cycles_where: tuple[CyclesWhere, ...]
+    cycles_where: str
     repeated: int
     latency: str
     flags: str
@@ -104,9 +93,10 @@ class Encoding:
 
     def cycles_of(self, values: Mapping[str, int]) -> tuple[int, int]:
         """Return cycles for these field values: (taken, not taken), equal if it is not a branch."""
-        for where in self.cycles_where:
-            if where.holds(values[where.field]):
-                return where.cycles, where.cycles
+        if where := CYCLES_WHERE.fullmatch(self.cycles_where):
+            value, number = values[where[1]], int(where[3], 0)
+            if value == number if where[2] == "=" else value & number:
+                return int(where[4]), int(where[4])
         return self.cycles, self.not_taken
 
     @property
@@ -161,7 +151,7 @@ def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
         shift_bias=take("shift_bias", 0),
         cycles=cycles,
         not_taken=take("not_taken", cycles),
-        cycles_where=_cycles_where(take("cycles_where", "")),
+        cycles_where=take("cycles_where", ""),
         repeated=_repeated(take("cycles_rpt", "")),
         latency=take("latency", ""),
         flags=take("flags", ""),
@@ -173,26 +163,17 @@ def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
     if columns:
         unread = " and ".join(sorted(columns))
         raise ValueError(f"encodings.toml: {name}: no code reads {unread}; read the column, or make it a comment")
+    if found.cycles_where and not CYCLES_WHERE.fullmatch(found.cycles_where):
+        what = f"{found.cycles_where!r} is not a field condition with its cycles"
+        raise ValueError(f"{what}, such as 'k = 15: 4'")
     return found
 
 
 def _repeated(cycles: str) -> int:
     """Return the 2 of "N+2"; 0 if not repeatable."""
-    if not cycles:
-        return 0
-    if not cycles.startswith("N+"):
+    if cycles and not cycles.startswith("N+"):
         raise ValueError(f"{cycles!r} is not the cycles of N + 1 executions, such as 'N+1'")
-    return int(cycles[2:])
-
-
-def _cycles_where(where: str) -> tuple[CyclesWhere, ...]:
-    """Return the condition and the cycles that "y & 0x30: 2" or "k = 15: 4" states."""
-    if not where:
-        return ()
-    found = CYCLES_WHERE.fullmatch(where)
-    if found is None:
-        raise ValueError(f"{where!r} is not a field condition with its cycles, such as 'k = 15: 4'")
-    return (CyclesWhere(found[1], found[2] == "=", int(found[3], 0), int(found[4])),)
+    return int(cycles[2:] or 0)
 
 
 def _fields(bits: str) -> dict[str, BitField]:
@@ -210,6 +191,4 @@ def _bounds(where: str) -> dict[str, range]:
     if not where:
         return {}
     name, relation, number = where.split()
-    if relation not in (">=", "<="):
-        raise ValueError(f"{where!r} is not a bound of a field")
     return {name: range(int(number), 1 << PAIR) if relation == ">=" else range(int(number) + 1)}

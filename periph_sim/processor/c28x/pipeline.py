@@ -133,13 +133,8 @@ class FetchQueue:
 
     STATE = State("expected _bits _cycles _newest _place", cycles="_ready _issued _consumed")
 
-    __slots__ = ("_bits", "_consumed", "_cycles", "_issued", "_newest", "_place", "_ready", "expected", "packed_queue")
-
-    packed_queue: Annotated[list[int], QUEUE_PACKED]
-    _consumed: Annotated[list[int], DEPTH]
-
     def __init__(self) -> None:
-        self._consumed = [0] * DEPTH  # cycle when each unit's slot was free again
+        self._consumed: Annotated[list[int], DEPTH] = [0] * DEPTH  # cycle when each unit's slot was free again
         self._place = DEPTH - 1  # mask: bits of a unit's number that select its slot
         self._newest = 0  # the last unit needed
         self._ready = 0  # cycle when that unit was available
@@ -147,7 +142,7 @@ class FetchQueue:
         self._cycles = 1  # cycles per unit
         self._issued = 0  # cycle when the last instruction left the queue
         self.expected = -1
-        self.packed_queue = [0] * QUEUE_PACKED
+        self.packed_queue: Annotated[list[int], QUEUE_PACKED] = [0] * QUEUE_PACKED
 
     def pack(self, cycle: int) -> None:
         """Write the queue's state to `packed_queue`, with times relative to this cycle."""
@@ -229,19 +224,12 @@ class Pipeline:
 
     STATE = State("enabled pending clock until _at _first _last _ready")
 
-    __slots__ = ("_at", "_first", "_last", "_ready", "clock", "enabled", "packed_stores", "pending", "until")
-
-    packed_stores: Annotated[list[int], STORES_PACKED]
-    _first: Annotated[list[int], STORES]
-    _last: Annotated[list[int], STORES]
-    _ready: Annotated[list[int], STORES]
-
     def __init__(self) -> None:
         self.enabled = True
-        self._first = [0] * STORES
-        self._last = [0] * STORES
-        self._ready = [0] * STORES
-        self.packed_stores = [0] * STORES_PACKED
+        self._first: Annotated[list[int], STORES] = [0] * STORES
+        self._last: Annotated[list[int], STORES] = [0] * STORES
+        self._ready: Annotated[list[int], STORES] = [0] * STORES
+        self.packed_stores: Annotated[list[int], STORES_PACKED] = [0] * STORES_PACKED
         self.clock = self._at = 0
         self.drain()
 

@@ -22,6 +22,8 @@ from elftools.elf.constants import SH_FLAGS
 from elftools.elf.elffile import ELFFile
 from elftools.elf.sections import SymbolTableSection
 
+from ..image_files.debug_info import DebugInfo
+from ..image_files.model import Image
 from .register_layout import LARGEST
 
 BYTES = 0x4_0000  # bytes of registers: 2 ** 16 words
@@ -87,9 +89,7 @@ class Library:
     def place_of(self, address: int) -> tuple[str, str, int]:
         """Return (function, file, line) of an instruction at a host address; empty and 0 if unknown."""
         at = address - self.loaded_at
-        rows, starts = self._lines
-        row = bisect_right(starts, at) - 1
-        file, line = rows[row] if row >= 0 else ("", 0)
+        file, line = self._debug.line_at(at) or ("", 0)
         by_address = self._by_address
         place = bisect_right(by_address, (at, "\uffff")) - 1
         return by_address[place][1] if place >= 0 else "", file, line
@@ -122,23 +122,10 @@ class Library:
         return sorted((address, name) for name, address in self._functions.items())
 
     @cached_property
-    def _lines(self) -> tuple[list[tuple[str, int]], list[int]]:
-        """Source lines (file, line) sorted by address, and the addresses."""
-        found: dict[int, tuple[str, int]] = {}
+    def _debug(self) -> DebugInfo:
         with self._path.open("rb") as file:
-            dwarf = ELFFile(file).get_dwarf_info()
-            for unit in dwarf.iter_CUs():
-                program = dwarf.line_program_for_CU(unit)
-                if program is None:
-                    continue
-                first = 0 if program["version"] >= 5 else 1
-                names = [entry.name.decode("utf-8", "replace") for entry in program["file_entry"]]
-                for entry in program.get_entries():
-                    state = entry.state
-                    if state is not None and not state.end_sequence:
-                        found[state.address] = (names[state.file - first], state.line)
-        starts = sorted(found)
-        return [found[start] for start in starts], starts
+            sections = [one for one in ELFFile(file).iter_sections() if one.name.startswith(".debug")]
+            return DebugInfo(Image("ELF", 0, (), debug={one.name: one.data() for one in sections}))
 
 
 def contents_of(library: Path) -> bytes:

@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import platform
 import re
+from math import prod
 from pathlib import Path
 
 from elftools.dwarf.compileunit import CompileUnit
@@ -22,6 +23,7 @@ from elftools.elf.elffile import ELFFile
 from msgspec import Struct
 
 from ...f28335.parts.f28335 import PART
+from ..image_files.variables import QUALIFIERS, size_of, sizes_of, without_qualifiers
 
 BYTES_A_WORD = 4  # on the host, per word of the chip: the size of an unsigned int
 IER, IFR = 0x0F00, 0x0F04  # CPU registers, at addresses unused on the chip
@@ -61,7 +63,6 @@ CHIP_BITS = {  # other types have 16 bits
     **dict.fromkeys(("double", "long double", "long long int", "long long unsigned int", "__int128"), 64),
 }
 FIXED_WIDTH = re.compile(r"u?int(?:_least|_fast)?(8|16|32|64)_t")
-QUALIFIERS = ("DW_TAG_const_type", "DW_TAG_volatile_type", "DW_TAG_restrict_type", "DW_TAG_atomic_type")
 SIGNED = (5, 6)  # DW_ATE_signed, DW_ATE_signed_char
 COMPOUND = ("DW_TAG_structure_type", "DW_TAG_union_type")
 LARGEST = 8  # bytes of an access
@@ -177,14 +178,16 @@ class _Structures:
         """Add a member that is not a bit field, and return its words on the chip. at, word: its begin."""
         kind = _stripped(member)
         if kind.tag == "DW_TAG_array_type":
-            words, stride = 0, _size(_stripped(kind))
-            for index in range(_length(kind)):
+            words, stride = 0, size_of(_stripped(kind))
+            for index in range(prod(sizes_of(kind) or (0,))):
                 words += self.add(kind, at + index * stride, word + words)
             return words
         if kind.tag in COMPOUND:
             return self._add_compound(kind, at, word)
         bits = self._bits(member)
-        place = Place(at, _size(kind), word, bits, _is_signed(kind) and 8 * _size(kind) > bits)
+        place = Place(
+            at, size_of(kind), word, bits, _value(kind, "DW_AT_encoding") in SIGNED and 8 * size_of(kind) > bits
+        )
         if bits > 2 * WORD or place.size * WORD > BYTES_A_WORD * bits:
             raise self._refusal(NO_REGISTER)
         if not self._layout.add_number(place):
@@ -210,7 +213,7 @@ class _Structures:
                 if begin < host_bit and not self._is_certain(member, bit // WORD, host_bit):
                     raise self._refusal("unnamed bits may be before it; put the bit fields in a separate structure")
                 bit = WORD * (first + self.add(member, at + offset, word + first))
-                host_bit = begin = 8 * (offset + _size(_stripped(member)))
+                host_bit = begin = 8 * (offset + size_of(_stripped(member)))
             self._path.pop()
             longest = max(longest, bit)
         align = self._alignment_of_members(compound)
@@ -233,7 +236,7 @@ class _Structures:
         if bits > 2 * WORD:
             raise self._refusal(NO_REGISTER)
         host = _value(member, "DW_AT_data_bit_offset")
-        if host == _aligned(host_bit, width, 8 * _size(_stripped(member))):
+        if host == _aligned(host_bit, width, 8 * size_of(_stripped(member))):
             first = _aligned(bit, width, bits)
         else:
             first = bit + host - host_bit
@@ -315,17 +318,9 @@ def _names_of_type(member: DIE) -> list[str]:
 
 def _stripped(member: DIE) -> DIE:
     """Return the type of a member or of array elements, without typedefs and qualifiers."""
-    die = member.get_DIE_from_attribute("DW_AT_type")
-    while die.tag == "DW_TAG_typedef" or die.tag in QUALIFIERS:
-        die = die.get_DIE_from_attribute("DW_AT_type")
-    return die
-
-
-def _size(kind: DIE) -> int:
-    """Return the size on the host, in bytes."""
-    if kind.tag == "DW_TAG_array_type":
-        return _length(kind) * _size(_stripped(kind))
-    return _value(kind, "DW_AT_byte_size")
+    kind = without_qualifiers(member.get_DIE_from_attribute("DW_AT_type"))
+    assert kind is not None, "a member has a type"
+    return kind
 
 
 def _host_alignment(member: DIE) -> int:
@@ -333,22 +328,7 @@ def _host_alignment(member: DIE) -> int:
     kind = _stripped(member)
     if kind.tag in COMPOUND:
         return max(map(_host_alignment, _members(kind)), default=1)
-    return _host_alignment(kind) if kind.tag == "DW_TAG_array_type" else _size(kind)
-
-
-def _length(array: DIE) -> int:
-    """Return the number of elements in all dimensions; 0 if the declaration leaves it open."""
-    length = 1
-    for dimension in array.iter_children():
-        if "DW_AT_count" in dimension.attributes:
-            length *= _value(dimension, "DW_AT_count")
-        else:
-            length *= _value(dimension, "DW_AT_upper_bound") + 1 if "DW_AT_upper_bound" in dimension.attributes else 0
-    return length
-
-
-def _is_signed(kind: DIE) -> bool:
-    return _value(kind, "DW_AT_encoding") in SIGNED
+    return _host_alignment(kind) if kind.tag == "DW_TAG_array_type" else size_of(kind)
 
 
 def _declared_at(member: DIE) -> str:

@@ -280,7 +280,6 @@ class CountingLoop(InstructionWatch):
 
     def __init__(self, cpu: ImageCpu, time: CpuTime, memory: Ram, over: Callable[[InstructionWatch], None]) -> None:
         """over: called when the trace is no longer needed."""
-        super().__init__()
         self.does_more = False
         self._time = time
         self._began = time.cycle
@@ -295,7 +294,6 @@ class CountingLoop(InstructionWatch):
         self._steps: dict[Place, int] = {}  # by word: what a pass adds to it
 
     def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
-        super().executed(f, cpu, cycle)
         if not self._cpu.polls.counting:
             self._over(self)
             return

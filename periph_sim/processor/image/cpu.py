@@ -41,9 +41,6 @@ class ImageCpu(ImageMemory):
 
     STATE = State("ended returning idling _kept")
 
-    _packed: Annotated[list[int], PACKED]
-    _kept: Annotated[list[int], PACKED]
-
     def __init__(
         self, processor: Processor, options: SystemOptions, skip_polls: bool = True, keeps_decoded: bool = True
     ) -> None:
@@ -52,8 +49,8 @@ class ImageCpu(ImageMemory):
         self._processor = processor
         self._options = options
         self._delays = options.fpu_delay_slot.unrecorded() == "old_value"
-        self._packed = [0] * PACKED  # the present state, see `state`
-        self._kept = [0] * PACKED  # the state at the last call of `is_as_before`
+        self._packed: Annotated[list[int], PACKED] = [0] * PACKED  # the present state, see `state`
+        self._kept: Annotated[list[int], PACKED] = [0] * PACKED  # the state at the last call of `is_as_before`
         self.reset()
 
     def reset(self) -> None:

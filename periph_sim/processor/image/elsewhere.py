@@ -59,15 +59,14 @@ class UnmappedMemory:
 
     _flash_begin: int
     _part: Part
-    _frames: Annotated[list[UInt16], FRAMES_END]
-    _states: Annotated[list[UInt16], FRAMES_END]
 
     def __init__(self, core: CpuInterrupts, notes: FirmwareNotes) -> None:
         self.changed: Callable[[], None] | None = None
         self._core = core
         self._notes = notes
-        self._frames = [0] * FRAMES_END  # words of frames and of XINTF zone 0
-        self._states = [0] * FRAMES_END  # their properties; SEEN: an access affects the word alone
+        self._frames: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END  # words of frames and of XINTF zone 0
+        # Their properties; SEEN: an access affects the word alone.
+        self._states: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END
         self._stored = {ADC_CAL: LRETR}  # words at higher addresses
         for address, value in FRAME_RESET.items():
             self._frames[address] = value

@@ -43,11 +43,6 @@ class InstructionTiming:
 
     STATE = State("pipeline queue conflicts late")
 
-    __slots__ = ("_ahead", "_core", "_elsewhere", "_options", "_shared", "conflicts", "late", "pipeline", "queue")
-
-    _shared: BoolOption
-    _ahead: int
-
     def __init__(self, core: CpuInterrupts, options: SystemOptions, elsewhere: UnmappedMemory) -> None:
         self.pipeline = Pipeline()
         self.pipeline.enabled = options.stalls.unrecorded()
@@ -56,8 +51,8 @@ class InstructionTiming:
         self._core = core
         self._options = options
         self.conflicts = True
-        self._shared = options.flash_model.matches("shared_with_reads")
-        self._ahead = DEPTH // 2 if options.flash_model.unrecorded() == "two_words_ahead" else DEPTH
+        self._shared: BoolOption = options.flash_model.matches("shared_with_reads")
+        self._ahead: int = DEPTH // 2 if options.flash_model.unrecorded() == "two_words_ahead" else DEPTH
         self._elsewhere = elsewhere
         if not self.pipeline.enabled:
             options.stalls.assume(core.touched)  # without stalls it is unknown whether one would have occurred

@@ -23,9 +23,7 @@ LAST_JUMPS = 8  # named in an error; a power of two
 class LoadedImage(Program):
     """A program whose image is in the memory of its CPU. cpu: the registers and memory of the CPU."""
 
-    STATE = State("cpu _jumps _jumped _calls _waits _watch _unwritten _at")
-
-    _jumps: Annotated[list[int], LAST_JUMPS]
+    STATE = State("cpu _jumps _jumped _calls _waits _watches _unwritten _at")
 
     def __init__(self, processor: Processor, clock: Clock, image: Image, entry: int, cpu: ImageCpu) -> None:
         """entry: the address at which execution begins."""
@@ -34,13 +32,13 @@ class LoadedImage(Program):
         self.image = image
         self._processor = processor
         self._clock = clock
-        self._jumps = [0] * LAST_JUMPS  # a ring
+        self._jumps: Annotated[list[int], LAST_JUMPS] = [0] * LAST_JUMPS  # a ring
         self._jumped = 0
         self._places: dict[int, SourceLocation] = {}
         self._functions: FunctionMap | None = None
         self._calls: CallStack | None = None  # if calls are observed
         self._waits: WaitRecords | None = None  # if waits are recorded
-        self._watch: InstructionWatch | None = None  # if instructions are observed
+        self._watches: list[InstructionWatch] = []  # observers of instructions
         self._entry = entry
         self._at = entry  # the present instruction, or the last one
         self._unwritten: set[str] = set()  # functions that have read unwritten memory
@@ -124,9 +122,8 @@ class LoadedImage(Program):
 
     def watch_instructions(self, watch: InstructionWatch) -> None:
         """Add an observer of each executed instruction."""
-        watch.beside, self._watch = self._watch, watch
+        self._watches = [watch, *self._watches]
 
     def unwatch_instructions(self, watch: InstructionWatch) -> None:
-        """Remove the observer if it is the one added last."""
-        if self._watch is watch:
-            self._watch = watch.beside
+        """Remove an observer, if it is there; it may be the one that is receiving an instruction."""
+        self._watches = [one for one in self._watches if one is not watch]

@@ -47,9 +47,6 @@ class ImageMemory(Engine):
 
     STATE = State("elsewhere timing polls watched _tested _written _slots_seen")
 
-    elsewhere: UnmappedMemory
-    _written: Annotated[list[UInt16], RAM_TO]
-
     def __init__(self, processor: Processor, options: SystemOptions, skip_polls: bool) -> None:
         self._core = processor.interrupts.core
         super().__init__()
@@ -57,12 +54,12 @@ class ImageMemory(Engine):
         self._time = processor.time
         self._bus = processor.bus
         self._ram: Ram = processor.bus.ram
-        self.elsewhere = UnmappedMemory(self._core, processor.notes)
+        self.elsewhere: UnmappedMemory = UnmappedMemory(self._core, processor.notes)
         self.timing = InstructionTiming(self._core, options, self.elsewhere)
         self._pipeline = self.timing.pipeline
         self._decoding = False
         self._tested = 0  # bits that the present instruction tests in its operand
-        self._written = [0] * RAM_TO  # 1 for a word that was written
+        self._written: Annotated[list[UInt16], RAM_TO] = [0] * RAM_TO  # 1 for a word that was written
         self.watched: VariableRecords | None = None
         self.polls = PollSkipper(self._time, self._core, skip_polls)
         self.reads_unwritten: Callable[[int], None] | None = None

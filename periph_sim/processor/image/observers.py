@@ -29,17 +29,13 @@ from ..image_files.variables import Variable
 
 
 class InstructionWatch:
-    """Base of the observers of executed instructions, which form a chain. beside: the next observer in the chain."""
+    """Base of the observers of executed instructions."""
 
-    STATE = State("beside")
-
-    def __init__(self) -> None:
-        self.beside: InstructionWatch | None = None
+    STATE = State()
 
     def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
         """Receive an executed instruction, or a pass of a repeated one. cycle: begin of the next one."""
-        if self.beside is not None:
-            self.beside.executed(f, cpu, cycle)
+        raise NotImplementedError
 
 
 class Coverage(InstructionWatch):
@@ -49,7 +45,6 @@ class Coverage(InstructionWatch):
     """
 
     def __init__(self) -> None:
-        super().__init__()
         self.executed_at: Counter[int] = Counter()
         self.jumped_at: Counter[int] = Counter()
 
@@ -58,7 +53,6 @@ class Coverage(InstructionWatch):
             self.executed_at[f.address] += 1
             if cpu.pc != f.next:
                 self.jumped_at[f.address] += 1
-        super().executed(f, cpu, cycle)
 
 
 SECTION = ".stack"
@@ -79,7 +73,6 @@ class StackDepth(InstructionWatch):
         self, section: Section, recorder: Recorder, clock: Clock, unit: str, place: Callable[[], str | None]
     ) -> None:
         """place: returns the place of the executed instruction."""
-        super().__init__()
         self._place = place
         self._begin, self._end = section.run, section.run + section.size
         self._deepest = section.run
@@ -90,7 +83,6 @@ class StackDepth(InstructionWatch):
         if self._deepest < cpu.sp <= self._end:
             self._deepest = cpu.sp
             self._topic.emit(self._clock.tick(cycle), cpu.sp - self._begin, self._place() or "")
-        super().executed(f, cpu, cycle)
 
 
 # Calls -----------------------------------------------------------------------------
@@ -106,8 +98,6 @@ class Frame:
 
     STATE = State("name first end return_to", ticks="since", made=True)
 
-    __slots__ = ("end", "first", "name", "return_to", "since")
-
     def __init__(self, name: str, first: int, end: int, return_to: int, since: int) -> None:
         self.name = name
         self.first = first
@@ -118,8 +108,6 @@ class Frame:
 
 class CallListener:
     """A listener to calls. tick: begin of the first instruction after the call or return."""
-
-    __slots__ = ()
 
     def called(self, name: str, tick: int) -> None:
         """Receive the begin of a function."""
@@ -213,8 +201,6 @@ class FunctionSpans(CallListener):
 
     STATE = State("_depth")
 
-    __slots__ = ("_depth", "_place", "_places", "_recorder", "_unit")
-
     def __init__(self, recorder: Recorder, unit: str, place: Callable[[str], str]) -> None:
         self._recorder = recorder
         self._unit = unit
@@ -257,8 +243,6 @@ class Profile(CallListener):
 
     stacks: ticks by stack, (outermost, ..., innermost). waits: part of them asleep. calls: number by function.
     """
-
-    __slots__ = ("_since", "_stack", "calls", "stacks", "waits")
 
     def __init__(self) -> None:
         self.stacks: Counter[Stack] = Counter()
@@ -352,8 +336,6 @@ class PresetMemory(CallListener):
     """Initial values that a case sets for variables. They are stored before the start and again as main begins."""
 
     STATE = State()
-
-    __slots__ = ("_presets", "_put")
 
     def __init__(self, presets: Iterable[tuple[Variable, int]], put: Callable[[int, int], None]) -> None:
         self._presets = tuple(presets)

@@ -57,13 +57,6 @@ class PollSkipper:
         cycles="live_from _outer_since began since",
     )
 
-    __slots__ = (
-        "_branch", "_compared", "_core", "_examine_at", "_failed", "_lease", "_most", "_next", "_outer_branch",
-        "_outer_since", "_passes", "_period", "_spin", "_step", "_time", "_values", "asleep", "began", "changed",
-        "clean", "counting", "elsewhere", "live_from", "replaying", "restarts", "routines", "since",
-        "skips", "tracking",
-    )  # fmt: skip
-
     def __init__(self, time: CpuTime, core: CpuInterrupts, skips: bool) -> None:
         self.skips = skips
         self._time = time

@@ -187,8 +187,8 @@ class ImageProgram(LoadedImage):
             if cpu.sp > self._stack_end or cpu.sp < self._stack_begin:
                 self._left_stack(f)
             self._sp = cpu.sp
-            if self._watch is not None:
-                self._watch.executed(f, cpu, cycle)
+            for watch in self._watches:
+                watch.executed(f, cpu, cycle)
             if cpu.returning:
                 cpu.returning = False
                 cpu.hand_over()

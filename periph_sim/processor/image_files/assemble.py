@@ -342,14 +342,14 @@ def _sequence(rows: Sequence[Row], end: int, numbers: dict[str, int]) -> bytes:
     at, line = rows[0][0], 1
     program = bytes((0, 1 + ADDRESS_BYTES, SET_ADDRESS)) + struct.pack("<I", at)
     for address, file, number in rows:
-        program += bytes((SET_FILE,)) + _uleb(numbers.setdefault(file, len(numbers) + 1)) + _advance(address - at)
-        program += bytes((ADVANCE_LINE,)) + _sleb(number - line) + bytes((COPY,))
+        program += bytes((SET_FILE,)) + _leb(numbers.setdefault(file, len(numbers) + 1)) + _advance(address - at)
+        program += bytes((ADVANCE_LINE,)) + _leb(number - line) + bytes((COPY,))
         at, line = address, number
     return program + _advance(end - at) + bytes((0, 1, END_SEQUENCE))
 
 
 def _advance(words: int) -> bytes:
-    return bytes((ADVANCE_PC,)) + _uleb(words)
+    return bytes((ADVANCE_PC,)) + _leb(words)
 
 
 def _sized(data: bytes) -> bytes:
@@ -360,18 +360,8 @@ def _text(text: str) -> bytes:
     return text.encode("utf-8", "replace") + b"\0"
 
 
-def _uleb(number: int) -> bytes:
-    """Encode an unsigned LEB128: seven bits per byte, low ones first."""
-    coded = bytearray()
-    while True:
-        number, low = number >> 7, number & 0x7F
-        coded.append(low | (0x80 if number else 0))
-        if not number:
-            return bytes(coded)
-
-
-def _sleb(number: int) -> bytes:
-    """Encode a signed LEB128: the sign is bit 6 of the last byte."""
+def _leb(number: int) -> bytes:
+    """Encode a signed LEB128, which is an unsigned one, too: seven bits per byte, bit 6 of the last is the sign."""
     coded = bytearray()
     while True:
         number, low = number >> 7, number & 0x7F

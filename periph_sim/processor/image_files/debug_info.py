@@ -120,7 +120,8 @@ def _lines(dwarf: DWARFInfo, unit: CompileUnit) -> Iterator[tuple[int, SourceLin
 
 def _file(program: LineProgram, number: int) -> str:
     files = program["file_entry"]
-    return text_of(files[number - 1].name) if 0 < number <= len(files) else "?"
+    place = number if program["version"] >= 5 else number - 1
+    return text_of(files[place].name) if 0 <= place < len(files) else "?"
 
 
 def text_of(raw: bytes | str) -> str:

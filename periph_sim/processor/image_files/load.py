@@ -20,6 +20,16 @@ OTHER_PARTS = {"Cla1": "a part with a CLA (F2803x, F2806x or F2837x)"}  # by pre
 ELF_MAGIC = b"\x7fELF"
 WAY_OUT = "give the linker's .out file, or assembly (.asm)"
 LARGEST = 1 << 28  # bytes of a file; most are debug symbols
+SOURCE = ".asm"
+
+
+def program_in(path: Path) -> Image:
+    """Load or assemble the image in a file. Raise BadImage naming the file if it is not an F28335 image."""
+    if path.suffix != SOURCE:
+        return load(path)
+    from .assemble import assemble_file  # slow import, needed for sources only
+
+    return assemble_file(path)[0]
 
 
 def load(path: Path) -> Image:

@@ -14,6 +14,7 @@ from __future__ import annotations
 import re
 import struct
 from collections.abc import Iterator
+from math import prod
 
 from elftools.dwarf.compileunit import CompileUnit
 from elftools.dwarf.die import DIE
@@ -27,7 +28,7 @@ from .model import Image
 UNSIGNED, SIGNED, FLOAT = "unsigned", "signed", "float"
 KINDS = {4: FLOAT, 5: SIGNED, 6: SIGNED}  # by DW_ATE encoding; others are unsigned
 FAR = "DW_TAG_lo_user"  # TI's qualifier `far`, 0x4080
-THROUGH = ("DW_TAG_typedef", "DW_TAG_volatile_type", "DW_TAG_const_type", FAR)
+QUALIFIERS = ("DW_TAG_const_type", "DW_TAG_volatile_type", "DW_TAG_restrict_type", "DW_TAG_atomic_type", FAR)
 OF_MEMBERS = ("DW_TAG_structure_type", "DW_TAG_union_type", "DW_TAG_class_type")
 ARRAY = "DW_TAG_array_type"
 WORDS = (1, 2)  # of numbers that the CPU reads in one access
@@ -42,7 +43,7 @@ class BadVariable(ValueError):
 
 def number_type(kind: DIE) -> tuple[int, str] | None:
     """Return (words, sign) of a numeric type; None for arrays, structures and numbers of four words."""
-    at = _plain(kind)
+    at = without_qualifiers(kind)
     if at is None:
         return None
     if at.tag in ("DW_TAG_pointer_type", "DW_TAG_enumeration_type"):
@@ -67,22 +68,19 @@ def inside(kind: DIE, name: str, path: str) -> tuple[int, DIE]:
         if step is None:
             raise BadVariable(f"{name + path!r}: {path[at:]!r} is neither a member, .NAME, nor an element, [NUMBER]")
         begin, at = at, step.end()
-        whole, plain = name + path[:begin], _plain(kind)
+        whole, plain = name + path[:begin], without_qualifiers(kind)
         if step[1] is not None:
             more, kind = _member(whole, plain, step[1])
             offset += more
             continue
         if plain is None or plain.tag != ARRAY:
             raise BadVariable(f"{whole} is not an array, so it has no element {step[0]}")
-        sizes = _sizes(plain)
+        sizes = sizes_of(plain)
         element = plain.get_DIE_from_attribute("DW_AT_type")
         if not sizes or int(step[2]) >= sizes[indices]:
             least = f"{sizes[indices]} elements, from 0 on" if sizes else "an unknown number of elements"
             raise BadVariable(f"{name + path[:at]!r}: {whole} has {least}")
-        stride = _words(element)
-        for size in sizes[indices + 1 :]:
-            stride *= size
-        offset += int(step[2]) * stride
+        offset += int(step[2]) * size_of(element) * prod(sizes[indices + 1 :])
         indices += 1
         if indices == len(sizes):
             kind, indices = element, 0
@@ -91,14 +89,14 @@ def inside(kind: DIE, name: str, path: str) -> tuple[int, DIE]:
 
 def members_of(kind: DIE) -> list[str]:
     """Return the names of a structure's members; none for other types."""
-    plain = _plain(kind)
+    plain = without_qualifiers(kind)
     return [name for name, _ in _members(plain)] if plain is not None else []
 
 
-def _plain(kind: DIE) -> DIE | None:
+def without_qualifiers(kind: DIE) -> DIE | None:
     """Resolve typedefs and qualifiers; None for `void`, and for damaged data with a cycle."""
     for _ in range(MOST_NAMES):
-        if kind.tag not in THROUGH:
+        if kind.tag != "DW_TAG_typedef" and kind.tag not in QUALIFIERS:
             return kind
         if "DW_AT_type" not in kind.attributes:
             return None
@@ -139,7 +137,7 @@ def _offset(member: str, entry: DIE) -> int:
     return offset
 
 
-def _sizes(array: DIE) -> list[int]:
+def sizes_of(array: DIE) -> list[int]:
     """Return the number of elements of each dimension; an empty list if one is open."""
     found = []
     for child in array.iter_children():
@@ -154,18 +152,15 @@ def _sizes(array: DIE) -> list[int]:
     return found
 
 
-def _words(kind: DIE) -> int:
-    """Return the size of a type in words."""
-    plain = _plain(kind)
+def size_of(kind: DIE) -> int:
+    """Return the size of a type in units of the target's memory: words of the chip, bytes of the host."""
+    plain = without_qualifiers(kind)
     if plain is None:
         return 0
     if "DW_AT_byte_size" in plain.attributes:
         return int(plain.attributes["DW_AT_byte_size"].value)
     if plain.tag == ARRAY:
-        words = _words(plain.get_DIE_from_attribute("DW_AT_type"))
-        for size in _sizes(plain):
-            words *= size
-        return words
+        return size_of(plain.get_DIE_from_attribute("DW_AT_type")) * prod(sizes_of(plain))
     return 2  # a pointer: all other element types state their size
 
 

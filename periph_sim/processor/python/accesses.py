@@ -36,18 +36,13 @@ SLEEPS = Stop.SLEEPS
 class Instructions:
     """The instructions that one CPU's Python firmware executes."""
 
-    __slots__ = ("_core", "_epilogue", "_processor", "_program", "_prologue", "_time")
-
-    _prologue: int
-    _epilogue: int
-
     def __init__(self, processor: Processor, program: PythonProgram, code: CodeCosts) -> None:
         self._processor = processor
         self._program = program
         self._time: CpuTime = processor.time
         self._core: CpuInterrupts = processor.interrupts.core
-        self._prologue = code.isr_prologue
-        self._epilogue = code.isr_epilogue
+        self._prologue: int = code.isr_prologue
+        self._epilogue: int = code.isr_epilogue
 
     def instruction(self, cycles: int) -> None:
         """Execute one instruction, or an inseparable group: interrupts wait for its end."""
@@ -150,24 +145,10 @@ POLLING = Note(
 class Accesses:
     """Register and memory accesses: each takes one cycle and the frame's wait states. bus: the bus of the unit."""
 
-    __slots__ = (
-        "_between",
-        "_instructions",
-        "_notes",
-        "_polling_places",
-        "_program",
-        "_reads",
-        "_reads_from",
-        "_time",
-        "bus",
-    )
-
-    _between: int
-
     def __init__(
         self, processor: Processor, program: PythonProgram, instructions: Instructions, code: CodeCosts
     ) -> None:
-        self._between = code.between_accesses
+        self._between: int = code.between_accesses
         self.bus: Bus = processor.bus
         self._instructions = instructions
         self._program = program
@@ -305,8 +286,6 @@ EQUAL, UNEQUAL, BELOW, ABOVE = range(4)  # how the bits compare with the value
 @final
 class Condition:
     """A comparison of bits of a register with a value. `holds` makes the read of one pass of a wait."""
-
-    __slots__ = ("_accesses", "_mask", "_operand", "_test", "_value", "_where")
 
     def __init__(
         self,

@@ -18,8 +18,6 @@ from .program import PythonProgram
 class Waited:
     """Operands that a kind of wait polls, in order, and the topic of its records. following: another kind of wait."""
 
-    __slots__ = ("following", "polls", "topic")
-
     topic: Topic
     following: Waited | None
 
@@ -46,14 +44,10 @@ class CodeRecords:
     kept: True if a subscriber to records of waits or accesses may keep a reference to a wait.
     """
 
-    __slots__ = ("_clock", "_name", "_program", "_recorder", "_waited", "kept", "spans", "waits")
-
-    kept: bool
-
     def __init__(self, clock: Clock, recorder: Recorder, program: PythonProgram) -> None:
         self.spans = recorder.wants(Kind.SPAN)
         self.waits = recorder.wants(Kind.WAIT)
-        self.kept = recorder.makes_records(Kind.WAIT) or recorder.makes_records(Kind.ACCESS)
+        self.kept: bool = recorder.makes_records(Kind.WAIT) or recorder.makes_records(Kind.ACCESS)
         self._clock = clock
         self._recorder = recorder
         self._name = program.name

@@ -30,8 +30,6 @@ class Cpu:
     skip_polls: False executes every pass of every spin.
     """
 
-    __slots__ = ("_core", "_instructions", "_records", "accesses", "processor", "program", "time", "waits")
-
     def __init__(
         self,
         processor: Processor,

@@ -46,17 +46,15 @@ class Span:  # core: python
 class FirmwareView:
     """One unit as its firmware sees it. sockets: its modules by name. seed: seed of the values drawn from spreads."""
 
-    _random: Random
-    name: str
     cpu: Cpu
     memory: AddressMap
     control: SystemControl
 
     def __init__(self, name: str, seed: int) -> None:
-        self.name = name
+        self.name: str = name
         self.sockets: dict[str, Socket] = {}
         self._ports: dict[str, ModulePort] = {}
-        self._random = Random(f"{seed} {name} computations")
+        self._random: Random = Random(f"{seed} {name} computations")
 
     def has(self, module: Text) -> bool:
         """Return True if the unit has this module."""

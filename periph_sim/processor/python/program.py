@@ -87,27 +87,23 @@ class PythonProgram(Program):
     """
 
     __weakref__: object
-    stall_limit: float
-    thread: BigInt
-    _watched: BigInt
-    _stops: list[int]
 
     def __init__(self, processor: Processor) -> None:
         super().__init__()
         self.name = processor.name
         self.handlers: dict[str, Handler] = {}
         self.entered: Handler | None = None
-        self.stall_limit = 0.0
+        self.stall_limit: float = 0.0
         self.placed: Callable[[], SourceLocation | None] | None = None
-        self.thread = 0
+        self.thread: BigInt = 0
         self._kernel: Kernel = processor.kernel
         self._processor = processor
         self._code: dict[int, Handler] = {}  # service routines by their code address
         self._places = SourceLocator()
         self._greenlet: greenlet | None = None
         self._leftovers: list[PythonProgram] = []  # of the thread that began it
-        self._watched = 0  # the thread that runs the firmware
-        self._stops = watch.stops
+        self._watched: BigInt = 0  # the thread that runs the firmware
+        self._stops: list[int] = watch.stops
 
     # Life --------------------------------------------------------------------
 

@@ -108,21 +108,15 @@ class PortField:
     number: its index among the port's names. mask: its bits.
     """
 
-    __slots__ = ("_field", "_lsb", "_most", "_register", "_where", "_words", "mask", "number")
-
-    _lsb: int
-    mask: int
-    _most: BigInt
-
     def __init__(self, number: int, register: Register, words: int, field: Field | None, where: str) -> None:
         """words: those that an access transfers. where: the full name, for messages."""
         self.number = number
         self._register = register
         self._words = words
         self._field = field
-        self.mask = WORDS_MASK[words] if field is None else field.mask
-        self._lsb = field.lsb if field is not None else 16 if words == HIGH else 0
-        self._most = self.mask >> self._lsb
+        self.mask: int = WORDS_MASK[words] if field is None else field.mask
+        self._lsb: int = field.lsb if field is not None else 16 if words == HIGH else 0
+        self._most: BigInt = self.mask >> self._lsb
         self._where = where
 
     def __get__(self, port: Port, owner: object) -> int:

@@ -82,8 +82,6 @@ def comparison_of(code: CodeType) -> FieldComparison | None:
 class ConditionQuery:
     """The query of a code. condition: its condition on the module used last."""
 
-    __slots__ = ("code", "condition", "found", "known", "module", "place", "where")
-
     def __init__(self, code: CodeType) -> None:
         self.code = code  # kept, so that its id stays unique
         self.known = False  # it was analysed
@@ -115,8 +113,6 @@ class ConditionQuery:
 @final
 class Recogniser:
     """Queries of one CPU's firmware."""
-
-    __slots__ = ("_earlier", "_latest", "_program", "_queries")
 
     def __init__(self, program: PythonProgram) -> None:
         self._program = program
@@ -162,24 +158,6 @@ class Waits:
     branch: the cycles of the branch back to the begin of a pass.
     """
 
-    __slots__ = (
-        "_branch",
-        "_branch_listed",
-        "_bus",
-        "_core",
-        "_instructions",
-        "_lease",
-        "_pf2_read_ws",
-        "_program",
-        "_recogniser",
-        "_records",
-        "_skip_polls",
-        "_spare",
-        "_time",
-    )
-
-    _branch: int
-
     def __init__(
         self,
         processor: Processor,
@@ -191,7 +169,7 @@ class Waits:
         pf2_read_ws: IntOption,
         skip_polls: bool,
     ) -> None:
-        self._branch = max(0, poll_pass - cpu_costs.SIMPLE - pf2_read_ws.unrecorded())
+        self._branch: int = max(0, poll_pass - cpu_costs.SIMPLE - pf2_read_ws.unrecorded())
         self._branch_listed = False
         self._pf2_read_ws = pf2_read_ws
         self._bus: Bus = processor.bus

@@ -1,4 +1,4 @@
-/* Registers of the F28335, as far as imu_hil.c uses them. Names are those of the manuals.
+/* The registers of the F28335 that imu_hil.c uses, with their names in the manuals.
  *
  * Sources: SPRUG03B (I2C), SPRUFZ5A (SCI), SPRUFB0D (system control, interrupts, GPIO), SPRS439M Tables 3-8 to 3-11. */
 

@@ -1,22 +1,22 @@
-/* The IMU emulator of firmware/python/imu_hil.py in C: host frames in over SCI, three sensor chips out over I2C.
+/* The IMU emulator of firmware/python/imu_hil.py in C: it receives host frames by SCI and emulates three chips on I2C.
  *
  *   SCI FIFO interrupt --> frame --> models (GPIO34 high to low) --> bytes of three chips
  *   request of the sensor head --> own address, pointer byte, SDIR, I2CDXR/XRDY, SCD
  *
- * The chips show the values of the frame, as the Python firmware does with arithmetic = "bytes". A frame is six signed
- * 16-bit values, low byte first; the gyroscope shows the angles, high byte first, the accelerometer the accelerations,
- * low byte first, the magnetometer the angles, high byte first, z before y. 150 MHz from a crystal of 30 MHz. */
+ * The chips show the values of the frame, as in the Python firmware with arithmetic = "bytes". A frame has six signed
+ * 16-bit values, low byte first. The gyroscope shows the angles, high byte first; the accelerometer the accelerations, low
+ * byte first; the magnetometer the angles, high byte first, z before y. SYSCLKOUT: 150 MHz from a crystal of 30 MHz. */
 
 #include "f28335.h"
 
 enum { GYROSCOPE = 0x68, ACCELEROMETER = 0x53, MAGNETOMETER = 0x1E }; /* addresses */
 enum { COUNT = 6, FRAME_BYTES = 12 };
-enum { BRR = 40 }; /* 37.5 MHz / 8 / 115200 - 1, to the nearest */
-#define MODEL_PIN (1ul << (34 - 32)) /* of port B */
+enum { BRR = 40 }; /* 37.5 MHz / 8 / 115200 - 1, rounded */
+#define MODEL_PIN (1ul << (34 - 32)) /* GPIO34 in the registers of port B */
 
-static volatile uint16_t frame[FRAME_BYTES]; /* the last one, a byte each */
+static volatile uint16_t frame[FRAME_BYTES]; /* the last frame, one byte in each element */
 static uint16_t gyroscope[COUNT + 2], accelerometer[COUNT + 2], magnetometer[COUNT + 2]; /* zeros follow the bytes */
-static const uint16_t gyroscope_order[COUNT] = {1, 0, 3, 2, 5, 4}; /* which byte of the frame is each of a chip's */
+static const uint16_t gyroscope_order[COUNT] = {1, 0, 3, 2, 5, 4}; /* index in the frame of each byte of the chip */
 static const uint16_t accelerometer_order[COUNT] = {6, 7, 8, 9, 10, 11};
 static const uint16_t magnetometer_order[COUNT] = {1, 0, 5, 4, 3, 2};
 
@@ -43,7 +43,7 @@ static void model(void)
     uint16_t taken[FRAME_BYTES];
     int i;
     GpioDataRegs.B.SET = MODEL_PIN;
-    asm(" SETC INTM"); /* a frame is copied as a whole */
+    asm(" SETC INTM"); /* no byte of the frame changes during the copy */
     for (i = 0; i < FRAME_BYTES; i++)
         taken[i] = frame[i];
     asm(" CLRC INTM");
@@ -62,7 +62,7 @@ static void slave_config(uint16_t address)
     I2caRegs.I2CMDR.bit.IRS = 1;
 }
 
-/* Waits until the transmitter wants a byte, or the transfer is over. */
+/* Waits for the end of the transfer (returns 0), or until the transmitter needs a byte (returns 1). */
 static int wants_byte(void)
 {
     for (;;) {
@@ -84,7 +84,7 @@ static void batch_read(const uint16_t *bytes)
     I2caRegs.I2CMDR.bit.TRX = 1;
     I2caRegs.I2CCNT = COUNT;
     I2caRegs.I2CSTR.bit.SCD = 1;
-    while (I2caRegs.I2CSTR.bit.SDIR == 0) /* the workaround: no byte before the module is slave-transmitter */
+    while (I2caRegs.I2CSTR.bit.SDIR == 0) /* workaround: no byte is written before the module is slave-transmitter */
         ;
     do
         I2caRegs.I2CDXR = *bytes++;
@@ -92,7 +92,7 @@ static void batch_read(const uint16_t *bytes)
     I2caRegs.I2CMDR.bit.IRS = 1;
 }
 
-/* Watchdog off, PLL and module clocks. */
+/* Switches the watchdog off, and sets up PLL and module clocks. */
 static void start_chip(void)
 {
     EALLOW;
@@ -125,7 +125,7 @@ static void start_pins(void)
     EDIS;
 }
 
-/* Module clock of 10 MHz; the module stays in reset. */
+/* Sets a module clock of 10 MHz. The module stays in reset. */
 static void start_i2c(void)
 {
     I2caRegs.I2CMDR.all = 0;
@@ -135,7 +135,7 @@ static void start_i2c(void)
     I2caRegs.I2CCLKH = 5;
 }
 
-/* Receive FIFO, with an interrupt at a complete frame. */
+/* Sets up the receive FIFO, with an interrupt when it holds a complete frame. */
 static void start_sci(void)
 {
     SciaRegs.SCICCR = 0x07; /* 8 data bits, no parity, one stop bit */
@@ -144,9 +144,9 @@ static void start_sci(void)
     SciaRegs.SCIHBAUD = BRR >> 8;
     SciaRegs.SCILBAUD = BRR & 0xFF;
     SciaRegs.SCIFFTX = 0xC000;  /* SCIRST, SCIFFENA */
-    SciaRegs.SCIFFRX.all = 0;   /* the FIFO held in reset */
+    SciaRegs.SCIFFRX.all = 0;   /* FIFO held in reset */
     SciaRegs.SCIFFRX.all = 0x6060 | FRAME_BYTES;
-    SciaRegs.SCICTL1 = 0x23; /* out of SW RESET */
+    SciaRegs.SCICTL1 = 0x23; /* SW RESET released; receiver and transmitter enabled */
 }
 
 static void start_pie(void)

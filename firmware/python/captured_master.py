@@ -1,11 +1,11 @@
-"""A master that executes a list of transfers, such as captured ones, with TI's registers.
+"""A master that makes a list of transfers, such as those of a capture, with the registers of I2C-A.
 
     "50 W 00 Sr 50 R 6"  -->  START, address, bytes, repeated START, address, bytes, STOP  -->  the bus
 
-Each transfer is a text as in the I2C specification: a 7-bit address in hexadecimal, W with the bytes to write or
-R with the number of bytes to read, Sr between the parts; START and STOP are implied. `R 6 ACK` also acknowledges the
-last byte. A transfer begins `pauses[n]` after the previous STOP. After a NACK the transfer ends with STP, as in the
-application notes, or continues with the next part.
+Each transfer is a text as in the I2C specification: a 7-bit address in hexadecimal, then W with the bytes to write or
+R with the number of bytes to read. Sr separates parts; START and STOP are implied. `R 6 ACK` also acknowledges the last
+byte. Transfer n begins `pauses[n]` after the STOP before it. After a NACK, the next part follows; in the last part,
+firmware sets STP, as in the application notes.
 
 Non-repeat mode (RM = 0) counts the bytes with I2CCNT; an address without data needs RM = 1, since I2CCNT = 0
 means 65536.

@@ -1,7 +1,7 @@
 """A second master on the bus: it writes one byte every period, at the same instant as another master.
 
-    other master  START 0x50 ...                     the lower address wins; the loser sees AL, releases both
-    this one      START 0x57 ...  AL                 lines, and tries again when the bus is free
+    other master  START 0x50 ...          wins, because its address is lower
+    this one      START 0x57 ...  AL = 1  loses: it releases both lines, and tries again when the bus is free
 
 Source: SPRUG03B section 2.8 (arbitration), Table 10 (AL).
 """

@@ -1,11 +1,11 @@
-"""A master that stores a record in an EEPROM page by page, polls until each is stored, and reads it back.
+"""A master that stores a record in an EEPROM page by page, polls until each page is stored, and reads the record back.
 
     every period:  START, address, word address, bytes of one page, STOP     --> each part of the record
                    START, address, STOP                                      --> until the EEPROM acknowledges
                    START, address, word address, repeated START, read, STOP  --> the record
 
-With page = 0 the record is sent in one write, across page boundaries. Bytes are sent by I2CDXR and XRDY; after a NACK
-STP is set, as in the application notes.
+With page = 0, the record is sent in one write, across page boundaries. Each byte is written to I2CDXR when XRDY is set.
+After a NACK, firmware sets STP, as in the application notes.
 
 Source: SPRUG03B Table 6 (RM, STT, STP), section 2.5.4; Microchip DS20001189 sections 6 and 7 (page write, polling).
 """
@@ -49,7 +49,7 @@ class Log:
         self.dsp.module("PIE").PIEACK.all = 1
 
     def parts(self) -> Iterator[tuple[int, bytes]]:
-        """Yield the word address and the bytes of each write; no write crosses the end of a page."""
+        """Yield the word address and the bytes of each write. If `page` > 0, no write crosses the end of a page."""
         at, left = self.settings.record_at, self.settings.record
         while left:
             room = len(left) if self.settings.page == 0 else self.settings.page - at % self.settings.page

@@ -6,9 +6,9 @@
 With bus = "pins", one unit is all three chips: slave_pins.py serves three addresses without the I2C module. With
 bus = "module", three units are the three chips: the I2C-A of each unit has one address.
 
-Each chip has registers, an auto-incremented pointer and the identification of the real chip. A read sends the values at
-the time of its address, as the real chips do, so all its data bytes are from one run of the models. The models run on
-each frame, and again once all chips were read since the last run, so noise continues without new frames.
+Each chip has registers, an auto-incremented pointer and the identification of the real chip. As in the real chips, a
+read sends the values at the time of its address, so all its bytes are from one run of the models. The models run on
+each frame. They also run when all chips were read since the last run, so that noise continues without new frames.
 """
 
 from __future__ import annotations
@@ -64,7 +64,7 @@ class Settings(ModelSettings):
 
 
 class Chip(Registers):
-    """One sensor. latched: its registers when the current read began. was_read: True if read since the last run."""
+    """A sensor. latched: its registers when the current read began. was_read: True if read since the models ran."""
 
     def __init__(self, address: int) -> None:
         super().__init__(b"", REGISTERS)
@@ -155,7 +155,7 @@ class Emulator:
             handlers |= {"SCIRXINTA": self.sci_received}
         start_pie(dsp, handlers)
         while True:
-            dsp.dint()  # so that an interrupt after the check below ends IDLE at once, and is served after EINT
+            dsp.dint()  # an interrupt after the check below then ends IDLE at once, and is served after EINT
             if self.models_are_due():
                 dsp.eint()
                 self.model()

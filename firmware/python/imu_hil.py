@@ -30,7 +30,7 @@ GYROSCOPE, ACCELEROMETER, MAGNETOMETER = 0x68, 0x53, 0x1E
 
 @dataclass
 class Settings(ModelSettings):
-    """Settings of a case besides those of the models: the SDIR wait, interrupts in a read, order of service, data."""
+    """Settings besides those of the models. sdir_wait: wait for SDIR before the first byte of a read is written."""
 
     frame_cost: Duration = Fraction(0)  # time that the SCI's service routine takes for a frame
     sdir_wait: bool = True
@@ -135,7 +135,7 @@ class Emulator:
                 self.batch_read(self.data[address])
 
     def serve_frame_by_frame(self) -> None:
-        """Serve rounds. Run the models when a frame is complete between two rounds, and after a round without one."""
+        """Serve rounds. Run the models on a frame before a round, or, if no frame came, after the round."""
         dsp, i2c = self.dsp, self.i2c
         first, *others = self.settings.order
         self.model()

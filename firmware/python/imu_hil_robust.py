@@ -1,19 +1,19 @@
 """A robust version of the IMU emulator imu_hil, which recovers from faults on the bus and on the serial line.
 
-    SCI FIFO interrupt --> frame, if no character of it is broken   RX idle with characters left: receiver restarted
-    frame complete ------> models, unless a round is near           no frame since the last round: models after it
-    request -------------> own address, pointer, SDIR, I2CDXR/XRDY  a wait timed out: back to the first chip
+    SCI FIFO interrupt --> frame, unless a character is broken      if RX is idle with characters left: reset receiver
+    frame complete ------> models, unless a round is near           if no frame came before a round: models after it
+    request -------------> own address, pointer, SDIR, I2CDXR/XRDY  if a wait times out: back to the first chip
 
 Differences from imu_hil, with their reasons:
 
 * Every wait is limited by TIMER1 (`patience`): an aborted request costs only its round.
-* It never writes I2CSTR back after reading it: SCD is cleared by writing that bit alone, so no flag is lost. Flags
-  of an aborted request are cleared by IRS = 0.
+* It clears SCD by writing a 1 to this bit only, and never writes back a value that it has read from I2CSTR. So no flag
+  is lost. IRS = 0 clears the flags of an aborted request.
 * I2CDRR is read, so a second byte after the pointer (a driver's set-up) does not stretch SCL.
 * A frame ends when RX is idle: characters left in the FIFO without new ones belong to a broken frame, and are
   discarded. So a lost character costs one frame, not all later ones.
-* The models run when a frame arrives, so a read has the last frame and not the one before. Within `guard` before
-  the next round, predicted by TIMER0 from the last, they wait until it is over.
+* The models run when a frame arrives, so a read has the values of the last frame, not of the one before it. They do not
+  run from `guard` before the next round to the end of that round. TIMER0 predicts the round from the one before it.
 
 Source: dissertation section 3.4 (work to be done); SPRUG03B (W1C flags, IRS), SPRUFZ5A (FIFO), SPRUFB0D 5.5 (timers).
 """
@@ -46,8 +46,8 @@ class Settings(ModelSettings):
     """Settings of a case besides those of the models: order of service, and times.
 
     period: period of the rounds. guard: time before a round in which the models do not start; it must exceed their run
-    time plus the jitter of rounds and the clock error in a period. patience: the longest wait. In a round it must cover
-    two bytes, from the last I2CDXR write to the STOP; outside, RX counts as idle after this time without a character.
+    time plus the jitter of rounds and the clock error in a period. patience: the longest wait; it must exceed the time
+    from the last I2CDXR write to the STOP, two bytes. Between rounds, RX is idle after this time without a character.
     """
 
     models_run: Literal["round", "frame"] = "frame"
@@ -98,7 +98,7 @@ class Emulator:
         self.pie.PIEACK.all = GROUP_9
 
     def look_at_line(self) -> None:
-        """Reset the receiver if RX is idle (FIFO level unchanged since the last check) with data or an error left."""
+        """Reset the receiver if RX is idle and data or an error is left. Idle: the FIFO level has not changed."""
         sci = self.sci
         left = sci.SCIFFRX.RXFFST
         if left == self.left and (left or sci.SCIRXST.RXERROR):
@@ -152,9 +152,9 @@ class Emulator:
             if found & SDIR:
                 return self.send(data)
             if found & RRDY:
-                _ = i2c.I2CDRR.all  # register pointer, or a driver's byte after it
+                _ = i2c.I2CDRR.all  # the register pointer, or a byte that follows it
             else:
-                i2c.I2CSTR.all = SCD  # the read has its own START
+                i2c.I2CSTR.all = SCD  # the pointer has its own STOP, so the read follows
 
     def send(self, data: bytes) -> bool:
         for byte in endless(data):
@@ -193,7 +193,7 @@ class Emulator:
                 ran = True
 
     def look_at_round(self) -> None:
-        """Stop waiting for a round that is overdue by two guard times."""
+        """If the predicted round is overdue by two guard times, predict the next one, so that the models can run."""
         if self.round_timer.TCR.TIF == 1:
             self.overdue += 1
             if self.overdue * self.settings.patience > 2 * self.settings.guard:

@@ -2,8 +2,8 @@
 
     12 bytes --> six int16 --> attitude (1e-4 rad), acceleration (1e-3 g) --> Imu --> codes --> bytes
 
-The models are those of periph_sim/imu/models, sample by sample as on the F28335: the last attitude and
-body rates are kept from one sample to the next, also without a new frame (section 3.4 of the dissertation).
+The models are those of periph_sim/imu/models. They compute one sample at a time, as on the F28335, and keep the last
+attitude and body rates for the next sample, also without a new frame (section 3.4 of the dissertation).
 """
 
 from __future__ import annotations
@@ -60,9 +60,9 @@ class ModelSettings:
     """Settings of the models of an emulator: when they run, how long, and what they compute.
 
     models_run: "round": the models run after each round of the sensor head, with the last frame; "frame": they run
-    when a frame is complete between two rounds, and after a round without a frame before it, so noise continues.
-    model_cost: duration of a run, from which each run draws a value if it is a range; or "estimate": the estimated
-    cost of the equations, to which `beyond_estimate` adds the time of all other code of the models.
+    when a frame is complete before a round, or, if no frame came, after the round, so that noise continues.
+    model_cost: duration of a run, or a range from which each run draws a duration; or "estimate": the estimated
+    duration of the equations, to which `beyond_estimate` adds the time of all other code of the models.
     """
 
     models_run: Literal["round", "frame"] = "round"
@@ -94,8 +94,8 @@ class ModelSettings:
 class Models:
     """The sensor models of one emulator, with the attitude and body rates of the last sample.
 
-    The first frame has no attitude before it, so its rates are zero: the step from zero to the host's attitude
-    within one period would be a rate that no gyroscope shows and that Q16 cannot hold.
+    The rates of the first frame are zero, since there is no attitude before it. A step from zero to the attitude of
+    the host within one period would be a rate that no gyroscope shows and that Q16 cannot represent.
     arithmetic: its name, such as "float64" or "q16".
     noise_seed: seed of the sensors' noise; the n-th call uses sample n. None: no noise.
     on_overflow: called once for each result that does not fit its Q format.
@@ -153,7 +153,7 @@ def _swapped(x: Any, y: Any, z: Any) -> bytes:
 
 @lru_cache(maxsize=16)
 def estimated(arithmetic: str, parameters: ImuParameters) -> Fraction:
-    """Return the estimated seconds that the equations take at 150 MHz. "bytes" has no equations, and is not valid."""
+    """Return the estimated time that the equations take at 150 MHz, in seconds. "bytes" is invalid: no equations."""
     from periph_sim.imu.models.counts import counts_of
     from periph_sim.imu.numeric import arithmetic_names as named
     from periph_sim.imu.numeric.estimate import estimate

@@ -1,10 +1,10 @@
 """A slave whose firmware disturbs its I2C module in the middle of a byte, a set time after the first START.
 
-    START --(after)--> act --> the other bytes, one by one
-                       clear: a flag by a bit field, so the whole of I2CSTR is read and written back
-                       gate:  the module's clock off for `length`, so it misses edges
-                       look:  copy the level of SDA to a pin
-                       reset: IRS = 0, IRS = 1
+    START --(after)--> act --> receive the other bytes, one by one
+                       clear: clear NACK by its bit field, which reads the whole of I2CSTR and writes it back
+                       gate:  switch the module's clock off for `length`, so that the module misses edges
+                       look:  set a pin if SDA is high
+                       reset: set IRS to 0, then to 1
 
 Each wait for a byte has a timeout, in case a flag was lost.
 

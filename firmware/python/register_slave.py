@@ -1,8 +1,8 @@
-"""A slave with registers, as in most chips: writes store to them, reads return them.
+"""A slave with registers, as in most chips: a master writes and reads them through a pointer.
 
-S addr W  pointer  [data ...] P     writes the registers from the pointer on
-S addr W  pointer  Sr addr R  data ... N P     reads the registers from the pointer on
-S addr R  data ... N P     reads from the register after the last byte transferred
+S addr W  pointer  [data ...] P             writes registers, beginning at the pointer
+S addr W  pointer  Sr addr R  data ... N P  reads registers, beginning at the pointer
+S addr R  data ... N P                      reads registers, beginning after the last one that was transferred
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from periph_sim.firmware import Dsp, HexBytes, start_pie
 
 from .slave_module import SlaveModule
 
-REPLAY = ("address",)  # settings that a replay fills in from the capture
+REPLAY = ("address",)  # settings that a replay sets from the capture
 
 
 @dataclass

@@ -2,14 +2,14 @@
 
     address, replies, busy  -->  polled | interrupt, with or without FIFO  -->  the bus
 
-Each read is answered with the next entry of `replies`, followed by `filler` bytes. After the
-n-th write that ended with a STOP the device is not reachable for `busy[n]`, like an EEPROM while
-it stores, and at the start for `asleep`: the module is held in reset, so its address is not
-acknowledged.
+Each read is answered with the next entry of `replies`, followed by `filler` bytes. The device is
+not reachable for `asleep` at the start, and for `busy[n]` after the n-th write that ended with a
+STOP, like an EEPROM that stores data. During these times, firmware holds the I2C module in reset,
+so that it does not acknowledge its address.
 
-The surplus byte that a slave-transmitter of this module always requests (SPRUG03B Figure
-17) is replaced at the next read: the first byte is written again when SDIR shows that a
-read has begun.
+As slave-transmitter, the module always requests one byte more than the master reads (SPRUG03B Figure 17). This surplus
+byte is not sent. When SDIR shows that the next read has begun, firmware writes the first byte of that read over it, so
+the read begins with the right byte.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ class Responder(SlaveInterrupt):
         self._busy = iter(settings.busy)
         self._last = settings.replies[-1] if settings.replies else b""
         self._bytes: Iterator[int] = iter(())
-        self._writing = self._stored = False  # interrupt style: a write is in progress; a write has ended
+        self._writing = self._stored = False  # interrupt style: a write is in progress; one has ended
         self.waits = self.conditions()
 
     def configure(self) -> None:
@@ -74,7 +74,7 @@ class Responder(SlaveInterrupt):
         return chain(next(self._replies, self._last), repeat(self.settings.filler))
 
     def be_busy(self) -> None:
-        """Hold the module in reset, so that it does not acknowledge, for the next time of `busy`."""
+        """Hold the module in reset for the next time in `busy`, so that it does not acknowledge its address."""
         pause = next(self._busy, Fraction(0))
         if pause:
             self.i2c.I2CMDR.IRS = 0

@@ -1,6 +1,6 @@
 """Echo on SCI-A: each received character is sent back. firmware/c28x/sci_echo.asm is the same program in assembly.
 
-It uses no interrupts and no FIFO: it polls the receiver, and waits for TXRDY before it sends.
+It uses neither interrupts nor FIFOs. It polls the receiver, and waits for TXRDY before it sends.
 """
 
 from __future__ import annotations

@@ -2,9 +2,9 @@
 
     timer 0 --> round: gyroscope, accelerometer, magnetometer --> values
 
-A read: pointer byte with STT and no STOP (RM = 0, STP = 0), wait for ARDY; then STT and
-STP as master-receiver, I2CCNT bytes through RRDY, wait until the STOP was sent (STP reads 0).
-After a NACK STP is set, as in the application notes.
+For a read, firmware sends the pointer byte with STT and without STP (RM = 0), and waits for ARDY. Then it sets STT and
+STP as master-receiver, reads I2CCNT bytes when RRDY is set, and waits until SCD shows the STOP. After a NACK of the
+address or pointer, it sets STP, as in the application notes.
 
 Source: SPRUG03B Table 6 (RM, STT, STP) and section 2.5.4; TI's i2c_eeprom example for the settings.
 """

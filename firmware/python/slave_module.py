@@ -1,9 +1,9 @@
-"""An interrupt-driven slave on the I2C module, for a target object.
+"""An interrupt-driven slave on the I2C module. A target object gives the bytes to send and takes received ones.
 
-    I2CINT1A --code--> AAS: a read loads the first byte again; RRDY: byte received; XRDY: next byte; SCD: end
+    I2CINT1A --code--> AAS: load the first byte of a read; RRDY: byte received; XRDY: load the next byte; SCD: end
 
-The module requests each byte of a read while the previous one is sent, so at the end I2CDXR has one byte more than was
-read (SPRUG03B Figure 17). It was not sent: the next read loads it again with its current value.
+The module requests each byte of a read while the previous one is sent. So after a read, I2CDXR contains one byte that
+was not sent (SPRUG03B Figure 17). The next read loads this byte again, with its current value.
 """
 
 from __future__ import annotations
@@ -91,7 +91,7 @@ class SlaveModule(SlaveInterrupt):
         i2c = self.i2c
         start_i2c(self.dsp, address)
         i2c.I2CMDR.IRS = 1
-        i2c.I2CIER.all = 0x6A  # AAS, SCD, RRDY, NACK; XRDY during a read
+        i2c.I2CIER.all = 0x6A  # AAS, SCD, RRDY, NACK; XRDY is enabled only during a read
 
     def addressed(self) -> None:
         i2c, target = self.i2c, self.target

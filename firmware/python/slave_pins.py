@@ -1,4 +1,4 @@
-"""A software slave for any number of addresses, on the I2C module's two pins as GPIO, whose edges are interrupts.
+"""A software slave for any number of addresses. It uses the I2C module's two pins as GPIO, with edge interrupts.
 
     SDA GPIO32 --XINT3--> which line changed? --> START, STOP --> the address is next, or nothing
     SCL GPIO33 --XINT4-->                       rise: a bit was received, or the master's ACK
@@ -32,7 +32,7 @@ IDLE, ADDRESS, RECEIVE, SEND, OTHERS = range(5)  # OTHERS: the transfer is for a
 class PinCosts:
     """Numbers of cycles that the code between accesses takes, in addition to those of the unit's `code`.
 
-    edge: before an edge is handled: branches on lines, phase and count. byte: for the target, while SCL is held.
+    edge: to choose how an edge is handled. byte: for the target to take or give a byte, while SCL is held low.
     set_up: from the change of SDA to the release of SCL; 38 cycles are the 250 ns of UM10204 Table 10, tSU;DAT.
     """
 
@@ -42,7 +42,7 @@ class PinCosts:
 
 
 class SlavePins:
-    """The slave. targets: by address. phase: state of the transfer. count: bits of the byte done, 9 with its ACK."""
+    """The slave. targets: by address. phase: state of the transfer. count: completed bits of the byte and its ACK."""
 
     def __init__(self, dsp: Dsp, targets: Mapping[int, Target], costs: PinCosts) -> None:
         self.dsp = dsp
@@ -80,7 +80,7 @@ class SlavePins:
         self.lines = lines
         self.dsp.compute(self.costs.edge)
         if self.phase == IDLE and before == SDA | SCL and not lines:
-            self.began()  # SCL fell before SDA's fall was read
+            self.began()  # a START, after whose fall of SDA SCL has fallen, too
         elif (before ^ lines) & SCL:
             if lines & SCL:
                 self.rose(lines & SDA)
@@ -177,6 +177,6 @@ class SlavePins:
         return self.target
 
     def drive(self, low: int) -> None:
-        """Pull the lines in mask `low` and release the other one. EALLOW stays set until the routine returns."""
+        """Pull the lines in mask `low` low and release the others. EALLOW stays set until the routine returns."""
         self.dsp.eallow()
         self.gpio.GPBDIR.all = self._others | low

@@ -1,7 +1,7 @@
-"""A receiver that records all words received on SCI-A, with error bits, and breaks.
+"""A receiver that logs all words received on SCI-A with their error bits, and counts breaks.
 
     RX --> FIFO --polled--> log of words
-    BRKDT --> wait for the line to rise --> SW RESET, which is needed to receive again
+    BRKDT (a break) --> wait until RX is high --> SW RESET, without which nothing more is received
 
 If SW RESET is released while the line is low, the receiver takes the rest of the break for a start bit. So the logger
 first waits until GPIO28 shows a high line, if the unit has the GPIO module.

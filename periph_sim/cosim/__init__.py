@@ -1,7 +1,7 @@
 """Co-simulation: a case runs inside a Verilog or VHDL simulator, connected by cocotb.
 
 dut.scl, dut.sda, dut.rx --> F28335 --> dut.dsp_scl, dut.dsp_sda, dut.tx
-simulate(sources, ...)   --> a run of the simulator, inside a test of pytest
+simulate(sources, ...)   --> a run of the simulator, called from a test of pytest
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ["F28335", "OutsideError", "simulate"]
 
 
 def __getattr__(name: str) -> Any:
-    """Import `F28335` on first use. It needs cocotb, which exists only inside a simulator, unlike `simulate`."""
+    """Import `F28335` on first use. It can be imported only inside a simulator; `simulate` is called outside of one."""
     if name != "F28335":
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     try:

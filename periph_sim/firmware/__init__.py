@@ -1,4 +1,4 @@
-"""Imports for firmware: start-up code in the style of TI's, and types for its settings.
+"""The names that firmware imports: start-up functions in the style of TI's code, and types of settings.
 
 from periph_sim.firmware import Duration, start_i2c, start_pie
 """

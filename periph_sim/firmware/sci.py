@@ -1,4 +1,4 @@
-"""Start-up code for any of the three SCIs, as sender and receiver on its usual pins.
+"""Start-up code for one of the three SCIs, which then sends and receives on its usual pins.
 
 Source: SPRUFB0D sections 5.1 (PCLKCR) and 6 (GPIO); SPRUFZ5A chapter 2.
 """
@@ -12,9 +12,11 @@ from ..processor.python.register_view import ModulePort
 
 
 def start_sci(dsp: Dsp, module: str = "SCI-A", brr: int = 40, sciccr: int = 0x07, fifo: bool = True) -> ModulePort:
-    """Set clock, pins, format and rate of an SCI; receiver and transmitter on, no interrupts. Return its registers.
+    """Set up an SCI to send and receive without interrupts: clock, pins, format and rate. Return its registers.
 
-    brr: LSPCLK / (8 * rate) - 1; 40 is 114 329 baud at an LSPCLK of 37.5 MHz. sciccr: 0x07 is 8 data bits, no parity.
+    brr: LSPCLK / (8 * rate) - 1; 40 is 114 329 baud at an LSPCLK of 37.5 MHz.
+    sciccr: the value of SCICCR; 0x07 is 8 data bits, no parity, one stop bit.
+    fifo: True to use the FIFOs.
     """
     descriptor = dsp.plan.part.by_name[module]
     clocks = dsp.module("SYS")
@@ -33,7 +35,7 @@ def start_sci(dsp: Dsp, module: str = "SCI-A", brr: int = 40, sciccr: int = 0x07
     sci.SCICTL2.all = 0x00
     sci.SCIHBAUD.all = brr >> 8
     sci.SCILBAUD.all = brr & 0xFF
-    sci.SCIFFTX.all = 0xE000 if fifo else 0xA000  # SCIRST, SCIFFENA, transmit FIFO out of reset
-    sci.SCIFFRX.all = 0x6040 if fifo else 0x0000  # overflow and interrupt flags cleared, FIFO out of reset
-    sci.SCICTL1.all = 0x23  # out of SW RESET
+    sci.SCIFFTX.all = 0xE000 if fifo else 0xA000  # SCIRST, transmit FIFO out of reset; SCIFFENA only with FIFO
+    sci.SCIFFRX.all = 0x6040 if fifo else 0x0000  # with FIFO: overflow and interrupt flags cleared, FIFO out of reset
+    sci.SCICTL1.all = 0x23  # SW RESET released; receiver and transmitter enabled
     return sci

@@ -1,4 +1,4 @@
-"""Start-up code of a program: clocks of modules, pins, PIE, in the style of TI's code.
+"""Start-up functions of a program in the style of TI's code: they set up clocks of modules, pins and PIE.
 
 Source: SPRUFB0D sections 5.1 (PCLKCR), 6 (GPIO), 8.3 (PIE); SPRUFZ5A and SPRUG03B for the modules.
 """
@@ -11,7 +11,7 @@ from ..processor.dsp import Dsp
 
 
 def start_pin(dsp: Dsp, pin: int) -> None:
-    """Make GPIO `pin` an output, low."""
+    """Make GPIO `pin` an output at level 0. Do nothing if the unit has no module GPIO."""
     if not dsp.has("GPIO"):
         return
     gpio = dsp.module("GPIO")
@@ -23,7 +23,10 @@ def start_pin(dsp: Dsp, pin: int) -> None:
 
 
 def start_i2c(dsp: Dsp, own_address: int = 0) -> None:
-    """Set clock and pins of I2C-A, module clock 10 MHz, in reset. Pins are asynchronous, as in TI's code."""
+    """Set up I2C-A with a module clock of 10 MHz, and leave it in reset (IRS = 0).
+
+    The inputs of its pins are asynchronous, as in TI's code. own_address: the value of I2COAR.
+    """
     clocks = dsp.module("SYS")
     dsp.eallow()
     clocks.PCLKCR0.I2CAENCLK = 1
@@ -43,7 +46,7 @@ def start_i2c(dsp: Dsp, own_address: int = 0) -> None:
 
 
 def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> None:
-    """Set up SCI-A's receive FIFO with an interrupt at `level` words; by default 8 data bits, no parity."""
+    """Set up SCI-A to receive with FIFO and an interrupt at `level` words. sciccr: 0x07 is 8 data bits, no parity."""
     clocks = dsp.module("SYS")
     dsp.eallow()
     clocks.PCLKCR0.SCIAENCLK = 1
@@ -62,14 +65,14 @@ def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> Non
     sci.SCIFFTX.all = 0xC000  # SCIRST, SCIFFENA
     sci.SCIFFRX.all = 0x0000  # FIFO held in reset
     sci.SCIFFRX.all = 0x6060 | level  # overflow and interrupt flags cleared, FIFO on, interrupt on
-    sci.SCICTL1.all = 0x23  # out of SW RESET
+    sci.SCICTL1.all = 0x23  # SW RESET released; receiver and transmitter enabled
 
 
 def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
-    """Enable the PIE and the interrupts in `handlers` with their service routines."""
+    """Enable the PIE, and the interrupts that are the keys of `handlers`, with their service routines."""
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1
-    pie.PIEACK.all = 0xFFF  # if PIEIER were written first, this write would request a pending interrupt twice
+    pie.PIEACK.all = 0xFFF  # before PIEIER: after it, this write would request a pending interrupt twice
     for name, handler in handlers.items():
         group, line = dsp.handle(name, handler)
         setattr(pie[f"PIEIER{group}"], f"INTx{line}", 1)

@@ -1,8 +1,8 @@
 """Transfers and rounds on a scene's I2C bus, derived from its wires and the master's requests.
 
-    SCL, SDA --I2cMonitor--> transfers --BusRounds--> transfers as asked, rounds
+    SCL, SDA --I2cMonitor--> transfers --BusRounds--> transfers with their requests, rounds
 
-Nothing is built before there is a subscriber.
+The monitor is created only when the first subscriber needs it.
 """
 
 from __future__ import annotations
@@ -22,18 +22,18 @@ if TYPE_CHECKING:
     from ..core.wire import Wire
     from .case.model import Case
 
-SPIKE = Fraction(50, 10**9)  # UM10204 Table 10, tSP: shorter pulses on SDA are ignored
+SPIKE = Fraction(50, 10**9)  # seconds; the monitor ignores shorter pulses on SDA (UM10204 Table 10, tSP)
 
 
 class BusSide:
     """The transfers and rounds of a scene's bus.
 
     asked: the requests of the master; None if they are not known.
-    spike: the length of ignored pulses, in ticks.
+    spike: pulses on SDA of fewer ticks are ignored.
     before: callbacks that receive each transfer before other subscribers.
     monitor: the monitor of the wires; None before the first use of `rounds`, and without a bus.
     wire_bytes: number of bytes of the counted transfers.
-    nacked: number of counted transfers that were refused.
+    nacked: number of counted transfers that were not acknowledged.
     bit_skip: the shortcut that skips bits on this bus; None if no bits are skipped.
     """
 
@@ -62,16 +62,16 @@ class BusSide:
 
     @property
     def period(self) -> int:
-        """Ticks from one round's due time to that of the next round; 0 if there are no rounds."""
+        """Number of ticks between the due times of two successive rounds; 0 if there are no rounds."""
         return 0 if self.asked is None else int(self.asked.period // 1)
 
     def count(self, transfer: Transfer) -> None:
-        """Add a transfer of the controller agent to the figures of the run."""
+        """Count the bytes of a transfer of the controller agent, and the transfer if it was not acknowledged."""
         self.wire_bytes += transfer.wire_bytes
         self.count_nacked(transfer)
 
     def count_nacked(self, transfer: Transfer) -> None:
-        """Count a transfer that was refused, unless it only polls whether a device is ready."""
+        """Count the transfer if it was not acknowledged, unless it only polls whether an EEPROM is ready."""
         first = transfer.phases[0]
         polls = self.asked is not None and self.asked.ack_polling and not first.read and not first.data
         self.nacked += not transfer.acked and not polls
@@ -82,7 +82,7 @@ class BusSide:
         return 0 if self.bit_skip is None else self.bit_skip.passed
 
     def finish(self, now: int) -> None:
-        """End the run."""
+        """Complete the rounds at tick `now`, the end of the run."""
         if self._rounds is not None:
             self._rounds.finish(now)
 

@@ -28,15 +28,15 @@ class CaseTicks(Struct, frozen=True):
         return is_on(name, self.case.disable)
 
     def ticks(self, length: Fraction, ppm: Fraction = Fraction(0)) -> int:
-        """Return the nearest number of ticks of a length in seconds that is counted by a clock that is off by `ppm`.
+        """Convert a length in seconds to ticks, rounded to the nearest tick. A clock that is `ppm` too fast counts it.
 
-        Raise BadCase, with its line, if it is too long for the ticks of this scene.
+        Raise BadCase, with its line, if the number of ticks is too large.
         """
         count, parts = self._ticks(length, ppm)
         return self._fitting((2 * count + parts) // (2 * parts), length)
 
     def exact_ticks(self, length: Fraction, ppm: Fraction) -> Fraction:
-        """Return the same length in ticks without rounding."""
+        """Convert a length in seconds to ticks as `ticks` does, but without rounding."""
         exact = Fraction(*self._ticks(length, ppm))
         self._fitting(int(exact), length)
         return exact
@@ -46,12 +46,12 @@ class CaseTicks(Struct, frozen=True):
             return self.timebase.fitting(ticks)
         except TimeError as error:
             place = next(_places(self.case, length), None)
-            if place is None:  # the length is a sum, not one time of the case
+            if place is None:  # the length is a sum of times, so no key of the case has it
                 raise
             raise self.case.mistake(str(error), *place) from None
 
     def _ticks(self, length: Fraction, ppm: Fraction) -> tuple[int, int]:
-        """Return the same length as (number of parts of a tick, number of parts in a tick)."""
+        """Return a length in ticks as the numerator and the denominator of a fraction."""
         clock = 1_000_000 * ppm.denominator
         return length.numerator * self.timebase.per_second * clock, length.denominator * (clock + ppm.numerator)
 
@@ -70,7 +70,7 @@ class SceneContext(CaseTicks, frozen=True):
 
 
 def _places(table: object, length: Fraction) -> Iterator[tuple[str | int, ...]]:
-    """Yield the place of each time of this length in the tables of a case."""
+    """Yield the place of each value in the tables of a case that equals `length`."""
     children: list[tuple[str | int, object]] = []
     if isinstance(table, Struct):
         children = [(name, getattr(table, name)) for name in table.__struct_fields__ if not name.startswith("_")]
@@ -98,5 +98,5 @@ class SceneWires(dict[str, Wire]):
         return self[name]
 
     def made(self, kernel: Kernel, name: str, recorder: Recorder) -> Wire:
-        """Return a new wire."""
+        """Return a new wire. A subclass can return another kind of wire."""
         return Wire(kernel, name, recorder)

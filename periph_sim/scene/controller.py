@@ -2,8 +2,8 @@
 
     Case --head_plan--> HeadPlan, shared by all scenes of the case --build_head--> SensorHead of one scene
 
-All its times are counted by its own clock, which is off by `ppm`. Rounds do not drift from that clock, however long the
-run is; the length of each phase of SCL is rounded to the nearest tick.
+Its times are counted by its own clock, which has an error of `ppm`. The length of each phase of SCL is rounded to the
+nearest tick. Rounds do not drift from the clock, however long the run is.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ def head_plan(scale: CaseTicks) -> HeadPlan:
 def build_head(
     context: SceneContext, table: Controller, plan: HeadPlan, on_stuck: Callable[[Wire], None]
 ) -> SensorHead:
-    """Return the sensor head of a planned [controller], whose I2C controller is on the wires of a scene."""
+    """Return the sensor head that `plan` describes, with its I2C controller connected to the wires of a scene."""
     controller = _agent_of(context)(
         context.kernel,
         context.recorder,
@@ -129,7 +129,10 @@ def build_head(
 
 
 def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:
-    """Return the requests in [rounds], of a master that is no agent. Raise BadCase, with its line, for a wrong one."""
+    """Return the requests in [rounds], which are those of a master that periph_sim does not simulate as an agent.
+
+    Raise BadCase, with its line, for a wrong request.
+    """
     requests = _requests(context.case, table, "rounds")
     transfers = _transfers(requests, table.pointer_by == "STOP")
     period = context.exact_ticks(table.period, Fraction(0))
@@ -191,7 +194,7 @@ MODULE = "I2C-A"
 def bit_skip_of(context: SceneContext, controller: I2cController | None, units: Mapping[str, Dsp]) -> BitSkip:
     """Return the object that skips bits on SCL and SDA.
 
-    The controller agent clocks the bus; without one it is the unit that is the master.
+    controller: the agent that drives SCL; None if the unit that is the master drives it.
     """
     from ..bus.i2c.bit_skip import BitSkip
     from ..bus.i2c.skipping_controller import SkippingController

@@ -34,13 +34,14 @@ if TYPE_CHECKING:
 
 OFF = ("IER = 0", "INTM = 1")  # reason why interrupts are off, indexed by INTM
 ENABLE = "enable interrupts before the wait (CLRC INTM, bits of IER)"
-RESTARTED = 2  # number of watchdog periods in a wait that show that a service routine restarts the watchdog
+RESTARTED = 2  # a wait of this many watchdog periods shows that a service routine restarts the watchdog
 
 
 def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]) -> str:
     """Return why the wait of `dsp` cannot end, as a clause; empty if it can end, or if there is no wait.
 
-    may_move: returns True if these parties of other units may ever move the wire. instant: formats a tick.
+    may_move: returns True if one of these parties, which are not of the unit, may still change the wire.
+    instant: formats a tick.
     """
     wait = dsp.program.unanswered_wait()
     if wait is not None:
@@ -69,7 +70,7 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
 def nothing_comes(
     dsp: Dsp, modules: list[str], may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]
 ) -> str:
-    """Return why these modules will not change, as a clause; empty if one of them may."""
+    """Return why these modules will not change, as a clause; empty if one of them may change."""
     wires = {wire.name: wire for module in modules for wire in wires_into(dsp, module)}
     for wire in wires.values():
         others = [who for who in wire.parties() if not who.startswith(f"{dsp.name}.")]
@@ -87,7 +88,7 @@ def nothing_comes(
 
 
 def polls_for_input(dsp: Dsp) -> bool:
-    """Return True if firmware polls an input without end and executes each pass, as with `skip_polls = false`."""
+    """Return True if firmware polls an input without end and no pass is skipped, as with `skip_polls = false`."""
     spin, time = dsp.program.spin, dsp.processor.time
     waits = spin is not None and spin.ends == NEVER and spin.unchanged(time.cycle)
     return waits and time.lands == NEVER and dsp.core.earliest() == NEVER
@@ -116,7 +117,7 @@ def watchdog_runs(dsp: Dsp) -> bool:
 def watchdog_ends(dsp: Dsp, since: int) -> bool:
     """Return True if the watchdog may end a wait that began at this cycle.
 
-    It cannot if the wait has lasted for RESTARTED watchdog periods: then a service routine restarts it regularly.
+    It cannot after RESTARTED watchdog periods, because a service routine then restarts the watchdog regularly.
     """
     return watchdog_runs(dsp) and dsp.control.watchdog_rounds(since, _now(dsp)) < RESTARTED
 
@@ -172,7 +173,11 @@ def has_clock(dsp: Dsp, module: str) -> bool:
 
 
 def wires_into(dsp: Dsp, module: str) -> list[Wire]:
-    """Return the wires that a module can read: those of its own pins, and those of pins that belong to no module."""
+    """Return the wires that a module can read.
+
+    They are the wires of its input pins and of the pins that belong to no module. A module without inputs reads no
+    wires, and a module that can read any pin reads all wires of the unit.
+    """
     wires, part = dsp.plan.wires, dsp.plan.part
     inputs = part.by_name[module].inputs
     if inputs is None:
@@ -189,7 +194,7 @@ SETTLED = Fraction(1, 1_000_000)  # seconds after which delayed outputs and hold
 def deadlocks_of(scene: Scene) -> list[str]:
     """Return a sentence for each unit whose firmware waits for an event that cannot occur: the wait, since when, why.
 
-    If firmware let no simulated time pass and so ended the run, return only the sentence about that.
+    If the run was aborted because firmware let no simulated time pass, return only the sentence about that.
     """
     if scene.stalled:
         return [scene.stalled]
@@ -204,7 +209,7 @@ def deadlocks_of(scene: Scene) -> list[str]:
 
 
 def _wait(scene: Scene, dsp: Dsp) -> str:
-    """Return the wait that a unit is in or that a service routine interrupts, as a phrase."""
+    """Return a phrase for the wait of a unit, also if a service routine has interrupted this wait."""
     found = dsp.program.unanswered_wait()
     if found is None:
         return doing(dsp, scene.timebase, scene.start)
@@ -216,9 +221,9 @@ def _instant(scene: Scene, tick: int) -> str:
 
 
 def _may_move(scene: Scene, stuck: set[str], wire: Wire, parties: list[str]) -> bool:
-    """Return True if one of these parties may move the wire.
+    """Return True if one of these parties may still change the wire, or if an event is due within SETTLED.
 
-    Stuck units, chips and devices that only answer, and a controller that waits within a round cannot move it.
+    Stuck units, chips and devices that only answer, and a controller that waits within a round cannot change it.
     """
     coming = scene.kernel.next_time()
     if coming <= scene.kernel.now + scene.timebase.ticks(SETTLED):

@@ -31,10 +31,10 @@ OF_MODELS = {"model age", "model run"}
 
 
 class DerivedRecords:
-    """The derived records of a scene. bytes: compares the bytes that were read; None if no subscriber needs it."""
+    """The derived records of a scene. bytes: compares read bytes with expected ones; None if no subscriber needs it."""
 
     def __init__(self, recorder: Recorder) -> None:
-        """Create it after all subscriptions, and before units are built, since it subscribes to records of firmware."""
+        """Call this after all subscriptions and before units are built: it subscribes to records of their firmware."""
         self._recorder = recorder
         self._named = {kind: recorder.named_things(kind) for kind in KINDS}
         self._transfers: TransferRecords | None = None
@@ -74,7 +74,7 @@ class DerivedRecords:
                 self._held[-1].attach(scene.wires["SCL"], scene.wires["SDA"])
 
     def _watch_for_stuck_lines(self, scene: Scene) -> None:
-        """Report lines that stay low, unless a controller agent does."""
+        """Report lines that stay low. Do nothing if there is a controller agent, which reports them itself."""
         if scene.head is None:
             from ..bus.i2c.line_observers import STUCK_AFTER, StuckWatch
 
@@ -102,7 +102,7 @@ class DerivedRecords:
         return self._ages
 
     def _attach_data(self, scene: Scene, named: set[str]) -> None:
-        """Attach the records of data. Origins are attached first, since the others use them."""
+        """Attach the objects that derive DATA records. Origins are attached first, since the other objects use them."""
         checks_host = scene.case.checks_host
         origins: Origins | None = None
         if "age" in named or (named & OF_BYTES and checks_host):
@@ -132,7 +132,7 @@ MODEL_PIN = "MODEL"  # name, in a case, of the pin that is high while the firmwa
 
 
 def _origins_of(scene: Scene) -> Origins:
-    """Return the origins of the bytes that are read. Raise BadCase if values of sensor models cannot be recognized."""
+    """Return the object that finds the frame of each read. Raise BadCase if it cannot recognize a model's values."""
     from ..core.sampler import watch
     from ..devices.host_frames import host_frames
     from ..timing.derived.origins import FrameOrigins, ModelOrigins

@@ -21,7 +21,7 @@ CLASS = "Device"
 
 
 def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: TargetContext) -> PythonTarget:
-    """Return the device of a Python file, attached at its address.
+    """Return the target that the class `Device` of a Python file defines, with its address.
 
     Raise BadCase, with its line, if the file cannot be loaded or its class or settings are wrong. Raise FirmwareStalled
     if its code does not return in time.

@@ -41,7 +41,7 @@ OTHERS = ("controller", "host", "serial", "outside")  # names of all other parti
 
 
 class NoteLog:
-    """The log of a device's notes. notes: for each note, the tick at which it was first made, and its count."""
+    """The notes of a chip or device. notes: for each note, the tick at which it was first made, and its count."""
 
     STATE = State("notes")
 
@@ -63,7 +63,7 @@ class NoteLog:
 
 
 class DeviceOnBus:
-    """A device on the bus. target: the target that its model built, without its disturbances."""
+    """A device on the bus. target: the target that its model built, without the disturbances in its table."""
 
     STATE = State("target log")
 
@@ -93,7 +93,7 @@ class DeviceOnBus:
 
 
 def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Answers) -> TargetSide:
-    """Connect a target to SCL and SDA, with the disturbances in its table. Return its wire side."""
+    """Connect a target to SCL and SDA, with the disturbances in its table. Return the object that drives the wires."""
     scl, sda = context.wire("SCL"), context.wire("SDA")
     sides: list[TargetSide] = []
 
@@ -143,7 +143,7 @@ def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Answer
 
 
 def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: Mapping[int, str]) -> dict[str, DeviceOnBus]:
-    """Return the devices by name. known: the wires of the scene. taken: names of the other targets, by address.
+    """Return the devices by name. known: the wires of the scene. taken: names of the sensor chips, by address.
 
     Raise BadCase, with its line, for an impossible device.
     """
@@ -185,7 +185,7 @@ def _target(context: SceneContext, name: str, table: DeviceTable, place: TargetC
 
 
 def _settings(context: SceneContext, name: str, kind: type[Table], table: DeviceTable) -> Table:
-    """Return the checked settings of a device's model, which are the table's keys that only this model has."""
+    """Return the checked settings of a device's model: the keys in the device's table that this model adds."""
     try:
         return kind.model_validate(table.own)
     except BadTable as error:

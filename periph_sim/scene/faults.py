@@ -23,7 +23,7 @@ MODULE_RESET = ".IRS"  # suffix of the wire that represents a unit's bit I2CMDR.
 
 
 class Wires:
-    """The wires that faults can disturb: the wires of the scene, and wires for XRS and IRS of units, made on demand."""
+    """Wires that faults can disturb: those of the scene, and wires for XRS and IRS of units, made on demand."""
 
     def __init__(self, context: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> None:
         self._context = context

@@ -38,17 +38,17 @@ SHIPPED = EXAMPLES / "firmware" / "python"
 
 PREFIX = "_firmware_"
 SHIPPED_PACKAGE = f"{PREFIX}shipped"
-_packages: dict[tuple[Path, int], str] = {}  # by file and thread, since threads may load one file at once
+_packages: dict[tuple[Path, int], str] = {}  # by file and thread, since several threads may load one file
 _numbers = count()
 
 
 def shipped_names() -> list[str]:
-    """Return the sorted names of the shipped programs and of the modules that they share."""
+    """Return the sorted names of the shipped programs and of the modules that these programs share."""
     return sorted(file.stem for file in SHIPPED.glob("*.py") if file.stem != "__init__")
 
 
 def is_shipped(name: str) -> bool:
-    """Return True if a shipped program, or a module that they share, has that name."""
+    """Return True if a shipped program, or a module that shipped programs share, has this name."""
     if f"{SHIPPED_PACKAGE}.{name}" in sys.modules:  # an earlier scene has imported it, so it exists
         return True
     return name.isidentifier() and name != "__init__" and (SHIPPED / f"{name}.py").is_file()
@@ -62,7 +62,7 @@ def shipped_module(name: str) -> ModuleType:
 
 
 def module_of_file(path: Path) -> ModuleType:
-    """Import a firmware file and return its module. Files of its folder are imported again, so edits take effect."""
+    """Import a firmware file and return its module. It and its neighbours are imported anew, so edits take effect."""
     path = note_input(path).resolve()
     package = _packages.setdefault((path, get_ident()), f"{PREFIX}{next(_numbers)}")
     # `sys.modules` is copied, because other threads may import at the same time.
@@ -99,7 +99,7 @@ def _make_package(name: str, folders: list[Path]) -> None:
 
 
 class _Source(SourceFileLoader):
-    """Loads a file without bytecode files, which would hide edits within one second and litter the user's folder."""
+    """Loader without bytecode files, which would hide edits within one second and fill the user's folder."""
 
     def get_code(self, fullname: str) -> CodeType:
         return _code_of(read_input(Path(self.path)), self.path)
@@ -107,7 +107,7 @@ class _Source(SourceFileLoader):
 
 @lru_cache(maxsize=64)
 def _code_of(source: bytes, path: str) -> CodeType:
-    """Return the compiled text of a file, from a cache, because each scene of the file imports it again."""
+    """Return the compiled code of a file. It is cached, because each scene imports the file again."""
     return _Source("", path).source_to_code(source, path)
 
 
@@ -119,7 +119,7 @@ def _spec(name: str, file: Path) -> ModuleSpec:
 
 
 class _FirmwareFinder:
-    """Finds relative imports of firmware. Python's own finder would keep bytecode files in the user's folder."""
+    """Finder of relative imports in firmware. Python's own finder would write bytecode files to the user's folder."""
 
     def find_spec(
         self, fullname: str, path: Sequence[str] | None, target: ModuleType | None = None
@@ -149,11 +149,11 @@ class Firmware(Struct, frozen=True):
 
 
 class BadFirmware(ValueError):
-    """A program cannot be loaded. The message is one sentence."""
+    """Error: a program cannot be loaded. The message is one sentence."""
 
 
 class BadSetting(ValueError):
-    """The firmware does not accept a setting. name: the name of the setting; "" if several do not fit together."""
+    """Error: the firmware rejects a setting. name: the name of the setting; "" if several do not fit together."""
 
     def __init__(self, what: str, name: str) -> None:
         super().__init__(what)
@@ -161,7 +161,7 @@ class BadSetting(ValueError):
 
 
 def load_firmware(name: str) -> Firmware:
-    """Return a program: a shipped one by its name, or a .py file by its path. Raise BadFirmware if there is none."""
+    """Return a program. name: that of a shipped program, or the path of a .py file. Raise BadFirmware if it fails."""
     if not name:
         raise BadFirmware("its unit runs no Python firmware, which this needs")
     return _loaded(name) if name.endswith(".py") else _loaded_once(name)
@@ -169,7 +169,7 @@ def load_firmware(name: str) -> Firmware:
 
 @lru_cache(maxsize=64)
 def _loaded_once(name: str) -> Firmware:
-    """Return a shipped program, whose module is imported once."""
+    """Return a shipped program, from a cache."""
     return _loaded(name)
 
 
@@ -236,7 +236,7 @@ def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
 
 
 def filled(kind: type[T], given: dict[str, object], who: str) -> T:
-    """Return a dataclass with the given values. Raise BadSetting with the name of a wrong one. who: for messages."""
+    """Return a dataclass object with the given values. who: its owner. Raise BadSetting for a wrong value."""
     try:
         return convert(kind, given)
     except BadTable as error:
@@ -253,7 +253,7 @@ _shared: dict[tuple[type, str], object] = {}
 
 
 def shared(kind: type[T], given: dict[str, object], who: str) -> T:
-    """Return a dataclass as `filled` does; if it is frozen, all scenes with these values share one object."""
+    """Return a dataclass object as `filled` does. If its class is frozen, all scenes with these values share it."""
     if not cast(Any, kind).__dataclass_params__.frozen:
         return filled(kind, given, who)
     key = kind, repr(given)

@@ -30,7 +30,7 @@ T = TypeVar("T")
 
 
 class HostPlan(Struct, frozen=True):
-    """Schedule and line of a [host]. bit: the length of a bit on its line, in ticks."""
+    """Schedule and bit rate of a [host]. bit: the length of a bit on RX, in ticks."""
 
     schedule: HostSchedule
     bit: Fraction
@@ -87,7 +87,10 @@ class HostAgent:
         self.host = Host(context.kernel, self.peer, plan.schedule, self.values, encode, seed)
 
     def _truth(self, table: HostTable, model: FirmwareModel | None) -> Truth | None:
-        """Return the true values of the chips; None if a model computes them and the frames have no known motion."""
+        """Return the true values of the chips.
+
+        Return None if a model of the firmware computes the chips' data and no motion is known from which frames come.
+        """
         if model is None:
             return LineBetweenFrames(self.values, table.period, host_frames().shown)
         return None if self.frames is None else model.truth(self.frames.motion, table.first)
@@ -97,7 +100,7 @@ class HostAgent:
         return self._line
 
     def truth_at(self, tick: int) -> Mapping[str, Axes]:
-        """Return the true values x, y, z of each chip in LSB, by chip."""
+        """Return the true values x, y, z at a tick, in LSB, by chip."""
         assert self.truth is not None
         return self.truth.at(self.host.frame_at(tick) * self._period)
 

@@ -2,9 +2,9 @@
 
 unit.memory             --> PresetMemory: initial values of variables
 budgets, span records   --> FunctionSpans: a span for each function
-loads, wait records     --> WaitRecords: IDLE
-budgets on variables    --> VariableRecords
-budgets on the stack    --> StackDepth
+cpu load, wait records  --> WaitRecords: the times in IDLE
+budgets on variables    --> VariableRecords: the values of variables
+budgets on the stack    --> StackDepth: the depth of the stack
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from .case.unit_table import Unit
 
 
 def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgram, recorder: Recorder) -> None:
-    """Add the observers to a program before its first instruction. Raise BadCase for a name that its image lacks."""
+    """Add the observers to a program before its first instruction. Raise BadCase if the image lacks a needed name."""
     if recorder.wants(Kind.SPAN):
         program.add_call_listener(FunctionSpans(recorder, name, program.place_of))
     if recorder.wants(Kind.WAIT):
@@ -51,7 +51,7 @@ def variable_value(dsp: Dsp, name: str) -> int:
 
 
 def _preset(case: Case, name: str, unit: Unit, program: ImageProgram) -> None:
-    """Write the values of `memory` in the case into the image's variables before it begins."""
+    """Set variables of the image to the values that the key `memory` of the unit gives, before the program begins."""
     variables = Variables(program.image)
     presets = []
     for symbol, value in unit.memory.items():

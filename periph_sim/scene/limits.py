@@ -1,4 +1,4 @@
-"""Plans of a case's budgets, and the judges that a scene makes from them, which take values and return verdicts.
+"""Plans of a case's budgets, and a scene's judges, which take the measured values and return verdicts.
 
 Case, Scope --> BudgetPlan of each budget, shared by all scenes of the case --> BudgetJudge of each, for one scene
 """

@@ -1,7 +1,7 @@
 """The log of a session: the levels and bytes from the outside parties, instant by instant.
 
 {"format": "periph-sim outside", "version": 1, "case": ..., "ticks_per_second": ..., "wires": [...],
- "file": ..., "set": [...]}             path of the case's file from the log's folder, and its changes, if it has one
+ "file": ..., "set": [...]}             if the case has a file: its path from the log's folder, and its changes
 {"serial": "RX"}                        from here on, this wire is driven by bytes
 [tick, {"SCL": 0}, ["RX"]]              an instant: levels of wires, and the wires on which a byte begins, if any
 {"end": tick}                           the end of the session; without this line, the last instant is the end
@@ -32,7 +32,7 @@ LONGEST_LINE = 1 << 20  # maximum number of characters of a line
 
 
 class BadLog(ValueError):
-    """A file is no log of a session, or is damaged. The message is one sentence with the line."""
+    """Error: a file is no log of a session, or is damaged. The message is one sentence with the line."""
 
 
 @dataclass(frozen=True)
@@ -47,10 +47,10 @@ class Head:
 
 
 class Instant(NamedTuple):
-    """The events of one tick. levels: the levels of the lines that the outside moves.
+    """The changes at one tick.
 
-    sent: by wire, the number of bytes that begin on a wire that is driven by bytes; 0 in its first entry, which only
-        states that it is driven by bytes.
+    levels: the new levels of the wires that the outside changes.
+    sent: by wire, the number of bytes that begin; 0 states only that from now on bytes drive the wire.
     """
 
     tick: int
@@ -59,7 +59,7 @@ class Instant(NamedTuple):
 
 
 class LogReader:
-    """A reader of a log. Raise BadLog if the file is no such log or is damaged."""
+    """Reader of a session's log. Raise BadLog if the file is not such a log, or is damaged."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -133,7 +133,7 @@ class LogReader:
         return Instant(tick, levels, dict.fromkeys(begun, 1))
 
     def _line(self) -> object:
-        """Return the value in the next line; None at the end, or for an incomplete line of a terminated process."""
+        """Return the value in the next line. Return None at the end, and for an incomplete last line."""
         try:
             text = self._file.readline(LONGEST_LINE)
             if len(text) == LONGEST_LINE:
@@ -183,7 +183,7 @@ class LoggedOutside(Agent):
 
     start: the tick of the scene that corresponds to tick 0 of the log.
     on_sent: called with a wire and the number of bytes that begin on it.
-    unfinished: what is missing at the end of the log; see `LogReader`.
+    unfinished: a sentence about what is missing at the end of the log; see `LogReader`.
     """
 
     def __init__(self, kernel: Kernel, wires: Mapping[str, Wire], path: Path, start: int) -> None:
@@ -243,7 +243,7 @@ def logged_outside(context: SceneContext, wires: Mapping[str, Wire]) -> LoggedOu
 def _checked(path: Path, written: int, size: int) -> str:
     """Return what is missing at the end of a log. Raise BadLog if it is damaged.
 
-    written, size: the file's time of change and size, which are part of the cache's key.
+    written, size: the file's time of change and its size. With them, a changed file is checked again.
     """
     reader = LogReader(path)
     for _ in reader.instants():

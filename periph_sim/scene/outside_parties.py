@@ -1,12 +1,15 @@
-"""Replacement of parties of a case by its [outside].
+"""Replacement of parties of a case by the outside party that its table [outside] describes.
 
     the outside drives    it replaces      budgets that are still judged
-    SDA and SCL           [controller]     those on rounds, requests and bytes, from the wires: requests become [rounds]
-    RX                    [host]           all but those that need the host's frames
+    SDA and SCL           [controller]     those on rounds, requests and bytes
+    RX                    [host]           those that do not need the host's frames
 
-This module changes a case when it is loaded, when a session names other lines, and when its scene is built, so the same
-rule holds for sessions, simulators, served ports and replays. With `beside_outside = true` a [controller] stays: the
-outside is then a second controller, or a device.
+The table [controller] is replaced by a table [rounds] with the same requests, so that the rounds of the outside party
+can be recognized on the wires. With `beside_outside = true`, the [controller] stays: the outside is then a second
+controller, or a device.
+
+Parties are replaced when a case is loaded, when a session chooses other wires, and when a scene is built. So the same
+rule holds for sessions, simulators, served ports and replays.
 """
 
 from __future__ import annotations
@@ -35,7 +38,7 @@ def as_driven(case: Case) -> Case:
     """Return a case without the parties that its [outside] replaces. Its `replaced` has a sentence for each of them.
 
     Budgets that need such a party are left out, and the sentence names them. Raise BadCase, with its line, for a budget
-    that is wrong in any case.
+    that would be wrong without [outside], too.
     """
     outside, controller = case.outside, case.controller
     assert outside is not None
@@ -54,7 +57,7 @@ def as_driven(case: Case) -> Case:
 def with_outside(case: Case, wires: tuple[str, ...]) -> Case:
     """Return the case as it is built if the outside drives these wires instead of those in its [outside].
 
-    Raise BadCase if its [outside] names more wires, because a party that it has replaced would then be missing.
+    Raise BadCase if its [outside] has replaced a party that these wires do not replace, since it would be missing.
     """
     for party, lines in (("controller", BUS), ("host", frozenset(("RX",)))):
         if party in case._replaced and not lines.issubset(wires):
@@ -64,7 +67,7 @@ def with_outside(case: Case, wires: tuple[str, ...]) -> Case:
 
 
 def _without(party: str, lines: str, case: Case, driven: Case) -> Case:
-    """Return the driven case with the budgets that it can judge. lines: the wires on which `party` is replaced."""
+    """Return `driven`, which lacks `party`, with the budgets that it can judge. lines: the wires of `party`."""
     kept = tuple(budget for budget, judged in zip(case.budget, _judged(case, driven), strict=True) if judged)
     names = [budget.name for budget in kept]
     left_out = ", ".join(repr(budget.name) for budget in case.budget if budget.name not in names)
@@ -85,7 +88,7 @@ def _without(party: str, lines: str, case: Case, driven: Case) -> Case:
 
 
 def _judged(case: Case, driven: Case) -> Iterator[bool]:
-    """Yield for each budget whether the driven case can judge it."""
+    """Yield, for each budget of the case, True if the driven case can judge it."""
     timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
     start = timebase.ticks(case.start, "nearest")
     # Raise BadCase for a budget that is wrong whether or not an outside party replaces a party of the case.
@@ -111,7 +114,7 @@ def _measures(plan: BudgetPlan) -> Iterator[Measure]:
 
 
 def check_outside(case: Case, wires: Mapping[str, Wire]) -> None:
-    """Raise BadCase, with its line, if [outside] names an unknown wire, or one twice."""
+    """Raise BadCase, with its line, if [outside] names an unknown wire, or names a wire twice."""
     assert case.outside is not None
     names = case.outside.wires
     for entry, name in enumerate(names):
@@ -125,7 +128,7 @@ def check_outside(case: Case, wires: Mapping[str, Wire]) -> None:
 
 
 def not_run(case: Case) -> BadCase:
-    """Return the error for a case that is driven from outside and cannot be run like others."""
+    """Return the error for a run of a case that needs an outside party, because a run has none."""
     assert case.outside is not None
     wires = " and ".join(case.outside.wires)
     what = (

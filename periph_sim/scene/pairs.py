@@ -1,6 +1,6 @@
 """The RS-485 pairs of a scene with their transceivers and notes, built from [[transceiver]] tables.
 
-Each note of a pair appears once for each transceiver or group of drivers, with its first time and its count.
+Equal notes about a transceiver or a group of drivers are one note, with the first time and the count.
 """
 
 from __future__ import annotations
@@ -22,8 +22,8 @@ FirstAndTimes = tuple[int, int]
 class Pairs:
     """The RS-485 pairs of a scene.
 
-    sci_line: returns the line format with which an SCI of a unit sends.
-    outside: for each driver of an outside party, by the name of the party, its line format.
+    sci_line: returns the function that gives the bit length and the format with which an SCI of a unit sends.
+    outside: the same functions for outside parties that drive a pair, by the name of the party.
     """
 
     def __init__(self, context: SceneContext, sci_line: Callable[[str, str], Line]) -> None:
@@ -40,7 +40,7 @@ class Pairs:
         return self._transceivers.get((unit, module))
 
     def lines(self) -> Mapping[str, Line]:
-        """Return the line format of each pair by wire, which is that of the party that drives the pair."""
+        """Return, by pair's wire, a function that gives the bit length and format of the party that drives it."""
         return {name: partial(self._line, pair) for name, pair in self._pairs.items()}
 
     def notes(self) -> list[str]:

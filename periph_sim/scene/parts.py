@@ -1,4 +1,4 @@
-"""Modules of a scene's parts. Each is imported when a case first names the part, so unused parts cost no import.
+"""Modules of a scene's parts. Each module is imported at its first use, so unused parts cost no import.
 
 from . import parts;  parts.controller.build_head(...)  --> periph_sim.scene.controller is imported now
 """
@@ -48,7 +48,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> ModuleType:
-    """Import and return a part's module. It is stored as an attribute of this module."""
+    """Import and return a part's module. It becomes an attribute of this module, so this happens once."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module = globals()[name] = import_module(f".{name}", __package__)

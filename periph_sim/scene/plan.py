@@ -1,8 +1,8 @@
 """The plan of a scene: everything that depends only on the case, computed once for all its scenes.
 
-    Case --> ScenePlan: ticks, wiring, scope, parts of units, plans of controller and host --> any number of Scenes
+    Case --> ScenePlan: ticks, wiring, names for budgets, plans of units, controller and host --> any number of Scenes
 
-A plan contains nothing that a run changes, and nothing that is read from another file than the case's.
+A plan contains nothing that a run changes, and nothing that is read from a file other than the case's.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ class ScenePlan:
     """The plan of one case.
 
     case: the case without the parties that its [outside] replaces.
-    before: the plan of a case that differs in some tables. Plans of budgets are taken from it if they are the same,
-        because they take longer to make than all other parts.
+    before: the plan of a case that differs in some tables. Plans of budgets are taken from it if they are equal,
+        because making them takes longer than making all other parts.
     """
 
     def __init__(self, case: Case, before: ScenePlan | None = None) -> None:
@@ -60,7 +60,7 @@ class ScenePlan:
     def scope(self) -> Scope:
         """The names that budgets may use.
 
-        If another file defines some of them, they are read again at each access, since the file may have changed.
+        If a file other than the case's defines some of them, they are read again at each access: it may have changed.
         """
         return scope_of_case(self.case, self.wiring) if self._names_of_files else self._scope
 
@@ -70,12 +70,12 @@ class ScenePlan:
 
     @property
     def _names_of_files(self) -> bool:
-        """True if another file than the case's defines names that budgets may use."""
+        """True if a file other than the case's defines names that budgets may use."""
         return bool(self.case.measures_from) or any(unit.image for unit in self.case.unit.values())
 
     @property
     def limits(self) -> tuple[BudgetPlan, ...]:
-        """The plans of the budgets, made again at each access if `scope` is. Raise BadCase for an invalid budget."""
+        """The plans of the budgets. They are made at each access if `scope` is. Raise BadCase for an invalid budget."""
         return parts.limits.limit_plans(self.ticks, self.scope) if self._names_of_files else self._limits
 
     @cached_property
@@ -89,13 +89,13 @@ class ScenePlan:
         return parts.limits.limit_plans(self.ticks, self.scope)
 
     def _measures_as(self, other: ScenePlan) -> bool:
-        """Return True if the same budgets have the same plans in the case of the other plan."""
+        """Return True if equal budgets have equal plans in this case and in the case of the other plan."""
         one, two = self.ticks, other.ticks
         same_ticks = (one.timebase.per_second, one.start) == (two.timebase.per_second, two.start)
         return same_ticks and self.scope == other.scope
 
     def unit(self, name: str) -> DspPlan:
-        """Return the parts of a unit. Raise BadCase for a part that it cannot have."""
+        """Return the plan of a unit. Raise BadCase for an unknown part, module or option."""
         if name not in self._units:
             self._units[name] = parts.unit.unit_plan(self.ticks, name)
         return self._units[name]

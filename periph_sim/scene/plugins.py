@@ -87,7 +87,7 @@ def known(folder: Path, attribute: str, shipped: Mapping[str, T], names: Iterabl
 
 
 def sensors_of(case: Case, names: Iterable[str] = ()) -> Mapping[str, ChipData]:
-    """Return the sensors that a case may name in `order`. names: the ones that it names."""
+    """Return the sensors that a case may name in `order`. names: the sensors that it names."""
     return known(case.folder, "SENSORS", known_sensors(), names)
 
 
@@ -152,7 +152,7 @@ def _project_plugins(folder: Path) -> list[Plugin]:
 
 @lru_cache(maxsize=64)
 def _module(path: Path, changed: int, size: int) -> ModuleType:
-    """Return the module of a file, imported anew if the file has changed."""
+    """Return the module of a file, from a cache. changed, size: with other values, the file is imported again."""
     return UserCode(f"plugin {path.name}", STALL_LIMIT).in_time(module_of_file, path)
 
 

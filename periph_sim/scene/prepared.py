@@ -3,9 +3,9 @@
     file or Case --> PreparedScene --scene(changes)--> Scene, not yet run
                                    --run(changes)----> Result
 
-Everything that depends only on the case is computed once (`plan.ScenePlan`). For a changed case, only the changed
-tables are checked again. Everything that a run changes is new in each run: firmware modules, devices, wires, chips and
-random generators.
+Everything that depends only on the case is computed once (`plan.ScenePlan`). If keys are changed, only the tables of
+these keys are checked again. Everything that a run changes is new in each run: firmware modules, devices, wires, chips
+and random generators.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 Program = Callable[[Any, Any], None]
 
-MOST_PLANS = 16  # maximum number of plans of changed cases that are kept, since a sweep may return to them
+MOST_PLANS = 16  # maximum number of kept plans of changed cases, which a sweep may need again
 
 
 class PreparedScene:
@@ -71,7 +71,7 @@ class PreparedScene:
         if plan is None:
             try:
                 unchanged = self.plan()
-            except BadCase:  # the file may be a valid case only with the changes
+            except BadCase:  # it may be that the file is a valid case only with the changes
                 unchanged = None
             plan = ScenePlan(file.changed(changes), unchanged)
             if len(self._plans) == MOST_PLANS:

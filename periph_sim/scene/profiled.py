@@ -30,7 +30,7 @@ class Profiled(Struct, frozen=True):
 def profiled(
     case: Case, length: Fraction | None = None, told: Callable[[float], None] | None = None, coverage: bool = False
 ) -> Profiled:
-    """Run a case and return its profile.
+    """Run a case and return its profile. told: called with the fraction of the run that is done.
 
     Raise BadCase if no unit runs an image, or if an image lacks the line information that coverage needs.
     """

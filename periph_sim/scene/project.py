@@ -49,7 +49,7 @@ NOTHING = Settings()
 
 
 class Project(Struct, frozen=True):
-    """A project. folder: the folder of its pyproject.toml; without one, the present folder."""
+    """A user's project. folder: the folder of its pyproject.toml; if there is none, the folder that was asked for."""
 
     folder: Path
     settings: Settings = NOTHING
@@ -74,7 +74,7 @@ class Project(Struct, frozen=True):
     def baseline(self, case: Path) -> Path | None:
         """Return the path of a case's baseline; None for the default, baselines/NAME.json beside the case.
 
-        The sub-folders of a folder of cases are kept, so that two cases of one name have different baselines.
+        Baselines are in the same sub-folders as their cases, so that two cases of one name have different baselines.
         """
         if self.settings.baselines is None:
             return None
@@ -129,6 +129,6 @@ def _parsed(text: str) -> dict[str, object]:
 
 
 def _near(path: Path) -> Path:
-    """Return a path relative to the present folder if it is inside of it, else unchanged."""
+    """Return a path inside the present folder as relative to it, and any other path unchanged."""
     here = Path.cwd()
     return Path(os.path.relpath(path, here)) if path.is_relative_to(here) else path

@@ -1,7 +1,7 @@
-"""Delay from a write of I2CDXR for which an I2C-A holds SCL to the release of SCL, with the present settings.
+"""Delay between a write of I2CDXR and the release of SCL, if an I2C-A holds SCL low until this write.
 
-The delay is the sum of the copy to I2CXSR, unless BCM makes it at the write, the set-up of SDA before SCL, and the
-delay of the pin. It is counted in cycles of the module clock and of SYSCLKOUT, and returned in ticks.
+The delay has three parts: the copy from I2CDXR to I2CXSR, which takes no time if BCM = 1; the set-up time of SDA before
+SCL; and the delay of the pin. The parts are counted in cycles of the module clock or of SYSCLKOUT.
 """
 
 # core: compiled

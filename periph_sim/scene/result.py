@@ -27,10 +27,10 @@ class Result:
     """The result of a run.
 
     wall_s: seconds of real time of the run, without the time to build the scene.
-    bytes_skipped: number of I2C bytes of which seven bits were skipped.
+    bytes_skipped: number of I2C bytes whose first seven bits were simulated in one step.
     sci_bytes: number of characters that other parties sent to SCIs of units.
     sci_bytes_sent: number of characters that SCIs of units sent.
-    estimated: names of the units whose cycles between accesses are estimated.
+    estimated: names of the units whose cycles between accesses are estimated: those that run C sources.
     """
 
     case: str
@@ -104,7 +104,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
 
 
 def notes_of(scene: Scene) -> list[str]:
-    """Return the notes on each unit and chip, one line each: broken duties, unmodelled parts, a main that returned."""
+    """Return the notes of the run, one line each: on the case, on units, chips and devices, on rounds and on lines."""
     obsolete = [obsolete_fidelity(scene.case.fidelity)] if scene.case.fidelity else []
     lines = [*obsolete, *scene.case.replaced, *([scene.log_ends_early] if scene.log_ends_early else [])]
     for name, dsp in scene.units.items():
@@ -113,7 +113,7 @@ def notes_of(scene: Scene) -> list[str]:
                 at = scene.timebase.show(tick - scene.start)
                 place = dsp.note_places.get((socket.name, tick))
                 where = f", {place.for_people()}" if place else ""
-                text = note.text.removeprefix(f"{module}: ")  # an SCI's note begins with the name, as the line does
+                text = note.text.removeprefix(f"{module}: ")  # the line names the module already
                 lines.append(f"{name} {module}, first at {at}{where}: {text} [{note.source}]")
         for note, n in dsp.processor.notes.counts.items():
             place = dsp.processor.notes.places.get(note)
@@ -157,7 +157,7 @@ def _missed_rounds(scene: Scene) -> list[str]:
 
 
 def unwired_pins(dsp: Dsp) -> list[str]:
-    """Return notes on modules in use whose pins have no wire, by GPxMUX at the end of the run."""
+    """Return notes on modules that GPxMUX, at the end of the run, connects to pins without a wire."""
     gpio, part = cast("Gpio", dsp.socket("GPIO").chip), dsp.plan.part
     told = []
     for module in dsp.sockets:

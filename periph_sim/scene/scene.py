@@ -1,9 +1,9 @@
-"""A running scene: the wires, units, agents and measures of a case are built, run and summarized.
+"""The scene of a case: its wires, units, agents and measures, which are built, run and judged.
 
     Case --> Scene --run--> Result
              wires SDA, SCL, RX, TX; units; sensor head; host; budgets
 
-A scene has only the parts that the case names: without a host no wire RX, and without a controller no agent for it.
+A scene has only the parts that the case names: without a [controller], for example, there is no sensor head.
 """
 
 from __future__ import annotations
@@ -118,12 +118,12 @@ class Scene:
         self.truth: Truth | None = None
         self.model: FirmwareModel | None = None  # the model with which firmware computes the data of chips
         self.frames: FrameSource | None = None  # source of the frames of the host; None if it sends a ramp
-        self._counter: BusRecorder | None = None  # counts the bytes on the wires; None if the agent counts them
+        self._counter: BusRecorder | None = None  # counts bytes on the wires; None if the controller agent does
         self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
-        self.log_ends_early = ""  # a sentence if the log in [outside] is of an unfinished session; else ""
-        self.stalled = ""  # a sentence about firmware that let no time pass and so ended the run; "" if there is none
-        self.checkpoint: Snapshot | None = None  # the last state at which `restore` can begin with C sources
+        self.log_ends_early = ""  # a sentence if the log in [outside] has no end; else ""
+        self.stalled = ""  # a sentence if firmware let no simulated time pass, which ends the run; else ""
+        self.checkpoint: Snapshot | None = None  # the last state from which `restore` can continue C sources
         self._wall = 0.0  # seconds of real time that the run has taken
         wire = self.wires.wire
         context = SceneContext(case, self.timebase, self.start, self.kernel, self.recorder, wire, wiring)
@@ -137,7 +137,7 @@ class Scene:
         self.keeps_logs = restorable and parts.state.keep_logs(self)
         self._build_targets(context, sources or {})
         outside = case.outside
-        shared = outside is not None and parts.outside_parties.drives_bus(outside)  # the bus has other parties
+        shared = outside is not None and parts.outside_parties.drives_bus(outside)  # outside parties are on the bus
         if case.controller is not None:
             self.head = self.stuck.head = parts.controller.build_head(
                 context, case.controller, plan.head, self.stuck.report
@@ -170,7 +170,7 @@ class Scene:
         if case.fault:
             self.faults = parts.faults.build_faults(context, self.wires, self.units)
         self.uart = UartSide(context, self.wires, self.units, self.host_agent, serial, self.measured)
-        self._there = {  # True for each part that this scene has, by its name in measures
+        self._there = {  # by the name of a part in measures: True if this scene has the part
             "": True,
             "controller": self.head is not None,
             "rounds": self.bus.asked is not None,
@@ -198,7 +198,7 @@ class Scene:
     # Building ------------------------------------------------------------------
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """Raise BadCase for a budget on a part that this scene does not have, since it would always hold."""
+        """Raise BadCase for a budget on a part that this scene does not have, because such a budget always holds."""
         needs = limit.measure.needs
         if not self._there[needs]:
             measure = limit.budget.measure
@@ -233,7 +233,7 @@ class Scene:
         taken = {address: name for name, chip in self.chips.items() for address in chip.addresses}
         try:
             self.devices = parts.devices.build_devices(context, self.wires, taken)
-        except FirmwareStalled as stalled:  # the code of a user's device: the run ends at its begin
+        except FirmwareStalled as stalled:  # the code of a user's device has stalled, so the run ends as it begins
             self.stalled = str(stalled)
 
     def note_logs(self) -> dict[str, NoteLog]:
@@ -241,7 +241,7 @@ class Scene:
         chips = {name: chip.log for name, chip in self.chips.items()}
         return chips | {name: device.log for name, device in self.devices.items()}
 
-    # What measures and displays listen to and ask ------------------------------
+    # Events and figures for measures and displays -------------------------------
 
     def on_transfer(self, told: Callable[[Transfer], None]) -> None:
         self.bus.rounds.on_transfer.append(told)
@@ -315,7 +315,7 @@ class Scene:
         return parts.state.state_of_scene(self)
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Continue from a snapshot of a scene of the same case, program and records. This scene must not have run.
+        """Continue from a snapshot of a scene with equal case, programs and records. This scene must not have run.
 
         If all units run images, budgets begin anew. Otherwise the scene runs from its start to the snapshot's time,
         since the stack of Python firmware or C sources cannot be restored. If both scenes are `restorable`, C sources
@@ -333,7 +333,7 @@ class Scene:
         self._close()
 
     def finish(self, length: int) -> Result:
-        """End the run and return its result. length: ticks of the run; fewer count if stalled firmware ended it."""
+        """End the run and return its result. length: ticks of the run; only those before a stall of firmware count."""
         length = min(length, self.kernel.now - self.start) if self.stalled else length
         self.kernel.materialize()
         self.bus.finish(self.kernel.now)
@@ -359,7 +359,7 @@ class Scene:
 
 
 def _raise_in_firmware(units: Mapping[str, Dsp], name: str, note: Note) -> None:
-    """Raise a note of a chip or device as an error of the firmware. name: the name of the chip or device."""
+    """Raise a note of a chip or device as an error in strict firmware. name: the name of the chip or device."""
     for dsp in units.values():
         dsp.processor.notes.raise_if_strict(note, name, dsp.processor.kernel.now)
 

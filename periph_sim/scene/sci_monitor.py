@@ -1,9 +1,9 @@
 """Records of an SCI's receiver: words waiting, overruns and characters received.
 
-thing      value and occasion
-words      number of words in the receive FIFO; when it changes, or when an overrun flag changes
-lost       1; when an overrun flag is set, because a character was lost
-received   1; when a character raises RXFFST (without FIFO: RXRDY) or an overrun flag
+record     value                                  recorded when
+words      number of words in the receive FIFO    this number or an overrun flag changes
+lost       1                                      an overrun flag is set, because a character was lost
+received   1                                      a character increments RXFFST (without FIFO: sets RXRDY), or is lost
 """
 
 # core: compiled
@@ -30,7 +30,7 @@ RXRDY, OE = SCI_MAP["SCIRXST"]["RXRDY"].mask, SCI_MAP["SCIRXST"]["OE"].mask
 
 
 class SciMonitor(ChipObserver):
-    """An observer that reads the registers of a receiver after each of its inputs, and makes records."""
+    """Observer of an SCI that reads the registers of its receiver after each input, and makes the records."""
 
     STATE = State("_words _waiting _overrun")
 
@@ -42,7 +42,7 @@ class SciMonitor(ChipObserver):
         self._socket: Socket = dsp.socket(module)
         self._clock: Clock = dsp.clock
         self._words = 0
-        self._waiting = 0  # number of words in the FIFO, or without FIFO of words in SCIRXBUF
+        self._waiting = 0  # number of words in the FIFO, or in SCIRXBUF if there is no FIFO
         self._overrun = False
         self._socket.watch(self)
 

@@ -1,4 +1,4 @@
-"""Scope of a case: the units, modules and wires that its events can refer to."""
+"""Scope of a case: the names of units, modules, wires and other things that its budgets can refer to."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ class _ImageNames:
         return self._variables.find(name)
 
     def function(self, name: str) -> str:
-        """Return the name of a function. Code that is no function of the image, as in ROM, is named by its address."""
+        """Return the name of a function, or the address of code that belongs to no function, such as code in ROM."""
         if name not in self._functions and not ADDRESS.fullmatch(name):
             raise ValueError(f"the image has no function {name!r}; {did_you_mean(name, self._functions)}")
         return name

@@ -39,7 +39,7 @@ WINDOWS = 10_000  # number of windows in a second; a run searches for its checkp
 
 
 def state_of_scene(scene: Scene) -> Snapshot:
-    """Return the state of a scene between two runs. Wires that have not settled do so, as in the next run."""
+    """Return the state of a scene between two runs. Wires that have not settled are settled, as the next run would."""
     scene.kernel.settle()
     taken = take_snapshot(modules_of(scene), scene.kernel.now, scene.recorder.number, tuple(_identity(scene)))
     return taken._replace(base=scene.checkpoint)
@@ -88,7 +88,7 @@ def modules_of(scene: Scene) -> dict[str, Module]:
     for name, dsp in scene.units.items():
         found |= _unit_modules(name, dsp, dsp.clock.cycle_at(scene.kernel.now), keys)
     found |= {name: Module(part, keys=keys) for name, part in (parts | scene.wires).items()}
-    # The kernel is last, because its events have already been named by the attributes of their owners.
+    # The kernel is last, because an event has the name of the attribute in which its owner keeps it.
     found["kernel"] = Module(scene.kernel, keys=keys)
     return found
 
@@ -199,7 +199,7 @@ def _operation_key(cpu: ImageCpu, operation: Operation) -> tuple[object, ...] | 
 
 
 def finds_of(scene: Scene) -> dict[str, Finds]:
-    """Return, for each module and class, the function that finds an object by its key."""
+    """Return, by module and class, the function that finds an object of the scene by its key."""
     samplers = _samplers(scene)
     found: dict[str, Finds] = {}
     for module in modules_of(scene):
@@ -213,7 +213,7 @@ def finds_of(scene: Scene) -> dict[str, Finds]:
     return found
 
 
-# What a snapshot is of -----------------------------------------------------------
+# Identity of a snapshot -----------------------------------------------------------
 
 
 def _identity(scene: Scene) -> Iterator[tuple[str, str]]:

@@ -40,7 +40,7 @@ class StuckLines:
             self._wire, self._after_rounds = wire, self.head.rounds
 
     def hangs(self) -> bool:
-        """Return True if another party than the controller still holds the line reported last, in the same round."""
+        """Return True if a party other than the controller still holds the last reported line, in the same round."""
         wire, head = self._wire, self.head
         if wire is None or head is None or head.at_rest or head.rounds != self._after_rounds:
             return False
@@ -61,6 +61,6 @@ def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
 
 
 def waits(what: str, where: SourceLocation | None, since: str) -> str:
-    """Return the phrase for firmware that waits."""
+    """Return a phrase that says for what firmware waits, where, and since when."""
     at = f" at {where}" if isinstance(where, InstructionLocation) else ""
     return f"waits for {what}{at} since {since}"

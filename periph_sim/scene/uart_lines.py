@@ -55,7 +55,7 @@ class UartLines:
             self._counter(name).topics.append(recorder.topic(Kind.RECEIVER, name, "character"))
 
     def on_character_from(self, wires: Collection[str], callback: Callable[[str, int], None]) -> None:
-        """Call `callback(wire, tick)` for each character on those of these wires that lead to an SCI."""
+        """Call `callback(wire, tick)` for each character on each of these wires that leads to an SCI."""
         for name in dict.fromkeys(self._heard):
             if name in wires:
                 self._counter(name).on_character.append(partial(callback, name))
@@ -66,25 +66,25 @@ class UartLines:
         return self._counters[name]
 
     def finish(self, now: int) -> None:
-        """End the run."""
+        """Detect the last characters at tick `now`, the end of the run."""
         for counter in self._counters.values():
             counter.finish(now)
 
 
 def sci_line(context: SceneContext, dsp: Dsp, module: str) -> tuple[Fraction, UartFormat]:
-    """Return the length of a bit in ticks and the frame format, by an SCI's present settings."""
+    """Return the bit length, in ticks, and the frame format that an SCI's present settings give."""
     return _ticks_and_format(context.timebase.per_second, *_settings(dsp, module))
 
 
 def line_of(dsp: Dsp, module: str = "SCI-A") -> uart_line.Line:
-    """Return rate and format by the present settings of an SCI."""
+    """Return the rate and the format that an SCI's present settings give."""
     return _line(*_settings(dsp, module))
 
 
 def _settings(dsp: Dsp, module: str) -> tuple[int, int, Fraction, int]:
     """Return (SCICCR, SCIHBAUD and SCILBAUD as one number, SYSCLKOUT in Hz, divider of LSPCLK).
 
-    The registers are read at cycle 0, which is correct since only writes change them. A read at the present cycle would
+    The registers are read at cycle 0. This is correct, since only writes change them. A read at the present cycle would
     advance the chip before its turn in this tick, and subscribers to its flags would not be notified.
     """
     chip = dsp.socket(module).chip

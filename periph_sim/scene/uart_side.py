@@ -96,12 +96,12 @@ class UartSide:
         return told + ([] if self._serial is None else self._serial.notes())
 
     def finish(self, now: int) -> None:
-        """End the run."""
+        """Complete the counts of characters at tick `now`, the end of the run."""
         if self._lines is not None:
             self._lines.finish(now)
 
     def record_receivers(self) -> None:
-        """Start recording the waiting words and losses of SCIs' receivers, and the characters that are sent to them."""
+        """Start recording the waiting words and losses of SCIs' receivers, and the characters that SCIs receive."""
         from .sci_monitor import SciMonitor
 
         for sci in self._scis:

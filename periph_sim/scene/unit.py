@@ -63,7 +63,7 @@ T = TypeVar("T")
 
 
 def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
-    """Return the parts of a unit of a case, without its wires. Raise BadCase for a part that it cannot have."""
+    """Return the plan of a unit of a case, without its wires. Raise BadCase for an unknown part, module or option."""
     case = ticks.case
     unit = case.unit[name]
     part = part_named(unit.part)
@@ -99,7 +99,7 @@ def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
 def build_unit(
     context: SceneContext, name: str, plan: DspPlan, program: Firmware | None
 ) -> tuple[Dsp, Firmware, FirmwareModel | None]:
-    """Return a unit, its started firmware, and the model by which the firmware computes the data of chips, if any.
+    """Return a unit, its started firmware, and the model with which it computes the data of chips; None without one.
 
     program: firmware in place of the case's. Raise BadCase if the firmware cannot be loaded or its settings are wrong.
     """
@@ -178,7 +178,7 @@ def _no_python(dsp: Dsp, settings: object) -> None:
 
 
 def _module_options(case: Case, name: str, unit: Unit, part: Part) -> dict[str, Answers]:
-    """Return the answers for the modules of a unit, by group. Given groups that no module needs are checked, too."""
+    """Return the options of a unit's modules, by group. Given groups that no module needs are checked, too."""
     known = part.options_groups
     for group in unit.options:
         if group not in known:

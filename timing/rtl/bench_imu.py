@@ -1,8 +1,8 @@
-"""The IMU emulator behind a sensor head in Verilog, by cocotb: each value that the head reads is that of a frame.
+"""Test by cocotb of the IMU emulator, which a sensor head in Verilog reads: each value that it reads is from a frame.
 
     simulate(["sensor_head.v", "i2c_master.v"], "sensor_head", "timing.rtl.bench_imu", folder="build")
 
-The case's [controller] is replaced by the head; its budgets are judged from the wires.
+The head replaces the [controller] of the case. The budgets of the case are judged from the wires.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ CHIPS = ("gyroscope", "accelerometer", "magnetometer")
 
 
 def shown(values: tuple[int, ...]) -> tuple[bytes, bytes, bytes]:
-    """The bytes of the three chips for a frame of roll, pitch, yaw and three accelerations."""
+    """Return the bytes of the three chips for a frame of roll, pitch, yaw and three accelerations."""
     roll, pitch, yaw, *accelerations = values
     angles = struct.pack(">3h", roll, pitch, yaw)
     return angles, struct.pack("<3h", *accelerations), struct.pack(">3h", roll, yaw, pitch)
@@ -30,9 +30,9 @@ def shown(values: tuple[int, ...]) -> tuple[bytes, bytes, bytes]:
 @cocotb.test()
 async def every_value_is_that_of_the_frame_before(dut: Any) -> None:
     dsp = F28335(dut, CASE, scl=dut.scl, scl_o=dut.dsp_scl, sda=dut.sda, sda_o=dut.dsp_sda, log="outside.jsonl")
-    frames = [(0,) * 6]  # what the chips show before the first frame
+    frames = [(0,) * 6]  # the chips show zeros before the first frame
     dsp.session.scene.on_frame(lambda number, values, tick: frames.append(values))
-    reads: list[tuple[int, bytes, int]] = []  # place in the round, data, frames so far
+    reads: list[tuple[int, bytes, int]] = []  # place in the round, data, number of frames so far
 
     async def head() -> None:
         while True:

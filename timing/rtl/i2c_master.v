@@ -2,9 +2,9 @@
 //
 //     go --> S address W A pointer A Sr address R A data A ... data N P --> rounds + 1
 //
-// Four quarters a bit, each `length` cycles of clk: SCL low, SCL low, SCL high, SCL high. SDA moves with the first of
-// them (zero_hold) or with the second. SCL that others hold low is waited for. Who sends 1 and sees 0 has lost the bus
-// and begins again when it is free.
+// A bit has four quarters of `length` cycles of clk: SCL is low in two, then high in two. SDA changes at the begin of the
+// first quarter (zero_hold) or of the second. If another party holds SCL low, the master waits. If the master sends a 1
+// and reads a 0, it has lost arbitration, and begins again when the bus is free.
 `timescale 1ns / 1ps
 module i2c_master (
     input clk,

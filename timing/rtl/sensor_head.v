@@ -1,5 +1,5 @@
-// The sensor head as logic, and the bus that it shares with the IMU emulator (dsp). Every PERIOD cycles of clk it reads
-// six bytes each of the gyroscope, the accelerometer and the magnetometer, GAP cycles apart, and shows them for a cycle.
+// The sensor head as logic, and the bus that it shares with the IMU emulator (dsp). Every PERIOD cycles of clk, it reads
+// six bytes from each of gyroscope, accelerometer and magnetometer, GAP cycles apart, and outputs them for one cycle.
 //
 //     period --> gyroscope --GAP--> accelerometer --GAP--> magnetometer --> period
 //                   '-- read: chip, data, refused --> test bench

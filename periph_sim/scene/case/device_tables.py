@@ -1,4 +1,4 @@
-"""Tables of devices on the bus: [device.NAME] with its disturbances, and the disturbances that chips share."""
+"""Tables of devices on the bus, [device.NAME], and the keys for disturbances that devices and chips have in common."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ Access = Literal["read", "write", "any"]
 
 
 class Strikes(Table, frozen=True, kw_only=True):
-    """Conditions that a byte must meet for a stretch or a fault to affect it, and the time in which it can."""
+    """The bytes that a stretch or a fault affects, and the time during which it does."""
 
     bytes: tuple[ByteNumber, ...] = ()
     access: Access = "any"
@@ -30,7 +30,7 @@ class Strikes(Table, frozen=True, kw_only=True):
 
 
 class StretchTable(Strikes, frozen=True, kw_only=True):
-    """Bytes that are stretched, and the length. A text is only the length: it stretches each byte, address included."""
+    """Stretched bytes, and the length. A text in place of the table is the length for each byte, address included."""
 
     length: DurationRange
 
@@ -41,7 +41,7 @@ def _length_alone(value: object) -> object:
 
 STRETCH = Annotated[StretchTable, Before(_length_alone, DurationRange | StretchTable)]
 OWN = {"nack": (), "wrong": ("value",), "flip": ("bit",), "hold": ("length", "clocks"), "off": ()}
-WHICH_BYTES = ("bytes", "access", "phases", "share")  # keys that kind = "off" does not have, since it affects all bytes
+WHICH_BYTES = ("bytes", "access", "phases", "share")  # keys that kind = "off" does not have: it affects all bytes
 
 
 class DeviceFault(Strikes, frozen=True, kw_only=True):
@@ -71,7 +71,7 @@ class DeviceFault(Strikes, frozen=True, kw_only=True):
 
 
 class BusParty(Table, frozen=True, kw_only=True):
-    """Keys of every target on SDA and SCL. output_delay: the time from a fall of SCL to the target's change of SDA."""
+    """Keys of each chip and device. output_delay: the time from a fall of SCL until the chip or device changes SDA."""
 
     output_delay: Length = Fraction(300, 10**9)
     stretch: STRETCH | None = None
@@ -79,7 +79,7 @@ class BusParty(Table, frozen=True, kw_only=True):
 
 
 class DeviceTable(BusParty, frozen=True, kw_only=True):
-    """A device. model: the name of a model in `devices.targets`, or a Python file. The model adds keys of its own."""
+    """A device on the bus. model: a name in `devices.targets`, or a Python file. Each model adds keys of its own."""
 
     OTHERS = "own"
 

@@ -1,8 +1,8 @@
 """Search for the case files in a folder and its sub-folders.
 
-The folder may be a whole repository, with a pyproject.toml and a virtual environment in it. A case is distinguished
-from other TOML files by the headers of its tables. A case with invalid TOML is found, too, so that `check` reports it
-instead of ignoring it.
+The folder may be a whole repository, with a pyproject.toml and a virtual environment in it. The headers of its tables
+distinguish a case from other TOML files. A case with invalid TOML is also found, so that `check` reports it instead of
+ignoring it.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def is_case(path: Path) -> bool:
 
 
 def is_searched(folder: Path) -> bool:
-    """Return False for a folder that is hidden, a virtual environment, or contains installed or compiled files."""
+    """Return False for a hidden folder, a virtual environment, or a folder of installed or compiled files."""
     return not folder.name.startswith(".") and folder.name not in NOT_SEARCHED and not (folder / "pyvenv.cfg").exists()
 
 

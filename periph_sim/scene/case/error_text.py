@@ -1,4 +1,4 @@
-"""Error messages for mistakes in a table: file, line, key, what was found and the fix."""
+"""Error messages for mistakes in a table. Each names the file, the line, the key, what was found, and the fix."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ SHOWN = 60  # maximum number of characters of a wrong value in a message
 def explain(source: Source, error: BadTable, tree: object = None, above: Place = ()) -> str:
     """Return one sentence about the first mistake.
 
-    tree: the data that was checked, for the names of its entries. above: the keys of the table that was checked.
+    tree: the data that was checked, for the names of its entries. above: the keys that lead to the checked table.
     """
     first = error.first
     place = (*above, *first.place)

@@ -1,7 +1,7 @@
 """The JSON schema of case files, for editors.
 
 The schema is derived from the tables of `Case`, the kinds of faults and motions with their settings, and the options
-of a unit. Only the firmware knows its settings, so the schema allows any keys in that table.
+of a unit. The settings of firmware are defined in its source, so the schema allows any keys in the table `settings`.
 
     int, Annotated[...], a `Table` ... --schema_of--> {"type": "integer"} ...
 
@@ -37,7 +37,7 @@ from .model import Case
 
 Schema = dict[str, Any]
 
-LIMITS = {"ge": "minimum", "le": "maximum", "pattern": "pattern", "examples": "examples"}  # of msgspec.Meta
+LIMITS = {"ge": "minimum", "le": "maximum", "pattern": "pattern", "examples": "examples"}  # by key of msgspec.Meta
 PLAIN: dict[Any, Schema] = {
     bool: {"type": "boolean"},
     int: {"type": "integer"},
@@ -89,7 +89,7 @@ def _annotated(kind: Any, checks: tuple[Any, ...], definitions: Schema) -> Schem
             limits = {"minItems": check.min_length} if check.min_length is not None else {}
             limits |= {name: getattr(check, of) for of, name in LIMITS.items() if getattr(check, of) is not None}
             fits = schema["type"] != "string" or ("minimum" not in limits and "maximum" not in limits)
-            schema = schema | limits if fits else schema  # no numeric limits of a text: they apply to its value
+            schema = schema | limits if fits else schema  # a text has no numeric limits: they apply to its value
     return schema
 
 
@@ -132,7 +132,7 @@ DIALECT = "http://json-schema.org/draft-07/schema#"  # the newest draft that edi
 
 def case_schema() -> Schema:
     """Return the schema as a tree, for `json.dumps`."""
-    here = Path()  # the folder whose project may have plugins
+    here = Path()  # the present folder, whose project may have plugins
     faults = {f"fault {name}": kind.Settings for name, kind in known(here, "attach", kinds_of_fault()).items()}
     frames = host_frames()
     motions = {f"motion {name}": settings for name, settings in frames.motion_settings().items()}
@@ -181,7 +181,7 @@ def _devices(common: Schema, families: Mapping[str, Family], schemas: Schema) ->
 
 
 def _with_own_keys(common: Schema, own: Schema, key: str, values: list[str]) -> Schema:
-    """Return the schema of a table with the common keys and those that these values of a key add."""
+    """Return the schema of a table with the common keys and the own keys that it has if `key` has one of `values`."""
     properties = {**common["properties"], **own["properties"], key: {"enum": values}}
     return _closed({**common, "properties": properties, "required": [*common["required"], *own.get("required", [])]})
 

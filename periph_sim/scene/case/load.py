@@ -45,7 +45,7 @@ def load(path: Path | str, changes: list[str] | None = None) -> Case:
 
 @lru_cache(maxsize=16)
 def _loaded(path: Path, text: str, changes: tuple[str, ...]) -> tuple[Case, list[str]]:
-    """Return a case and the names of its fields with dicts or lists, which `load` copies for each caller.
+    """Return a case, and the names of its fields that contain dicts or lists; `load` copies these for each caller.
 
     The case depends only on its path, its text and its changes, so it is checked once for all its scenes.
     """
@@ -91,7 +91,7 @@ def refusal(source: Source, error: BadTable, tree: object) -> BadCase:
 
 
 def located(case: Case, folder: Path) -> Case:
-    """Return the case with the paths of its firmware files and images below `folder`."""
+    """Return the case with `folder` put before the paths of its firmware files, images, C sources and headers."""
     moved = {}
     for name, unit in case.unit.items():
         if unit.firmware.endswith(".py"):
@@ -133,8 +133,8 @@ def _check_name(source: Source, name: str, place: Place) -> None:
 def apply(tree: dict[str, object], change: str) -> Place:
     """Set one key of a case, as in "unit.dsp.settings.model_cost=400 us", and return its place.
 
-    The value is read as TOML; if it is not valid TOML, it is a text. A number with underscores is a text, too, because
-    an option may be called 3_4_5. Raise BadCase if the change does not have this form.
+    The value is read as TOML; if it is not valid TOML, it is a text. A number with underscores is also a text, because
+    the value of an option may be called 3_4_5. Raise BadCase if the change does not have this form.
     """
     key, found, value = change.partition("=")
     names = [name.strip() for name in key.split(".")]
@@ -183,7 +183,7 @@ def _not_a_value(child: object, name: str, change: str) -> object:
 
 
 def _index(table: list[object], name: str, change: str) -> int:
-    """Return the index of an entry in a list of tables, which is named by its index or its `name`."""
+    """Return the index of an entry in a list. name: its index, or the value of its key `name`."""
     for i, entry in enumerate(table):
         if name == str(i) or (isinstance(entry, dict) and entry.get("name") == name):
             return i
@@ -195,9 +195,9 @@ BUDGETS = frozenset(("serial", "watch", "budget"))  # keys that decide which bud
 
 
 class CaseFile:
-    """A case file as it was read. It makes cases with different changes.
+    """The text of a case file, from which cases with different changes are made.
 
-    The cases share their tables: a dict or a list in them must not be changed.
+    These cases share tables, so a dict or a list in them must not be changed.
     changes: the `key=value` texts that are applied to every case first. Raise BadCase if the file cannot be read.
     """
 
@@ -217,7 +217,7 @@ class CaseFile:
             return self.case
         try:
             found = None if self.case.outside is not None else self._changed(changes)
-        except ValueError:  # the unchanged or the changed case is invalid; loading it as a whole shows which
+        except ValueError:  # one of the two cases is invalid; loading the changed one as a whole raises its error
             found = None
         return _loaded(self.path, self._text, (*self.changes, *changes))[0] if found is None else found
 
@@ -229,7 +229,7 @@ class CaseFile:
         return tree
 
     def _changed(self, changes: Sequence[str]) -> Case | None:
-        """Return the changed case, or None if the changed tables alone do not show whether the case is valid."""
+        """Return the changed case; None if a changed key is unknown or has a wrong value."""
         named = {change.partition("=")[0].partition(".")[0].strip() for change in changes}
         tree = self._tree | {key: copied(self._tree[key]) for key in named if key in self._tree}
         places = [(change, apply(tree, change)) for change in changes]

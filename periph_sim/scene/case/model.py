@@ -45,7 +45,7 @@ class BadCase(ValueError):
     """A case file that cannot be run; the message is one sentence for the user."""
 
 
-SHORTEST_ROUND = Fraction(1, 1_000_000)  # minimum seconds of a round: a byte at 5 MHz takes longer
+SHORTEST_ROUND = Fraction(1, 1_000_000)  # minimum period of rounds, in seconds: even a byte at 5 MHz takes longer
 
 
 class RequestTable(Table, frozen=True, kw_only=True):
@@ -87,11 +87,11 @@ class Controller(Table, frozen=True, kw_only=True):
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
     initialise: Length | None = None  # time before the first round at which chips are set up; None: no chip is set up
-    check: Literal["expect", "host"] = "expect"  # source of the bytes that "wrong bytes" compares with
-    on_nack: Literal["go on", "give up"] = "go on"  # after a refused data byte: the next phase follows, or a STOP
+    check: Literal["expect", "host"] = "expect"  # what "wrong bytes" compares with: `expect`, or host frames
+    on_nack: Literal["go on", "give up"] = "go on"  # after a data byte without ACK: next phase, or STOP
     stuck_after: Length = Fraction(25, 1000)
     clear_after: Length | None = None  # None: the bus is never cleared
-    beside_outside: bool = False  # True: it stays if the outside drives SDA and SCL, instead of being replaced
+    beside_outside: bool = False  # False: an outside that drives SDA and SCL replaces it; True: both are on the bus
 
     def as_rounds(self) -> RoundsTable:
         """Return its requests as [rounds], for a bus on which another controller replaces it."""
@@ -112,7 +112,7 @@ class Controller(Table, frozen=True, kw_only=True):
 
 
 class RoundsTable(Table, frozen=True, kw_only=True):
-    """The expected requests of a master that is no [controller]. Measures of rounds recognize its rounds by them."""
+    """The requests that are expected from a master other than a [controller]. Measures recognize its rounds by them."""
 
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
@@ -131,8 +131,8 @@ class RoundsTable(Table, frozen=True, kw_only=True):
 class ValueTable(Table, frozen=True, kw_only=True):
     """Input of a sensor chip: one of `fixed`, `rows` and `ramp`.
 
-    rows: a time and the values x, y, z, which hold until the time of the next row.
-    ramp: the numbers of the host's frames, in LSB: "angles" or "accelerations".
+    rows: each row has a time and the values x, y, z from that time until the next row.
+    ramp: the "angles" or the "accelerations", in LSB, of the frames that a host without motion sends.
     """
 
     fixed: Axes | None = None
@@ -154,7 +154,7 @@ class ChipTable(BusParty, frozen=True, kw_only=True):
 
     model: the name of a model in `devices.chips`.
     registers: values of registers by name, which are written before the run.
-    powered: the time since power-up when the run begins.
+    powered: the time for which its supply has been on when the run begins.
     """
 
     model: str
@@ -166,10 +166,10 @@ class ChipTable(BusParty, frozen=True, kw_only=True):
 
 
 class OutsideTable(Table, frozen=True, kw_only=True):
-    """Wires that a party outside of the case drives by `periph_sim.outside.Session`, such as a simulator or a driver.
+    """Wires that a party outside of the case drives in a `periph_sim.outside.Session`, such as an HDL simulator.
 
     wires: the names of these wires.
-    log: the log of such a session, relative to the case's folder. A run then drives the wires as the log says.
+    log: the path of a session's log, relative to the case's folder. A run then drives the wires as the log says.
     """
 
     wires: Annotated[tuple[str, ...], Meta(min_length=1)]
@@ -185,7 +185,7 @@ class HostTable(Table, frozen=True, kw_only=True):
     silent: pairs [begin, length] of spans in which no frame begins.
     twice: the numbers of frames that are sent twice.
     motion: `kind`, the name of a motion, and that motion's settings.
-    encoding: settings of the motion's values in a frame. The module of the frames (`devices.host_frames`) defines both.
+    encoding: settings by which a frame encodes the motion's values. `devices.host_frames` defines both tables' keys.
     """
 
     baud: Annotated[int, Meta(ge=1, le=10_000_000)] = 115_200
@@ -219,7 +219,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     fault: the faults on wires, each with its `kind` in `bus.faults` and the settings of that kind.
     disable: the optimizations that are switched off.
-    fidelity: a level of earlier versions, which has no effect.
+    fidelity: an obsolete key of earlier versions, which has no effect.
     measures: measures that the user defines, as sentences by name. measures_from: a file with more of them.
     breaks: names of the budgets that a known bug breaks. `periph-sim check` passes only if exactly these are broken.
     """
@@ -259,7 +259,7 @@ class Case(Table, frozen=True, kw_only=True):
         return convert(cls, tree).completed()
 
     def completed(self) -> Case:
-        """Return this case with one more budget for each reply that it expects and each wire that it watches.
+        """Return this case with a budget for each reply that it expects and each wire that it watches.
 
         Raise BadTable if a table contradicts another one.
         """
@@ -289,16 +289,16 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def folder(self) -> Path:
-        """The folder of its file, to which paths in it are relative; the present folder if it came from no file."""
+        """The folder of the case's file, to which its paths are relative; the present folder if there is no file."""
         return Path() if self._source is None else self._source.path.parent
 
     @property
     def file(self) -> Path | None:
-        """The path of its file; None if it did not come from a file."""
+        """The path of the case's file; None if it was not read from a file."""
         return None if self._source is None else self._source.path
 
     def files(self) -> Iterator[Path]:
-        """Yield the file of the case, the files that texts in it name, and those that they may import or include."""
+        """Yield the file of the case, the files that its texts may name, and those that these may import or include."""
         if self._source is not None:
             yield self._source.path
             yield from named_files(self.folder, self._source.values)
@@ -315,18 +315,18 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def rx_sender(self) -> str:
-        """The sender on the wire RX that is no unit: the host, or the party that replaces it; "" without one."""
+        """The sender on RX, unless it is a unit: the host, or the outside party that replaces it; else ""."""
         return "the host" if self.host is not None else "the outside" if "host" in self._replaced else ""
 
     @property
     def checks_host(self) -> bool:
-        """True if reads of known chips have to show values of host frames."""
+        """True if the bytes that are read from known chips are compared with host frames."""
         rounds = self.controller or self.rounds
         return rounds is not None and rounds.check == "host"
 
     @property
     def recorded_modules(self) -> dict[str, tuple[str, ...]]:
-        """For each unit, the entries that a recording lists: its modules, and the wires of its other pins."""
+        """By unit, the entries of a recording: its modules, and its wires other than SDA, SCL, RX and TX."""
         usual = ("SDA", "SCL", "RX", "TX")
         wires = {name: dict.fromkeys(pins.values()) for name, pins in wiring_of(self).pins.items()}
         told: set[str] = set()
@@ -351,7 +351,7 @@ class Case(Table, frozen=True, kw_only=True):
         return 0 if self._source is None else line_of(self._source.text, self._written(place))
 
     def _named(self) -> dict[str, Any]:
-        """Return the names of this case's entries, as a tree like the case."""
+        """Return a tree with the structure of a case that has only the names of its budgets, sends and replies."""
         serial = self.serial or SerialTable()
         return {
             "budget": [{"name": budget.name} for budget in self._all_budgets or self.budget],
@@ -362,9 +362,9 @@ class Case(Table, frozen=True, kw_only=True):
         }
 
     def _written(self, place: tuple[str | int, ...]) -> tuple[str | int, ...]:
-        """Return the place in the file for a place in this case, from which some budgets may have been left out.
+        """Convert a place in this case to the place in its file, which may have more budgets than the case.
 
-        A budget that was made from an expected reply or a watch has the place of the reply or the watch.
+        A budget that was made for an expected reply or a watched wire has the place of that reply or watch.
         """
         if len(place) < 2 or place[0] != "budget":
             return place

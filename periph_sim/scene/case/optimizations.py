@@ -1,4 +1,4 @@
-"""The optimizations of a run, which the key `disable` of a case switches off, and the obsolete key `fidelity`.
+"""The optimizations of a run, which the key `disable` of a case can switch off, and the obsolete key `fidelity`.
 
 An optimization saves time and changes nothing else: records, verdicts and figures are equal without it.
 """
@@ -32,7 +32,7 @@ def _checked_names(value: object) -> object:
 
 
 def _checked_level(value: object) -> object:
-    """Return the levels of fidelity in a value of earlier versions, as a text. Raise ValueError for other values."""
+    """Return the levels in a value of `fidelity`, as a text. Raise ValueError unless they are obsolete levels."""
     levels = [*_levels(value)] if isinstance(value, dict) else [value]
     for level in levels:
         if isinstance(level, str) and level in removed.LEVELS:

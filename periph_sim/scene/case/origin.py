@@ -1,4 +1,4 @@
-"""Origins of the values in a case ("file, line N", or the `--set` that wrote the value), and the files they name."""
+"""Origins of the values in a case (file and line, or the `--set` that wrote it), and the files that values name."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Source(Struct, frozen=True):
 
     text: the text of the file as it was read.
     changes: the `key=value` texts that were applied, each with the place that it changed.
-    values: all texts in the tables after the changes.
+    values: all texts that are values in the case after the changes.
     """
 
     path: Path
@@ -27,7 +27,7 @@ class Source(Struct, frozen=True):
     values: tuple[str, ...] = ()
 
     def where(self, place: Place) -> str:
-        """Return the position of this place for messages."""
+        """Return where the value at this place was written, for messages: file and line, or the `--set`."""
         inside = ""
         for change, changed in reversed(self.changes):
             if place[: len(changed)] == changed:
@@ -39,7 +39,7 @@ class Source(Struct, frozen=True):
 
 
 def key_of(place: Place, tree: object) -> str:
-    """Return a place as `--set` writes it: "budget.response.max". tree: the case, for the unique names of entries."""
+    """Return a place in the form that `--set` uses, such as "budget.response.max". tree: the case, for entry names."""
     parts = []
     for part in place:
         entries = tree
@@ -87,7 +87,7 @@ def line_of(text: str, place: Place) -> int:
 
 # By suffix of a source: the files in its folder that it may import or include.
 BESIDE = {".py": "*.py", ".asm": "*.inc", ".c": "*.h"}
-LONGEST = 200  # maximum number of characters of a path
+LONGEST = 200  # a text with at least this number of characters is not taken for the path of a file
 
 
 def texts_in(tree: object) -> Iterator[str]:
@@ -102,7 +102,7 @@ def texts_in(tree: object) -> Iterator[str]:
 
 
 def named_files(folder: Path, texts: Iterable[str]) -> Iterator[Path]:
-    """Yield the path that each text may name below `folder`, and the files that it may import or include."""
+    """Yield each text that may be a path, as a path below `folder`, and the files that it may import or include."""
     for text in texts:
         if len(text) >= LONGEST or "\0" in text:
             continue

@@ -114,7 +114,7 @@ class ExpectTable(Table, frozen=True, kw_only=True):
 class SerialTable(Table, frozen=True, kw_only=True):
     """The outside parties that exchange characters with SCIs.
 
-    ppm: error of the clock that all their times and rates are counted by.
+    ppm: error of the clock by which all their times and rates are counted.
     turnaround: the time for which they keep driving an RS-485 pair after their last stop bit.
     """
 
@@ -129,7 +129,7 @@ class SerialTable(Table, frozen=True, kw_only=True):
     expect: tuple[ExpectTable, ...] = ()
 
     def mode(self, entry: SendTable | ExpectTable | None = None) -> Multiprocessor:
-        """Return the addressing mode of an entry, or else of this table."""
+        """Return the multiprocessor mode of an entry; if it has none, or without an entry, that of this table."""
         return self.multiprocessor if entry is None or entry.multiprocessor is None else entry.multiprocessor
 
     def form(self, entry: SendTable | ExpectTable | None = None) -> UartFormat:
@@ -144,13 +144,13 @@ class SerialTable(Table, frozen=True, kw_only=True):
         return Fraction(1, baud)
 
     def clock(self, entry: SendTable | ExpectTable | None = None) -> Fraction:
-        """Return the error of an entry's clock in parts per million; without an own one, that of the table."""
+        """Return the error of an entry's clock in parts per million; if it has none, that of the table."""
         own = entry.ppm if isinstance(entry, SendTable) else None
         return self.ppm if own is None else own
 
 
 def with_replies(budgets: tuple[Budget, ...], serial: SerialTable | None) -> tuple[Budget, ...]:
-    """Return the budgets of a case, and one more for each expected reply without a budget of its name."""
+    """Return the budgets of a case, and one more for each expected reply that has no budget of its name."""
     expected = () if serial is None else serial.expect
     known = {(budget.name, budget.measure) for budget in budgets}
     return budgets + tuple(reply_budget(one) for one in expected if (one.name, REPLY + one.name) not in known)
@@ -161,7 +161,7 @@ def reply_budget(expected: ExpectTable) -> Budget:
 
 
 def in_words(length: Fraction) -> str:
-    """Return a duration as text for a case: in the largest unit in which it is a whole number, else in seconds."""
+    """Return a duration as the text of a case, in the largest unit that gives a whole number, else in seconds."""
     symbol, number = next(
         ((symbol, length * size) for symbol, size in UNITS if (length * size).denominator == 1), ("s", length)
     )

@@ -1,4 +1,4 @@
-"""Reading of TOML files: the text of a file, and the tree of a text. Mistakes raise BadCase."""
+"""Reading of TOML files: the text of a file, and the tree of tables in a text. Mistakes raise BadCase."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def tree_of(path: Path, text: str) -> dict[str, Any]:
 
 @lru_cache(maxsize=16)
 def _tables(text: str) -> dict[str, Any]:
-    """Return the tree of a TOML text, parsed once for all scenes that change a key of it. It must not be changed."""
+    """Return the tree of a TOML text from a cache. A caller that changes the tree must copy it first."""
     return tomllib.loads(text)
 
 

@@ -17,7 +17,7 @@ COMPILED = CodeCosts()
 
 
 class Code(Table, frozen=True, kw_only=True):
-    """Numbers of cycles of compiled code besides accesses and computations. The defaults were counted in images."""
+    """Numbers of cycles that compiled code takes besides accesses and computations. Defaults: counted in images."""
 
     between_accesses: CodeCycles = COMPILED.between_accesses
     poll_pass: PassCycles = COMPILED.poll_pass
@@ -26,7 +26,7 @@ class Code(Table, frozen=True, kw_only=True):
 
 
 class StubTable(Table, frozen=True, kw_only=True):
-    """The value that an unmodelled register returns from a time on. register: its name or address."""
+    """The value that a register without a model returns from `after` on. register: its name or address."""
 
     register_: str | int = field(name="register")
     value: Annotated[int, Meta(ge=0, le=0xFFFF)]
@@ -51,8 +51,8 @@ class Unit(Table, frozen=True, kw_only=True):
 
     firmware: a Python program.
     image: a linker's .out file, or assembly (.asm).
-    sources: C sources, which are compiled for the host.
-    boot: where an image begins.
+    sources: C sources, which are compiled for the computer that runs periph_sim.
+    boot: where the execution of an image begins.
     memory: the initial values of an image's variables, by name.
     part: the member of the chip family.
     pins: GPIO numbers of further pins with a wire, by the name of the wire. SDA, SCL, RX and TX need no entry.
@@ -75,7 +75,7 @@ class Unit(Table, frozen=True, kw_only=True):
     skip_polls: bool = True
     pins: dict[str, Annotated[int, Meta(ge=0, le=87)]] = {}
     code: Code = Code()
-    options: dict[str, dict[str, Answer]] = {}  # by group, as `periph-sim regs --options` lists them
+    options: dict[str, dict[str, Answer]] = {}  # answers by group; see `periph-sim regs --options`
 
     def check_together(self, given: Set[str]) -> None:
         programs = [name for name in ("firmware", "image", "sources") if getattr(self, name)]

@@ -24,7 +24,7 @@ class WatchTable(Table, frozen=True, kw_only=True):
 
 
 def with_watches(budgets: tuple[Budget, ...], watches: Mapping[str, WatchTable]) -> tuple[Budget, ...]:
-    """Return the budgets of a case, and one more for each watched wire without a budget of its name."""
+    """Return the budgets of a case, and one more for each watched wire that has no budget of its name."""
     known = {(budget.name, budget.measure) for budget in budgets}
     return budgets + tuple(watch_budget(*one) for one in watches.items() if (one[0], WATCH + one[0]) not in known)
 

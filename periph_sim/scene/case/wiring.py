@@ -42,7 +42,7 @@ Node = Pin | str  # a pin, or the name of a wire
 
 
 class Cable(Table, frozen=True, kw_only=True):
-    """A wire between two pins. from, to: each is UNIT.SCI-A.TX, UNIT.GPIO34, or the name of a wire."""
+    """A wire between two ends. from, to: an end is written UNIT.SCI-A.TX, UNIT.GPIO34, or the name of a wire."""
 
     name: str | None = None
     from_: str = field(name="from")
@@ -105,7 +105,7 @@ def sci_lines(case: Case, wiring: Wiring) -> list[SciLines]:
 
 
 def sci_named(case: Case, text: str, *place: str | int) -> SciLines:
-    """Return the SCI of a name: "dsp.SCI-A", or "SCI-A" if only one unit has it. Raise BadCase if none matches."""
+    """Return the SCI named "dsp.SCI-A", or "SCI-A" if only one unit has one. Raise BadCase if there is none."""
     lines = {(sci.unit, sci.module): sci for sci in sci_lines(case, wiring_of(case))}
     unit, _, module = text.rpartition(".")
     owners = [owner for owner, its in lines if its == module]
@@ -130,7 +130,7 @@ def module_pins(case: Case, unit: str) -> Mapping[int, tuple[str, str]]:
     return _pins_of(tuple(case.unit[unit].modules))
 
 
-@lru_cache(maxsize=64)  # read only: units with the same modules share it
+@lru_cache(maxsize=64)  # units with the same modules share the result, which is read-only
 def _pins_of(modules: tuple[str, ...]) -> Mapping[int, tuple[str, str]]:
     having = [module for module in SIGNALS if module in modules]
     return MappingProxyType({pin: (module, signal) for module in having for signal, pin in SIGNALS[module].items()})
@@ -179,7 +179,7 @@ def _wire_names(case: Case) -> list[str]:
 
 
 def _named(case: Case) -> Iterator[tuple[str, int, str]]:
-    """Yield (unit, pin, name) of the pins whose wire has a name that does not come from a cable."""
+    """Yield (unit, pin, name of its wire) for each pin on the I2C bus and each pin that a unit's table names."""
     for unit, table in case.unit.items():
         if "I2C-A" in table.modules:
             yield from (
@@ -261,6 +261,6 @@ class _Names:
         return f"{module}.{signal}" if alone else f"{unit}.{module}.{signal}"
 
     def _pin(self, unit: str, pin: int) -> str:
-        """Return the full name of a pin."""
+        """Return the full name of a pin, such as "dsp.SCI-A.TX" or "dsp.GPIO34"."""
         module, signal = self._usual[unit].get(pin, ("", ""))
         return f"{unit}.{module}.{signal}" if module else f"{unit}.GPIO{pin}"

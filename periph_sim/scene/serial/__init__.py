@@ -1,1 +1,1 @@
-"""Parties that talk to the SCIs of a scene from outside: the tables [[serial.send]] and [[serial.expect]]."""
+"""Outside parties on the lines of a scene's SCIs, from the tables [[serial.send]] and [[serial.expect]]."""

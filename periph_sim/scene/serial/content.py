@@ -1,4 +1,4 @@
-"""The characters of an entry of a serial table, from text, bytes or a file, checked to fit the line."""
+"""The characters of an entry of [serial], from text, bytes or a file, checked to fit the bits of a character."""
 
 from __future__ import annotations
 
@@ -11,7 +11,10 @@ LARGEST = 1 << 24  # maximum number of bytes: at 115200 baud they take 24 minute
 
 
 def content_of(case: Case, entry: SendTable | ExpectTable, bits: int, *place: str | int) -> bytes:
-    """Return the characters of an entry. Raise BadCase, with its line, if they are unreadable or exceed `bits` bits."""
+    """Return the characters of an entry. Raise BadCase, with its line, if one has more than `bits` bits.
+
+    Raise it also if a file is empty or cannot be read, and for a text that cannot be encoded.
+    """
     if entry.text is not None:
         return _fitting(case, encoded(case, entry.text, entry, *place, "text"), bits, *place, "text")
     if entry.data is not None:
@@ -52,7 +55,7 @@ def _fitting(case: Case, data: bytes, bits: int, *place: str | int) -> bytes:
 
 
 def show_characters(characters: tuple[int, ...], as_text: bool) -> str:
-    """Return characters as text for messages: 'OK\\r\\n', or 06 15. A wrong character has 0x100 added and is marked."""
+    """Return characters for messages, as 'OK\\r\\n' or 06 15. A value above 0xFF is a wrong character, shown as 06!."""
     bad = any(value > 0xFF for value in characters)
     if as_text and not bad and all(value < 0x80 for value in characters):
         return repr(bytes(characters))[1:]

@@ -61,8 +61,8 @@ BEHIND = "its time is after the end of the run"
 class Send:
     """The bursts of one entry.
 
-    ppm: error of the clock that its times are counted by.
-    on_begin, on_end: callbacks that receive the ticks at which each burst begins and ends.
+    ppm: error of the clock by which its times are counted.
+    on_begin, on_end: callbacks that receive the tick at which a burst begins, or ends.
     """
 
     STATE = State("sent _sender _asked", ticks="_due")
@@ -103,14 +103,14 @@ class Send:
         return f"it was due at {due:.6f} s, but its line is busy until {end:.6f} s with send {name!r}"
 
     def happened(self, tick: int) -> None:
-        """Start sending at tick `tick`, at which the trigger happened. With a period, only the first call starts it."""
+        """Start the bursts for a trigger at tick `tick`. An entry with a period ignores all later triggers."""
         if (self._asked and self._table.period is not None) or self._asked == self._most:
             return
         self._asked += 1
         self._fire_at(tick, 0)
 
     def _fire_at(self, begun: int, number: int) -> None:
-        """Schedule the n-th burst of those that the trigger at tick `begun` started."""
+        """Schedule burst `number`, counted from 0, of those that the trigger at tick `begun` started."""
         period = (self._table.period or 0) * number
         due = begun + self._context.ticks(self._table.delay + period, self._ppm)
         kernel = self._context.kernel

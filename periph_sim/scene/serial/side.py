@@ -1,4 +1,4 @@
-"""Parties that talk to SCIs from outside: bursts of [[serial.send]] and replies of [[serial.expect]].
+"""Outside parties on the lines of SCIs: they send the bursts of [[serial.send]] and read replies ([[serial.expect]]).
 
 events, times, replies --> Send --> BurstSender --> RX of an SCI
 TX of an SCI --> UartReader --> Reply (a measure), TextTrigger
@@ -30,13 +30,13 @@ from .send_schedule import EventTrigger, Send, TextTrigger
 
 WHO = "serial"  # name of the party on a line
 IDLE_BITS = 11  # number of idle bits before a block in idle-line mode: ten, and one because clocks differ
-OFF = Fraction(5, 100)  # share by which an SCI may be faster than the rate that it is read at
+OFF = Fraction(5, 100)  # share by which an SCI may send faster than the nominal rate
 
 Entry = SendTable | ExpectTable
 
 
 class SerialSide:
-    """The outside parties. They are created before the wires, so that the events they wait for are recorded."""
+    """The outside parties. They are created before the wires, so that the events for which they wait are recorded."""
 
     def __init__(self, case: Case, table: SerialTable, scope: Scope, recorder: Recorder) -> None:
         """Subscribe to the events of all entries. Raise BadCase, with its line, for an invalid event."""
@@ -76,18 +76,18 @@ class SerialSide:
         return sum(sender.characters for sender in self._senders.values())
 
     def lines(self) -> Mapping[str, Line]:
-        """Return the line format of the sender on each wire."""
+        """Return, by wire, the function that gives the bit length and the format of the wire's sender."""
         return {wire: self._line_of(sender) for wire, sender in self._senders.items()}
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
-        """Add the measure of a reply. Return the expected reply, and a function that returns why it never began."""
+        """Add the measure of a reply. Return the expected reply, and a function that returns why it was never due."""
         names = [expect.name for expect in self._table.expect]
         number = names.index(reply.name)
         self._replies[number].append(reply)
         return self._expected(number), partial(self._why_never, number)
 
     def notes(self) -> list[str]:
-        """Return a line for each entry that was never sent, unless the verdict of a reply that waits for it says so."""
+        """Return a note for each send that never began, unless the verdict of a reply to this send says so."""
         told = {expect.after_send for expect in self._table.expect}
         silent = [send for name, send in self.sends.items() if not send.sent and name not in told]
         return [f"serial: send {send.name!r} never went out: {send.why_never()}" for send in silent]
@@ -200,7 +200,7 @@ class SerialSide:
         return Expected(tuple(data), show, table.from_, within, table.anywhere)
 
     def _check_within(self, number: int, table: ExpectTable, *place: str | int) -> None:
-        """Raise BadCase if a reply takes longer than `within`, even if it begins together with the data it answers."""
+        """Raise BadCase if `within` is too short even for a reply that begins together with the data it answers."""
         count = len(self._expected(number).characters)
         takes = count * self._table.form(table).length * self._table.bit(table)
         may = table.within
@@ -265,7 +265,7 @@ class SerialSide:
         return lambda: sender.line or idle
 
     def _line(self, entry: Entry | None = None) -> tuple[Fraction, UartFormat]:
-        """Return the length of a bit in ticks, and the format, of an entry; without an entry, those of the table."""
+        """Return the bit length, in ticks, and the format of an entry; without an entry, those of the table."""
         return self._context.exact_ticks(self._table.bit(entry), self._table.clock(entry)), self._table.form(entry)
 
     def _event(self, scope: Scope, text: str, kind: str, number: int) -> Matcher:

@@ -25,26 +25,21 @@ def replay(
     """Run the case with the logged moves. Raise OutsideError if the log is damaged or its ticks have another length."""
     case = case if isinstance(case, Case) else load(Path(case))
     try:
-        return _replayed(case, LogReader(Path(log)), str(log), subscribe, programs)
+        reader = LogReader(Path(log))
+        with Session(case, reader.head.wires, subscribe=subscribe, programs=programs) as session:
+            if reader.head.ticks_per_second != session.ticks_per_second:
+                found = f"case {reader.head.case} with {reader.head.ticks_per_second} ticks a second"
+                other = f"case {case.name} has {session.ticks_per_second}"
+                raise OutsideError(f"{log}: it is the log of {found}, and {other}; replay it with its own case")
+            for tick, levels, sent in reader.instants():
+                for wire, count in sent.items():
+                    session.scene.uart.sent(wire, count)
+                session.apply(tick, levels)
+                session.advance(tick + 1)
+            if reader.end > session.now:
+                session.advance(reader.end)
+            result = session.finish()
     except BadLog as error:
         raise OutsideError(str(error)) from None
-
-
-def _replayed(
-    case: Case, reader: LogReader, log: str, subscribe: Subscribe | None, programs: Mapping[str, Firmware] | None
-) -> Result:
-    with Session(case, reader.head.wires, subscribe=subscribe, programs=programs) as session:
-        if reader.head.ticks_per_second != session.ticks_per_second:
-            found = f"case {reader.head.case} with {reader.head.ticks_per_second} ticks a second"
-            other = f"case {case.name} has {session.ticks_per_second}"
-            raise OutsideError(f"{log}: it is the log of {found}, and {other}; replay it with its own case")
-        for tick, levels, sent in reader.instants():
-            for wire, count in sent.items():
-                session.scene.uart.sent(wire, count)
-            session.apply(tick, levels)
-            session.advance(tick + 1)
-        if reader.end > session.now:
-            session.advance(reader.end)
-        result = session.finish()
-        result.notes += [reader.unfinished] if reader.unfinished else []
-        return result
+    result.notes += [reader.unfinished] if reader.unfinished else []
+    return result

@@ -14,10 +14,9 @@ if TYPE_CHECKING:
     from ...core.time import Timebase
     from ...outside.live.loop import Door
     from ...outside.live.pacing import Pacer
-    from ...outside.live.view.board import Board, ViewDoor
     from ...outside.live.view.browser import Browser
     from ...outside.live.view.last_round import LastRound
-    from ...outside.live.view.status import Status
+    from ...outside.live.view.status import Board, Status, ViewDoor
     from ...outside.serial_line import SerialLine
     from ...outside.session import Session
     from .live_view import LiveView
@@ -43,7 +42,7 @@ class Shown:
         self._browser: Browser | None = None
         self._view: LiveView | None = None
         if in_terminal or address is not None:
-            from ...outside.live.view.board import Board
+            from ...outside.live.view.status import Board
 
             self._board = Board()
         if address is not None:
@@ -74,8 +73,7 @@ class Shown:
         """Return the doors that the loop of the session serves for the display."""
         if self._board is None:
             return ()
-        from ...outside.live.view.board import ViewDoor
-        from ...outside.live.view.status import Status
+        from ...outside.live.view.status import Status, ViewDoor
 
         self._status = Status(session, line, pacer, where, self._wave)
         self._door = ViewDoor(self._status, self._board)

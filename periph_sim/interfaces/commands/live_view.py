@@ -14,8 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from ...outside.live.pacing import in_ms
-from ...outside.live.view.board import Board
-from ...outside.live.view.status import BudgetSoFar, Lateness, Snapshot
+from ...outside.live.view.status import Board, BudgetSoFar, Lateness, Snapshot
 
 PATIENCE = 1.0  # seconds without a new snapshot after which the printing thread checks for the end
 BAR = 30  # number of columns of the longest bar

@@ -23,6 +23,7 @@ pull-ups, do nothing. If a line is held low for more than 25 ms, the next report
 from __future__ import annotations
 
 from collections.abc import Callable, Generator
+from typing import TypeVar
 
 from ...bus.i2c.monitor import I2cMonitor
 from ...bus.i2c.transfer import Transfer
@@ -31,6 +32,7 @@ from ..i2c_master import Master
 from ..session import Session
 
 Service = Generator[None, int, None]  # a generator to which each byte of the client is sent
+Returned = TypeVar("Returned")
 
 ACK, TIMEOUT, LOST = 1, 2, 4  # bits of a report
 SCAN = range(0x08, 0x78)
@@ -60,7 +62,7 @@ class I2cDriver:
             ord("J"): lambda: self._say_text(" ".join(["0"] * 18)),
             ord("d"): self._scan,
             ord("f"): lambda: self._say(ord("X")),
-            ord("i"): self._let_go,
+            ord("i"): self._master.let_go,
             ord("p"): self._stop,
             ord("x"): self._reset,
             ord("_"): self._boot,
@@ -120,7 +122,7 @@ class I2cDriver:
                 self._simple[command]()
 
     def _boot(self) -> None:
-        self._let_go()
+        self._master.let_go()
         self._set_rate(100)
         self._pull_ups = 0b100100
         self._checksum = 0xFFFF
@@ -150,16 +152,16 @@ class I2cDriver:
     def _bang(self) -> Service:
         """Apply each byte up to '@'. Its bits, lowest first: drive SDA, SDA's level, drive SCL, SCL's level, report."""
         session = self._session
-        self._let_go()
+        self._master.let_go()
         while (bits := (yield)) != ord("@"):
             session.apply(session.now, {"SDA": bits >> 1 & 1, "SCL": bits >> 3 & 1})
             session.advance(session.now + session.ticks(A_BYTE))
             if bits & 0x10:
-                self._say(self._level("SCL") << 1 | self._level("SDA"))
-        self._let_go()
+                self._say(self._session.level("SCL") << 1 | self._session.level("SDA"))
+        self._master.let_go()
 
     def _capture(self) -> Service:
-        self._let_go()
+        self._master.let_go()
         if self._monitor is None:
             wires = self._session.scene.wires
             self._monitor = I2cMonitor(wires["SCL"], wires["SDA"], self._on_transfer, {})
@@ -178,56 +180,42 @@ class I2cDriver:
         session, master = self._session, self._master
         session.advance(session.now + self._pause)
         self._trouble = 0
-        try:
-            acked = master.start(byte >> 1, bool(byte & 1))
-        except OutsideError as error:
-            self._give_up(error)
-            return False
-        self._count(byte)
-        return acked
+        acked = self._on_bus(lambda: master.start(byte >> 1, bool(byte & 1)))
+        if acked is not None:
+            self._count(byte)
+        return bool(acked)
 
     def _write(self, byte: int) -> bool:
-        if not self._master.writes:
-            return False
-        try:
-            acked = self._master.write(byte)
-        except OutsideError as error:
-            self._give_up(error)
-            return False
-        self._count(byte)
-        return acked
+        acked = self._on_bus(lambda: self._master.write(byte)) if self._master.writes else None
+        if acked is not None:
+            self._count(byte)
+        return bool(acked)
 
     def _read(self, ack: bool) -> int:
-        if not self._master.reads:
-            return NOBODY
-        try:
-            byte = self._master.read(ack)
-        except OutsideError as error:
-            self._give_up(error)
+        byte = self._on_bus(lambda: self._master.read(ack)) if self._master.reads else None
+        if byte is None:
             return NOBODY
         self._count(byte)
         return byte
 
     def _stop(self) -> None:
         if self._master.held:
-            try:
-                self._master.stop()
-            except OutsideError as error:
-                self._give_up(error)
+            self._on_bus(self._master.stop)
 
-    def _give_up(self, error: OutsideError) -> None:
-        """Release the lines after a time-out or lost arbitration. The next report will contain the error."""
-        self._trouble = LOST if isinstance(error, ArbitrationLost) else TIMEOUT
-        self._let_go()
+    def _on_bus(self, call: Callable[[], Returned]) -> Returned | None:
+        """Call the controller. After a time-out or lost arbitration, release the lines, and return None.
 
-    def _let_go(self) -> None:
-        self._master.let_go()
-
-    def _level(self, line: str) -> int:
-        return self._session.level(line)
+        The next report contains the error.
+        """
+        try:
+            return call()
+        except OutsideError as error:
+            self._trouble = LOST if isinstance(error, ArbitrationLost) else TIMEOUT
+            self._master.let_go()
+            return None
 
     def _lines(self) -> int:
-        return self._level("SDA") << 1 | self._level("SCL")
+        return self._session.level("SDA") << 1 | self._session.level("SCL")
 
     # To the client ------------------------------------------------------------------------
 
@@ -242,7 +230,7 @@ class I2cDriver:
 
     def _status(self) -> str:
         seconds = self._session.now // self._session.ticks_per_second
-        lines = f"{self._level('SDA')} {self._level('SCL')}"
+        lines = f"{self._session.level('SDA')} {self._session.level('SCL')}"
         return (
             f"i2cdriver1 F28335 {seconds:09d} 5.000 000 25.0 I {lines} {self._rate} {self._pull_ups:02x}"
             f" {self._checksum:04x}"

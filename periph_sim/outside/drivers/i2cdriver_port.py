@@ -1,6 +1,6 @@
 """An I2CDriver adapter that is connected to a case's bus. Programs can open its serial port within a block.
 
-program --/dev/pts/N, or LINK--> thread, which owns the session --I2cDriver--> SDA, SCL
+program --/dev/pts/N, or LINK--> I2cDriverDoor, in the thread that owns the session --> SDA, SCL
 """
 
 from __future__ import annotations
@@ -11,11 +11,14 @@ import threading
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
+from typing import TYPE_CHECKING
 
 from ...scene.case.model import Case
 from ...scene.result import Result
 from ..session import Session
-from .i2cdriver_adapter import I2cDriver
+
+if TYPE_CHECKING:
+    from ..live.i2cdriver_door import I2cDriverDoor
 
 STEP = "1 ms"  # simulated time by which each step advances the session during a capture
 TURN = 0.001  # real time in seconds from one step to the next during a capture
@@ -49,100 +52,61 @@ class I2cDriverPort:
         run_up: str = "1 ms",
         pause: str = "100 us",
     ) -> None:
+        self._session = case, outside, log
         self._link = None if link is None else Path(link)
-        self._thread = _Thread(case, outside, log, run_up, pause)
+        self._times = run_up, pause
+        self._failed: Exception | None = None  # the error that ended the session early
+        self._ready = threading.Event()
+        # Firmware runs in the thread that built it, so this thread builds, runs and ends the session.
+        self._thread = threading.Thread(target=self._run, name="i2cdriver", daemon=True)
 
     def __enter__(self) -> I2cDriverPort:
-        thread = self._thread
-        self.path = thread.open_port(self._link)
-        try:
-            thread.start()
-            thread.ready.wait()
-            if thread.failed is not None:
-                raise thread.failed
-        except Exception:
-            thread.end()
-            raise
+        self._wake_read, self._wake_write = os.pipe()
+        self._thread.start()
+        self._ready.wait()
+        if self._failed is not None:
+            self._end()
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
-        self._thread.end()
-        if self._thread.failed is not None:
-            raise self._thread.failed
-        assert self._thread.result is not None
-        self.result = self._thread.result
+        self._end()
 
-
-class _Thread(threading.Thread):
-    """The thread that builds, runs and ends the session. Firmware must run in the thread that builds it.
-
-    failed: the error that ended the session early, or None.
-    """
-
-    def __init__(
-        self,
-        case: Case | str | Path,
-        outside: Sequence[str] | None,
-        log: str | Path | None,
-        run_up: str,
-        pause: str,
-    ) -> None:
-        super().__init__(name="i2cdriver", daemon=True)
-        self._asked = (case, outside, log, run_up, pause)
-        self.ready = threading.Event()
-        self.failed: Exception | None = None
-        self.result: Result | None = None
-
-    def open_port(self, link: Path | None) -> str:
-        """Open the pseudo-terminal. Return its path, or that of the link if there is one."""
-        from ..live.pseudo_terminal import PseudoTerminal
-
-        self._terminal = PseudoTerminal(link)
-        self._wake_read, self._wake_write = os.pipe()
-        return self._terminal.path if link is None else str(link)
-
-    def end(self) -> None:
+    def _end(self) -> None:
         os.write(self._wake_write, b".")
-        if self.ident is not None:
-            self.join()
+        self._thread.join()
         for file in (self._wake_read, self._wake_write):
             os.close(file)
-        self._terminal.close()
+        if self._failed is not None:
+            raise self._failed
 
-    def run(self) -> None:
-        case, outside, log, run_up, pause = self._asked
+    def _run(self) -> None:
+        from ..live.i2cdriver_door import I2cDriverDoor  # not on Windows, which has no pseudo-terminals
+
+        case, outside, log = self._session
+        run_up, pause = self._times
         try:
             with Session(case, outside, log=log) as session:
                 session.advance(session.ticks(run_up))
-                adapter = I2cDriver(session, session.ticks(pause))
-                self.ready.set()
-                while self._turn(session, adapter):
-                    pass
-                self.result = session.finish()
+                door = I2cDriverDoor(session, self._link, pause)
+                try:
+                    self.path = door.path if self._link is None else str(self._link)
+                    self._ready.set()
+                    self._serve(session, door)
+                    self.result = session.finish()
+                finally:
+                    door.close()
         except Exception as error:
-            self.failed = error
-        self.ready.set()
+            self._failed = error
+        self._ready.set()
 
-    def _turn(self, session: Session, adapter: I2cDriver) -> bool:
-        """Wait for commands of the client, or for a step of a capture, and send the answers.
-
-        Return False if the block was left.
-        """
-        files = [self._terminal.file, self._wake_read]
-        ready, _, _ = select.select(files, [], [], TURN if adapter.capturing else None)
-        if self._wake_read in ready:
-            return False
-        if ready:
-            return self._give(adapter.receive(self._terminal.read()))
-        session.advance(session.now + session.ticks(STEP))
-        return self._give(adapter.captured())
-
-    def _give(self, data: bytes) -> bool:
-        """Send all data. Wait while the client reads none of it. Return False if the block was left meanwhile."""
-        while data:
-            ready, writable, _ = select.select([self._wake_read], [self._terminal.file], [])
-            if ready:
-                return False
-            if writable:
-                data = data[self._terminal.write(data) :]
-        return True
+    def _serve(self, session: Session, door: I2cDriverDoor) -> None:
+        """Let the door transfer bytes until the block is left. Time passes by itself only during a capture."""
+        while True:
+            writes = [door.file] if len(door.back) else []
+            turn = TURN if door.adapter.capturing else None
+            ready, writable, _ = select.select([self._wake_read, *door.files()], writes, [], turn)
+            if self._wake_read in ready:
+                return
+            if not ready and not writable:
+                session.advance(session.now + session.ticks(STEP))
+            door.turn()

@@ -14,34 +14,22 @@ from pathlib import Path
 
 from ..drivers.i2cdriver_adapter import I2cDriver
 from ..session import Session
-from .backlog import MOST, Backlog, left_there
-from .pseudo_terminal import PseudoTerminal
+from .backlog import MOST
+from .pty_door import TerminalDoor
 
 
-class I2cDriverDoor:
+class I2cDriverDoor(TerminalDoor):
     """Connects a pseudo-terminal to an adapter. Raise OutsideError if `link` exists, or the bus does not lead outside.
 
     pause: the simulated time that passes before each START.
-    back: answers that the terminal has not accepted yet.
-    unread: number of bytes from the client that were not read when the door was closed.
     """
 
     def __init__(self, session: Session, link: Path | None = None, pause: str = "100 us") -> None:
-        self._adapter = I2cDriver(session, session.ticks(pause))
-        self._terminal = PseudoTerminal(link)
-        self.back = Backlog()
-        self.unread = 0
-
-    @property
-    def path(self) -> str:
-        return self._terminal.path
-
-    def close(self) -> None:
-        self.unread += left_there(self._terminal.read)
-        self._terminal.close()
+        self.adapter = I2cDriver(session, session.ticks(pause))
+        super().__init__(link)
 
     def files(self) -> Sequence[int]:
-        return [self._terminal.file] if len(self.back) < MOST else []
+        return [self.file] if len(self.back) < MOST else []
 
     def turn(self) -> None:
         """Execute received commands, at most a few kilobytes of them. Later turns execute the rest."""
@@ -49,6 +37,6 @@ class I2cDriverDoor:
             self.back.clear()
             self._terminal.discard_unread()
         if len(self.back) < MOST:
-            self.back.add(self._adapter.receive(self._terminal.read()))
-            self.back.add(self._adapter.captured())
+            self.back.add(self.adapter.receive(self._terminal.read()))
+            self.back.add(self.adapter.captured())
         self.back.flush(self._terminal.write)

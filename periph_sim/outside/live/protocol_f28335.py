@@ -40,14 +40,19 @@ FOREVER = 3600  # limit in simulated seconds for a read without time-out at full
 
 
 class _Queue:
-    """A door between a session and a client in another thread of this process."""
+    """A door between a session and a client in another thread of this process.
+
+    line: the line; None after the end of its session.
+    came: bytes from the line that the client has not read.
+    changed: the condition that guards the queue; it is notified when bytes come.
+    """
 
     def __init__(self, line: SerialLine) -> None:
-        self._line: SerialLine | None = line
+        self.line: SerialLine | None = line
         self._to_line = bytearray()
         self._setting: tuple[int, str] | None = None  # rate and format to set in the next turn
         self._breaks: list[bool] = []
-        self._came = Backlog()
+        self.came = Backlog()
         self.changed = threading.Condition()
 
     def files(self) -> Sequence[int]:
@@ -55,18 +60,18 @@ class _Queue:
 
     def turn(self) -> None:
         with self.changed:
-            assert self._line is not None
-            self._line.write(bytes(self._to_line))
+            assert self.line is not None
+            self.line.write(bytes(self._to_line))
             self._to_line.clear()
             if self._setting is not None:
-                self._line.set(*self._setting)
+                self.line.set(*self._setting)
                 self._setting = None
             for on in self._breaks:
-                self._line.hold_break(on)
+                self.line.hold_break(on)
             self._breaks.clear()
-            got = self._line.read()
+            got = self.line.read()
             if got:
-                self._came.add(got)
+                self.came.add(got)
                 self.changed.notify_all()
 
     def put(self, data: bytes | memoryview) -> int:
@@ -78,37 +83,22 @@ class _Queue:
 
     def read(self, count: int) -> bytes:
         with self.changed:
-            return self._came.read(count)
-
-    @property
-    def lost(self) -> int:
-        return self._came.lost
+            return self.came.read(count)
 
     def waits(self) -> int:
         with self.changed:
-            return len(self._to_line) + (0 if self._line is None else self._line.waiting)
+            return len(self._to_line) + (0 if self.line is None else self.line.waiting)
 
     def set(self, baud: int, form: str) -> None:
         """Set rate and format from the next turn on. Raise OutsideError if they are invalid."""
         with self.changed:
-            if self._line is not None:
-                self._line.checked(baud, form)
+            if self.line is not None:
+                self.line.checked(baud, form)
                 self._setting = baud, form
 
     def hold_break(self, on: bool) -> None:
         with self.changed:
             self._breaks.append(on)
-
-    def send_break(self, length: str) -> None:
-        assert self._line is not None
-        self._line.send_break(length)
-
-    def leave(self) -> None:
-        with self.changed:
-            self._line = None
-
-    def available(self) -> int:
-        return len(self._came)
 
 
 class ClosedError(PortNotOpenError):  # type: ignore[misc]
@@ -204,8 +194,9 @@ class Serial(SerialBase):  # type: ignore[misc]
     def _end(self) -> None:
         """End the session and delete all references to it. Only the thread that ran the session may call this."""
         self.result = self._session.finish()
-        self.lost = self._queue.lost
-        self._queue.leave()
+        self.lost = self._queue.came.lost
+        with self._queue.changed:
+            self._queue.line = None
         self._loop = None
         del self._session
 
@@ -238,7 +229,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self._must_be_open()
         if self._thread is None:
             self._queue.turn()
-        return self._queue.available()
+        return len(self._queue.came)
 
     @property
     def out_waiting(self) -> int:
@@ -248,10 +239,10 @@ class Serial(SerialBase):  # type: ignore[misc]
     def read(self, size: int = 1) -> bytes:
         self._must_be_open()
         if self._thread is None:
-            self._step_until(lambda: self._queue.available() >= size, self._timeout)
+            self._step_until(lambda: len(self._queue.came) >= size, self._timeout)
         else:
             with self._queue.changed:
-                self._queue.changed.wait_for(lambda: self._queue.available() >= size or self._failed, self._timeout)
+                self._queue.changed.wait_for(lambda: len(self._queue.came) >= size or self._failed, self._timeout)
         return self._queue.read(size)
 
     def write(self, data: Any) -> int:
@@ -286,7 +277,7 @@ class Serial(SerialBase):  # type: ignore[misc]
 
     def reset_input_buffer(self) -> None:
         self._must_be_open()
-        self._queue.read(self._queue.available())
+        self._queue.read(len(self._queue.came))
 
     def reset_output_buffer(self) -> None:
         """Do nothing, because written bytes cannot be withdrawn from a line."""
@@ -330,7 +321,8 @@ class Serial(SerialBase):  # type: ignore[misc]
             super().send_break(duration)
             return
         self._step_until(lambda: False, 0.001)
-        self._queue.send_break(f"{duration * 1e6:.0f} us")
+        assert self._queue.line is not None
+        self._queue.line.send_break(f"{duration * 1e6:.0f} us")
 
     def _update_rts_state(self) -> None:
         """Do nothing, because an SCI has no RTS line."""

@@ -15,6 +15,7 @@ from __future__ import annotations
 import select
 import socket
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from typing import Any
 
 from ..errors import OutsideError
@@ -106,9 +107,9 @@ class Rfc2217Door:
         if self._client is not None and self._client.closed():
             self._let_go(self._client, "left")
         if self._client is not None:
-            with connection:
+            with connection, suppress(OSError):  # OSError: the client has disconnected already
                 said = f"this SCI has a client already, {self._client.name.removeprefix('client ')}; close that first"
-                _try_to_send(connection, f"{said}\r\n".encode())
+                connection.send(f"{said}\r\n".encode())
             self._notify(f"{name} was rejected: {self._client.name} has the line")
             return
         discarded = self._line.next_client()
@@ -283,10 +284,3 @@ class Port:
 
     def reset_output_buffer(self) -> None:
         """Do nothing, because written bytes cannot be withdrawn from a line."""
-
-
-def _try_to_send(connection: socket.socket, data: bytes) -> None:
-    try:
-        connection.send(data)
-    except OSError:
-        return  # the client has already disconnected

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.outside.live.pseudo_terminal import Openings
+from periph_sim.outside.live.pty_door import Openings
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="inotify is a service of Linux")

@@ -15,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.outside import OutsideError, Session
-from periph_sim.outside.live import pseudo_terminal, pty_door
+from periph_sim.outside.live import pty_door
 from periph_sim.outside.live.backlog import MOST
 from periph_sim.outside.live.loop import Loop
 from periph_sim.outside.live.pacing import Pacer
@@ -199,11 +199,11 @@ def test_a_link_that_may_not_be_replaced_is_refused(tmp_path: Path, monkeypatch:
 
     link = tmp_path / "dsp"
     monkeypatch.setattr(os, "ttyname", lambda _: "/dev/pts/99999")
-    monkeypatch.setattr(pseudo_terminal, "Openings", Unopened)
+    monkeypatch.setattr(pty_door, "Openings", Unopened)
     monkeypatch.setattr(Path, "unlink", unlink)
     link.symlink_to("/dev/pts/99999")
     with pytest.raises(OutsideError, match="dsp: it is a link to /dev/pts/99999 already; give the link another name"):
-        pseudo_terminal.PseudoTerminal(link)
+        pty_door.PseudoTerminal(link)
 
 
 class Unopened:

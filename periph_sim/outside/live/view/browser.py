@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import cast
 
 from ...errors import OutsideError
-from .board import Board
+from .status import Board
 
 PAGE = Path(__file__).with_name("page.html")
 LOOPBACK = "127.0.0.1"

@@ -11,9 +11,8 @@ from http.client import HTTPConnection
 import pytest
 
 from periph_sim.outside import OutsideError
-from periph_sim.outside.live.view.board import EVERY, Board, ViewDoor
 from periph_sim.outside.live.view.browser import Browser
-from periph_sim.outside.live.view.status import Snapshot
+from periph_sim.outside.live.view.status import EVERY, Board, Snapshot, ViewDoor
 from tests.outside.live.view.imu import FRAME, Imu
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import threading
 
 import pytest
 
@@ -11,9 +12,8 @@ from periph_sim.core.time import Timebase
 from periph_sim.devices.sensor_rounds import Round
 from periph_sim.outside import Session
 from periph_sim.outside.live.pacing import Pacer
-from periph_sim.outside.live.view.board import Board, ViewDoor
 from periph_sim.outside.live.view.last_round import KEPT, LastRound
-from periph_sim.outside.live.view.status import Status
+from periph_sim.outside.live.view.status import Board, Status, ViewDoor
 from tests.outside.live.view.imu import FRAME, Clock, Imu
 from tests.outside.sessions import case
 
@@ -230,3 +230,32 @@ def test_a_case_without_bus_or_sensors_has_neither_readings_nor_attitude() -> No
     imu = Imu()
     told = Status(session, session.serial("scia"), imu.pacer).snapshot()
     assert (told["readings"], told["attitude"], told["wave"], told["budgets"]) == ([], None, None, [])
+
+
+@pytest.fixture
+def board() -> Board:
+    return Board()
+
+
+def test_a_reader_is_given_what_is_newer_than_what_it_has(board: Board) -> None:
+    assert board.after(0, 0.0) == (0, None)
+    board.put({"round": 1})  # type: ignore[typeddict-item]
+    board.put({"round": 2})  # type: ignore[typeddict-item]
+    assert board.after(0, 0.0) == board.after(1, 0.0) == (2, {"round": 2})
+    assert board.after(2, 0.0) == (2, None)
+
+
+@pytest.mark.parametrize("news", [lambda board: board.put({}), Board.close])
+def test_a_reader_that_waits_is_woken(board: Board, news) -> None:
+    came: list[int] = []
+    reader = threading.Thread(target=lambda: came.append(board.after(0, 60.0)[0]))
+    reader.start()
+    news(board)
+    reader.join(30)
+    assert came == [0 if board.closed else 1]
+
+
+def test_it_is_closed_once_it_is_told(board: Board) -> None:
+    assert board.closed is False
+    board.close()
+    assert board.closed is True

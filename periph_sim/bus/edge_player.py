@@ -1,4 +1,4 @@
-"""Replay of a line from levels with their ticks, one event for each edge.
+"""Replay of recorded edges on a wire, with one event for each edge.
 
 EdgePlayer --> OneWayWire --> the chip's input      the chip's input sees only what the player drives;
                      back <-- the chip's output     the chip's output drives another wire

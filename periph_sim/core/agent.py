@@ -35,7 +35,8 @@ class Agent:
     def pulled(self, line: int, now: int, pulling: int) -> None:
         """Called when the set of parties that pull a line has changed; its level may be the same.
 
-        pulling: bit i is party i of the line.
+        line: the number that was given to `Wire.watch_pulls`.
+        pulling: the mask of the parties that pull the line now; bit i is party i.
         """
         raise NotImplementedError(f"{type(self).__name__} watches pulls of lines but does not define pulled()")
 
@@ -107,7 +108,7 @@ class SampledParty:
         raise NotImplementedError
 
     def jump(self, bits: int) -> None:
-        """Toggle these lines without notification; the changes belong to skipped edges."""
+        """Toggle the levels of the lines in the mask `bits` without notification, because their edges are skipped."""
         raise NotImplementedError
 
 
@@ -133,7 +134,7 @@ def describe(agent: Agent) -> str:
     return f"{who} ({name})" if who else name
 
 
-NUMBERS = 1 << 56  # number of ranks in each phase
+NUMBERS = 1 << 56  # number of different ranks in each phase
 
 _order = attrgetter("time", "rank")
 
@@ -144,9 +145,9 @@ class Event:  # core: freelist 16
 
     time: the tick at which it runs.
     tag: the argument of the call `agent.act(tag)`.
-    rank: orders the events of one tick, by phase and then by number.
+    rank: orders the events of one tick, by phase and then by the order of scheduling.
     queued: True until the event runs or is cancelled.
-    plain: True if the agent calls a function.
+    plain: True if the event calls a plain function (`Kernel.call_at`).
     following: the next event in the queue.
     """
 
@@ -218,7 +219,7 @@ class EventQueue:
         event.following = None
 
     def take_all(self) -> list[Event]:
-        """Remove all events and return them in order. They still count as queued."""
+        """Remove all events and return them in order. Their attribute `queued` stays True."""
         events: list[Event] = []
         event = self.first
         while event is not None:

@@ -1,4 +1,4 @@
-"""Interface of a pure chip: inputs are time, pins and register accesses; outputs are levels, requests and a wake-up.
+"""Interface of chip models. Inputs are time, pins and register accesses; outputs are levels, requests and a wake-up.
 
     pins, read, write, wake  -->  chip  -->  out, requests, held, next_wake, notes
 
@@ -65,8 +65,8 @@ class WriteOrigins(Protocol):
 class Chip:
     """Base of chips. Times are cycles of the chip's own clock and never decrease from call to call.
 
-    INPUTS and OUTPUTS name the bits of input levels and of `out`. Those of `requests` and `held` are the interrupts of
-    the module's descriptor.
+    INPUTS and OUTPUTS name the bits of the input levels and of `out`. The bits of `requests` and `held` are the
+    interrupts in the module's descriptor, in order.
     """
 
     STATE = State("out held requests loaded writes filter_width", cycles="next_wake")
@@ -85,7 +85,7 @@ class Chip:
         self.notes: list[Note] = []  # the notes since the owner last cleared the list
         self.loaded = 0  # bit i: the data register at offset i took a value since the owner last cleared it
         self.touched: set[str] = set()  # names of the open questions on which the run depended
-        self.writes = 0  # number of actions that may change the steady words: writes, resets, the clock gate
+        self.writes = 0  # number of writes, resets and changes of the clock gate; only they change words in `steady`
 
     def note(self, code: str, text: str, source: str) -> None:
         """Add a note for the user."""
@@ -123,7 +123,7 @@ class Chip:
         raise NotImplementedError
 
     def see(self, now: int, offset: int) -> int:
-        """Return the value that a CPU read without side effects yields; by default that of `peek`."""
+        """Return the value that a CPU read would return, without its side effects; by default that of `peek`."""
         return self.peek(now, offset)
 
     def reset(self, now: int) -> None:
@@ -143,4 +143,4 @@ class Chip:
         return False
 
     def set_lspclk(self, now: int, divider: int, phase: int) -> None:
-        """Set the LSPCLK of a chip that runs on it: it rises in each cycle that is `phase` modulo `divider`."""
+        """Set the LSPCLK of a chip that runs on it. LSPCLK rises in each cycle n with n % divider == phase."""

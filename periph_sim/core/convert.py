@@ -2,9 +2,9 @@
 
     3, "250 us", {...}, [...] --converter_of(annotation)--> int, Fraction, a class of keys, a tuple ...
 
-msgspec checks plain values. Tables are checked here, key by key, so that every mistake is reported with its place. A
-table is a `Table`, another Struct or a dataclass, whose keys are its fields, or a TypedDict. `Annotated` adds `Before`
-and `After`, functions around the check, and limits as `msgspec.Meta`.
+msgspec checks plain values. Tables are checked here, key by key, so that every mistake is reported with its place. The
+type of a table is a `Table`, another Struct, a dataclass or a TypedDict; its fields are the keys. `Annotated` adds
+functions that run before and after the check (`Before`, `After`), and limits (`msgspec.Meta`).
 """
 
 from __future__ import annotations
@@ -90,7 +90,7 @@ class After(msgspec.Struct, frozen=True):
 
 
 class Mistake(msgspec.Struct, frozen=True):
-    """One mistake and its place. error: the exception of a check. known: the existing keys, if the key is unknown."""
+    """One mistake and its place. error: the exception of a check. known: the valid keys, if the key is unknown."""
 
     place: Place
     what: str = ""
@@ -133,8 +133,8 @@ def convert(kind: type[T], tree: object) -> T:
 class Key:
     """A key of a table. name: the name of its field. convert: its converter, which is made at the first use.
 
-    Names in its annotation are looked up in the module that defined its class, even if `sys.modules` has another module
-    under that name by then.
+    Names in its annotation are looked up in the module that defined the class of the table, even if `sys.modules` has
+    another module under the same name by then.
     """
 
     def __init__(self, kind: type, name: str, default: object) -> None:
@@ -253,7 +253,7 @@ def _typed_dict(kind: Any) -> Converter:
 
 
 def converter_of(annotation: Any) -> Converter:
-    """Return the converter of values of this type."""
+    """Return the function that converts values to this type."""
     if is_typeddict(annotation):
         return _typed_dict(annotation)
     origin, arguments = get_origin(annotation), get_args(annotation)
@@ -364,7 +364,7 @@ def _union(converters: list[Converter], takes_none: bool) -> Converter:
         for converter, wrong in zip(converters, tried, strict=True):
             made = converter(value, place, wrong)
             if not wrong:
-                for given_up in tried:  # tracebacks of their errors would keep the frames of all callers alive
+                for given_up in tried:  # the tracebacks of their errors would keep the frames of all callers alive
                     given_up.clear()
                 return made
         mistakes += tried[0]
@@ -374,7 +374,7 @@ def _union(converters: list[Converter], takes_none: bool) -> Converter:
 
 
 def _list(kind: type, entries: tuple[Any, ...]) -> Converter:
-    """Return the converter of a list, whose entries have one type, or for a tuple one type for each place."""
+    """Return the converter of a list or tuple. All entries have one type, or each place of a tuple has its own."""
     of_entry = [converter_of(entry) for entry in entries if entry is not ...]
     places = None if kind is list or entries[-1] is ... else len(entries)
     phrase = "expected a list" if places is None else f"expected a list of {places}"

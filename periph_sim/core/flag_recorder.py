@@ -1,6 +1,6 @@
-"""Records of the fields of a chip's registers, which are read after each input that may have changed them.
+"""Recorder of register fields: it reads a chip's registers after each input, and records the fields that changed.
 
-An input has its effect some cycles after it was given. The cause of a change is the input that had its effect last.
+An input takes effect some cycles after it was given. The cause of a change is the input that took effect last.
 """
 
 # core: compiled
@@ -15,7 +15,7 @@ from .registers import Register
 from .state import State
 from .time import Clock
 
-MAX_INPUTS = 64  # maximum number of waiting inputs; if a chip never wakes, the earliest is dropped
+MAX_INPUTS = 64  # maximum number of waiting inputs; if a chip never wakes, the earliest inputs are dropped
 
 
 @final
@@ -36,15 +36,15 @@ class Input:
         self.following: Input | None = None
 
     def comes_before(self, other: Input) -> bool:
-        """Return True if this input is before `other`, in order of cycles, and of records within one cycle."""
+        """Return True if this input has an earlier cycle than `other`, or the same cycle and an earlier record."""
         return self.cycle < other.cycle or (self.cycle == other.cycle and self.cause < other.cause)
 
 
 @final
 class WaitingInputs:
-    """The inputs of a chip that wait for their effect, in order of cycles, and of records within one cycle.
+    """The inputs of a chip that have not taken effect yet, in order of their cycles and then of their records.
 
-    last_cause: the number of the record of the last input that had its effect.
+    last_cause: the number of the record of the last input that took effect.
     """
 
     STATE = State("_count _last", records="last_cause", chains="_first")
@@ -59,7 +59,7 @@ class WaitingInputs:
         self._spare: Input | None = None  # a chain of inputs to use again
 
     def add(self, cycle: int, cause: int) -> None:
-        """Add an input that has its effect from `cycle` on. cause: the number of its record; 0: nothing is added."""
+        """Add an input that takes effect in `cycle`. cause: the number of its record; if it is 0, nothing is added."""
         given = self._spare
         if not cause:
             return
@@ -84,7 +84,7 @@ class WaitingInputs:
             self._take_first()
 
     def cause_at(self, cycle: int) -> int:
-        """Return the number of the record of the last input that had its effect by `cycle`."""
+        """Return the number of the record of the last input that took effect by `cycle`."""
         while self._first is not None and self._first.cycle <= cycle:
             self.last_cause = self._first.cause
             self._take_first()
@@ -119,7 +119,7 @@ class WatchedRegister:
     value: the value that was read last.
     was: the value that was read before `value`.
     upper: offset of the upper half of a 32-bit register; 0 for others.
-    data: mask of the field that receives a word at a time; 0 if there is none.
+    data: in a register that yields data, the mask of the field with the data word; 0 in other registers.
     """
 
     STATE = State("value")
@@ -179,7 +179,7 @@ class FlagRecorder:
     def look(self, cycle: int) -> bool:
         """Read the registers as a debugger does. Return True if any has changed.
 
-        Questions that only these reads depend on are not added to `touched`.
+        Open questions on which only these reads depend are not added to the chip's `touched`.
         """
         chip = self._chip
         if self._some_steady:

@@ -14,14 +14,14 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
-MOST = 1 << 24  # maximum number of bytes of a file that is read at once
+MOST = 1 << 24  # maximum size, in bytes, of a file that is read as a whole
 
 _read: set[tuple[int, int]] | None = None  # device and inode of each file; None while no command runs
 
 
 @contextmanager
 def inputs_of_one_command() -> Iterator[None]:
-    """Remember the files that are noted in this block, and forget them at its end. Nested blocks are part of it."""
+    """Remember the files that are noted in this block, and forget them at the end of the outermost such block."""
     global _read
     outermost = _read is None
     if outermost:
@@ -75,7 +75,7 @@ def note_input(path: Path) -> Path:
 
 
 def note_inputs_of(paths: Iterable[Path]) -> None:
-    """Remember those of these files that exist as inputs of the command that runs."""
+    """Remember these files as inputs of the command that runs. Files that do not exist are ignored."""
     if _read is not None:
         _read.update(identity for path in paths if (identity := _identity(path)) is not None)
 

@@ -6,8 +6,8 @@ take their levels, then each party that samples them is called once, with all ne
 within a phase is not observable, and two runs of one scene are equal. Changes that a party makes in such a call settle
 afterwards, in the same tick.
 
-A CPU that runs ahead of the queue gets the end of its lease from `quiet_until`: before that tick no other party can
-act, so the CPU may advance `now` by itself.
+A CPU may run ahead of the queue. `quiet_until` returns the tick before which no other party can act; until then, the
+CPU may advance `now` by itself.
 
 An agent that blocks inside its own event, as firmware does, can run the event loop from there (`run_nested`) until its
 wait is over (`released`). Plain callbacks are never run from a nested loop, because a callback may end the very event
@@ -59,7 +59,7 @@ class Kernel:
     nested_owner: the agent whose nested loop runs events now; None for the outer loop.
     released: True if the nested loop is to return after the present event.
     outer_loop: the event loop that runs when no agent runs a nested one.
-    fault: an exception of another party in a nested loop, to be raised in the outer loop.
+    fault: an exception that another party raised in a nested loop; the outer loop must raise it again.
     """
 
     STATE = State("_queue", ticks="now")
@@ -82,13 +82,13 @@ class Kernel:
         self._bound = start  # the present loop runs all events before this time
         self._bound_rank = 0  # the present loop also runs the events at `_bound` whose rank is below this
         self._at = -1  # time of the last event
-        self._in_this_tick = 0  # number of events in its tick before the last event
+        self._in_this_tick = 0  # number of events that ran before the last event in the same tick
         self._queue = EventQueue()
         self._stop = False
         self._ranks = 0
 
     def rank(self) -> int:
-        """Return the next place in the order in which wires settle and parties sample within an instant."""
+        """Return the next number in the order in which wires settle and parties sample within an instant."""
         self._ranks += 1
         return self._ranks
 
@@ -105,7 +105,7 @@ class Kernel:
         return event
 
     def event(self, agent: Agent, phase: int = TIMER) -> Event:
-        """Return a new event that is not queued, for `reschedule`."""
+        """Return a new event that is not queued yet; `reschedule` queues it."""
         event: Event = Event.__new__(Event)
         event.agent = agent
         event.phase = phase
@@ -115,7 +115,7 @@ class Kernel:
         return event
 
     def reschedule(self, event: Event, time: int, tag: int) -> None:
-        """Queue an existing event that is not queued. An agent with one event at a time thus needs only one object.
+        """Queue an existing event that is not queued. An agent with one event at a time can use one object for all.
 
         Raise ValueError if `time` is past, or if the event is queued.
         """
@@ -139,7 +139,7 @@ class Kernel:
         return NEVER if first is None else first.time
 
     def quiet_until(self) -> int:
-        """Return the first tick at which anything but the caller may act, or the end of this run."""
+        """Return the first tick at which any other party may act, but at most the tick after the end of this run."""
         if self._unsettled is not None or self._sampling is not None or self._stop:
             return self.now
         end = self._horizon + 1
@@ -224,9 +224,9 @@ class Kernel:
         self.materialize()
 
     def run_nested(self, owner: object) -> bool:
-        """Run events inside the event of `owner`, which is blocked. Return True when `released` is set.
+        """Run events inside the event of `owner`, which is blocked. Return True as soon as `released` is set.
 
-        Return False if the outer loop must go on: no event is left, or the next one calls a plain function.
+        Return False if the outer loop must continue, because no event is left or the next one calls a plain function.
         """
         self.nested_owner = owner
         self.released = False
@@ -238,7 +238,7 @@ class Kernel:
         return False
 
     def _do(self, time: int, before: int) -> None:
-        """Run the events before `time`, and those at `time` in phases before `before`; then settle."""
+        """Run the events before tick `time`, and those at `time` in the phases before phase `before`; then settle."""
         bound, rank, at, in_this_tick = self._bound, self._bound_rank, self._at, self._in_this_tick
         self._bound, self._bound_rank, self._at, self._in_this_tick = time, before * NUMBERS, -1, 0
         while self._next(True):
@@ -247,7 +247,7 @@ class Kernel:
         self._bound, self._bound_rank, self._at, self._in_this_tick = bound, rank, at, in_this_tick
 
     def _next(self, in_outer_loop: bool) -> bool:
-        """Settle the wires and run the next event. Return False if there is none, or another loop must run it."""
+        """Settle the wires if the phase is over, and run the next event. Return False if this loop must not run one."""
         if self._stop:
             return False
         event = self._queue.first
@@ -279,7 +279,7 @@ class Kernel:
         return True
 
     def materialize(self) -> None:
-        """Run the events that are skipped now; call this before reading or changing their intermediate states."""
+        """Run the events that a shortcut has skipped. Call this before reading or changing an intermediate state."""
         if self.shortcut is not None:
             self.shortcut.materialize()
 

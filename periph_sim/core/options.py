@@ -66,7 +66,7 @@ class TextOption(Option):
         return answer
 
     def matches(self, answer: str) -> BoolOption:
-        """Return an option of the same name whose answer is True if the answer to this one is `answer`."""
+        """Return a BoolOption of the same name. It is True if this option has the value `answer`."""
         return BoolOption(self.name, self._answer == answer)
 
 
@@ -102,7 +102,7 @@ KINDS: dict[type, type[TextOption | IntOption | BoolOption]] = {str: TextOption,
 
 
 class Answers:  # core: python
-    """Immutable answers, one to each question of the subclass, which becomes a dataclass.
+    """Immutable answers. Each field of a subclass, which becomes a dataclass, is the answer to one question.
 
     The methods of a frozen dataclass are written here once, since generating them for each class slows the import.
     """
@@ -148,7 +148,7 @@ def _defaults(kind: Any) -> object:
 
 
 def options_from(kind: type[T], given: dict[str, Value]) -> T:
-    """Return an instance of `kind` with the given values. Raise ValueError, which says what is valid, for others."""
+    """Return an instance of `kind` with the given values. Raise ValueError, which lists what is valid, for others."""
     if not given:
         return cast(T, _defaults(cast(Hashable, kind)))
     known = {f.name: f for f in dataclasses.fields(kind)}  # type: ignore[arg-type]

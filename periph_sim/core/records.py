@@ -1,9 +1,9 @@
 """Records of a run and the subscriptions to them.
 
 Each record is of one of the kinds below and has a number, a time in ticks, a place, and the number of the record that
-caused it (0: none). Producers get from `Recorder.wants` whether a kind has subscribers, most of them once, when a scene
-is built. Records without a subscriber are never made.
-A subscription to edges, flags or accesses can be limited to some wires or registers: its subjects.
+caused it (0: none). Producers ask `Recorder.wants` whether a kind has subscribers; most of them do so only once, when a
+scene is built. Records without a subscriber are never made.
+A subscription to edges, flags or accesses can be limited to some wires or registers, which are called its subjects.
 
     producer --> Topic.emit --> listeners: tag, tick, value    (budgets)
                            '--> sinks: all fields, no object   (`.psr`, races)
@@ -45,11 +45,11 @@ class Kind(Enum):
     RECEIVER = "receiver"  # an SCI's number of waiting words changes, or a character is received or lost
     DATA = "data"  # bytes that were read, with their correctness, age or error
 
-    __hash__ = object.__hash__  # by identity, since a member is a single object: Enum's own hash is slow Python code
+    __hash__ = object.__hash__  # by identity, because each member is a single object and Enum's own hash is slow
 
 
 DERIVED = frozenset({Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA})
-RECORDED = tuple(kind for kind in Kind if kind not in DERIVED)  # the kinds that recordings of a whole run hold
+RECORDED = tuple(kind for kind in Kind if kind not in DERIVED)  # the kinds that a recording of a whole run contains
 
 
 class Record(NamedTuple):
@@ -75,7 +75,7 @@ Things = Collection[tuple[Kind, str]]
 
 
 UNWANTED = -1  # in place of a tag: the subscriber has no use for the topic
-NOWHERE, OF_MODIFIES, EVERYWHERE = range(3)  # accesses of which a sink needs the place in the firmware
+NOWHERE, OF_MODIFIES, EVERYWHERE = range(3)  # the accesses for which a sink needs the place in the firmware
 
 
 class Listener:
@@ -84,7 +84,7 @@ class Listener:
     __slots__ = ()
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        """Return the tag under which `on_record` receives this topic; UNWANTED if it has no use for it."""
+        """Return the tag under which `on_record` receives this topic; UNWANTED if the listener does not need it."""
         raise NotImplementedError
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
@@ -98,13 +98,14 @@ class RecordSink:
     __slots__ = ()
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        """Return the tag under which `keep` receives this topic; UNWANTED if it has no use for it."""
+        """Return the tag under which `keep` receives this topic; UNWANTED if the sink does not need it."""
         raise NotImplementedError
 
     def places(self, tag: int) -> int:
-        """Return NOWHERE, OF_MODIFIES or EVERYWHERE: the records with this tag that need their place in the firmware.
+        """Return for which accesses with this tag the sink needs the place in the firmware, which is expensive to find.
 
-        OF_MODIFIES: accesses that may be one half of a read-modify-write, which excludes reads of single fields.
+        NOWHERE: for none. EVERYWHERE: for all. OF_MODIFIES: for accesses that may be one half of a read-modify-write;
+        reads of single fields are not.
         """
         return EVERYWHERE
 
@@ -144,7 +145,7 @@ class Topic:
 
     has_subscribers: True if any subscriber receives these records.
     needs_details: True if any subscriber receives more than their time and value.
-    places: the set of accesses of which any subscriber needs the place in the firmware, which is expensive to find.
+    places: the accesses for which any subscriber needs the place in the firmware, as `RecordSink.places` returns them.
     """
 
     __slots__ = (
@@ -221,7 +222,7 @@ class Topic:
         self.places = NOWHERE
 
     def emit(self, tick: int, value: int = 0, text: Text = "", field: Text = "") -> int:
-        """Make a record and return its number. Its cause is the present record."""
+        """Make a record and return its number. The cause of the record is `Recorder.cause`."""
         recorder = self._recorder
         number = recorder.number + self._step
         recorder.number = number
@@ -246,8 +247,8 @@ class Topic:
 class Recorder:
     """Numbers records and passes each to the subscribers to its topic.
 
-    cause: the present record, whose effects the simulation runs now; `core.socket` and `core.wire` set it around each
-        delivery.
+    cause: the number of the present record, whose effects the simulation runs now; 0 if there is none. `core.socket`
+        and `core.wire` set it during each delivery.
     number: the number of the last record.
     """
 
@@ -264,11 +265,11 @@ class Recorder:
     def subscribe(
         self, kinds: Iterable[Kind], party: Party, only: Subjects | None = None, things: Things | None = None
     ) -> None:
-        """Subscribe `party` to the records of these kinds. Listeners and sinks receive the topics that have a tag.
+        """Subscribe `party` to the records of these kinds. A listener or sink gets the topics that its `tag_of` tags.
 
-        only: the subjects that it needs, by kind: wires for EDGE and FRAME; registers for FLAG and ACCESS, with unit
-            and module ("dsp.I2C-A.I2CSTR"). It may also receive subjects that other subscribers need.
-        things: the pairs of kind and thing that the subscriber needs; `tag_of` is not called for others.
+        only: the subjects that the party needs, by kind: wires for EDGE and FRAME; registers for FLAG and ACCESS, with
+            unit and module ("dsp.I2C-A.I2CSTR"). The party may also receive subjects that other subscribers need.
+        things: the pairs of kind and thing that the party needs; `tag_of` is not called for others.
         """
         for kind in kinds:
             self._parties[kind].append((party, things))
@@ -299,7 +300,7 @@ class Recorder:
         return any(things is not None for parties in self._parties.values() for _, things in parties)
 
     def named_things(self, kind: Kind) -> set[str]:
-        """Return the things of this kind that subscribers name; a subscriber to all of a kind names none."""
+        """Return the things of this kind that subscribers named. A subscriber without `things` has named none."""
         return {what for _, things in self._parties[kind] for named, what in things or () if named is kind}
 
     def makes_records(self, kind: Kind) -> bool:
@@ -311,11 +312,11 @@ class Recorder:
         return None if kind in self._of_all else frozenset(self._subjects[kind])
 
     def named(self, kind: Kind) -> frozenset[str]:
-        """Return the subjects that subscribers name, even if others need all subjects."""
+        """Return the subjects of this kind that subscribers named, even if other subscribers need all subjects."""
         return frozenset(self._subjects[kind])
 
     def topic(self, kind: Kind, where: str, what: str) -> Topic:
-        """Return the topic of this kind, place and thing. Producers that emit often keep it."""
+        """Return the topic of this kind, place and thing. Producers that emit often should store it."""
         topic = self._topics.get((kind, where, what))
         if topic is None:
             topic = self._topics[kind, where, what] = Topic(self, kind, where, what)

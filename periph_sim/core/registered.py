@@ -1,8 +1,7 @@
 """Imports on demand: a module is imported when one of its names is first needed.
 
-The modules of `HOMES` define objects that the rest of the program uses only by name, like entry points of this package:
-no module of the core imports them. With `lazy_names`, importing one name of a package does not load the package's other
-modules.
+The modules in `HOMES` are like entry points of this package: the rest of the program finds them only by name and does
+not import them directly. With `lazy_names`, importing one name of a package does not load the package's other modules.
 """
 
 from __future__ import annotations
@@ -15,7 +14,7 @@ HOMES = {
     "firmware model": "periph_sim.imu.firmware_model",  # see `scene.unit.FirmwareModel`
     "host frames": "periph_sim.imu.host_frames",  # see `devices.host_frames`
     "plugins": "periph_sim.scene.plugins",  # known_formats: the capture formats of plugins
-    "sensors": "periph_sim.imu.sensors",  # SENSORS: the sensors that `order` may name, by name
+    "sensors": "periph_sim.imu.sensors",  # SENSORS: the sensors that the key `order` may list, indexed by name
 }
 
 

@@ -1,8 +1,8 @@
-"""Registers as data: reset values, access effects, decoding and docs from one table, as in the manual.
+"""Registers as data: one table, as in the manual, defines reset values, access effects, decoding and docs.
 
 A field has four independent properties: the CPU's access rights, the effect of a read, the effect of a write, and the
-priority when hardware and software act in the same cycle. A chip has the stored value; this module computes the effect
-of an access on it.
+priority when hardware and software act in the same cycle. The chip stores the value; this module computes the effect of
+an access on it.
 """
 
 from __future__ import annotations
@@ -135,7 +135,7 @@ class Register(Struct, frozen=True, dict=True):
     width: int = 16
     yields: Yields = Yields.STATE
     read_acts: bool = False  # True if a read has an effect beyond this register: takes a word, clears a flag elsewhere
-    data: str = ""  # the name of the field with the word, if the register yields data
+    data: str = ""  # the name of the field that contains the data word, if `yields` is DATA
     upper: str = ""  # the register with bits 31:16, if C headers define both as one 32-bit register (`all`, `half`)
 
     def __post_init__(self) -> None:

@@ -1,10 +1,10 @@
-"""Restoring of a snapshot in the modules of a scene of the same case.
+"""Restoring of a snapshot in the modules of a scene that was built from the same case.
 
     snapshot --plan: each value made or found--> assignments --apply--> modules
 
 Attributes are assigned only after all values of the snapshot have been made or found, so a snapshot that does not fit
-changes nothing. An object that the scene already has as the same attribute is kept, with its wiring, and gets the
-attributes in the snapshot. Other objects are created.
+changes nothing. If the scene has an object of the same class in the same attribute, that object is kept with its
+wiring, and only its declared attributes are set. Other objects are created.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def restore(snapshot: Snapshot, modules: Mapping[str, Module], finds: Mapping[st
 
 
 class _Plan:
-    """The assignments to make. Objects have the names that the snapshot gave them."""
+    """The assignments that restore a snapshot. `_objects` has the scene's object for each name in the snapshot."""
 
     def __init__(self, snapshot: Snapshot, modules: Mapping[str, Module], finds: Mapping[str, Finds]) -> None:
         self._values = snapshot.values
@@ -52,7 +52,7 @@ class _Plan:
         self._finds = finds
         self._now = {Time.TICKS: snapshot.tick, Time.RECORDS: snapshot.number}
         self._objects: dict[str, Any] = {name: module.target for name, module in modules.items()}
-        self._used = {id(module.target) for module in modules.values()}  # objects of the scene that have a name
+        self._used = {id(module.target) for module in modules.values()}  # ids of the objects that already have a name
         self._assigned: list[tuple[Any, str, Any]] = []
         self._randoms: list[tuple[Random, Any]] = []
         self._module = ""
@@ -166,7 +166,7 @@ class _Plan:
 
 
 def _class_of(name: str) -> Any:
-    """Return the class that `class_name` gave this name."""
+    """Return the class for which `class_name` returns this name."""
     parts = name.split(".")
     inside = next(place for place, part in enumerate(parts) if part.lstrip("_")[0].isupper())
     found: Any = import_module(".".join(parts[:inside]))
@@ -176,7 +176,7 @@ def _class_of(name: str) -> Any:
 
 
 def _item_of(current: Any, key: Any) -> Any:
-    """Return the item of a container or structure of the scene with this key; None if it has none."""
+    """Return the item with this key in a container or structure of the scene; None if there is none."""
     if isinstance(current, Struct | tuple) and isinstance(key, str):
         return getattr(current, key, None)
     try:

@@ -1,4 +1,4 @@
-"""Parties that sample wires: each is notified once of all of its lines that changed in one instant."""
+"""Parties that sample wires. Each party is notified once in an instant, with the new levels of all its lines."""
 
 # core: compiled without checks for None
 
@@ -52,8 +52,8 @@ class Sampler(SampledParty):
     """The lines that one party samples: bit i of `levels` is line i.
 
     A line is a wire (`listen`) or has a level that the owner sets (`put`).
-    agent: its `sampled` is called with the tick and `levels` once in each instant in which any line changes. The record
-        under which the first of these lines changed is then the present one.
+    agent: its `sampled` is called with the tick and `levels` once in each instant in which any line changes. During
+        this call, the record that caused the change of the first of these lines is the present record.
     """
 
     STATE = State("levels plain agent _seen _lines", records="_put_under")
@@ -91,7 +91,7 @@ class Sampler(SampledParty):
         self._set(line, level)
 
     def jump(self, bits: int) -> None:
-        """Toggle these lines without notification; the changes belong to skipped edges."""
+        """Toggle the levels of the lines in the mask `bits` without notification, because their edges are skipped."""
         self.levels ^= bits
         self._seen ^= bits
 

@@ -18,12 +18,12 @@ from .shorten import shorten
 from .time import UNITS as TIMES
 from .time import TimeError, seconds
 
-LOWEST, HIGHEST = Fraction(1, 1000), 10**12  # limits in hertz: a cycle in ticks, and a run in cycles, fit 64 bits
+LOWEST, HIGHEST = Fraction(1, 1000), 10**12  # in hertz; a cycle in ticks and a run in cycles then fit into 64 bits
 HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000, "GHz": 1_000_000_000}
 
 
 def share(value: object) -> Fraction:
-    """Return the share, from 0 to 1, in a text such as "40 %". Raise ValueError with a suggestion for others."""
+    """Return the share, from 0 to 1, in a text such as "40 %". Raise ValueError with a suggestion for other values."""
     if isinstance(value, Fraction):
         return value
     text = str(value).strip()
@@ -59,7 +59,7 @@ def _length(text: str) -> Fraction | str:
 
 
 class Spread(Struct, frozen=True):
-    """A cost known as a range in seconds. Each occurrence has a value from `least` to `most`, drawn by `Dsp.compute`.
+    """A computing time in seconds of which only the range is known. `Dsp.compute` draws a value in it each time.
 
     Raise ValueError for a negative or empty range.
     """
@@ -81,7 +81,7 @@ class Spread(Struct, frozen=True):
 
 
 def spread(value: object) -> Spread:
-    """Return the range in "240 us to 260 us", or in one duration. Raise ValueError as `duration` does."""
+    """Return the range in a text such as "240 us to 260 us" or "250 us". Raise ValueError as `duration` does."""
     if isinstance(value, Spread):
         return value
     if isinstance(value, str):

@@ -12,7 +12,7 @@ def shorten(text: str, most: int = MAX_LENGTH) -> str:
     """Return the text if it has up to `most` characters; otherwise its two ends and its length."""
     if len(text) <= most:
         return text
-    kept = max(0, most - 28)  # 28 characters are for the statement of the length
+    kept = max(0, most - 28)  # 28 characters are reserved for " ... " and the length
     head = kept - kept // 4
     return f"{text[:head]} ... {text[len(text) - kept // 4 :]} ({len(text)} characters)"
 

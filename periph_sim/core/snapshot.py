@@ -3,8 +3,8 @@
     {"SDA": wire, "dsp.SCI-A": socket, ...} --take_snapshot--> {"dsp.SCI-A.chip._rx.status": 0, ...}
 
 The declared attributes (`core.state`) of each module are visited recursively and named by their paths. Instants are
-counted from now. An object or method that has a name already is stored as a `Ref` to it. An object of a class without
-declared state is stored as `Foreign`: it is compared by its class only and cannot be restored.
+stored relative to now. An object or method that already has a name is stored as a `Ref` to it. An object of a class
+without declared state is stored as `Foreign`: it is compared by its class only and cannot be restored.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ class Snapshot(NamedTuple):
     number: the number of the last record.
     cycles: the present cycle of each module; 0 for one without a clock.
     values: the value of each collected attribute and item, by its name.
-    logs: the logs by which programs that have a stack can be re-executed, by unit.
+    logs: the logs with which programs that have a stack can be executed again, indexed by unit.
     base: an earlier snapshot with logs, from which a run leads to this one; None if there is none.
     """
 
@@ -144,9 +144,9 @@ def class_name(kind: type) -> str:
 
 
 def absolute(value: Any, now: int) -> Any:
-    """Return the instant of the scene for one that is counted from `now`.
+    """Return the absolute instant of a value that a snapshot stores relative to `now`.
 
-    In a tuple, only the first number is an instant; the other items stay.
+    In a tuple, only the first number is an instant; the other items are returned unchanged.
     """
     if isinstance(value, Fixed):
         return value.value
@@ -162,7 +162,7 @@ class _Collector:
     def __init__(self, modules: Mapping[str, Module], tick: int, number: int) -> None:
         self.values: dict[str, Any] = {}
         self._names = {id(module.target): name for name, module in modules.items()}
-        self._named: list[object] = []  # keeps them alive, so that their ids stay unique
+        self._named: list[object] = []  # keeps the named objects alive, so that their ids stay unique
         self._module = Module(None)
         self._in_chain = False
         self._now = {Time.TICKS: tick, Time.RECORDS: number}
@@ -234,8 +234,8 @@ class _Collector:
     def _object(self, name: str, value: Any, time: Time) -> None:
         """Collect an object that has just been named.
 
-        An object that cannot be collected is stored as `Foreign` and loses its name: one without declared state, or one
-        in a chain whose declared state is not complete, because places in chains change.
+        An object is stored as `Foreign` and loses its name if it has no declared state, or if it is in a chain and its
+        declared state is not complete, because its place in the chain can change.
         """
         kind = type(value)
         state = state_of(kind)
@@ -274,7 +274,7 @@ class _Collector:
 
 
 def _relative(value: Any, now: int, time: Time) -> Any:
-    """Return an instant counted from `now`. In a tuple, only the first number is an instant; the other items stay."""
+    """Return an instant relative to `now`. In a tuple, only the first number is an instant; other items are kept."""
     if isinstance(value, tuple):
         place = _first_instant(value)
         return (*value[:place], _relative(value[place], now, time), *value[place + 1 :])

@@ -1,4 +1,4 @@
-"""Connection of a pure chip to the simulation: passes inputs to it on its own clock and publishes their results.
+"""Connection of a chip model to the simulation: passes inputs to it on the chip's clock and publishes the results.
 
     wire edge, CPU access, wake-up --> chip --> wires, interrupt requests, records
 
@@ -56,7 +56,7 @@ class Socket(Agent):
     """Connects one chip to its clock, its wires and its interrupt lines.
 
     name: the name of the module, for example "I2C-A".
-    on_request: callback for interrupt requests, called with the cycle and the mask of the chip's LINES that request.
+    on_request: callback for interrupt requests, called with the cycle and the mask of interrupts (`Chip.requests`).
     phase: the phase of the kernel in which the chip is woken.
     inputs: the sampler of the levels at the chip's INPUTS.
     """
@@ -119,7 +119,7 @@ class Socket(Agent):
         self.before: Callable[[int], None] | None = None  # called before each access, to update the chip
         self.on_peek: Callable[[int, int], int] | None = None  # called with (cycle, offset) in place of `chip.peek`
         self.after: Callable[[int], None] | None = None  # called when readable values may have changed
-        self.on_held: Callable[[int, int], None] | None = None  # called with (cycle, mask) when the held lines change
+        self.on_held: Callable[[int, int], None] | None = None  # called with (cycle, mask) when `Chip.held` changes
         self._held = 0
         self.release: PinReleaseGate | None = None
         self.watchers: list[ChipObserver] = []
@@ -247,7 +247,7 @@ class Socket(Agent):
             self._show(cycle)
 
     def _request(self, cycle: int) -> None:
-        """Pass on the chip's interrupt requests and the lines that it holds."""
+        """Pass on the chip's new interrupt requests, and a change of the interrupt lines that it holds asserted."""
         chip = self.chip
         if chip.requests:
             requests, chip.requests = chip.requests, 0
@@ -302,7 +302,7 @@ class Socket(Agent):
         tick = self._clock.tick(cycle + self.out_delay)
         if tick <= self._kernel.now:
             self._set_pins(index, level)
-        else:  # even without a delay, if the input's edge was between two cycles: the output moves as the cycle begins
+        else:  # also without a delay, after an input edge between two cycles: the output changes as a cycle begins
             self._kernel.schedule(tick, self, self._recorder.cause << RECORD | (index + 1) << 1 | level)
 
     def _set_pins(self, index: int, level: int) -> None:

@@ -61,7 +61,7 @@ _states: dict[type, State | None] = {}
 
 
 def _whole(declared: Iterable[State]) -> State:
-    """Return the state that a class declares together with its bases, which come first."""
+    """Return the union of the states that a class and its bases declare. declared: these states, the bases first."""
     whole = State()
     for one in declared:
         whole.times |= one.times

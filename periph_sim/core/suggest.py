@@ -6,7 +6,7 @@ from collections.abc import Iterable
 
 from .shorten import shorten
 
-LONGEST = 60  # characters to which a known name is shortened, and of the misspelled name that are compared
+LONGEST = 60  # maximum number of characters of a name that are compared and shown
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -34,7 +34,7 @@ class Table(Struct, frozen=True, kw_only=True):
 
     @classmethod
     def model_validate(cls, tree: object) -> Self:
-        """Return the table of a tree, as read from a file. Raise BadTable, with all mistakes, if it is not valid."""
+        """Return a table made from a tree of keys and values. Raise BadTable, with all mistakes, if it is not valid."""
         return convert(cls, tree)
 
     def model_copy(self, *, update: Mapping[str, Any]) -> Self:

@@ -107,7 +107,7 @@ def _lines(row: Cells, widths: Sequence[int], right: Collection[int], indent: st
 
 
 def _broken(cell: str, width: int) -> list[str]:
-    """Return the lines of a cell; longer lines are broken."""
+    """Return the lines of a cell. Lines longer than `width` are broken."""
     lines = []
     for line in cell.split("\n"):
         start = line[: len(line) - len(line.lstrip())]

@@ -25,7 +25,7 @@ LAST_TICK = NEVER - 1  # also the limit of recordings, whose ticks are int64
 DAY = 86_400
 LONGEST = 365_250 * DAY  # maximum seconds that a user can write: a thousand years, more than 64-bit ticks can count
 MOST_TICKS = LAST_TICK  # maximum length of time in ticks
-MOST = NEVER  # maximum product of two numbers that have 64 bits in the compiled form
+MOST = NEVER  # maximum product of two numbers that are 64-bit integers in the compiled form
 USUAL_PER_NS = 1000  # maximum number of ticks per nanosecond if the clock is a whole number of MHz
 
 UNITS: dict[str, Fraction] = {
@@ -94,7 +94,7 @@ class Timebase:  # core: python
         return self.fitting(round_ratio(value * self.per_second, rounding))
 
     def fitting(self, ticks: int) -> int:
-        """Return the ticks unchanged. Raise TimeError if a length of time has more than can be counted."""
+        """Return a length of time in ticks unchanged. Raise TimeError if it is longer than MOST_TICKS."""
         if abs(ticks) > MOST_TICKS:
             length, most = days(self.seconds(ticks)), days(self.seconds(MOST_TICKS))
             ticks_are = f"with ticks of 1/{self.per_second} s the longest is {most}{self._way_out}"
@@ -102,7 +102,7 @@ class Timebase:  # core: python
         return ticks
 
     def end_of_run(self, start: int, length: Fraction) -> int:
-        """Return the tick at which a run of `length` seconds ends. Raise TimeError, with the limit, if it is longer."""
+        """Return the tick at which a run of `length` seconds ends. Raise TimeError if that is after LAST_TICK."""
         end = start + round_ratio(length * self.per_second, "nearest")
         if end > LAST_TICK:
             most = self.seconds(LAST_TICK - start)
@@ -143,8 +143,8 @@ def days(length: Fraction) -> str:
 class Clock:
     """The cycles of one clock in ticks: cycle n begins at tick(n).
 
-    hz may be any positive rational number. `retune` changes it from a cycle on, which keeps its tick, so cycle counts
-    do not jump. `tick` and `cycle_at` are valid from the last `retune` on.
+    hz may be any positive rational number. `retune` changes it from a given cycle on. That cycle keeps its tick, so
+    cycle counts do not jump. `tick` and `cycle_at` are valid for times after the last `retune`.
     """
 
     STATE = State(
@@ -174,7 +174,7 @@ class Clock:
         period = self.timebase.per_second / hz
         self._exact = period.numerator, period.denominator
         self._wide = period < 1 or period.numerator * period.denominator > MOST
-        self._near = MOST // max(self._exact)  # counts of cycles or ticks below it can be multiplied by either factor
+        self._near = MOST // max(self._exact)  # fewer cycles or ticks than this, times either factor, fit 64 bits
         return (0, 0) if self._wide else self._exact
 
     def tick(self, cycle: int) -> int:
@@ -194,7 +194,7 @@ class Clock:
         return self._last_tick
 
     def cycle_at(self, tick: int) -> int:
-        """Return the first cycle that begins at or after this tick: the one that samples it without a synchroniser."""
+        """Return the first cycle that begins at or after this tick. It samples inputs that have no synchroniser."""
         left, num = self._tick0 - tick, self._num
         if self._den == 1:
             return self._cycle0 - left // num
@@ -217,7 +217,7 @@ class Clock:
         return ticks * den // num
 
     def cycle_after(self, tick: int) -> int:
-        """Return the first cycle that begins after this tick: the one that samples it with a synchroniser."""
+        """Return the first cycle that begins after this tick. It samples inputs that have a synchroniser."""
         return self.cycle_at(tick + 1)
 
     def retune(self, cycle: int, hz: Fraction | int) -> None:

@@ -1,6 +1,6 @@
 """A block without garbage collection, for code that makes many lasting objects.
 
-A collection starts after every 700 new objects and would search them for garbage that does not exist yet.
+Otherwise a collection would start after every 700 new objects, and search them in vain for garbage.
 """
 
 from __future__ import annotations

@@ -2,9 +2,9 @@
 
     Pin.drive --> settle: level, low if any party pulls --> SampledParty --> watcher(tick, levels)
 
-A wire has a pull-up and any number of parties that may pull it low. `level` is the settled level: it changes when all
-parties of an instant have acted, independently of their order, and a level that does not outlast the instant is never
-seen. A party that samples several wires is called once for all that changed together.
+A wire has a pull-up and any number of parties that may pull it low. `level` is the settled level. It changes when all
+parties of an instant have acted, whatever their order, so a level that does not outlast the instant is never seen. A
+party that samples several wires is called once for all of them that changed in the same instant.
 """
 
 # core: compiled without checks for None
@@ -18,7 +18,7 @@ from .kernel import Kernel
 from .records import Kind, Recorder, Topic
 from .state import State
 
-MAX_PARTIES = 62  # parties of a wire, lines of a sampler: their masks are C integers of 64 bits in the compiled form
+MAX_PARTIES = 62  # maximum number of parties of a wire or lines of a sampler; compiled masks are 64-bit integers
 BITS = tuple(1 << place for place in range(MAX_PARTIES))
 
 
@@ -64,8 +64,8 @@ class Wire(Settleable):
         self._watches: _Watch | None = None  # the first in the chain of subscribers to the level
         self._pull_watches: PullWatch | None = None
         self._queued = False
-        self._moved = self._pulled = False  # True if the last settling changed the level, or the pulling parties
-        self._pulled_under = self._released_under = 0  # the last records that caused pulls and releases in this instant
+        self._moved = self._pulled = False  # True if the last settling changed the level or the pulling parties
+        self._pulled_under = self._released_under = 0  # numbers of the last records that caused a pull or a release now
 
     def attach(self, who: str) -> Pin:
         """Add a party and return its pin, released. Raise TooManyParties if the wire has MAX_PARTIES parties."""
@@ -106,11 +106,11 @@ class Wire(Settleable):
         return list(self._parties)
 
     def held_by(self) -> list[str]:
-        """Return the names of the parties that pull the line low now, such as those of a stuck bus."""
+        """Return the names of the parties that pull the line low now, for example on a stuck bus."""
         return [who for i, who in enumerate(self._parties) if self._pulling >> i & 1]
 
     def pull(self, mask: int, level: int) -> None:
-        """Release (1) or pull low (0) the line for the parties in `mask`, after running edges that a shortcut skips."""
+        """Pull the line low (0) or release it (1) for the parties in `mask`. Edges that were skipped are run before."""
         if self.shortcut is not None:
             self.shortcut.materialize()
         pulling = self._pulling & ~mask if level else self._pulling | mask
@@ -124,7 +124,7 @@ class Wire(Settleable):
             self.kernel.moved(self)
 
     def _under(self, level: int) -> None:
-        """Note the present record as the cause of a release (1) or pull (0)."""
+        """Note the present record as the cause of a release (level 1) or a pull (level 0)."""
         if level:
             self._released_under = max(self._released_under, self.recorder.cause)
         else:
@@ -179,7 +179,7 @@ class Wire(Settleable):
             watch = watch.following
 
     def _record_settled(self, moved: bool) -> None:
-        """Record an edge, or the new set of holding parties if the level is the same."""
+        """Record an edge if the level has changed. Otherwise record the set of pulling parties if it has changed."""
         if moved:
             cause = self._released_under if self.level else self._pulled_under
             self.cause = self._record(self._edges, self.level, cause)
@@ -188,7 +188,7 @@ class Wire(Settleable):
         self._pulled_under = self._released_under = 0
 
     def jump(self, pulling: int) -> None:
-        """Set the settled pulls without records and notifications, at the end of skipped edges."""
+        """Set the mask of the pulling parties without records and notifications, because edges were skipped."""
         self._pulling = self.pulling = pulling
         level = 0 if pulling else 1
         if level != self.level:
@@ -207,7 +207,7 @@ class Wire(Settleable):
         return self._pulling == self.pulling
 
     def listeners(self) -> list[SampledParty | PullWatch]:
-        """Return the subscribers to its level and to the parties that pull it."""
+        """Return the subscribers to the wire's level and to the set of its pulling parties."""
         listeners: list[SampledParty | PullWatch] = []
         listener, watch = self._watches, self._pull_watches
         while listener is not None:
@@ -264,14 +264,14 @@ class Wire(Settleable):
             self.kernel.request_sample(sampler)
 
     def _changed(self) -> None:
-        """Run skipped events and count a change of parties or listeners, which makes older shortcuts invalid."""
+        """Run skipped events and increase `version`, because the parties or the listeners change."""
         self.kernel.materialize()
         self.version += 1
 
 
 @final
 class PullWatch:
-    """A subscriber to the set of pulling parties: an agent, which knows the wire as `line`, or a sampler.
+    """A subscriber to the set of pulling parties: a sampler, or an agent whose `pulled` receives the number `line`.
 
     following: the next subscriber in the chain.
     """

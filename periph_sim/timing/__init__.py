@@ -1,4 +1,4 @@
-"""Measures, budgets and verdicts; over a recorded run `between`, `periods`, `happened`, `races` and `lost_flags`."""
+"""Measures, budgets and verdicts. For recorded runs: `between`, `periods`, `happened`, `races` and `lost_flags`."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
     Budget, Scope --> BudgetPlan --> BudgetJudge, one in each scene
 
-A plan holds nothing that a run changes, so scenes of one case share it: `make` makes a measure for each of them.
+A run does not change a plan, so all scenes of one case share it. `make` returns a new measure for each scene.
 """
 
 from __future__ import annotations
@@ -27,9 +27,9 @@ PER_MILLE = {"p50": 500, "p95": 950, "p99": 990, "p99_9": 999}
 
 
 class BadBudget(ValueError):
-    """A budget that names no measure, or whose limits do not fit it or each other; one sentence.
+    """A budget whose measure does not exist, or whose limits do not fit the measure or each other.
 
-    place: the wrong key, from the budget's table down.
+    The message is one sentence. place: the keys and indices that lead from the budget's table to the wrong value.
     """
 
     def __init__(self, what: str, *place: str | int) -> None:
@@ -38,19 +38,19 @@ class BadBudget(ValueError):
 
     @property
     def key(self) -> str | int:
-        """The wrong key alone."""
+        """The last item of `place`: the wrong key alone."""
         return self.place[-1]
 
 
 class BudgetPlan(Struct, frozen=True):
     """Plan for measuring and judging one budget in a scene.
 
-    text: the sentence of its measure.
+    text: the text of the measure, in which the names of other measures are replaced by their texts.
     make: returns a new measure.
-    given: the limits as the table has them.
+    given: the limits as they are written in the table.
     limits: the same limits in ticks, millionths or counts.
-    not_before: the tick before which the measure leaves out values.
-    joined: the joined conditions, each as a budget with its plan.
+    not_before: occurrences that begin before this tick are left out.
+    joined: the conditions joined by `and`, each as a budget with its plan.
     same_as: the index of the earlier budget that has the same measure; -1 if there is none.
     """
 
@@ -68,7 +68,7 @@ class BudgetPlan(Struct, frozen=True):
         return not PER_MILLE.keys().isdisjoint(self.limits)
 
     def measures_as(self, other: BudgetPlan) -> bool:
-        """Return True if one measure serves both budgets. Joined conditions select values, so they never share one."""
+        """Return True if one measure serves both budgets. A budget with joined conditions never shares its measure."""
         return self.text == other.text and self.after == other.after and not (self.joined or other.joined)
 
 
@@ -81,8 +81,8 @@ def plan_of(
 ) -> BudgetPlan:
     """Return the plan of a budget. Raise BadBudget if the budget cannot be judged.
 
-    scope: what a measure of events may name. start: the tick at which the run begins. others: the plans of the budgets
-    before it in the same scene.
+    scope: the names that a measure of events may contain. start: the tick at which the run begins. others: the plans of
+    the earlier budgets in the same scene.
     """
     scope = scope or Scope()
     try:
@@ -108,7 +108,7 @@ def plan_of(
 def _joined(
     budget: Budget, measure: Measure, entry: int, timebase: Timebase, scope: Scope | None, start: int
 ) -> tuple[Budget, BudgetPlan]:
-    """Return a condition as a budget of its own, with its plan."""
+    """Return condition number `entry` of a budget as a budget of its own, with its plan."""
     given = budget.also[entry]
     try:
         name = f"{budget.name} and {given.measure}"
@@ -165,7 +165,7 @@ def _steps(budget: Budget, which: str, given: str | int) -> int:
 
 
 def _check(budget: Budget, measure: Measure, limits: dict[str, int], given: dict[str, str | int]) -> None:
-    """Refuse limits that no run can keep, or of which one says all that another says."""
+    """Raise BadBudget if no run can keep all limits, or if one limit makes another one redundant."""
     others = [key for key in limits if key != "exactly"]
     if "exactly" in limits and others:
         raise BadBudget(f"exactly says all that {' and '.join(others)} could; leave one of them out", "exactly")
@@ -195,7 +195,7 @@ def _check(budget: Budget, measure: Measure, limits: dict[str, int], given: dict
                 raise BadBudget(f"{what}; limit what the run does instead", key)
 
 
-@lru_cache(maxsize=1024)  # scenes of one case have the same limits again and again
+@lru_cache(maxsize=1024)  # the scenes of one case repeat the same limits
 def _nearest_tick(given: str | int, per_second: int) -> int:
     """Return a duration in ticks, rounded to nearest. Raise ValueError if the text is not a duration."""
     return round_ratio(duration(given) * per_second, "nearest")

@@ -24,7 +24,7 @@ def _limit(value: object) -> object:
 
 Extent = Annotated[str | int, Before(_limit)]
 
-SPAN = "span:"  # measures of a name: "span:models"
+SPAN = "span:"  # this and the next two begin measures that contain a name, such as "span:models"
 REPLY = "reply:"
 WATCH = "watch:"
 LIMITS = ("max", "min", "exactly", "p50", "p95", "p99", "p99_9")  # keys of a budget
@@ -39,7 +39,7 @@ class Limited(Table, frozen=True, kw_only=True):
             raise ValueError(f"a budget needs a limit: {', '.join(keys[:-1])} or {keys[-1]}")
 
     def limits(self) -> dict[str, str | int]:
-        """Return the limits that are given, by key."""
+        """Return the limits that are given, indexed by key."""
         given: dict[str, str | int | None] = {key: getattr(self, key, None) for key in LIMITS}
         return {key: limit for key, limit in given.items() if limit is not None}
 
@@ -56,11 +56,10 @@ class Condition(Limited, frozen=True, kw_only=True):
 class Budget(Limited, frozen=True, kw_only=True):
     """A limit on a measure.
 
-    p50 to p99_9: upper limits that 50 to 99.9 percent of the values keep. after: occurrences that began sooner are
-    left out.
-
-    coverage: the part of all occasions that must have been measured; with less, the budget is not judged.
-    also: `and` in a file: conditions joined to it.
+    p50 to p99_9: upper limits for the smallest 50 % to 99.9 % of the values.
+    after: a time since the begin of the run; occurrences that begin before it are left out.
+    coverage: the share of all occasions that must be measured; with less, the budget is not judged.
+    also: the key `and` in a file: conditions that are joined to the budget.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""Verdicts of budgets, with worst case, margin and time."""
+"""Judging of budgets after a run: verdicts with the worst case, its margin and its time."""
 
 # core: compiled
 
@@ -19,7 +19,12 @@ from .verdict import FAIL, NOT_JUDGED, PASS, Verdict
 
 
 class _Seen(Struct, frozen=True):
-    """A limit, and what the run has beside it."""
+    """A limit, and the measured value that is compared with it.
+
+    which: the key of the limit.
+    at: the tick of the value.
+    slack: the distance from the value to the limit; negative if the limit is broken.
+    """
 
     which: str
     limit: int
@@ -30,10 +35,12 @@ class _Seen(Struct, frozen=True):
 
 @final
 class BudgetJudge:
-    """One budget with its measure in a scene; `verdict` after the run. others: the judges before it, of the scene.
+    """Judges one budget in a scene. Call `verdict` after the run.
 
-    joined: one for each condition that is joined to it. same_as: the one whose measure it looks at, too.
-    own_measures: those that it, and no other budget, has listen to a run.
+    others: the judges of the earlier budgets in the scene.
+    joined: the judges of the conditions that are joined to the budget.
+    same_as: the earlier judge whose measure this judge shares, or None.
+    own_measures: the measures that this judge and its joined conditions add to the run; empty if it shares a measure.
     """
 
     def __init__(
@@ -56,12 +63,12 @@ class BudgetJudge:
 
     @property
     def parts(self) -> list[BudgetJudge]:
-        """This one, and those of the conditions that are joined to it."""
+        """This judge and the judges of its joined conditions."""
         return [self, *self.joined]
 
     @property
     def limits(self) -> dict[str, int]:
-        """The limits by their keys, in ticks, millionths or counts."""
+        """The limits in ticks, millionths or counts, indexed by their keys."""
         return dict(self.plan.limits)
 
     def finish(self, now: int) -> None:
@@ -82,8 +89,8 @@ class BudgetJudge:
     def verdict(self, start: int = 0) -> Verdict:
         """Return the verdict of a run that began at `start`.
 
-        A budget that was measured too seldom is not judged, so it has not passed.
-        If conditions are joined, it is the verdict of `shown`, and `found` describes all of them.
+        A budget of which too few occasions were measured is not judged, so it does not pass. With joined conditions,
+        the result is the verdict of `shown`, and its `found` describes all conditions.
         """
         if not self.joined:
             return self._judge(start)
@@ -95,7 +102,7 @@ class BudgetJudge:
 
     @property
     def shown(self) -> BudgetJudge:
-        """The condition that the verdict shows: the first one that is broken, else not judged; this one if all pass."""
+        """The judge whose verdict is shown: the first that is broken, else the first not judged, else this judge."""
         if not self.joined:
             return self
         parts = self.parts
@@ -144,7 +151,7 @@ class BudgetJudge:
         )
 
     def _can_judge(self, which: str, limit: BigInt) -> bool:
-        """Return False if the limit cannot be judged by cut-off occurrences, whose values are lower bounds."""
+        """Return False if all values are of cut-off occurrences, and such lower bounds cannot decide on this limit."""
         measure = self.measure
         if measure.count > measure.cut_off or not measure.series:
             return True
@@ -198,21 +205,21 @@ class BudgetJudge:
             return value / MILLIONTHS
         if self.measure.unit != "time":
             return value
-        tenths, rest = divmod(value * 10_000_000_000, self._timebase.per_second)  # of a nanosecond
+        tenths, rest = divmod(value * 10_000_000_000, self._timebase.per_second)  # tenths of a nanosecond
         middle = 2 * rest - self._timebase.per_second
-        return (tenths + (middle > 0 or (middle == 0 and tenths % 2))) / 10_000  # a half goes to the even one
+        return (tenths + (middle > 0 or (middle == 0 and tenths % 2))) / 10_000  # a half is rounded to even
 
 
 def combine(measures: list[Measure]) -> list[int]:
-    """Leave each measure only the values of occurrences that the first one has, too; all of them keep their values.
+    """Drop the values of occurrences that the first measure does not have. All measures must store their values.
 
-        age            a   b       c    d            the first one says which occurrences count
-        value error    a   b   x        d   y        of c it has no value: nothing is proven
+        age            a   b       c    d            the first measure determines which occurrences count
+        value error    a   b   x        d   y        it has no value for c, so nothing is proven
 
-    Occurrences are the same if they begin at the same tick. Return for each measure how many it has no value of; if
-    any, all its values are dropped.
+    Occurrences are the same if they begin at the same tick. Return for each measure the number of occurrences for which
+    it has no value. If there are any, all its values are dropped.
     """
-    import numpy as np  # only joined conditions need it
+    import numpy as np  # imported here, because only joined conditions need it
 
     _, wanted = measures[0].all_kept()
     lacking = [0]

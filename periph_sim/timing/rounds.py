@@ -4,13 +4,13 @@
                 +--> recognized in order --+--> rounds: due, begin, end, refused requests
     Asked ------'                          '--> rounds due, rounds missed
 
-A transfer is a request's if it begins with its address and way, and writes what it writes. A transfer that matches no
-request belongs to no round. A round begins with its first START, or when it had to begin by the schedule if the START
-was held up, and ends with the STOP of its last request. A round is missed, too, if one of its requests is not made: a
-later one comes in its place, or the first one of the next round.
+A transfer fulfils a request if it begins with the same address and R/W bit, and writes the same bytes. A transfer that
+matches no request belongs to no round. A round begins with its first START, but not later than its schedule allows. It
+ends with the STOP of its last request. A round is missed if it does not begin, and also if one of its requests is not
+made because a later request, or the first request of the next round, comes in its place.
 
-When rounds are due: an agent has a schedule. A firmware, or a capture, has a clock of its own: there a round is due a
-period after the begin of the one before, and missed if it has not begun half a period later.
+The rounds of an agent are due by a fixed schedule. Firmware and captures have a clock of their own: a round is due one
+period after the begin of the round before, and is missed if it has not begun half a period after that.
 """
 
 # core: compiled
@@ -31,9 +31,12 @@ from ..form.c_types import BigInt
 class Asked(Struct, frozen=True):
     """The requests of a master. Times are ticks.
 
-    startup: transfers before the first round. requests: those of each round. first: due time of the first round, None
-    if it is not known. late: delay with which a round may begin. rounds: number of rounds that are due, None for all of
-    the run. ack_polling: a write of the address alone asks whether a device is ready, and is no request.
+    requests: the transfers of each round.
+    startup: the transfers before the first round.
+    first: the due time of the first round; None if it is not known.
+    late: the maximum delay of a round's begin after its due time.
+    rounds: the number of rounds that are due; None if rounds are due until the end of the run.
+    ack_polling: True if a write of only the address asks whether a device is ready; such a transfer is no request.
     """
 
     requests: tuple[Transfer, ...]
@@ -56,12 +59,12 @@ class ByPlan:
         self._first: int = asked.first
         self._asked: Asked = asked
         period = Fraction(asked.period)
-        self._ticks: BigInt = period.numerator  # of `_periods` periods
+        self._ticks: BigInt = period.numerator  # number of ticks in `_periods` periods
         self._periods: BigInt = period.denominator
         self._next: BigInt = 0
 
     def begins(self, start: int) -> tuple[list[int], int]:
-        """Return (rounds missed since the one before, due time of the one that begins now)."""
+        """Return (due times of the rounds missed since the last one, due time of the round that begins at `start`)."""
         missed = []
         while self._due(1) <= start:
             missed.append(self._due())
@@ -71,7 +74,10 @@ class ByPlan:
         return missed, due
 
     def missed_by(self, now: int, over: int | None) -> list[int]:
-        """Return the rounds missed since the last one when the run ends. over: the end of that one; None before it."""
+        """Return the due times of the rounds missed since the last one, when the run ends at `now`.
+
+        over: the end of the last round; None if it is not over.
+        """
         missed = []
         while self._due() <= now and self._next != self._asked.rounds:
             if over is None or self._due() + self._asked.late < over or self._due(1) <= now:
@@ -142,7 +148,7 @@ class BusRounds:
             self._schedule = ByRoundBefore(asked) if asked.first is None else ByPlan(asked)
         self._late: int = 0 if asked is None else asked.late
         self._ack_polling: bool = asked is not None and asked.ack_polling
-        self._made = 0  # requests of the round under way
+        self._made = 0  # number of requests of the present round that were made or skipped
         self._round: Round | None = None
         self._number = 0
         self.completed = self.missed = 0
@@ -171,11 +177,11 @@ class BusRounds:
                 told(transfer)
 
     def at_start(self) -> bool:
-        """Return True between two rounds: the next transfer begins one, as far as its START can tell."""
+        """Return True if no round and no set-up is in progress, so that the next START may begin a round."""
         return self._round is None and not self._startup
 
     def finish(self, now: int) -> None:
-        """End the run: rounds that were due since the last one were missed, except one that is cut off."""
+        """Report, when the run ends, the rounds that were due and did not begin, except one that is cut off."""
         begun_at = self._begun_at()
         if self._schedule is not None:
             if self._round is None and begun_at != NO_TIME and not self._startup:
@@ -193,7 +199,7 @@ class BusRounds:
         start: int = phase.start_at
         current = self._round or self._begin(start)
         made = asked_for(transfer, self._requests[place])
-        if place > self._made and current.transfers == self._made:  # the first that lacks
+        if place > self._made and current.transfers == self._made:  # the first request that is missing in this round
             self._tell_incomplete(start)
         self._made = place + 1
         current.transfers += 1
@@ -225,7 +231,7 @@ class BusRounds:
         self._made, self._round = 0, None
 
     def _tell_incomplete(self, start: int) -> None:
-        """Report a round that lacks a request, as a START shows."""
+        """Report that the round lacks a request, which the START at tick `start` shows."""
         self.missed += 1
         for told in self.on_missed:
             told(start)
@@ -238,7 +244,7 @@ class BusRounds:
 
 
 def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
-    """Return the transfer with its request's name, counts, expected bytes, and phases that were never begun."""
+    """Return the transfer with its request's name, counts and expected bytes, and with phases that never began."""
     phases = transfer.phases[: len(request.phases)]
     place: int = 0
     phase: Phase

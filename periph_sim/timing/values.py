@@ -2,7 +2,7 @@
 
     Scene(case, keep_values=True) --run--> limits --values_of--> Values each
 
-A value takes two int64. Measures that give one number a run (counts, loads) have none.
+Each value takes the memory of two int64. Measures that are one number a run (counts, loads) have no values.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from .budgets import BudgetJudge
 class Values:
     """Values of one budget's measure, in the order in which they were taken.
 
-    values: int64[n], ticks where unit is "time", millionths where it is "LSB", else counts. at: int64[n], ticks from
-    the run's begin.
-    limits: the budget's, by key, in the same unit.
+    values: int64[n], in ticks if `unit` is "time", in millionths if it is "LSB", else counts.
+    at: int64[n], the tick of each value, counted from the begin of the run.
+    limits: the limits of the budget in the same unit, indexed by key.
     """
 
     unit: str
@@ -32,9 +32,10 @@ class Values:
 
 
 def values_of(limits: Iterable[BudgetJudge], start: int) -> list[Values | None]:
-    """Return the values that each limit's measure kept, None if there are none. start: the tick at which the run began.
+    """Return the values that each budget's measure stored, or None for a budget without values.
 
-    Of joined conditions, the values of the one that the verdict shows.
+    For joined conditions, return the values of the condition that the verdict shows.
+    start: the tick at which the run began.
     """
     return [_values(limit, start) for limit in limits]
 

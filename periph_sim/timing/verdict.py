@@ -1,6 +1,6 @@
-"""Verdicts: the figures of one budget, with the words and short texts that tables have for them.
+"""Verdicts: the figures of one budget, and functions that return them as text for tables and sentences.
 
-Imports no other module of this package, so that showing verdicts does not load the measures.
+This module imports no other module of the package, so that showing verdicts does not load the measures.
 """
 
 from __future__ import annotations
@@ -24,11 +24,14 @@ NOTHING_PROVEN: Final = "nothing is proven yet: a verdict holds for the run that
 class Verdict:
     """Figures of one budget after a run.
 
-    worst, limit, margin: microseconds for times, percent for parts of the time, LSB of values, else plain counts. Of
-    several limits the nearest one. at_s: when the worst was, seconds from the start. which: the limit's key; for a
-    percentile `worst` is the value at it. found: what there is to say beyond figures, such as that nothing matched.
-    measured, occasions: how many of all occasions were measured; occasions is None where the measure has none.
-    until_s: of what `found` says is wrong, such as a reply, when that was over; it began at `at_s`.
+    worst, limit, margin: in microseconds for times, percent for shares of time, LSB for values in LSB, else counts. If
+        the budget has several limits, they are for the nearest one.
+    at_s: the time of `worst` in seconds from the start of the run.
+    which: the key of the limit. For a percentile, `worst` is the value of the percentile.
+    found: a text for what the figures do not show, such as that nothing matched.
+    measured, occasions: the number of occasions that were measured, and of all occasions. `occasions` is None if the
+        measure does not count them.
+    until_s: the end of the fault that `found` describes, such as a wrong reply, which began at `at_s`.
     """
 
     name: str
@@ -66,7 +69,7 @@ class Verdict:
 
     @property
     def too_little(self) -> bool:
-        """True if `worst` is critical for being small: it is held against a `min`, or below an `exactly`."""
+        """True if `worst` is critical because it is small: the limit is a `min`, or an `exactly` above `worst`."""
         return self.which == "min" or (self.which == "exactly" and self.worst is not None and self.worst < self.limit)
 
     @property
@@ -86,7 +89,7 @@ class Verdict:
         return f"{self.measured} of {self.occasions}"
 
 
-PLAIN = ("count", "value")  # units that say nothing beside a number
+PLAIN = ("count", "value")  # units that are not written after a number
 
 
 def figure(value: float | int | None, unit: str) -> str:

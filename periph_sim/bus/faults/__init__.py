@@ -1,6 +1,6 @@
-"""Faults on the wires: agents that disturb a wire, of several kinds.
+"""Faults on the wires: agents of several kinds that disturb a wire.
 
-One file of this folder that has a function `attach` is one kind of fault, found by its presence. It defines
+Each file in this folder with a function `attach` is one kind of fault, and is found automatically. It defines
 
     Settings                  a dataclass of the keys of [[fault]]: those of `When`, and its own
     attach(settings, place)   attaches the agent, returns its `Repeated`; ValueError for invalid settings
@@ -116,7 +116,7 @@ class HeldLine:
         self._kernel = kernel
         self._pin = wire.attach(who)
         self._ticks, self._clocks = ticks, clocks
-        self._left = 0  # clocks until the line is released
+        self._left = 0  # number of falls of SCL until the line is released
         if clocks:
             assert scl is not None
             watch([scl], self._scl_changed)
@@ -159,7 +159,7 @@ class FaultContext:
 
 
 class FaultKind(Protocol):
-    """The interface of the module of a kind of fault."""
+    """Interface of a module that defines a kind of fault."""
 
     Settings: type[When]
 
@@ -173,7 +173,7 @@ def kinds() -> dict[str, FaultKind]:
 
 
 class Repeated:
-    """Calls `strike` at each time of `when`, one event at a time."""
+    """Calls `strike` at each time of `when`. Only the next call is scheduled."""
 
     STATE = State("_place _strike _number")
 

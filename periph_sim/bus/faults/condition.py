@@ -1,10 +1,10 @@
 """A false START or STOP: SDA moves while SCL is high, in the middle of a byte.
 
     SCL  __|‾‾‾‾‾|__|‾‾‾‾‾|__        condition = "START": the next bit that is 1 is cut by a fall of SDA
-    SDA  ‾‾‾‾‾|________________      condition = "STOP": SDA is pulled low before a 1, and released within it
+    SDA  ‾‾‾‾‾|________________      condition = "STOP": SDA is pulled low before a 1, and released during it
 
-On a line with a pull-up a bit that is 0 cannot be disturbed this way, so the next 1 is. Both lines high and idle
-between two transfers are no bit.
+On a line with a pull-up, a bit that is 0 cannot be disturbed in this way. So the next bit that is 1 is disturbed. The
+idle time between two transfers, with both lines high, is not a bit.
 
 Source: UM10204 section 3.1.4 (START and STOP conditions).
 """
@@ -36,7 +36,7 @@ class Condition(SdaPuller):
         self._kernel = place.kernel
         self._stop = settings.condition == "STOP"
         self._late = place.ticks(settings.late)
-        self._rise = 0  # number of the last rise of SCL while the fault was armed
+        self._rise = 0  # number of rises of SCL so far while a fault was armed
 
     def sampled(self, now: int, levels: int) -> None:
         if not levels:

@@ -1,9 +1,9 @@
-"""A bit on the wire that is 0 instead of 1: SDA is pulled low for one clock, without causing a condition.
+"""A bit on the wire that is 0 instead of 1: SDA is pulled low for one clock, without causing a START or STOP.
 
     SCL  ‾‾|__|‾‾|__|‾‾|__|‾‾|__     the bus has pull-ups, so a 0 cannot become a 1: the next bit that is 1 is hit,
     SDA  ‾‾‾‾______‾‾‾‾‾‾            an ACK or a data bit of either side
 
-For wrong bits of either kind, use a device's own fault (`fault` of [device.NAME]).
+For a 0 that becomes a 1, use a device's own fault (`fault` of [device.NAME]).
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Flip(SdaPuller):
             self._pull(True)
 
     def pulled(self, line: int, now: int, pulling: int) -> None:
-        """Release SDA if the last other party releases it in a bit that is 0: that is a STOP, which must succeed."""
+        """Release SDA when the last other party releases it while SCL is high, so that its STOP is not prevented."""
         if self._pulls and self._scl.level and not self._is_one and self._alone():
             self._pull(False)
 

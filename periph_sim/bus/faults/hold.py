@@ -1,7 +1,7 @@
 """A line held low for a time, or until SCL has fallen a number of times.
 
-    SDA  ‾‾|___________________________|‾‾‾    clocks = 9: a device that lost count in mid-byte,
-    SCL  ‾‾‾‾‾|_|‾|_|‾ ... ‾|_|‾|_|‾|___|‾     and releases it at the latest with the ninth clock
+    SDA  ‾‾|___________________________|‾‾‾    clocks = 9: like a device that lost count in mid-byte
+    SCL  ‾‾‾‾‾|_|‾|_|‾ ... ‾|_|‾|_|‾|___|‾     and releases SDA with the ninth clock at the latest
 
 Source: UM10204 section 3.1.16 (bus clear).
 """

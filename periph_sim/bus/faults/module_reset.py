@@ -1,7 +1,7 @@
-"""A unit's I2C module is reset in mid-byte, by code outside its firmware: a watchdog routine, a debugger.
+"""A reset of a unit's I2C module in mid-byte, as a watchdog routine or a debugger makes it.
 
     I2CMDR.IRS  ‾‾‾‾‾‾|______|‾‾‾‾‾‾     for `length`: the module releases both lines and clears all flags; with
-                                         IRS = 1 it waits for a START, and its firmware for flags that are never set
+                                         IRS = 1 it waits for a START, and the firmware waits for flags that never come
 
 Source: SPRUG03B section 5.9 (IRS).
 """

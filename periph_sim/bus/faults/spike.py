@@ -1,9 +1,9 @@
 """Noise on a line: a short pull to low for `width`, at any time.
 
-    __________   _________     width below the filters' limit: not seen
+    __________   _________     a spike shorter than the filters' limit is ignored
               |_|
 
-A line with a pull-up is weak only while it is high, so a line that is low already does not change.
+A pull-up is weak, so noise can pull a line low that is high. A line that is already low does not change.
 """
 
 from __future__ import annotations

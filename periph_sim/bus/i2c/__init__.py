@@ -1,1 +1,1 @@
-"""The other parties on SCL and SDA: controllers, targets, monitors."""
+"""Parties on SCL and SDA other than the units: controllers, targets, monitors."""

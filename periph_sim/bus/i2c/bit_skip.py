@@ -1,18 +1,18 @@
-"""Skipping of the line-only part of an I2C byte: seven bits pass in one step, without any other effect.
+"""Skipping of the first seven bits of an I2C byte, in which only the lines change, in one step.
 
     SCL  _|~|_|~|_|~|_|~|_|~|_|~|_|~|_|~|_|~|_       each edge is an event
     SCL  ____________________________|~|_|~|_        the same byte, the same ticks, the same states before and after
-          ^ the clocking party asks   ^ events resume here
+          ^ `skips` is called         ^ events resume here
 
-During the first seven bits of a byte only the lines change: flags, FIFOs, interrupts and the ACK move with the eighth
+During the first seven bits of a byte only the lines change: flags, FIFOs, interrupts and the ACK change at the eighth
 rise of SCL or later. So these bits are unobservable unless edges are recorded, a line is held, or a party acts in
 mid-byte. Where edges are recorded, no bit is skipped. Where a party may hold a line, the byte passes edge by edge.
 Where firmware acts in mid-byte, or any party pulls a line, the skipped events are run up to now, in their order
 (`materialize`).
 
-    SCL  _|~|_|~|_ ... _|~|_      `BitTimes`
-          0   1    rises   7, the eighth bit's
-            1   2  falls  7
+    SCL  _|~|_|~|_ ... _|~|_      numbers of the edges in `BitTimes`:
+          0   1         7         rises; number 7 belongs to the eighth bit
+            1   2     7           falls
 """
 
 # core: compiled
@@ -33,7 +33,7 @@ ONES = 0xFF
 
 
 class BitTimes:
-    """Edges of SCL from a party that clocks in whole ticks.
+    """The ticks of the edges of SCL during a byte, for a clocking party whose times are whole ticks.
 
     since: the tick of the first rise. low, high: the low and the high time of SCL, in ticks.
     """
@@ -45,11 +45,11 @@ class BitTimes:
         self.low = self.high = 0
 
     def rise(self, number: int) -> int:
-        """Return the tick of this rise, 0 to 7."""
+        """Return the tick of the rise with this number, 0 to 7."""
         return self.since + number * (self.low + self.high)
 
     def fall(self, number: int) -> int:
-        """Return the tick of this fall, 1 to 7."""
+        """Return the tick of the fall with this number, 1 to 7."""
         return self.rise(number - 1) + self.high
 
 
@@ -71,7 +71,7 @@ class CycleTimes(BitTimes):
 
 
 class BitParty(Agent):
-    """A party on SCL and SDA that can enter the state after seven skipped bits without their edges."""
+    """A party on SCL and SDA that can enter the state after seven skipped bits without receiving their edges."""
 
     __slots__ = ()
 
@@ -92,7 +92,10 @@ class BitParty(Agent):
         return fall
 
     def separates(self, fall: int, moved: int) -> bool:
-        """Return True if the party samples a fall of SCL and a later change of SDA by another party as two events."""
+        """Return True if the party samples a fall of SCL and a later change of SDA by another party as two events.
+
+        fall, moved: the ticks of the fall and of the change.
+        """
         return True
 
     def byte(self) -> int:
@@ -110,7 +113,7 @@ class BitParty(Agent):
         """
 
     def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
-        """Called when the skipped bits are over and SCL is about to rise for the eighth.
+        """Called when the skipped bits are over and SCL is about to rise for the eighth bit.
 
         Parties that only listen change their state here, others in `set_bit_position`.
         """
@@ -145,7 +148,7 @@ class BitSkip(Shortcut):
     def __init__(
         self, kernel: Kernel, scl: Wire, sda: Wire, controller: BitParty | None, stand_in: Mapping[Agent, BitParty]
     ) -> None:
-        """controller: the agent that clocks the bus, or None. stand_in: by agent, the parties that represent others."""
+        """controller: the agent that clocks the bus, or None. stand_in: the parties that represent other agents."""
         self.passed = 0
         self._kernel = kernel
         self._scl = scl
@@ -208,7 +211,7 @@ class BitSkip(Shortcut):
         return NO_TIME
 
     def over(self) -> None:
-        """End the skip, if any: SCL is about to rise for the eighth bit of a byte."""
+        """End the skip, if one is active. Called when SCL is about to rise for the eighth bit of a byte."""
         if self._kernel.shortcut is self:
             self._set_active(None)
             self.passed += 1
@@ -220,7 +223,7 @@ class BitSkip(Shortcut):
     def materialize(self) -> None:
         kernel, controller = self._kernel, self._controller
         if self._ends <= kernel.now:
-            self.over()  # the controller acts in this very tick, or has acted, from the present state
+            self.over()  # the controller acts in this tick, or has acted; the state after the bits is right
             return
         assert controller is not None
         self._set_active(None)
@@ -238,7 +241,7 @@ class BitSkip(Shortcut):
         self._set_active(self)
 
     def _set_active(self, shortcut: Shortcut | None) -> None:
-        """Register the shortcut that skips edges of this bus, whose events are run before a party pulls a line."""
+        """Register `shortcut` in the kernel and both wires, which materialize it before a party pulls a line."""
         self._kernel.shortcut = self._scl.shortcut = self._sda.shortcut = shortcut
 
     def _byte_on_lines(self, controller: BitParty, low: int, high: int, hold: int, each: bool) -> int:
@@ -259,7 +262,7 @@ class BitSkip(Shortcut):
         return shown if controller.keeps_bus(shown) else -1
 
     def _all_separate(self, times: BitTimes) -> bool:
-        """Return True if each party `separates` the falls of SCL from the changes of SDA that other parties make."""
+        """Return True if no party would sample a fall of SCL together with a change of SDA by another party."""
         sender: BitParty
         for sender in self._parties:
             byte: int = sender.byte()
@@ -284,7 +287,7 @@ class BitSkip(Shortcut):
         self._sda.jump(pulling)
 
     def _collect_parties(self) -> None:
-        """Collect the parties: all agents that listen to the lines, or can pull them, must be parties."""
+        """List the parties on the lines. Set `_known` if they represent all agents that listen to or pull a line."""
         scl, sda = self._scl, self._sda
         self._versions = scl.version + sda.version
         agents = {listener.agent for listener in (*scl.listeners(), *sda.listeners())}

@@ -1,11 +1,11 @@
-"""Bus clear: a controller that finds SDA held low gives clocks until it is released, nine at most, and then a STOP.
+"""Bus clear: a controller that finds SDA held low makes up to nine clocks until SDA is released, and then a STOP.
 
     SCL  ‾‾|___|‾‾‾|___|‾‾‾|___|‾‾‾‾‾‾    a device that lost count in mid-byte releases SDA
     SDA  ______________|‾‾‾|_____|‾‾‾‾    at the latest where it reads a 1 as a NACK
                                 STOP
 
-The STOP is also tried after nine clocks: an F28335 that took the fall of SDA for a START reads the following zeros as
-a general call, and its ACK is in the ninth clock.
+The STOP is also tried if SDA is still low after nine clocks, because an F28335 may then be holding it: it took the fall
+of SDA for a START, reads the zeros that follow as a general call, and acknowledges in the ninth clock.
 
 Source: UM10204 section 3.1.16.
 """
@@ -48,7 +48,7 @@ class BusClear:
         self._clocks = 0
 
     def begin(self) -> None:
-        """Begin while SCL is high and the controller does not pull SDA."""
+        """Begin a bus clear. SCL must be high, and the controller must not pull SDA."""
         self._clocks = 0
         self._look()
 

@@ -41,10 +41,10 @@ class I2cController(BitParty):
     """An agent that makes transfers on SCL and SDA.
 
     who: its name on the wires and in records.
-    stuck_after: the time, in ticks, for which SCL does not change while the controller waits for the bus or for the
-        rise of SCL, after which it calls `on_stuck` with the stuck line; 0: never.
-    clear_after: the time, in ticks, for which SCL stays high while a START is blocked, because SDA is low or a STOP is
-        missing, after which the controller clears the bus; 0: never, for buses with other controllers.
+    stuck_after: a time in ticks, or 0 for never. If SCL does not change for this time while the controller waits for
+        the bus or for the rise of SCL, `on_stuck` is called with the stuck line.
+    clear_after: a time in ticks, or 0 for never, as on buses with other controllers. If SCL stays high for this time
+        while a START is blocked, because SDA is low or a STOP is missing, the controller clears the bus.
     gives_up: True if a NACK of a written byte ends the transfer with a STOP; otherwise its next phase follows. A NACK
         of the address always ends the transfer.
     """
@@ -145,7 +145,7 @@ class I2cController(BitParty):
         self._done: Callable[[Transfer], None] = lambda transfer: None
         self._phase = Phase(0, False)
         self._phase_index = 0
-        self._stretch = 0  # the longest stretch of the phase
+        self._stretch = 0  # the longest clock stretch in the present phase, in ticks
         self._wanted = 0  # number of data bytes to transfer in the phase
         self._acks: list[bool] = []  # the acknowledges of the data bytes so far
         self._got = bytearray()  # the data bytes read so far
@@ -199,7 +199,7 @@ class I2cController(BitParty):
         self._then(max(self._kernel.now, self._bus.last_stop + self.timing.free), BEGIN)
 
     def bytes_under_way(self) -> int:
-        """Return the number of whole bytes, addresses included, of the transfer whose STOP has not come."""
+        """Return the number of whole bytes so far, addresses included, of the transfer in progress; 0 if none is."""
         return self._transfer.wire_bytes - (self._index == ADDRESS) if self.busy else 0
 
     def _start(self) -> None:
@@ -238,7 +238,7 @@ class I2cController(BitParty):
         return now - max(self._refused_since, self._bus.scl_moved) >= self._clear_after
 
     def _cleared(self, clocks: int, free: bool) -> None:
-        """Continue after a bus clear, successful or not. A transfer in progress is lost."""
+        """Continue after a bus clear: a transfer in progress is lost if SDA is free; otherwise try the START again."""
         self._mark("clear", clocks)
         self._refused_since = NO_TIME
         if free and self._phase_index:
@@ -319,7 +319,7 @@ class I2cController(BitParty):
 
     def _byte_end(self, ack: bool) -> None:
         phase = self._phase
-        refused = not ack and (self._index < 0 or not self._receiving)  # a reader itself NACKs the last byte
+        refused = not ack and (self._index < 0 or not self._receiving)  # the controller NACKs the last byte of a read
         if self._index < 0:
             phase.acked = ack
             self._mark("address", self._in << 1 | (not ack))

@@ -2,9 +2,9 @@
 
     answer, send_byte, receive_byte --> each rule: this phase, byte, time, by chance? --> the target's answer, changed
 
-Bytes are numbered from 0, which is the address. A phase is a START with the target's address; phases are numbered from
-1, for a rule with `access` only those with this R/W bit. A target without power does not answer until the power
-returns.
+Bytes are numbered from 0, which is the address. A phase is a START with the target's address. Phases are numbered from
+1. A rule with `access` counts only the phases whose R/W bit equals `access`. A target without power does not answer
+until the power returns.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class Rule:
 
     def __init__(self, when: When) -> None:
         self.when = when
-        self.phase = 0  # number of phases with `when.access` so far
+        self.phase = 0  # number of phases so far whose R/W bit matches `when.access`
 
     def refuses(self) -> bool:
         """Return True if the byte is not acknowledged."""

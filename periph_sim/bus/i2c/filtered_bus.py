@@ -46,7 +46,7 @@ class FilteredBus:
         self._lines = IDLE
         self._scl_seen = SCL  # the level of SCL before its last change, without spikes
         self._sda_moved = -filter
-        self._sda_event = NOTHING  # START or STOP, if the last change of SDA is one and passes the filter
+        self._sda_event = NOTHING  # the last change of SDA as START, STOP or NOTHING; valid if the change lasts
         self._sda_seen = 1  # the level of SDA after the filter
 
     def sampled(self, now: int, levels: int) -> None:
@@ -66,7 +66,7 @@ class FilteredBus:
             self.settle(now)
 
     def _classify_sda_edge(self, now: int, event: int) -> int:
-        """Return START, STOP or NOTHING for an edge of SDA. Just after a spike of SCL, its filtered level decides."""
+        """Return START, STOP or NOTHING for an edge of SDA. Just after an edge of SCL, SCL's filtered level decides."""
         if event != NOTHING or now - self.scl_moved >= self._filter or not self._scl_seen:
             return event
         return START if self._lines & SDA else STOP
@@ -89,11 +89,11 @@ class FilteredBus:
         return self._sda_seen
 
     def passes(self, shortest: int) -> bool:
-        """Return True if the filter passes levels that last this long."""
+        """Return True if levels that last `shortest` ticks pass the filter."""
         return self._filter <= shortest
 
     def jump(self, level: int, scl_fell: int, sda_moved: int) -> None:
-        """Enter the state after skipped bits: SCL is low since `scl_fell`, and SDA at `level` since `sda_moved`."""
+        """Enter the state after skipped bits: SCL low since tick `scl_fell`, SDA at `level` since tick `sda_moved`."""
         self._lines = SDA if level else 0
         self._sda_seen, self._sda_event, self._sda_moved = level, NOTHING, sda_moved
         self._scl_seen, self.scl_moved = SCL, scl_fell

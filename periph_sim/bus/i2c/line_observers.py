@@ -3,7 +3,7 @@
     SCL, SDA --BusRecorder--> START, address, byte, NACK, STOP, as a controller agent records them; number of bytes
     one wire --StuckWatch---> stuck
 
-They allow budgets on the bus for firmware that is the master, and for captures.
+They allow budgets on a bus whose master is firmware or a replayed capture.
 
 Source: UM10204 sections 3.1.4 to 3.1.10. SMBus specification section 3.1.1.3 for the default of 25 ms (tTIMEOUT) after
 which a line is stuck; UM10204 has no limit.
@@ -55,7 +55,7 @@ class BusRecorder(BitParty):
             self._record(event, busy)
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return True at the begin of a byte. A master that is reset within a byte may leave the next byte shifted."""
+        """Return True at the begin of a byte. It is False if the master was reset in mid-byte and begins a new byte."""
         return not self.stream.bits
 
     def on_bits_skipped(self, shown: int, times: BitTimes) -> None:

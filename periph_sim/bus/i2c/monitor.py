@@ -55,7 +55,7 @@ class I2cMonitor(BitParty):
         self._start_at = NO_TIME  # the tick of a possible START, until a party that pulled SDA for it pulls SCL
         self._starting = 0  # the mask of the parties that pulled SDA for the possible START
         self._masters_of: dict[int, tuple[int, int]] = {}  # cached results of `_masters`, by the value of `_starting`
-        self._versions = scl.version, sda.version  # versions of the wires for these masks
+        self._versions = scl.version, sda.version  # versions of the wires for which these results are valid
         self._scl_mask = self._sda_mask = 0  # the master's pulls on the wires; 0 between transfers
         self._pulls_scl = self._pulls_sda = False  # True while the master pulls
         self._began_at = NO_TIME
@@ -63,16 +63,16 @@ class I2cMonitor(BitParty):
         self._let_go_at = NO_TIME  # the tick of the master's release of SCL, until SCL rises
         self._rose_at = NO_TIME
         self._ended_at = NO_TIME  # the tick of a STOP by another party, until the master's next clock
-        self._pulled_at = self._clock_length = 0  # the master's last pull of SCL, and the time since the one before
+        self._pulled_at = self._clock_length = 0  # tick of the master's last pull of SCL; ticks since the pull before
         self._transfer = Transfer("", [])
         self._phase = Phase(0, False)
-        self._stretch = 0  # the longest stretch of the phase
+        self._stretch = 0  # the longest clock stretch in the present phase, in ticks
         self._acks: list[bool] = []  # acknowledges of the data bytes of the phase
         self._got = bytearray()
         self._stream = I2cStream()  # decoder of the master's bits and conditions
         self._filter = filter
         self._sda_at = -filter
-        self._sda_seen = 1  # SDA before its last change, without spikes
+        self._sda_seen = 1  # the level of SDA before its last change, spikes ignored
         sampler = watch([scl, sda], self)
         self._levels = sampler.levels
         for wire in (scl, sda):

@@ -65,11 +65,11 @@ class I2cPlayer:
         return self._next < len(self._moves)
 
     def held(self, now: int) -> int:
-        """Return the ticks for which others have held SCL low since its release; 0 if SCL is not held low."""
+        """Return the ticks for which others have held SCL low since the player released it; 0 if they do not."""
         return 0 if self.waiting_since == NO_TIME else now - self.waiting_since
 
     def play(self, moves: Sequence[Move], done: Callable[[], None]) -> None:
-        """Make the moves, the first one `after` from now; `done()` is called with the last."""
+        """Make the moves, the first one `Move.after` ticks from now. `done()` is called after the last one."""
         if self.busy:
             raise ValueError(f"{self.who}: asked to play while {len(self._moves) - self._next} moves are left")
         self._moves, self._next, self._done = moves, 0, done
@@ -129,7 +129,7 @@ class Answer:
 
 
 class ScriptedTarget(TargetSide):
-    """A target that gives listed answers. answers: by address. hold: ticks from the fall of SCL to a change of SDA."""
+    """A target that gives the answers listed for each address. hold: ticks from a fall of SCL to a change of SDA."""
 
     def __init__(
         self,

@@ -46,10 +46,10 @@ class Reply(Protocol):
     def stretches(self) -> Stretches: ...
 
     def send_byte(self, byte: int) -> int:
-        """Return the data byte of a read with this number, from 0. It is called once, when the first bit is due."""
+        """Return data byte number `byte` of a read, counted from 0. Called once, when its first bit is due."""
 
     def receive_byte(self, byte: int, value: int) -> bool:
-        """Receive the data byte of a write with this number, from 0. Return True to acknowledge it."""
+        """Receive data byte number `byte` of a write, counted from 0. Return True to acknowledge it."""
 
 
 def _ignore(stop: bool, whole: bool) -> None:
@@ -212,8 +212,8 @@ class TargetSide(BitParty):
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
         """Return True if the target is not addressed, or if it waits for a first bit and has no stretches left.
 
-        Its changes of SDA must be at least `hold` after the fall of SCL, and before the rise by at least its own hold
-        time if `each`, or else by `hold`.
+        An addressed target must change SDA at least `hold` after the fall of SCL. From that change to the rise of SCL,
+        at least its own hold time must pass if `each`, otherwise at least `hold`.
         """
         if self._does == NOT_MEANT:
             return True

@@ -119,7 +119,7 @@ class Transfer:
 
     @property
     def acked(self) -> bool:
-        """True if every address was acknowledged."""
+        """True if every address was acknowledged and arbitration was not lost."""
         return self.all_acked()
 
     @property
@@ -132,7 +132,7 @@ class Transfer:
         return count
 
     def all_acked(self) -> bool:
-        """Return `acked`, as a method."""
+        """Return the value of `acked`, by a method instead of a property."""
         acked = not self.lost
         phase: Phase
         for phase in self.phases:

@@ -1,1 +1,1 @@
-"""The other parties on a UART line: senders and monitors."""
+"""Parties on a UART line other than the units: senders and monitors."""

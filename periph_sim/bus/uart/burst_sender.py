@@ -3,7 +3,7 @@
     burst  --queue--> | character | gap | character |      one burst after the other, never two at once
                       begin                         end
 
-A bit begins at an exact rational of the rate, rounded down to a tick, so a long burst does not drift.
+The begin of each bit is computed as an exact fraction and then rounded down to a tick, so a long burst does not drift.
 """
 
 from __future__ import annotations

@@ -30,10 +30,10 @@ class UartFormat(Struct, frozen=True):
         return 1 + self.bits + self.address + (self.parity != "none") + self.stop
 
     def half_bits(self, bit: Fraction) -> list[int]:
-        """Return the ticks from the start of a frame to the begin of each half bit, and to its end.
+        """Return the ticks from the start of a frame to the begin of each half bit, and to the end of the frame.
 
-        bit: the length of a bit in ticks. The last but one of the returned ticks is the middle of the last stop bit,
-        from which on a falling edge starts the next frame.
+        bit: the length of a bit in ticks. The second-to-last entry of the result is the middle of the last stop bit. A
+        falling edge from then on starts the next frame.
         """
         return [int(half * bit / 2) for half in range(2 * self.length + 1)]
 

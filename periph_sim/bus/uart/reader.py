@@ -3,11 +3,11 @@
     wire  --|___+---|___...---+------      start bit, data, parity, stop
             on_begin          on_end(Heard)
 
-The value of a frame is read in the middle of each bit. It ends with its last stop bit, or with the start bit of the
-next one if that is earlier.
+Each bit of a frame is read in its middle. A frame ends with its last stop bit, or with the start bit of the next frame
+if that is earlier.
 
     wire  ──┐___┌───┐___...───┌──────┐___     a fall begins a character if the line is free again
-            begin        free again  begin    the character before is counted then, or at the end of the run
+            begin        free again  begin    the previous character is counted now, or at the end of the run
 
 The counter needs no events: the begin of a character determines when the line is free again.
 """
@@ -80,7 +80,7 @@ class UartReader(Agent):
         self._bit: Fraction | None = None
         self._format = UartFormat()
         self._length = 0  # number of bits of a frame
-        self._halves: list[int] = []  # ticks from the start of a frame to the begin of each half bit, and to its end
+        self._halves: list[int] = []  # ticks from a frame's start to the begin of each half bit, and to the frame's end
         self._edges: list[int] = []  # edges of the present frame, from its start bit on
         self._ending: Event | None = None  # the event at the end of the present frame
         watch([wire], self)
@@ -91,7 +91,7 @@ class UartReader(Agent):
     def sampled(self, now: int, levels: int) -> None:
         ending = self._ending
         if ending is not None and not levels and now >= self._start + self._halves[2 * self._length - 1]:
-            self._kernel.cancel(ending)  # the next start bit
+            self._kernel.cancel(ending)  # this edge is the next start bit, and ends the frame
             self._end()
             ending = None
         if ending is not None:
@@ -200,7 +200,7 @@ class UartCounter(Agent):
             self._taken, self._lasted = halves[-2], halves[-1]
 
     def finish(self, now: int) -> None:
-        """Finish the run; an incomplete character does not count."""
+        """Count the last character at the end of the run, unless it is incomplete."""
         if self._over_at <= now:
             self._tell()
 

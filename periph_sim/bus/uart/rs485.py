@@ -25,7 +25,7 @@ COLLISION, CUT = "collision", "cut"  # names of the records that a pair makes be
 class Rs485Pair:
     """A pair and the drivers that are on.
 
-    on_collision: callbacks with (tick, names of the drivers that are on) for switching on a driver while another is on.
+    on_collision: called with (tick, names of the drivers that are on) when a driver is switched on while another is on.
     """
 
     STATE = State("_on")
@@ -93,17 +93,17 @@ class Driver:
         self._pair.switched(self)
 
     def was_on(self, tick: int) -> bool:
-        """Return True if the driver was on at `tick`, as far as its last switching on and off shows."""
+        """Return True if the driver was on at `tick`, according to the last times at which it was switched."""
         return self._last_on != NO_TIME and self._last_on <= tick and (self.on or tick < self._last_off)
 
 
 class Transceiver:
     """One transceiver on a pair, with its lines TX, RX and DE.
 
-    line: returns the format of the frames on `tx`.
+    line: returns the length of a bit in ticks, and the format of the frames on `tx`.
     at_first: the level at DE while it is not driven.
-    on_cut: callbacks with (tick, ticks) for switching off the driver `ticks` before the end of a frame, and with 0 for
-        a frame that begins while the driver is off.
+    on_cut: called with (tick, ticks) when the driver is switched off `ticks` before the end of a frame, and with
+        (tick, 0) when a frame begins while the driver is off.
     """
 
     STATE = State("driver", ticks="_ends_at")

@@ -1,6 +1,6 @@
 """Senders on a UART line, which make edges at given ticks with one kernel event each.
 
-The k-th bit of a burst of bytes begins at an exact rational of the rate, rounded down to a tick, so a long burst does
+The begin of each bit of a burst is computed as an exact fraction and then rounded down to a tick, so a long burst does
 not drift.
 """
 
@@ -25,7 +25,7 @@ EDGE = 0x100  # tag of the events of edges; a subclass may have others
 
 
 class EdgeSender(Agent):
-    """Makes edges on a line, each with an event of the kernel. mask: the bit of this party among those that pull."""
+    """Makes edges on a line, each with an event of the kernel. mask: the bit of the sender's pin in `Wire.pulling`."""
 
     STATE = State("_level _next", ticks="_edges")
 
@@ -39,7 +39,7 @@ class EdgeSender(Agent):
         self._next: Event | None = None
 
     def drive(self, level: int) -> None:
-        """Put the line at this level."""
+        """Drive the line to this level."""
         raise NotImplementedError
 
     def last_edge(self) -> None:
@@ -120,7 +120,7 @@ class UartSender(EdgeSender):
         self._length = self._format.length
         self._edges_of = _known_edges(self._format)
         self._gap: Fraction | None = None  # number of idle bits between the bytes of the last burst
-        self._begins: list[int] = []  # ticks from the begin of a burst with `_gap` to each bit
+        self._begins: list[int] = []  # ticks from the begin of a burst with `_gap` to the begin of each bit
         self._ends_at = 0
         self._done: Callable[[int], None] = lambda tick: None
 
@@ -132,7 +132,7 @@ class UartSender(EdgeSender):
     def send(self, data: bytes, gap: Fraction, done: Callable[[int], None]) -> None:
         """Begin to send `data`, with `gap` idle bits between bytes.
 
-        `done(tick)` is called at the last rising edge at the latest, with the end of the last stop bit.
+        At the last rising edge at the latest, `done` is called with the tick at which the last stop bit ends.
         """
         if self.busy:
             raise ValueError(f"{self.who}: asked to send while a burst is still on the wire")
@@ -170,7 +170,7 @@ class UartSender(EdgeSender):
         self._done(self._ends_at)
 
     def _measure(self, frames: int, gap: Fraction) -> None:
-        """Compute when the bits of a number of frames begin, and when each frame ends."""
+        """Compute, for a burst of `frames` frames, when each bit begins and when each frame ends."""
         known = len(self._begins) // (self._length + 1)
         if gap is not self._gap and gap != self._gap:
             self._begins = []
@@ -178,7 +178,7 @@ class UartSender(EdgeSender):
         self._gap = gap
         if known >= frames:
             return
-        parts, pause = gap.denominator, gap.numerator  # a bit has `parts` parts, which make instants whole numbers
+        parts, pause = gap.denominator, gap.numerator  # in units of 1/parts bit, all begins are whole numbers
         num, den = self._bit.numerator, self._bit.denominator * parts
         frame: BigInt
         for frame in range(known, frames):

@@ -2,21 +2,21 @@
 
     frame 1 ends        frame 2 ends
         |-------- age -----|--------> read of frame 1's values
-        |------------------ age ----------------> read of frame 1's values once more, or of no frame's
+        |------------------ age ----------------> read of frame 1's values again, or of values of no frame
                            |------------- age ----------------> read of frame 2's values
 
     thing         tick                        value
-    chip read     START of the read           its address; of each read that begins after the first host frame ended
-    age           START of the read           ticks from the end of the frame whose values it carries
-    unknown age   START of the read           its address; it may carry frames that were not compared with it
-    model age     START of the read           ticks from the end of the frame that the last models worked on
-    model run     end of the span "model"     0; of a run of the models that began after a host frame had come
+    chip read     START of the read           chip's address; for each read that begins after the first frame ended
+    age           START of the read           ticks since the end of the frame whose values were read
+    unknown age   START of the read           chip's address; the values may be of a frame that was not compared
+    model age     START of the read           ticks since the end of the frame that the last model run used
+    model run     end of the span "model"     0; for each model run that began after the first frame ended
 
-Every read has an age. A read with values of no frame carries data as old as the last that was a frame's. Until a chip
-has shown any frame, the first one counts. Of several frames with the same values it is the youngest.
+Every read has an age. If the values are of no frame, the age counts from the frame that the chip showed last. Until a
+chip has shown a frame, the age counts from the first frame. If several frames have the same values, the last counts.
 
-The model age is for firmware whose chips do not show the values of frames. Its span "model" says when models begin; the
-frame that they work on is the last one that was whole by then.
+The model age is for firmware whose chips do not show the values of frames. Its span "model" marks each run of the
+models. A run uses the last frame that ended before the run began.
 """
 
 # core: compiled
@@ -33,13 +33,13 @@ from .transfer_records import begin_of
 
 if TYPE_CHECKING:
     from ...core.records import Topic
-    from . import origins as read_origins  # a class named by its module is not imported by compiled code, either
+    from . import origins as read_origins  # compiled code does not import a class that is named through its module
 
 MODEL = "model"  # the span in which firmware computes sensor models
 
 
 class ChipTopics:
-    """The topics of one chip. shown: the end of the frame that it showed last."""
+    """The topics of one chip. shown: the tick at which the frame ended that the chip showed last."""
 
     __slots__ = ("age", "model_age", "read", "shown", "unknown")
 

@@ -1,9 +1,9 @@
 """Records of bytes that were read: the numbers of bytes requested, compared and wrong.
 
 thing            tick               value
-bytes asked      START of the read  number of bytes that were to be read
-bytes compared   START of the read  number of bytes of which it is known what they had to be
-wrong bytes      START of the read  how many of these are wrong
+bytes asked      START of the read  number of bytes requested
+bytes compared   START of the read  number of bytes whose right values are known
+wrong bytes      START of the read  number of these bytes that are wrong
 zeros            end of the run     number of bytes read as 0 from chips that never showed a host frame's values
 unknown bytes    end of the run     number of bytes that may be of frames which were not compared with them
 """
@@ -20,14 +20,15 @@ from .transfer_records import I2C, begin_of
 
 if TYPE_CHECKING:
     from ...core.records import Topic
-    from . import origins as read_origins  # a class named by its module is not imported by compiled code, either
+    from . import origins as read_origins  # compiled code does not import a class that is named through its module
 
 
 class ByteRecords:
-    """Compares bytes with `expect` of the request, or with what a host frame makes them.
+    """Compares the bytes of reads with `Phase.expect`, or with the values of host frames.
 
-    origins: None where known chips need not show values of host frames. wrong_places: how often a byte was wrong, by
-    its place, as in "gyroscope byte 0". first_wrong: the first wrong read, as a sentence.
+    origins: the frames that reads come from; None if the chips need not show values of host frames.
+    wrong_places: the number of wrong bytes at each place, such as "gyroscope byte 0".
+    first_wrong: a sentence about the first wrong read.
     """
 
     def __init__(self, recorder: Recorder, origins: read_origins.Origins | None) -> None:
@@ -39,7 +40,7 @@ class ByteRecords:
         self._wrong: Topic = recorder.topic(Kind.DATA, I2C, "wrong bytes")
         self._never_shown: Topic = recorder.topic(Kind.DATA, I2C, "zeros")
         self._not_known: Topic = recorder.topic(Kind.DATA, I2C, "unknown bytes")
-        self._zeros: dict[int, int] = {}  # by address: bytes that are right if a frame is shown later
+        self._zeros: dict[int, int] = {}  # by address: number of bytes that are right if the chip shows a frame later
         self._unknown = 0
 
     def transfer(self, transfer: Transfer) -> None:
@@ -50,7 +51,7 @@ class ByteRecords:
                 self._read(transfer, phase)
 
     def finish(self, now: int) -> None:
-        """Record how many bytes could not be judged; the run is over."""
+        """Record, at the end of the run, how many bytes could not be judged."""
         zeros: int = sum(self._zeros.values())
         if zeros:
             self._never_shown.emit(now, zeros)
@@ -73,7 +74,7 @@ class ByteRecords:
             self._record_wrong(transfer, phase, wanted)
 
     def _is_judged(self, phase: Phase, compared: int) -> bool:
-        """Return False, after counting the bytes of the read, if they may be right or wrong."""
+        """Return True if the bytes of a read can be judged; otherwise count them for `finish` and return False."""
         origin = None if self._origins is None else self._origins.of(phase)
         if origin is None:
             return True

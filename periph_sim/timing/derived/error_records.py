@@ -5,13 +5,13 @@
     truth at an instant, per chip ---'
 
     thing                  tick                value
-    sample                 START of the read   its address; of each read after a host frame has come
-    value error            START of the read   against the truth at the read's first data bit, when its values are given
-    value error at frame   START of the read   against the truth at the instant at which a host frame was due
-    unknown error          START of the read   its address; it may fit frames that were not compared with it
+    sample                 START of the read   the chip's address; for each read after the first host frame
+    value error            START of the read   error against the truth at the first data bit of the read
+    value error at frame   START of the read   error against the truth at the due time of the host frame that fits best
+    unknown error          START of the read   the chip's address; a frame that was not compared may fit better
 
-The frame is the one that fits best of the last 8, and of those that have come since the frame that fitted the chip's
-last read. This leaves out the age of the values.
+The frame that fits best is the one with the smallest error among the last 8 frames and all frames since the one that
+fitted the chip's last read. So `value error at frame` does not depend on the age of the values.
 """
 
 from __future__ import annotations
@@ -60,7 +60,7 @@ class ErrorRecords:
         self._truth_at = truth_at
         self._frame_due = frame_due
         self._due: deque[int] = deque(maxlen=MOST)
-        self._left_out = NO_TIME  # when the last frame was due that is no longer in `_due`
+        self._left_out = NO_TIME  # the due tick of the last frame that `_due` no longer contains
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         """Store the tick at which this host frame was due."""
@@ -85,7 +85,7 @@ class ErrorRecords:
             self._record_best(chip, values, phase.start_at)
 
     def _record_best(self, chip: _Chip, values: Sequence[int], at: int) -> None:
-        """Record the error against the frame that fits best, unless a frame that may fit better was left out."""
+        """Record the error for the frame that fits best, unless a frame that was not compared may fit better."""
         recent = len(self._due) - RECENT
         instants = [due for n, due in enumerate(self._due) if n >= recent or due >= chip.fitted]
         off, fitted = min((_off(values, self._truth_at(due)[chip.name]), -due) for due in instants)
@@ -97,5 +97,5 @@ class ErrorRecords:
 
 
 def _off(values: Sequence[int], truth: Axes) -> int:
-    """Return millionths of an LSB between what was read and what is true, of the worst axis; rounded up."""
+    """Return the error of the worst axis in millionths of an LSB, rounded up. values: the values that were read."""
     return max(ceil(abs(distance(value, true)) * MILLIONTHS) for value, true in zip(values, truth, strict=True))

@@ -4,12 +4,14 @@
     MODEL pin (runs of models) --+--> Origins --of(phase)--> Origin: frame, when it had ended, wanted bytes
     reads of the controller ----'
 
-Where the chips show the values of frames (`FrameOrigins`), a read's bytes are compared with the last 8 frames and with
-every frame since the one that the chip showed last: how old they are is for `age` to judge. Where firmware computes
-sensors (`ModelOrigins`), run n of the models may have taken any frame that had come by the rise of the MODEL pin; each
-read leaves those chains of frames whose codes agree with its bytes. A chain never goes back to an older frame. The
-number of chains is limited: a read that agrees with none of them, after others had to be left out, is not judged. The
-firmware provides nothing but the level of that pin.
+If the chips show the values of frames (`FrameOrigins`), a read's bytes are compared with the last 8 frames and with
+every frame since the one that the chip showed last. The measure `age` judges how old the values are.
+
+If firmware computes the chips' values with models (`ModelOrigins`), each run of the models may have used any frame that
+ended before the MODEL pin rose. A chain is one possible sequence of the frames that the runs used. It never goes back
+to an older frame. Each read removes the chains whose values disagree with its bytes. The number of chains is limited:
+if chains had to be left out, a read that agrees with none of the others is not judged. The firmware provides nothing
+but the level of the MODEL pin.
 """
 
 # core: compiled
@@ -29,7 +31,7 @@ from ...core.time import NO_TIME
 from ...devices.chip_model import BYTES, ChipModel, Shown
 from ...devices.host_frames import HostFrames
 
-BEFORE_ANY = -1  # instead of a frame's number: what firmware shows before a frame has come
+BEFORE_ANY = -1  # in place of a frame's number: the values that are shown before the first frame
 
 
 class Origin(NamedTuple):
@@ -37,7 +39,7 @@ class Origin(NamedTuple):
 
     frame: the number of the frame, the youngest if several fit; None if the bytes are the values of no frame.
     ended: the tick at which the last stop bit of that frame ended.
-    wanted: among all bytes that would have been right, those that agree with the read in the most bytes.
+    wanted: the bytes that would have been right; of several possibilities, the one most similar to the bytes read.
     judged: False if the bytes may be right or wrong, because not all possible histories were compared with them.
     """
 
@@ -53,10 +55,10 @@ class Origin(NamedTuple):
 
 
 class FrameHistory:
-    """History of all frames that a host has sent, searched for the youngest frame that shows given bytes.
+    """All frames that a host has sent, which can be searched for the youngest frame that shows given bytes.
 
-    A frame takes 28 bytes, and 6 more for each chip that is asked for: an hour of 50 frames a second is 5 MB.
-    data: returns the register bytes of the chip with an address while it shows the values of a frame.
+    A frame takes 28 bytes of memory, and 6 more for each chip that was read: an hour of 50 frames a second takes 5 MB.
+    data: called with a chip's address and a frame's values; returns the bytes with which the chip shows the values.
     """
 
     def __init__(self, data: Callable[[int, tuple[int, ...]], bytes]) -> None:
@@ -65,7 +67,7 @@ class FrameHistory:
         self._ended: array[int] = array("q")
         self._values = bytearray()
         self._format: Struct | None = None  # known from the first frame on
-        self._shown: dict[int, bytearray] = {}  # by address, what the chip shows of each frame up to some frame
+        self._shown: dict[int, bytearray] = {}  # by address: the bytes that the chip shows for each frame
 
     def add(self, number: int, values: tuple[int, ...], ended: int) -> None:
         """Append a frame. ended: the tick at which its last stop bit ended."""
@@ -75,7 +77,7 @@ class FrameHistory:
         self._values += self._format.pack(*values)
 
     def youngest(self, address: int, got: bytes) -> tuple[int, int, bytes] | None:
-        """Return (number, ended, bytes shown) of the youngest frame that shows `got`, or begins so.
+        """Return (number, ended, bytes shown) of the youngest frame whose shown bytes begin with `got`.
 
         None if there is no such frame.
         """
@@ -89,12 +91,12 @@ class FrameHistory:
         return self._numbers[frame], self._ended[frame], bytes(shown[at : at + BYTES])
 
     def recent(self, address: int) -> list[bytes]:
-        """Return the bytes that the chip with this address shows of each of the last frames, the youngest first."""
+        """Return the bytes that the chip with this address shows for each of the last frames, the youngest first."""
         shown = self._shown_at(address)
         return [bytes(shown[at : at + BYTES]) for at in range(len(shown) - BYTES, -1, -BYTES)[:RECENT]]
 
     def _shown_at(self, address: int) -> bytearray:
-        """Return the bytes that the chip with this address shows of each frame, one frame after the other."""
+        """Return the bytes that the chip with this address shows for each frame, one frame after the other."""
         shown = self._shown.setdefault(address, bytearray())
         for frame in range(len(shown) // BYTES, len(self._numbers)):
             assert self._format is not None
@@ -104,9 +106,9 @@ class FrameHistory:
 
 RECENT = 8  # number of frames that the bytes of a read are compared with first
 KEPT = 64  # number of recent frames among which the input of a model run is searched
-COMPLETE = 256  # up to this number of chains, all are followed
-PASSED_OVER = 3  # if there are more, only the chains that skip at most this number of frames are followed
-MOST = 64  # maximum number of those chains; the youngest are kept
+COMPLETE = 256  # maximum number of chains of which all are followed
+PASSED_OVER = 3  # if there are more chains, only those that skip at most this number of frames are followed
+MOST = 64  # maximum number of chains followed in that case: those with the youngest frames
 
 
 @final
@@ -125,9 +127,9 @@ NOTHING_SENT = Sent(BEFORE_ANY, (), NO_TIME)
 
 
 class Origins:
-    """Origins of the reads of one transfer at a time. `transfer` comes before the questions about its phases.
+    """Finds the origins of the reads of one transfer at a time: call `transfer`, then `of` for each of its phases.
 
-    addresses: of the chips that show frames.
+    addresses: the addresses of the chips that show frames.
     """
 
     def __init__(self, addresses: frozenset[int]) -> None:
@@ -143,22 +145,22 @@ class Origins:
         raise NotImplementedError
 
     def transfer(self, transfer: Transfer) -> None:
-        """Work out the origins of the reads of a transfer that is over."""
+        """Find the origins of the reads of a transfer that is over."""
         self._of.clear()
         for phase in transfer.phases:
             if phase.read and phase.got and phase.address in self.addresses:
                 self._of[id(phase)] = self.origin(phase.address, bytes(phase.got))
 
     def origin(self, address: int, got: bytes) -> Origin:
-        """Return the origin of the bytes that a read of a chip has given."""
+        """Return the origin of the bytes `got` that a read of a chip returned."""
         raise NotImplementedError
 
 
 class FrameOrigins(Origins):
-    """The chips show a frame's numbers: angles, accelerations, angles again.
+    """Origins where the chips show a frame's numbers: angles, accelerations, and the angles again.
 
-    Zeros, as chips show them before a frame has come, are right for a few frames; later they are not judged as long as
-    the chip has never shown a frame, and wrong once it has.
+    Before the first frame, chips show zeros. Zeros are right until 8 frames have been sent. Later, zeros are not judged
+    while the chip has not shown any frame, and they are wrong after it has.
     """
 
     def __init__(self, frames: HostFrames) -> None:
@@ -187,11 +189,11 @@ class FrameOrigins(Origins):
 
 @final
 class Chain:
-    """A possible history of the models: the frame of their last run, and the values that this run produced.
+    """A possible sequence of the frames that the model runs used, of which only the end is stored.
 
-    sent: that frame.
-    before: the number of the frame of the run before, on which the values depend as well.
-    shown: the values.
+    sent: the frame that the last run used.
+    before: the number of the frame that the run before used; the values depend on it as well.
+    shown: the values that the last run produced.
     """
 
     __slots__ = ("before", "sent", "shown")
@@ -204,7 +206,7 @@ class Chain:
 
 @final
 class Run:
-    """A run of the models that is over. sent: the frames that it may have taken, oldest first."""
+    """A run of the models that is over. sent: the frames that it may have used, oldest first."""
 
     __slots__ = ("number", "sent")
 
@@ -223,10 +225,10 @@ class ModelOrigins(Origins):
         self.reset()
 
     def reset(self) -> None:
-        """Start anew: the firmware was reset, and the pin is an input."""
+        """Discard all chains and runs after a reset of the firmware. The MODEL pin is then a pulled-up input."""
         self._pulled_up = True
         self._chains = [Chain(NOTHING_SENT, BEFORE_ANY, self._codes.at_rest)]
-        self._left_out = False  # since a read last agreed with a chain, some possible chains were not followed
+        self._left_out = False  # True if chains were left out since a read last agreed with a chain
         self._before: list[Chain] = []  # the chains up to the run before the last
         self._runs = 0
         self._over: list[Run] = []  # complete runs that are not in a chain yet
@@ -237,10 +239,10 @@ class ModelOrigins(Origins):
         self._sent.append(Sent(number, values, tick))
 
     def model_pin(self, now: int, level: int) -> None:
-        """Follow the pin that is high while the models run. A run can only use frames that ended before it rose."""
+        """Handle a change of the MODEL pin, which is high during a run. A run can use frames that ended before it."""
         if level:
             self._may_take = list(self._sent)
-        elif self._pulled_up:  # it becomes an output
+        elif self._pulled_up:  # this fall is no end of a run: the pin becomes an output
             self._pulled_up = False
         else:
             self._last = Run(self._runs, self._may_take)
@@ -265,7 +267,7 @@ class ModelOrigins(Origins):
         return nearest._replace(judged=False) if self._left_out else nearest
 
     def _longer(self, run: Run) -> list[Chain]:
-        """Return every chain with one frame more, youngest frames first; of too many, those of the youngest frames."""
+        """Return all chains, extended by a run. If there are too many, return those with the youngest frames."""
         count: int = 0
         chain: Chain
         for chain in self._chains:
@@ -284,7 +286,7 @@ class ModelOrigins(Origins):
         return list(longer.values())[:MOST] if many else list(longer.values())
 
     def _may_be(self, chain: Chain, run: Run) -> list[Sent]:
-        """Return the frames that a run may have taken after those of a chain, oldest first: its last one, or later."""
+        """Return the frames that a run may have used after a chain, oldest first: the chain's last frame, or later."""
         least = chain.sent.number
         may_be: list[Sent] = []
         sent: Sent
@@ -293,14 +295,14 @@ class ModelOrigins(Origins):
                 break
             may_be.append(sent)
         oldest: int = may_be[-1].number
-        if oldest > least:  # frames after the chain's are no longer kept
+        if oldest > least:  # the frames just after the chain's last one are no longer stored
             may_be.append(chain.sent)
             self._left_out = self._left_out or oldest > least + 1
         may_be.reverse()
         return may_be
 
     def _anew(self) -> Iterator[Chain]:
-        """Yield chains that continue no other: the last runs took frames in order, whatever was before."""
+        """Yield new chains, which do not continue a known one: the last three runs used recent frames in order."""
         if self._last is not None:
             number, recent = self._last.number, self._last.sent[-PASSED_OVER - 1 :]
             at_rest = Chain(NOTHING_SENT, BEFORE_ANY, self._codes.at_rest)
@@ -312,7 +314,7 @@ class ModelOrigins(Origins):
 
 
 def _fitting(chains: Iterable[Chain], address: int, got: bytes) -> list[Chain]:
-    """Return the chains whose chip would have given these bytes."""
+    """Return the chains in which the chip with this address would return these bytes."""
     fitting = []
     chain: Chain
     for chain in chains:
@@ -322,7 +324,10 @@ def _fitting(chains: Iterable[Chain], address: int, got: bytes) -> list[Chain]:
 
 
 def _nearest(got: bytes, candidates: Iterable[tuple[Sent, bytes]]) -> Origin:
-    """Return the youngest candidate with these bytes; else the one that agrees in most of them, as of no frame."""
+    """Return the origin of the youngest candidate whose bytes begin with `got`.
+
+    If there is none, return an origin without a frame; its `wanted` is the candidate most similar to `got`.
+    """
     agreeing: int
     best, agreeing = b"", -1
     found: Sent | None = None
@@ -339,5 +344,5 @@ def _nearest(got: bytes, candidates: Iterable[tuple[Sent, bytes]]) -> Origin:
 
 
 def _agreement(got: bytes, wanted: bytes) -> int:
-    """Return the number of equal bytes."""
+    """Return the number of places at which both have the same byte."""
     return sum(a == b for a, b in zip(got, wanted, strict=False))

@@ -1,11 +1,11 @@
-"""Records of I2C transfers and of the rounds that they make, as values that budgets measure.
+"""Records of I2C transfers and of the rounds that consist of them, as values that budgets measure.
 
-Of a transfer and its phases, which are made when it is over:
+The records of a transfer and its phases are made when the transfer is over:
 
 thing     tick                                                          value
 phase     START of each addressed phase                                 its address
 read      START of each phase that reads                                its address
-acknowledge  SCL fall that ends the ACK slot of a read's address        0; of each read whose answer came
+acknowledge  SCL fall that ends the ACK slot of a read's address        0; for each read with a first data bit
 answer    SCL rise of the first data bit of a read                      0
 stretch   START of each acknowledged phase                              longest time others held SCL low, in ticks
 refused   START of a transfer whose address was not acknowledged        number of its phases
@@ -32,7 +32,9 @@ I2C = "I2C"  # the place of these records
 
 
 def begin_of(transfer: Transfer, phase: Phase) -> int:
-    """Return the tick of a phase's START; of its transfer's if the phase never began, since one before was refused."""
+    """Return the tick of a phase's START. If the phase never began, because an earlier one was refused, return the
+    tick of its transfer's START.
+    """
     if phase.start_at != NO_TIME:
         return phase.start_at
     first: Phase = transfer.phases[0]
@@ -67,10 +69,10 @@ class TransferRecords:
                     self._answer.emit(phase.answer_at)
 
     def finish(self, now: int, unfinished: Transfer | None, held_since: int) -> None:
-        """Record what the end of the run cuts off.
+        """Record the transfer that the end of the run cuts off.
 
-        unfinished: a transfer without a STOP: a refused request counts even if its master hangs. held_since: the tick
-        from which others hold SCL low; NO_TIME if they do not.
+        unfinished: the transfer without a STOP, or None. A refused request in it counts, even if its master hangs.
+        held_since: the tick since which others have held SCL low; NO_TIME if they do not.
         """
         if unfinished is not None:
             self._record_refusal(unfinished)
@@ -88,10 +90,10 @@ class RoundRecords:
 
     thing     tick                      value
     due       due time of a round       0; recorded for each round, once it is known whether the round began
-    missed    due time of a round       0; or the tick of the START that shows that the round lacks a request
+    missed    due time of a round       0; or the tick of a START that shows that the round lacks a request
     begin     begin of the round        0; recorded for each complete round, at its end
     end       its last STOP             0
-    next      due time of the next one  0; recorded for each complete round, which may have ended later than that
+    next      due time of the next one  0; recorded for each complete round, even if it ended after this time
     refused   due time of the round     number of its requests whose address was not acknowledged; omitted if it is 0
 
     period: ticks from one round's due time to the next one's.

@@ -15,10 +15,11 @@
             | "record" ( "transfer" | "round" | "receiver" | "data" | "bus" ) thing [ "of" ( chip | unit ) ]
 
     Event + Scope --> Matcher(kind, where, what, mask, want)
-                        |-- may_be(kind, where, what), value & mask == want   as the run goes on
-                        '-- fits(record)                                      for one record
+                        |-- may_be(kind, where, what), value & mask == want   during the run
+                        '-- fits(record)                                      for a Record object
 
-The things of records are in `timing/derived`. Both tests agree on every record. `EVENTS` lists the kinds of events.
+`thing` is the name of a derived record (see `timing/derived`). The two tests give the same result for every record.
+`EVENTS` lists the kinds of events.
 """
 
 from __future__ import annotations
@@ -41,18 +42,18 @@ EVERYTHING = -1  # all bits of a value
 CHANGES = ("rise", "fall", "change")
 NOTES = ("duty", "lost", "unknown", "overflow")
 BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost", "stuck", "clear", "NACK")
-OF_AGENT = ("arbitration lost", "clear")  # recorded by the controller of a case only
+OF_AGENT = ("arbitration lost", "clear")  # recorded only by the controller of a case
 OF_PAIRS = ("cut", "collision")
 FRAME_PARTS = ("begin", "end", "error", *OF_PAIRS)
-BEHIND_EVENTS = ("", "to", "from", "or", "of", "at", ",", "in", "next", "last", "same")  # what may follow an event
+BEHIND_EVENTS = ("", "to", "from", "or", "of", "at", ",", "in", "next", "last", "same")  # words after an event
 NTH = re.compile(r"(\d+)(st|nd|rd|th)")
 GROUPS = ("transfer", "round", "burst", "interrupt")
 ANY_UNIT = "any"
-ANYTHING = ""  # as the thing of a matcher
+ANYTHING = ""  # `what` of a matcher that accepts all things of its kind
 
 
 class Event(Struct, frozen=True):
-    """An event that a sentence names.
+    """An event that the text of a measure names.
 
     kind: the first word of the event. name: the wire, field, span or other thing that it is about.
     how: the change, or the direction of the access. number: the value; None if none is given.
@@ -73,10 +74,11 @@ class Event(Struct, frozen=True):
 
 
 class Group(Struct, frozen=True):
-    """A stretch of a run in which events are counted.
+    """A part of a run in which events are counted, such as a transfer.
 
     name: one of GROUPS.
-    begin, end: START and STOP; for a burst, the begin and end of a frame; for a service routine, its entry and return.
+    begin, end: the events at which it begins and ends: START and STOP; for a burst, the begin and end of a frame; for a
+        service routine, its entry and return.
     """
 
     name: str
@@ -88,7 +90,7 @@ class Matcher(Struct, frozen=True, dict=True):
     """Test of whether a record is an event.
 
     where: the places at which it may happen; None for any place. what: the thing; ANYTHING for all of the kind.
-    mask, want: the bits of the value that are compared, and what they must be.
+    mask, want: the bits of the value that are compared, and the value that they must have.
     others: the matchers of alternative events, joined by "or".
     nth, group: which event in the group counts: 1 is the first, -1 the last; 0 if every one counts.
     thing: what is known about a derived record; None for other records.
@@ -100,7 +102,7 @@ class Matcher(Struct, frozen=True, dict=True):
     what: str
     mask: int = 0
     want: int = 0
-    free: bool = False  # the name is free text, so it is not known whether it can happen
+    free: bool = False  # True if the name is free text, so it is not known whether the event can happen
     others: tuple[Matcher, ...] = ()
     nth: int = 0
     group: Group | None = None
@@ -108,24 +110,27 @@ class Matcher(Struct, frozen=True, dict=True):
 
     @cached_property
     def each(self) -> tuple[Matcher, ...]:
-        """This one and the others."""
+        """This matcher and those in `others`."""
         return (self, *self.others)
 
     def fits(self, record: Record) -> bool:
-        """Return True if a record is this event. Its number within a group is not checked."""
+        """Return True if a record is this event. The number of the event within its group is not checked."""
         return any(
             one.may_be(record.kind, record.where, record.what) and record.value & one.mask == one.want
             for one in self.each
         )
 
     def may_be(self, kind: Kind, where: str, what: str) -> bool:
-        """Return True if a record of this kind, place and thing is this one event, provided that its value fits."""
+        """Return True if a record of this kind, place and thing is this event, provided that its value fits.
+
+        `others` are not checked.
+        """
         fits = self.what in (what, ANYTHING) and kind is self.kind
         return fits and (self.where is None or where in self.where)
 
     @cached_property
     def subjects(self) -> frozenset[str]:
-        """The wires or registers whose records this one needs, without those of `others`; empty if it needs all."""
+        """The wires or registers whose records this matcher needs, without those of `others`; empty if it needs all."""
         places = self.where or frozenset()
         if self.kind in (Kind.EDGE, Kind.FRAME):
             return places
@@ -136,7 +141,7 @@ class Matcher(Struct, frozen=True, dict=True):
         return frozenset()
 
 
-@lru_cache(maxsize=1024)  # scenes of one case name the same again and again
+@lru_cache(maxsize=1024)  # the scenes of one case name the same events
 def event_of(text: str) -> Event:
     """Return the event that a text names. Raise BadEvent if it names none."""
     words = Words(text)
@@ -221,7 +226,7 @@ def _read_edge(words: Words) -> Parts:
 
 
 def _read_named(expected: str, *hows: str) -> Callable[[Words], Parts]:
-    """Return the parser of a name, and of what happens to it."""
+    """Return the parser of a name that is followed by one of the words `hows`."""
 
     def read(words: Words) -> Parts:
         unit, name = words.name(expected)
@@ -265,7 +270,7 @@ def _read_frame(words: Words) -> Parts:
     number = words.number(0xFF)
     if words.next in FRAME_PARTS:
         return "", wire, words.one_of(list(FRAME_PARTS)), number
-    return "", wire, "begin" if number is None else "end", number  # what it carries is known when it is over
+    return "", wire, "begin" if number is None else "end", number  # a frame's value is known at its end
 
 
 def _read_note(words: Words) -> Parts:
@@ -289,7 +294,7 @@ def _match_edge(event: Event, scope: Scope) -> Matcher:
 
 
 def _values(event: Event) -> tuple[int, int]:
-    """Return the mask and the value by which a record shows the change."""
+    """Return the mask and the wanted value of the records that show the change of an event."""
     if event.how == "change":
         return 0, 0
     return EVERYTHING, {"rise": 1, "fall": 0}.get(event.how, event.number or 0)
@@ -335,7 +340,7 @@ def _match_bus(event: Event, scope: Scope) -> Matcher:
             f"{event.text!r} needs {needs} in the scene, which has none; give it [controller], or a unit I2C-A"
         )
     mask = want = 0
-    if event.name == "address":  # value: address, R/W, NACK from bit 2 down
+    if event.name == "address":  # bits of the value: NACK (0), R/W (1), address (2 and up)
         if event.number is not None:
             mask, want = -4, event.number << 2
         if event.how:
@@ -380,7 +385,7 @@ def _match_record(event: Event, scope: Scope) -> Matcher:
 
 
 class EventKind(NamedTuple):
-    """A kind of event. read: parses the words after the kind's own. match: makes the matcher of what they say."""
+    """A kind of event. read: parses the words after the kind's name. match: returns the matcher of a parsed event."""
 
     read: Callable[[Words], Parts]
     match: Callable[[Event, Scope], Matcher]

@@ -1,6 +1,6 @@
 """Measures of events as text, such as "from EVENT to EVENT": their syntax and its parser.
 
-    text --> words --> Said(form, events or names, rule) ; BadEvent says what was found where what was expected
+    text --> words --> Said(form, events or names, rule), or BadEvent with the wrong word and the expected words
 
     measure = pair { clause }
             | ( "count" | "value" | "sum" ) "of" event { clause }
@@ -62,7 +62,7 @@ LEVELS, BUS_STATES, CPU_STATES = ("high", "low"), ("busy", "free"), ("busy", "id
 
 
 class During(Struct, frozen=True):
-    """A state of the run. It begins with one of `enters`, and ends with one of `leaves` that is not in `enters`.
+    """A state of the run. It begins with an event in `enters`, and ends with an event in `leaves` but not in `enters`.
 
     cpu, unit: one of CPU_STATES and its unit, if the state is that of a CPU; it then has no `enters` and `leaves`.
     """
@@ -75,9 +75,9 @@ class During(Struct, frozen=True):
 
 
 class Said(Struct, frozen=True):
-    """A parsed sentence of the language.
+    """The parsed text of a measure.
 
-    form: a key of FORMS. text: the whole sentence. events: the events that it names, in order.
+    form: a key of FORMS. text: the whole text. events: the events that it names, in order.
     unit, name: the unit, and the field, vector or chip that it names. state: the state in which time is measured.
     pairing: one of PAIRINGS, or "". group: "transfer", "round" or "unit", if both events must be in the same one.
     instant: for a value error, "first bit" or "frame": the instant at which the true value is taken.
@@ -102,7 +102,7 @@ class Said(Struct, frozen=True):
 
 
 def is_form(text: str) -> bool:
-    """Return True if a measure's text begins like a sentence of this language, correct or not."""
+    """Return True if the first word of a measure's text is in FORMS. The other words are not checked."""
     return text.split(" ", 1)[0].rstrip(",") in FORMS
 
 
@@ -114,7 +114,7 @@ def near_form(text: str) -> str:
     return FORMS[close[0]] if close else ""
 
 
-@lru_cache(maxsize=1024)  # scenes of one case say the same again and again
+@lru_cache(maxsize=1024)  # the scenes of one case have the same measures
 def measure_of(text: str) -> Said:
     """Return the parsed text of a measure. Raise BadEvent if it cannot be parsed."""
     words = Words(text)
@@ -315,7 +315,7 @@ def _load(form: str) -> Callable[[Words], Said]:
 
 
 def _checked_window(words: Words, given: str) -> str:
-    """Return the length of a window. Raise BadEvent if the text is not a length."""
+    """Return the text `given` unchanged. Raise BadEvent if it is not the length of a window."""
     if not given:
         raise BadEvent(f"{words.text!r} ends where the length of a window is expected; write for instance per 20 ms")
     try:
@@ -356,7 +356,10 @@ def _value(words: Words) -> Said:
 
 
 def _phrase(form: str, fixed: str = "", name: str = "", unit: str = "") -> Callable[[Words], Said]:
-    """Return the parser of fixed words, a name, and a unit. name: what is expected. unit: the word before the unit."""
+    """Return the parser of the words `fixed`, then of a name and a unit.
+
+    name: a description of the name for messages; "" for no name. unit: the word before the unit; "" for no unit.
+    """
 
     def parse(words: Words) -> Said:
         for word in fixed.split():

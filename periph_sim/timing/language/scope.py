@@ -2,12 +2,12 @@
 
     Case, RecordTable --> Scope --> where a record of a named thing comes from, or BadEvent with near names
 
-It knows what could happen there, not what did: a name it lets through is a name that a record can bear. `RECORDS` has
-the things that are derived from a run's other records; the head of the file in `timing/derived` that makes a thing, or
-of `scene/sci_monitor.py`, describes its tick and value.
+A scope accepts each name that a record of the run can have, whether there is such a record or not. `RECORDS` lists the
+things that are derived from other records of a run. The modules that make them, in `timing/derived` and
+`scene/sci_monitor.py`, describe their ticks and values.
 
     "record round missed" --> Kind.ROUND, "missed"; needs rounds in the scene
-    "value of record data age" --> its value is a time, and belongs to a read
+    "value of record data age" --> its value is a time; there is one record for each read
 """
 
 from __future__ import annotations
@@ -77,20 +77,20 @@ VECTORS: dict[str, tuple[str, ...]] = {
 
 
 class BadEvent(ValueError):
-    """A text that names no event, or one that cannot be in this scene; one sentence."""
+    """A text that names no event, or one that cannot happen in this scene. The message is one sentence."""
 
 
 class ImageNames(Protocol):
-    """Names of an image. An unknown name raises ValueError with one sentence."""
+    """The names in an image. The methods raise ValueError, with one sentence, if the image does not have the name."""
 
-    known: bool  # names are looked up; False for a recorded run, whose names are not known
+    known: bool  # True if names are looked up in the image; False for a recorded run, whose image is not known
 
     def variable(self, name: str) -> object: ...
     def function(self, name: str) -> object: ...
 
 
 class AnyName:
-    """See `ImageNames`; takes any."""
+    """The names of an image that is not known: every name is accepted."""
 
     known = False
 
@@ -107,11 +107,11 @@ class Scope(Struct):
     units: the modules of each unit.
     controller, host: True if the scene has that agent on its wires.
     rounds: True if the requests of the controller's rounds are known, whichever party is the controller.
-    lines: the wires that carry frames; if the scene names none, RX and TX where they are wires.
+    lines: the wires that carry frames; if none are given, the wires in LINES that the scene has.
     pairs: the RS-485 pairs.
     images: the names in the image of each unit that runs an image.
-    uncounted: a unit whose program reports no overflows, since it is not Python firmware; "" if there is none.
-    measures: the user's own sentences by name.
+    uncounted: a unit whose program reports no overflows, because it is not Python firmware; "" if there is none.
+    measures: the texts of measures that the user has named, indexed by name.
     """
 
     units: dict[str, tuple[str, ...]] = {}
@@ -210,7 +210,7 @@ class Scope(Struct):
         return owner
 
     def span(self, unit: str, name: str) -> tuple[str, bool]:
-        """Return the unit of a span, and True if the span is known to exist, as a function of an image is."""
+        """Return the unit of a span, and True if the span is known to exist, because it is a function of an image."""
         owner = self.unit(unit)
         names = self.images.get(owner)
         if names is None:
@@ -222,7 +222,7 @@ class Scope(Struct):
         return owner, names.known
 
     def places(self, unit: str) -> frozenset[str]:
-        """Return every place of a unit that a record can come from; those of all units if `unit` is empty."""
+        """Return the places of a unit from which records can come; the places of all units if `unit` is empty."""
         named = [self.unit(unit)] if unit else list(self.units)
         return frozenset(place for u in named for place in (u, *(f"{u}.{m}" for m in self._modules(u))))
 

@@ -96,7 +96,7 @@ class Words:
         return number
 
     def value(self) -> int:
-        """Read the number behind =."""
+        """Read and return the number after the sign =."""
         number = self.number(0xFFFFFFFF)
         if number is None:
             raise BadEvent(f"{self.text!r}: a number is expected after =")
@@ -115,5 +115,5 @@ class Words:
 
 
 def name_text(unit: str, name: str) -> str:
-    """Return a name as a sentence has it, with its unit if one is given."""
+    """Return a name as it is written in a measure, with its unit if one is given."""
     return f"{unit}:{name}" if unit else name

@@ -1,1 +1,1 @@
-"""Measures, one file for each family."""
+"""The quantities that budgets limit; each file contains measures of one family."""

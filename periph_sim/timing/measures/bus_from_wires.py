@@ -1,9 +1,9 @@
 """Bytes on an I2C bus, derived from the levels of its wires and the parties that pull them.
 
-    SCL, SDA, who pulls --> START, address, ACK, first bit of each byte, STOP; when the others had let go of SCL
+    SCL, SDA, who pulls --> START, address, ACK, first bit of each byte, STOP; when other parties released SCL
 
-Only the wires are read, so any controller is treated alike. All changes within one tick form one
-sample: START and STOP are a change of SDA while SCL was high before and stays so.
+Only the wires are read, so all controllers are treated alike. All changes within one tick form one sample. START and
+STOP are changes of SDA while SCL is high before and after them.
 
 Source: UM10204 sections 3.1.4 to 3.1.10.
 """
@@ -31,13 +31,14 @@ class BusFromWires(BitParty):
 
     def __init__(self, unit: str) -> None:
         self.stream = I2cStream()
-        self.ours = False  # the address was acknowledged by the unit
-        self.phase_at = NO_TIME  # START or repeated START of the phase under way; NO_TIME after a STOP
-        self.others_held_until = NO_TIME  # when the others let go of SCL in the low time under way, or the last one
+        self.ours = False  # True if the unit has acknowledged the address
+        self.phase_at = NO_TIME  # the tick of the START or repeated START of the present phase; NO_TIME after a STOP
+        # The tick from which the others did not hold SCL in its present or last low phase; NO_TIME while they hold it.
+        self.others_held_until = NO_TIME
         self._unit: str = f"{unit}."
-        self._scl_pulling = self._sda_pulling = 0  # the parties that pull it: bit i is party i
-        self._scl_ours = self._sda_ours = 0  # those of the known parties that belong to the unit
-        self._parties = 0  # number of parties of both wires that are known
+        self._scl_pulling = self._sda_pulling = 0  # masks of the parties that pull: bit i is party i
+        self._scl_ours = self._sda_ours = 0  # masks of the unit's own parties
+        self._parties = 0  # number of parties on both wires for which these masks are valid
         self._tick = NO_TIME
         self._settled = True
 
@@ -70,12 +71,12 @@ class BusFromWires(BitParty):
         self.others_held_until = NO_TIME
 
     def settle_before(self, tick: int) -> None:
-        """Evaluate the tick under way if it is before this one."""
+        """Evaluate the tick in progress if it is before `tick`."""
         if self._tick != tick:
             self.settle()
 
     def settle(self) -> None:
-        """Evaluate the tick under way: no more changes come in it."""
+        """Evaluate the tick in progress, after its last change."""
         if self._settled:
             return
         self._settled = True
@@ -139,7 +140,7 @@ class BusFromWires(BitParty):
         """Handle a STOP."""
 
     def held(self, let_go: int, rose: int) -> None:
-        """Handle a rise of SCL. let_go: when the others released it, at `rose` or before."""
+        """Handle a rise of SCL. let_go: the tick at which the other parties released SCL, not later than `rose`."""
 
     def first_bit(self, let_go: int, rose: int) -> None:
-        """Handle the rise of SCL for the first bit of data byte `index`, after an acknowledged byte, or for a STOP."""
+        """Handle the rise of SCL after an acknowledged byte, for the first bit of a data byte or for a STOP."""

@@ -1,12 +1,12 @@
-"""Measures of events, as sentences name them: how often they happen, and with which values.
+"""Measures of events that the text of a measure names: how often they happen, and with which values.
 
     topic  --tag_of--> events that its records may be, and with which values: determined once
     record --on_record--> event that counts immediately --------------.
                    '---> "last ... of transfer": known when that is over -+--in order--> happened(place, tick, value)
                                                                           '--> occasions, things that cannot be judged
 
-Events are recognized in records and counted in their order. Of two events at one time the one recorded first is the
-earlier one.
+Events are counted in the order of their records. Of two events with the same tick, the one that was recorded first is
+the earlier one.
 """
 
 # core: compiled
@@ -29,7 +29,7 @@ from .registry import UNNAMED, Sentence
 
 
 class _Seen:
-    """An event that happened. counts: 1, 0 if not, WAITS as long as a later one may take its place."""
+    """An event that happened. counts: 1 if it counts, 0 if not, WAITS while a later event may replace it."""
 
     STATE = State("place value counts", ticks="tick", made=True)
     __slots__ = ("counts", "place", "tick", "value")
@@ -46,7 +46,7 @@ FOR_EACH, MEASURED_AT, GIVEN, UNLESS, UNFINISHED = range(5)  # roles of a clause
 
 
 class Clauses(Struct, frozen=True):
-    """Events that say what the values of a measure prove, each with its role. said: what there is to say about them."""
+    """The events in the clauses of a measure, with their roles. said: the phrases about them in verdicts."""
 
     matchers: tuple[Matcher, ...] = ()
     roles: tuple[int, ...] = ()
@@ -76,7 +76,11 @@ class ValueTest:
 
 
 class Hearing:
-    """One of a measure's events, as records of one topic may be it. test: None if they begin or end its group only."""
+    """The relation of the records of one topic to one event of a measure.
+
+    place: the index of the event. test: the values with which a record is the event; None for no value.
+    begins, ends: the values with which a record begins or ends a group of the event; None for no value.
+    """
 
     __slots__ = ("begins", "ends", "groups", "place", "test")
 
@@ -98,17 +102,17 @@ class Hearing:
 class EventMeasure(Measure):
     """The occurrences of an event, measured in a form of the language of budgets.
 
-    count   how many there were: worst is their number, worst_at when the first one was. Zero is a value, except for
-            free-text names, which may be misspelled. Verdicts show at how many of its occasions it was measured, where
-            it has any.
-    value   the value of each: the words in a FIFO, the age of what is read, a register field whenever it changed
-    level   the value that the second event had last, whenever the first one happens
-    sum     the sum of their values, which are numbers of things, as those of its clauses are: count is the sum of what
-            was measured, since a run in which nothing was compared proves nothing
-    ""      what a subclass takes in `happened`
+    count   the number of events. `worst` is that number, `worst_at` the tick of the first event. Zero is a value,
+            except for free-text names, which may be misspelled. If the measure has occasions, verdicts show how many of
+            them were measured.
+    value   the value of each event: the words in a FIFO, the age of data that was read, a register field at a change
+    level   the last value of the second event, at each occurrence of the first event
+    sum     the sum of the events' values, which are numbers of things. `count` is the number of things that were
+            measured, because a run in which nothing was compared proves nothing.
+    ""      the values that a subclass takes in `happened`
 
-    order: which of its events comes first where one record is several of them; places in `matchers`.
-    weighs: the values of its clauses' records are numbers of things, which it counts.
+    order: the indices of `matchers` in the order in which events count if one record is several of them.
+    weighs: True if the values of the clauses' records are numbers of things and are added up, as for a sum.
     """
 
     STATE = State("_groups _queue _queued _newest _level")
@@ -144,24 +148,24 @@ class EventMeasure(Measure):
         order = order or range(self._own)
         matchers = (*matchers, *clauses.matchers)
         self._seen_places = 0  # mask of the places whose events happened
-        self.first_seen = 0  # how often the first one happened
-        self.spans: set[str] | None = set() if any(m.free for m in matchers) else None  # names that there were
+        self.first_seen = 0  # number of occurrences of the first event
+        self.spans: set[str] | None = set() if any(m.free for m in matchers) else None  # names of the run's spans
         self._order: Sequence[int] = [*order, *range(self._own, len(matchers))]
         self._heard: tuple[Matcher, ...] = matchers
         self._groups = [None if m.group is None else Groups(m.group, m.nth) for m in matchers]
         self._queue: deque[_Seen] = deque()
-        self._queued = False  # something waits in it
-        self._newest: dict[int, _Seen] = {}  # the last of its group so far, by place
+        self._queued = False  # True if an event waits in `_queue`
+        self._newest: dict[int, _Seen] = {}  # by place: the last event of its group so far
         starts = [one for groups in self._groups if groups is not None for one in groups.matchers]
         each = [one for m in (*matchers, *starts) for one in m.each]
         self.kinds = frozenset(one.kind for one in each)
         self._wanted = {(one.kind, one.what) for one in each}
-        self._every: set[Kind] = {one.kind for one in each if one.what == ANYTHING}  # kinds with all their things
-        if self.spans is not None:  # so that a name near a misspelled one can be shown
+        self._every: set[Kind] = {one.kind for one in each if one.what == ANYTHING}  # kinds needed with all things
+        if self.spans is not None:  # all spans are needed, so that the right name can be suggested
             self._every.add(Kind.SPAN)
         self._needed: dict[Kind, frozenset[str]] = subjects_of([*matchers, *starts])
-        self._plans: list[list[Hearing]] = []  # by tag
-        self._names: list[str] = []  # by tag, of a span; else ""
+        self._plans: list[list[Hearing]] = []  # by tag: the events that the records may be
+        self._names: list[str] = []  # by tag: the name of a span; "" for other records
 
     @property
     def subjects(self) -> Subjects:
@@ -227,7 +231,7 @@ class EventMeasure(Measure):
             self.happened(place, tick, value)
 
     def _heed(self, clause: int, tick: int, value: int) -> None:
-        """Handle the event of a clause."""
+        """Handle the event of clause number `clause`."""
         role: int = self._roles[clause]
         number = value if self.weighs else 1
         if role == FOR_EACH:
@@ -242,7 +246,7 @@ class EventMeasure(Measure):
             self._unfinished.append((value, tick))
 
     def measured_at(self, tick: int, number: int) -> None:
-        """Count occasions that were measured."""
+        """Count `number` occasions as measured."""
         if self.weighs:
             self.count += number
         elif tick >= self.not_before:
@@ -316,7 +320,7 @@ class EventMeasure(Measure):
 
     @property
     def ungiven(self) -> bool:
-        """True if nothing is proven, since an event that was required did not come."""
+        """True if nothing is proven, because the required event of a clause `given` did not happen."""
         return self._has_given and not self._given
 
     @property
@@ -353,7 +357,7 @@ class EventMeasure(Measure):
 
 
 def _test(matcher: Matcher, kind: Kind, where: str, what: str) -> ValueTest | None:
-    """Return the test of the values that make a record of this kind, place and thing the event; None if it never is."""
+    """Return the test of the values with which a record of this topic is the event; None if it never is."""
     test: ValueTest | None = None
     for one in reversed(matcher.each):
         if one.may_be(kind, where, what):
@@ -362,7 +366,7 @@ def _test(matcher: Matcher, kind: Kind, where: str, what: str) -> ValueTest | No
 
 
 def subjects_of(matchers: Sequence[Matcher]) -> dict[Kind, frozenset[str]]:
-    """Return the subjects of the matchers by kind, without the kinds of which one matcher needs all subjects."""
+    """Return the subjects of the matchers by kind. Kinds of which a matcher needs all subjects are left out."""
     needed: dict[Kind, frozenset[str]] = {}
     each = [one for m in matchers for one in m.each]
     for m in each:

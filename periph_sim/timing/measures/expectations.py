@@ -1,10 +1,10 @@
-"""Measures of what a case expects, whose values a party of the scene finds: replies, and edges of watched wires.
+"""Measures of expected replies, and of expected edges on watched wires. A party of the scene provides their values.
 
-A reply comes within a time:
+The time of a reply:
 
 send begins          ends
 |====================|------------- time ------------|
-window: characters from here on ...      the last one ends
+window: characters from here on      the last character ends
 """
 
 from __future__ import annotations
@@ -26,7 +26,12 @@ BAD = 0x100  # added to a character with a wrong parity or without a stop bit
 
 
 class Expected(Struct, frozen=True):
-    """An expected reply. show: formats characters. within: ticks. anywhere: other characters may come before."""
+    """An expected reply.
+
+    show: returns characters as text for messages.
+    within: the longest time of a reply, in ticks.
+    anywhere: True if other characters may come before the reply.
+    """
 
     characters: tuple[int, ...]
     show: Callable[[tuple[int, ...]], str]
@@ -43,14 +48,14 @@ class _Occasion(Struct):
     since: int = NO_TIME
     came: list[int] = field(default_factory=list)
     first: int = NO_TIME  # begin of the first character
-    ended: int = NO_TIME  # with its last one
+    ended: int = NO_TIME  # end of the last character
     wrong_at: int = NO_TIME
-    ends: int = NO_TIME  # what begins later and is not the reply, is another's
-    shut: bool = False  # such a character came
+    ends: int = NO_TIME  # a wrong character that begins later does not belong to this reply
+    shut: bool = False  # True after such a character
 
 
 class Reply(Measure):
-    """Time from the end of a request to the end of the last character of its reply. Another reply breaks it."""
+    """Time from the end of a request to the end of the last character of its reply. A wrong reply breaks the budget."""
 
     STATE = State("_open")
     needs = "serial"
@@ -83,7 +88,7 @@ class Reply(Measure):
         self._open.append(_Occasion(tick))
 
     def due(self, tick: int) -> None:
-        """Start the time of the reply: its request is over."""
+        """Start the time of the reply, because its request has ended."""
         waiting = next((one for one in self._open if one.since == NO_TIME), None)
         if waiting is not None:
             waiting.since = tick
@@ -98,7 +103,7 @@ class Reply(Measure):
                 one.ends = tick
 
     def character(self, begin: int, end: int, value: int, good: bool) -> None:
-        """Take a character from the line."""
+        """Handle a character on the line."""
         expected = self._what
         occasion = next((one for one in self._open if not self._over(one)), None)
         if occasion is None or begin < occasion.window:
@@ -131,7 +136,7 @@ class Reply(Measure):
         return tuple(occasion.came) == self._what.characters
 
     def _over(self, occasion: _Occasion) -> bool:
-        """Return True if as many characters came as were expected; later ones do not belong to this reply."""
+        """Return True if all expected characters came, so that later ones do not belong to this reply."""
         enough = len(occasion.came) >= len(self._what.characters)
         return self._complete(occasion) or (enough and not self._what.anywhere)
 
@@ -176,7 +181,7 @@ class Reply(Measure):
         return f"{wanted}, but {came + ' came last' if occasion.came else 'nothing came'}"
 
     def _give_up(self, now: int) -> None:
-        """Give up the occasions that are overdue when another reply is asked for."""
+        """End the occasions that are overdue when another reply is requested."""
         while self._open:
             first = self._open[0]
             late = first.since != NO_TIME and now - first.since > self._what.within
@@ -202,7 +207,7 @@ class Reply(Measure):
 
 
 class WatchedWire(Measure):
-    """Between an edge of a watched wire and when it was expected. One that is missing or wrong breaks it."""
+    """Time between an edge of a watched wire and its expected time. A missing or wrong edge breaks the budget."""
 
     def __init__(self, name: str) -> None:
         super().__init__()

@@ -1,4 +1,4 @@
-"""Makers of measures: functions that make the measure named in a budget.
+"""Makers of measures. A maker is a function that returns a new measure, as the text of a budget names it.
 
 text --registry--> the sentence of that name --.
   '--------------------------------------------+--language--> Said --events, names--> Matchers --> Maker --> Measure
@@ -44,7 +44,7 @@ Maker: TypeAlias = Callable[[], Measure]  # shares nothing with a run, so it ser
 
 
 def expanded(text: str, sentences: Mapping[str, str]) -> str:
-    """Return a measure's text with the user's own names replaced by their sentences.
+    """Return a measure's text in which names that the user has defined are replaced by their texts.
 
     Raise BadEvent if a name is defined by itself.
     """
@@ -61,7 +61,7 @@ def expanded(text: str, sentences: Mapping[str, str]) -> str:
 
 
 def check_measure(name: str, sentences: Mapping[str, str]) -> None:
-    """Raise BadEvent if the sentence of this name says no measure, in whatever scene, or if the name has a meaning."""
+    """Raise BadEvent if a name that the user defines is taken, or if its text cannot be a measure in any scene."""
     if name in MEASURES or name in PHRASES or is_form(name) or name.startswith((SPAN, REPLY, WATCH)):
         raise BadEvent(f"there is a measure {name!r} already; give this one another name")
     text = expanded(name, sentences)
@@ -80,7 +80,7 @@ def measure_named(text: str, scope: Scope) -> Measure:
 
 
 def maker_of(text: str, scope: Scope) -> Maker:
-    """Return a function that makes the measure that a text names. BadEvent as for `measure_named`."""
+    """Return the maker of the measure that a text names. Raise BadEvent as `measure_named` does."""
     return _maker_of_events(measure_of(text), scope) if is_form(text) else _called(text, scope)
 
 
@@ -118,7 +118,7 @@ def _maker_of_events(said: Said, scope: Scope) -> Maker:
     return _MAKERS[said.form](said, scope)
 
 
-WORDS: dict[str, Callable[[Said, Scope], str]] = {  # parameters of sentences, from the words of a budget
+WORDS: dict[str, Callable[[Said, Scope], str]] = {  # return parameters of sentences from a parsed text
     "event": lambda said, scope: said.events[0].text,
     "cpu": lambda said, scope: scope.unit(said.unit),
     "i2c": lambda said, scope: scope.owner(said.unit, "I2C-A"),
@@ -130,7 +130,7 @@ WORDS: dict[str, Callable[[Said, Scope], str]] = {  # parameters of sentences, f
 
 
 def _of_sentence(sentence: Sentence, said: Said, scope: Scope, **given: str) -> Maker:
-    """Return the maker of a named measure. said: the words of a budget. given: parameters besides those of WORDS."""
+    """Return the maker of a named measure. said: the parsed text of the budget. given: parameters not in WORDS."""
     named = f"{sentence.text} {sentence.nothing}"
     words = given | {name: word(said, scope) for name, word in WORDS.items() if f"{{{name}}}" in named}
     meant = measure_of(sentence.text.format_map(words))
@@ -141,7 +141,7 @@ def _of_sentence(sentence: Sentence, said: Said, scope: Scope, **given: str) -> 
 
 
 def _phrase(said: Said, scope: Scope) -> Maker:
-    """Return the maker of a sentence that has a parameter or depends on the scene."""
+    """Return the maker of a sentence in PHRASES, which has parameters or depends on the scene."""
     return _of_sentence(PHRASES[said.form], said, scope)
 
 
@@ -222,7 +222,7 @@ def _gap(said: Said, scope: Scope) -> Maker:
 
 
 def _latency(said: Said, scope: Scope) -> Maker:
-    """Return the maker of an interrupt's latency, from the rise of its PIEIFR flag to its service routine's begin."""
+    """Return the maker of an interrupt's latency, from the rise of its PIEIFR flag to its routine or first access."""
     unit = scope.vector(said.unit, said.name)
     if said.name not in LINES:
         raise BadEvent(f"{said.name} does not come through the PIE, so nothing records when it was asked for")
@@ -252,11 +252,11 @@ def _state(said: Said, scope: Scope) -> StateEvents:
 
 
 def _of_a_race(said: Said, scope: Scope) -> Maker:
-    """Return the maker of a race, of lost flags, or of flags cleared along."""
+    """Return the maker of a race, of lost flags, or of flags that are cleared along with others."""
     from .watched import clearing, losing, raced
 
     if said.form == "race":
-        from .race import Race  # works on recorded runs, too, which no other measure needs imported
+        from .race import Race  # imported here, because it imports the modules for recorded runs
 
         return partial(Race, raced(said.unit, said.name, scope))
     from .modifies import LostFlags

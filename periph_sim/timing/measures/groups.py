@@ -1,7 +1,7 @@
 """Groups of events, as in "the last byte of a transfer".
 
-transfer   from its START to the next transfer's
-round      from its first START to the next round's; which one is the first, `rounds` knows
+transfer   from its START to the START of the next transfer
+round      from its first START to the first START of the next round (see `timing/rounds.py`)
 burst      UART frames of one wire without a pause between them that is longer than two characters
 interrupt  from the begin of a service routine to its end
 """
@@ -27,9 +27,9 @@ class Groups:
 
     def __init__(self, group: Group, nth: int) -> None:
         self.nth = nth
-        self.inside = False  # no group has begun yet
+        self.inside = False  # True while a group is in progress
         self._group = group
-        self._ends: bool = group.name == "interrupt"  # before the next one begins
+        self._ends: bool = group.name == "interrupt"  # True if a group ends before the next one begins
         self._seen = 0
         self._begins_round: Callable[[], bool] | None = None
         self._frame_began = self._frame_ended = NO_TIME
@@ -44,7 +44,7 @@ class Groups:
             self._begins_round = scene.rounds_at_start()
 
     def begins(self, tick: int, begin: bool, end: bool) -> bool:
-        """Return True if a group begins with a record. begin, end: the record is that event of a group."""
+        """Handle a record, and return True if it begins a group. begin, end: True if it is that event of a group."""
         first = begin and self._is_first(tick)
         if end:
             self._frame_ended = tick

@@ -5,7 +5,7 @@
     write      w--------|           margin: g - w, less the module's delay from a write to its release of SCL
     late                |----w      negative: SCL is held for so long
 
-The write of a byte is the last one before I2CDXR is copied to I2CXSR, which XRDY shows: it is 1 if I2CDXR is empty.
+The write of a byte is the last write before I2CDXR is copied to I2CXSR. XRDY = 1 shows that I2CDXR is empty.
 """
 
 # core: compiled
@@ -23,7 +23,7 @@ THINGS = {(Kind.ACCESS, "W I2C-A.I2CDXR"), (Kind.FLAG, "I2CSTR.XRDY")}
 
 
 class _Reads(BusFromWires):
-    """Bytes that the unit sends as a slave, with the instant at which each is needed."""
+    """Finds the bytes that the unit sends as a slave, and the tick at which each of them is needed."""
 
     def __init__(self, unit: str, measure: Margin) -> None:
         super().__init__(unit)
@@ -35,10 +35,10 @@ class _Reads(BusFromWires):
 
 
 class Margin(Measure):
-    """Time from the write of I2CDXR to the latest instant that is soon enough; negative if SCL is held for it.
+    """Time from the write of I2CDXR to the latest time that is early enough; negative if SCL was held for the write.
 
-    It is measured for each byte that a unit sends as a slave. When the controller releases SCL, the module must have
-    released it, too.
+    It is measured for each byte that a unit sends as a slave. A write is early enough if the module releases SCL no
+    later than the controller does.
     """
 
     STATE = State("bus _empty", ticks="_waiting _shifting")
@@ -53,7 +53,7 @@ class Margin(Measure):
         self.bus = _Reads(unit, self)
         self._waiting = NO_TIME  # when the byte in I2CDXR was written
         self._shifting = NO_TIME  # when the byte in I2CXSR was written
-        self._empty = True  # I2CDXR, as XRDY says
+        self._empty = True  # True if XRDY shows that I2CDXR is empty
 
     @property
     def subjects(self) -> Subjects:
@@ -87,7 +87,7 @@ class Margin(Measure):
             self._shifting, self._waiting = self._waiting, NO_TIME
 
     def needed(self, let_go: int, rose: int) -> None:
-        """Take the margin of a byte: SCL rose for its first bit."""
+        """Take the margin of a byte, after SCL has risen for its first bit."""
         self.occasion(rose)
         self._copied()
         written, self._shifting = self._shifting, NO_TIME

@@ -1,8 +1,8 @@
 """Base class of all measures, which follow the records of a run and keep the worst value and its tick.
 
-No history of values is kept, so memory does not grow with the run, unless `keep` asks for all values. For percentiles
-`Tally` counts equal values in bounded memory. Measures with a fixed name are rows in `registry`. A measure may ask the
-scene for what records do not show: `MeasuredScene`.
+Values are not stored, so memory does not grow with the run, unless `keep` is called. For percentiles, `Tally` counts
+equal values in bounded memory. Measures with a fixed name are rows in `registry`. A measure gets what records do not
+show from the scene (`MeasuredScene`).
 """
 
 # core: compiled
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .expectations import Expected, Reply, WatchedWire
 
 
-MOST = 1 << 15  # maximum number of cells
+MOST = 1 << 15  # maximum number of cells of a `Tally`
 
 
 @final
@@ -86,7 +86,7 @@ class Tally:
         raise AssertionError("there is no value")
 
     def _widen(self) -> None:
-        """Make cells twice as wide until half are left, so that values far apart do not widen them each time."""
+        """Make cells twice as wide until at most half of `most` are left, so that this is not needed again soon."""
         while len(self._cells) > self._most // 2:
             self._shift += 1
             narrow, self._cells = self._cells, {}
@@ -102,30 +102,30 @@ LOOKS_BACK = (
     *("this occurrence", "the occurrence before", "this transfer", "this round", "the round before"),
     "the whole run",
 )
-MILLIONTHS = 1_000_000  # parts of the time and LSB are counted in these
-READ = "read"  # an occurrence: one addressed phase, read or written, identified by its START
+MILLIONTHS = 1_000_000  # shares of time and values in LSB are counted in millionths
+READ = "read"  # a kind of occurrence: one addressed phase, read or written, identified by its START
 
 
 class Measure(Listener):
     """Base of all measures.
 
-    worst, least: the largest and the smallest value. not_before: the first tick that counts. occasions: number of times
-    that there was something to measure, counted on the bus and not by the firmware; None if it has no such count.
-
-    unit: "time" (ticks), "%" and "LSB" (millionths) or a word for what is counted. series: True if it takes one value
-    after the other, which have percentiles. occurrence: what a value belongs to; measures of the same occurrences can
-    be joined. asked: the name of occasions, as a plural.
-
-    looks_back: how far back the records are that its next value depends on, a word of LOOKS_BACK. STATE lists what it
-    remembers of them; the values that it has taken are results.
-
-    is_jitter: it takes the difference between each value and the one before (cycle-to-cycle jitter), not the value.
+    worst, least: the largest and the smallest value.
+    not_before: occurrences before this tick do not count.
+    occasions: the number of times at which a value should have been measured, counted on the bus and not by the
+        firmware; None if the measure does not count them.
+    unit: "time" (ticks), "%" and "LSB" (millionths), or a word for the things that are counted.
+    series: True if the measure takes a series of values, which has percentiles; False if it is one number a run.
+    occurrence: the kind of thing that has a value, such as READ; measures of the same kind can be joined.
+    asked: the name of the occasions, in the plural.
+    looks_back: how far back the records are on which the next value depends, one of LOOKS_BACK. STATE lists what the
+        measure remembers of these records. Values that were taken are results, not state.
+    is_jitter: True if it takes the difference between each value and the one before (cycle-to-cycle jitter).
     """
 
     STATE = State("_before _uncompared")
     unit = "time"
     series = True
-    needs = ""  # what a scene must have for this to mean anything: "controller", "rounds", "host", "serial", "SCI"
+    needs = ""  # what the scene must contain: "controller", "rounds", "host", "serial", "SCI"; "" for nothing
     asked = ""
     kinds: frozenset[Kind] = frozenset()
 
@@ -137,22 +137,22 @@ class Measure(Listener):
         self.least = 0
         self.worst_at = NO_TIME
         self.least_at = NO_TIME
-        self.cut_off = 0  # number of these that the end of the run cut off
+        self.cut_off = 0  # number of values of occurrences that the end of the run cut off
         self.not_before = NO_TIME
         self.occasions: int | None = 0 if self.asked else None
         self.is_jitter = False
-        self._before: int | None = None  # the last value, of a jitter
-        self._uncompared = 0  # occasions to come that have none before them to be compared with
+        self._before: int | None = None  # for a jitter: the last value; None before the first one
+        self._uncompared = 0  # 1 before the first occasion of a jitter, which has no value to be compared with; else 0
         self._kept: tuple[array[int], array[int]] | None = None
         self._tally: Tally | None = None
-        self.refuted = ""  # why no value can keep the limit, such as a reply that is not the expected one
+        self.refuted = ""  # why the budget is broken whatever its values are, such as a wrong reply; "" if it is not
         self.refuted_at = NO_TIME
         self.refuted_until = NO_TIME
         self.not_judged = ""  # the reason why it is not known whether all occurrences keep the limit
 
     @property
     def subjects(self) -> Subjects:
-        """The subjects whose records it needs, by kind, without the kinds of which it needs all."""
+        """The subjects whose records it needs, by kind. Kinds of which it needs all subjects are left out."""
         return {}
 
     @property
@@ -177,15 +177,15 @@ class Measure(Listener):
         return self.why_silent()
 
     def why_silent(self) -> str:  # core: python
-        """Return the same if no value was taken that a jitter leaves out."""
+        """Return why nothing was measured, for `missing`. A jitter with only one value is handled there."""
         return ""
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
-        """Return (value so far, as given to `take`, begin) of each occurrence that is not over."""
+        """Return (value so far, begin) of each occurrence that is not over, as for `take`."""
         return []
 
     def unfinished_text(self) -> str:
-        """Return what is not over, as a phrase."""
+        """Return a phrase that says which occurrences were not over at the end of the run."""
         return ""
 
     def close(self, now: int) -> str:
@@ -202,14 +202,14 @@ class Measure(Listener):
         return self.unfinished_text() if self.cut_off else ""
 
     def listen(self, scene: MeasuredScene) -> None:  # core: python
-        """Ask the scene for what this measure needs in addition to records."""
+        """Get from the scene what this measure needs in addition to records."""
 
     def subscribe(self, recorder: Recorder) -> None:
-        """Subscribe to the records that this measure looks at, which has them made."""
+        """Subscribe to the records that this measure needs, so that they are made."""
         recorder.subscribe(self.kinds, self, self.subjects)
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
-        """Return the tag for `on_record` of records of this kind, place and thing; UNWANTED for none of them."""
+        """Return the tag under which `on_record` receives these records; UNWANTED if they are not needed."""
         return UNWANTED
 
     def finish(self, now: int) -> None:  # core: python
@@ -225,11 +225,11 @@ class Measure(Listener):
         self._uncompared = 1
 
     def keep(self) -> None:
-        """Keep every value, for distributions and joined conditions."""
+        """Store every value from now on, for distributions and joined conditions."""
         self._kept = array("q"), array("q")
 
     def tally(self) -> None:
-        """Count values that are equal, for percentiles."""
+        """Count equal values in a `Tally` from now on, for percentiles."""
         self._tally = Tally()
 
     @property
@@ -241,7 +241,7 @@ class Measure(Listener):
         """(values, when each was), both int64[count], in order; None unless `keep` was called."""
         if self._kept is None:
             return None
-        import numpy as np  # with the first percentile: most runs need none
+        import numpy as np  # imported here, because most runs do not need it
 
         values, at = self._kept
         return np.array(values, np.int64), np.array(at, np.int64)
@@ -252,10 +252,10 @@ class Measure(Listener):
         return self.kept
 
     def only(self, places: NDArray[np.int64]) -> None:
-        """Keep only the values at these places."""
+        """Drop all stored values except those at these indices."""
         values, at = (column[places].tolist() for column in self.all_kept())
         self.count = self.cut_off = 0
-        self.occasions = None  # the measure that it is joined to has them
+        self.occasions = None  # they are counted by the measure to which this one is joined
         self.keep()
         if self._tally is not None:
             self.tally()
@@ -268,14 +268,14 @@ class Measure(Listener):
         return self._tally.percentile(per_mille)
 
     def occasion(self, at: int, number: int = 1) -> None:
-        """Count occasions. at: as given to `take`."""
+        """Count `number` occasions. at: their tick, which is that of the value as given to `take`."""
         if at >= self.not_before:
             assert self.occasions is not None
             self.occasions += number - self._uncompared
             self._uncompared = 0
 
     def refute(self, why: str, at: int, until: int = NO_TIME) -> None:
-        """Break the budget, whatever values follow, unless it is broken already. until: the end of what is wrong."""
+        """Mark the budget as broken, whatever values follow. at, until: the ticks between which the fault is seen."""
         if not self.refuted and at >= self.not_before:
             self.refuted, self.refuted_at, self.refuted_until = why, at, at if until == NO_TIME else until
 
@@ -313,16 +313,16 @@ class Delay(Protocol):
 
 
 class MeasuredScene(Protocol):
-    """The questions that a scene answers."""
+    """Interface from which measures get what they need of a scene."""
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
         """Subscribe `reply`. Return the expected reply, and a function that returns why it was never requested."""
 
     def watcher(self, measure: WatchedWire) -> WireWatcher:
-        """Return the watcher of the wire that the measure is named for, which gives its findings to the measure."""
+        """Return the wire watcher with the name of the measure. It passes its results to the measure."""
 
     def rounds_at_start(self) -> Callable[[], bool]:
-        """Return a function that says, at a START that is no repeated one, whether it begins a round."""
+        """Return a function that is called at each first START of a transfer; it returns True if a round begins."""
 
     def began(self) -> int:
         """Return the tick at which the run begins."""
@@ -333,12 +333,12 @@ class MeasuredScene(Protocol):
         """Return the level of a wire now."""
 
     def value_of(self, place: str, name: str) -> int:
-        """Return what a field holds now: of "dsp.I2C-A" that of "I2CSTR.XRDY"."""
+        """Return the present value of a field. place, name: such as "dsp.I2C-A" and "I2CSTR.XRDY"."""
 
     def ticks_per_second(self) -> int: ...
 
     def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
-        """Return a unit's SYSCLKOUT in Hz from each tick on, up to now; of the first unit where none is named."""
+        """Return pairs (tick, SYSCLKOUT in Hz from then on) of a unit, up to now; of the first unit if `unit` is ""."""
 
     def i2c_release_delay(self, unit: str) -> Delay:
-        """Return the delay from a write of I2CDXR that SCL is held for to its release."""
+        """Return the delay from a write of I2CDXR, for which SCL is held low, to the release of SCL."""

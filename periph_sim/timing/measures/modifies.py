@@ -1,15 +1,15 @@
 """Read-modify-writes during a run, and the flags that they cleared unintentionally.
 
-    R . . R x W      W lands: its read is the nearest one of the same statement, a few cycles before. What rose between?
-          '---'
-                F    a flag falls by it: was that intended? had the firmware read the flag since it rose?
+    R . . R x W      write W belongs to the nearest read R of the same statement, a few cycles before. Which flags rose
+          '---'      in between?
+                F    the write clears a flag: was that intended? had the firmware read the flag since it rose?
 
-A read-modify-write is judged when its read is too old for any other write, since earlier reads are known by then. The
-flags that firmware intends to clear at a place are known at the end. A poll that no write follows is dropped, and flags
-that may have been lost are counted by place, so memory does not grow with the run.
+A read-modify-write is judged when its read is too old for any other write, because all earlier reads are known by then.
+The flags that firmware intends to clear at a place in its code are known at the end of the run. Reads without a write
+are dropped, and flags that may have been lost are counted by place, so memory does not grow with the run.
 
-The reads that belong to writes are found as `records/read_modify_write.py` finds them in a recording of the whole run;
-both have `records/cleared_flags.py` judge them.
+Reads and writes are matched as `records/read_modify_write.py` matches them in a recording of a whole run. Both modules
+use `records/cleared_flags.py` to judge the cleared flags.
 """
 
 # core: compiled
@@ -31,9 +31,11 @@ from .watched import Watched
 
 @final
 class Access:
-    """An access in the last cycles. register: None if writing 1 clears none of its flags. modify: the write of a read.
+    """An access in the last cycles, as an element of a linked list.
 
-    before, after: its neighbours, the older and the younger one.
+    register: the accessed register; None if it has no flag that writing 1 clears.
+    modify: for a read, the write that belongs to it; None if there is none.
+    before, after: the next older and the next younger access in the list.
     """
 
     __slots__ = ("after", "before", "cause", "field", "modify", "number", "reads", "register", "text", "tick", "value")
@@ -64,8 +66,10 @@ class Recent:
 
 @final
 class Topic:
-    """All records of one kind, place and thing. flag: None for accesses. register: None for accesses to others.
+    """All records of one kind, place and thing.
 
+    flag: the flag whose changes they are; None for accesses.
+    register: the register; None for accesses to registers that are not judged.
     recent: the accesses of the unit in the last cycles.
     """
 
@@ -81,9 +85,12 @@ class Topic:
 class Modifies(RecordSink):
     """Finds the flags that read-modify-writes cleared unintentionally.
 
-    concerns: returns True if records of a kind, place and thing are evaluated. is_about: returns True if the register
-    of these accesses is one whose flags may be lost; other accesses are only counted. status: judge status registers
-    only. writes: number of writes to these registers, with a read or without. recent: by unit.
+    concerns: returns True if records of a kind, place and thing are evaluated.
+    is_about: returns True if the flags of the register that these records access are judged; accesses to other
+        registers are only counted.
+    status: True if all status registers are judged, and no others.
+    writes: the number of writes to the judged registers, with or without a read.
+    recent: the accesses in the last cycles, indexed by unit.
     """
 
     def __init__(
@@ -93,11 +100,11 @@ class Modifies(RecordSink):
         self._status = status
         self._concerns = concerns
         self._is_about = is_about
-        self._longest = 0  # ticks
+        self._longest = 0  # maximum number of ticks from a read to the write that belongs to it
         self._per_second: Fraction = Fraction(1)
         self._clocks: list[tuple[int, Fraction]] = []  # SYSCLKOUT from each tick on, as far as the run has come
-        self._known = 0  # of these
-        self._spare: Access | None = None  # the first of the dropped ones, for reuse
+        self._known = 0  # number of entries of `_clocks` that were evaluated
+        self._spare: Access | None = None  # the first of a chain of dropped accesses, for reuse
         self._topics: list[Topic] = []  # by tag
         self.recent: dict[str, Recent] = {}  # by unit
         self._registers: dict[tuple[str, str], ClearedRegister] = {}  # by unit and name
@@ -112,7 +119,7 @@ class Modifies(RecordSink):
         self.cycle_is(self._per_second / self._clocks[-1][1])
 
     def cycle_is(self, ticks: Fraction) -> None:
-        """Set the length of a cycle: a write's read is a few cycles before it."""
+        """Set the length of a cycle in ticks, which limits the time from a read to the write that belongs to it."""
         self._longest = int(MODIFY * ticks)
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
@@ -146,7 +153,7 @@ class Modifies(RecordSink):
         return self._registers[key]
 
     def places(self, tag: int) -> int:
-        """Return the accesses whose place is needed; it is the same for a read and a write of one statement."""
+        """Return for which accesses the place in the firmware is needed, to find the read and write of a statement."""
         topic = self._topics[tag]
         return NOWHERE if topic.register is None or topic.flag is not None else OF_MODIFIES
 
@@ -183,11 +190,11 @@ class Modifies(RecordSink):
             newest.after = one
 
     def _landed(self, write: Access, register: ClearedRegister, recent: Recent) -> None:
-        """Take a write. The nearest read of the same statement belongs to it, if there is one."""
+        """Handle a write. The nearest read of the same statement, if there is one, belongs to it."""
         passed: int
         passed, one = 0, recent.newest
         while one is not None and passed < OVERTAKEN:
-            if one.cause == write.cause:  # of the same routine
+            if one.cause == write.cause:  # both are in the same routine
                 passed += 1
                 if one.reads and one.register is register and one.modify is None and _alike(one, write):
                     one.modify = register.written(write.number, write.tick, write.value, write.text)
@@ -195,7 +202,7 @@ class Modifies(RecordSink):
             one = one.before
 
     def _forget(self, recent: Recent, before: int) -> None:
-        """Drop the accesses that no later write can belong to, after evaluating them."""
+        """Evaluate and drop the accesses before the tick `before`, to which no later write can belong."""
         one = recent.oldest
         while one is not None and one.tick < before:
             if one.register is not None and one.reads:
@@ -217,7 +224,7 @@ class Modifies(RecordSink):
     def cleared(self, name: str = "") -> Cleared:
         """Return the flags that were cleared unintentionally.
 
-        name: of a flag, whether firmware had read it or not; of all flags only those that it had not read.
+        name: a flag to return, whether firmware had read it or not; "" for all flags that firmware had not read.
         """
         found = Cleared()
         for register in self._registers.values():
@@ -233,20 +240,20 @@ class Modifies(RecordSink):
 
 
 def _alike(read: Access, write: Access) -> bool:
-    """Return True if both are at one place and name the same field."""
+    """Return True if both are in the same statement of the firmware and access the same field."""
     if read.text is not write.text and statement(read.text) != statement(write.text):
         return False
     return read.field == write.field
 
 
 class LostFlags(Measure):
-    """Flags that a read-modify-write cleared unintentionally and that firmware had not read since they rose.
+    """Number of flags that read-modify-writes cleared unintentionally and that firmware had not read since they rose.
 
-    If a field is watched: the number of times that one meant for another flag cleared this one, whether it was read or
-    not, for a flag that firmware waits for later and that no other write may clear.
+    If a field is watched: the number of times that a read-modify-write for another flag cleared this flag, whether
+    firmware had read it or not. This is for a flag that firmware waits for later and that no other write may clear.
 
-    worst is the number of lost flags, count that of the writes. A plain write clears what it is meant to clear. Without
-    any write nothing is proven.
+    `worst` is the number of lost flags, `count` the number of writes. A write without a read clears what it is meant to
+    clear. Without any write nothing is proven.
     """
 
     unit = "flags"

@@ -3,7 +3,7 @@
     table = formats.psr.read_table(path)
     timing.between(table, "bus address 0x68 read", "access W I2C-A.I2CDXR") --> durations and starts, int64 ticks
 
-`between` gives the measure of `from EVENT to EVENT` its events.
+`between` passes the events in the table to the measure of `from EVENT to EVENT`.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ def between(
 
     rule: as after the comma in a budget: "in order", "next" or "last"; "same transfer" or "same round" for pairs within
     one of them, from its START to the next one's; or both: "last, same transfer".
-    transfers_in_round: how many transfers a round has; needed for "same round", as no record says it.
+    transfers_in_round: the number of transfers in a round; needed for "same round", because no record contains it.
 
     Raise BadEvent if a text names no event, or an event that this run cannot contain, or if a second `begin` comes
     before the `end` of the first and no rule says which of them the `end` belongs to.
@@ -61,7 +61,7 @@ def between(
         events += [(row, START) for row in starts.tolist()]
     measure = Between(first, second, pairing, stretch)
     measure.keep()
-    for row, place in sorted(events, key=lambda event: (event[0], -event[1])):  # of one record: START, end, begin
+    for row, place in sorted(events, key=lambda event: (event[0], -event[1])):  # order in one record: START, end, begin
         measure.happened(place, int(table.tick[row]), 0)
     if measure.again is not None:
         raise BadEvent(
@@ -94,7 +94,7 @@ def _named(table: RecordTable, column: str, names: frozenset[str] | None) -> NDA
 
 
 def _rules(rule: str) -> tuple[str, str]:
-    """Return (pairing, group)."""
+    """Return (pairing, group) of a rule; "" for each that the rule does not contain."""
     pairing = group = ""
     for word in filter(None, (part.strip() for part in rule.split(","))):
         if word in PAIRINGS and not pairing:

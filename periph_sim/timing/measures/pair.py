@@ -1,15 +1,15 @@
 """Measures of pairs of events: time from each first event to its second, and number of third events in between.
 
     A1   A2        B1   B2
-    |----+---------|    |      in order: n-th with n-th
+    |----+---------|    |      in order: the n-th A with the n-th B
          |--------------|
-    |--------------|           next: each with the next second one, which may end several
+    |--------------|           next: each A with the next B, which may end several pairs
          |---------|
-         |---------|           last: only the last one before a second one
+         |---------|           last: each B with only the last A before it
 
-If no pairing is given and a second A comes before the first one's B, it is not known which events belong together:
-nothing is proven then. Events of one unit are paired with each other only, if that is the rule. A period is the time
-from an event to the next of its kind.
+If no pairing is given and another A comes before the B of the first one, it is not known which events belong together,
+so nothing is proven. With the rule `same unit`, only events of the same unit are paired. A period is the time from an
+event to the next one of its kind.
 """
 
 # core: compiled
@@ -33,9 +33,9 @@ FIRST, SECOND, START, STOP = range(4)  # places of a pair's events
 class _Waiting:
     """First events whose second event has not come yet: the tick of each, and the number of events counted before it.
 
-    oldest, oldest_counted: those of the event that waits longest, mostly the only one; oldest is NO_TIME if none waits.
-    since, counted_at: those of the other waiting events, in order.
-    counted: number of events in between, since any event has been waiting.
+    oldest, oldest_counted: both for the event that has waited longest, often the only one; NO_TIME if none waits.
+    since, counted_at: both for the other waiting events, in order.
+    counted: the number of third events since the last time at which no event waited.
     """
 
     STATE = State("oldest_counted counted counted_at", ticks="oldest since", made=True)
@@ -63,7 +63,7 @@ class _Waiting:
             self.oldest, self.oldest_counted = self.since.popleft(), self.counted_at.popleft()
 
     def all(self) -> list[tuple[int, int]]:
-        """Return the tick of each event, and how many events in between came before it."""
+        """Return (tick, number of third events counted before it) of each waiting event."""
         if self.oldest == NO_TIME:
             return []
         return [(self.oldest, self.oldest_counted), *zip(self.since, self.counted_at, strict=True)]
@@ -78,12 +78,12 @@ class _Waiting:
 class Between(EventMeasure):
     """Time from each event to the event of another kind that belongs to it, or number of third events in between.
 
-    counted: the third event: after the first one, up to the second.
-    pairing: one of PAIRINGS; empty if one A at most may wait.
-    by_unit: pairs lie in one unit.
-    again: the ticks of two A that waited then; None if there were none.
-    group: pairs lie in one transfer or round: a transfer lasts from its START to the next one's, so that what firmware
-    does about a STOP belongs to it.
+    counted: the third event, which is counted between the two events of a pair; None to measure the time.
+    pairing: one of PAIRINGS; empty if only one first event may wait at a time.
+    by_unit: True if both events of a pair must be of the same unit.
+    again: without a pairing, the ticks of two first events that waited at the same time; None if there were none.
+    group: the transfer or round that must contain both events of a pair; None if they may be anywhere. A transfer lasts
+        from its START to the next one's START, so that the firmware's reaction to a STOP belongs to it.
     """
 
     STATE = State("_rule _stopped _begun _paired _of_unit", ticks="_begun_at")
@@ -111,12 +111,12 @@ class Between(EventMeasure):
         self._unsaid: bool = not pairing
         self._only_last: bool = pairing == "last"
         self._in_order: bool = pairing == "in order"
-        self._waiting = _Waiting()  # of the unit of the present record, if pairs lie in one
+        self._waiting = _Waiting()  # with `by_unit`: of the unit of the present record
         self._of_unit: dict[str, _Waiting] = {} if by_unit else {"": self._waiting}
         self._by_unit = by_unit
         self._of_tag: list[_Waiting] = []
         self.again: tuple[int, int] | None = None
-        self._begun = self._paired = False  # in the group under way
+        self._begun = self._paired = False  # True if the present group contains a first event, or a pair
         if group is not None:
             self.asked = f"{group.name}s with {begin.text!r}"
             self.occasions = 0
@@ -196,7 +196,7 @@ class Between(EventMeasure):
             self._group_over()
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
-        if self._rule is not None and self._stopped:  # in a transfer or round, not every first has a second
+        if self._rule is not None and self._stopped:  # not every first event has a second one in its group
             return []
         found: list[tuple[int, int]] = []
         for waiting in self._of_unit.values():
@@ -226,7 +226,7 @@ class Between(EventMeasure):
 
 
 def _order(inside: int, extra: int) -> tuple[int, ...]:
-    """Return the order of a record's events: START, the counted event, the pair's end, its begin, STOP."""
+    """Return the order in which the events of one record count: START, counted event, pair's end and begin, STOP."""
     starts, stops = ((START,), (STOP,)) if inside else ((), ())
     counted = range(2 + inside, 2 + inside + extra)
     return (*starts, *counted, SECOND, FIRST, *stops)

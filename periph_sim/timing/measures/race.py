@@ -26,7 +26,7 @@ from .watched import Watched, losing, raced
 
 
 class Kept(Columns):
-    """Records that concern a register."""
+    """Stores the records that concern the watched register."""
 
     def __init__(self, watched: Watched) -> None:
         super().__init__()
@@ -39,7 +39,7 @@ class Kept(Columns):
 class Race(Measure):
     """Distance of each CPU read of a status register to the nearest change of what was read, in cycles of SYSCLKOUT.
 
-    All records of the register are kept and evaluated after the run, as a recorded run.
+    All records of the register are stored, and evaluated after the run like a recorded run.
     Nothing is proven if a wait was skipped and its polls near a change cannot be reconstructed.
     """
 
@@ -72,7 +72,7 @@ class Race(Measure):
         recorder.subscribe(self.kinds, self._kept_records, self.subjects)
 
     def finish(self, now: int) -> None:
-        from ...records.races import distances  # which lost flags need not
+        from ...records.races import distances  # imported here, because `lost_flags` does not need it
 
         run = Run(replace(self._kept_records.table(Fraction(self._per_second), now, {}), clocks=self._clocks))
         self._kept_records.clear()
@@ -95,7 +95,7 @@ class Race(Measure):
 class Distances(NamedTuple):
     """Distances between reads and changes, one for each read, as int64.
 
-    cycles: from the read to its nearest change. tick: when the read was made.
+    cycles: the distance from the read to the nearest change. tick: the tick of the read.
     """
 
     cycles: NDArray[np.int64]
@@ -105,7 +105,7 @@ class Distances(NamedTuple):
 def races(table: RecordTable, name: str, sysclk: Fraction | None = None) -> Distances:
     """Return the cycles between each read of a status register, or of one field, and the nearest change.
 
-    name: "I2C-A.I2CSTR", "imu:I2C-A.I2CSTR.XRDY". sysclk: in Hz; None takes what the records show.
+    name: such as "I2C-A.I2CSTR" or "imu:I2C-A.I2CSTR.XRDY". sysclk: in Hz; None for the clock in the records.
 
     Raise BadEvent if the run can contain no such register, and NotInRun if the firmware never accessed it.
     """
@@ -117,7 +117,10 @@ def races(table: RecordTable, name: str, sysclk: Fraction | None = None) -> Dist
 
 
 def lost_flags(table: RecordTable, name: str = "") -> NDArray[np.int64]:
-    """Return the ticks at which read-modify-writes of a register, or of any, lost a flag. BadEvent as for `races`."""
+    """Return the ticks at which read-modify-writes lost flags of a register, or of all registers if `name` is empty.
+
+    Raise BadEvent as `races` does.
+    """
     unit, _, text = name.rpartition(":")
     run, watched = Run(table), losing(unit, text, scope_of_table(table))
     try:

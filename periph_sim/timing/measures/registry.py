@@ -1,15 +1,15 @@
 """The shipped measures: sentences of the language of budgets that have a name.
 
-    name --> Sentence: its text, what it costs, how far back it looks, what is said where it measured nothing
+    name --> Sentence: its text, its cost, how far back it looks, and phrases for its verdict
 
 A sentence with parameters has them in braces; `factory` fills them in from the words of a budget. Five measures are
-classes instead, because no sentence can say what they measure:
+classes instead, because no sentence can express them:
 
-    Margin       when a byte is needed: by the wires' parties and by the module's own delay, which no record shows
-    Race         polls that were skipped are put back on their grid, for which all records of a register must be there
-    LostFlags    which flags the firmware means to clear at a place is known after its last write
-    Reply        a reply is compared with the characters that a case expects, and a sentence quotes those that came
-    WatchedWire  a watcher, which may be the user's own, says when an edge was expected
+    Margin       depends on the parties that pull the wires and on the module's own delay, which no record contains
+    Race         reconstructs the polls that were skipped, for which it needs all records of a register
+    LostFlags    depends on the flags that firmware means to clear at a place, which are known after its last write
+    Reply        compares a reply with the characters that a case expects, and quotes the characters that came
+    WatchedWire  gets the expected time of an edge from a watcher, which may be the user's own
 """
 
 from __future__ import annotations
@@ -20,12 +20,14 @@ from msgspec import Struct
 class Sentence(Struct, frozen=True):
     """A named measure.
 
-    about: what it measures, for documentation; of a row without one, the sentence says it.
-    cost: the number of records that it takes in 0.1 s of timing/imu_hil_published.toml, which are five rounds.
-    looks_back: as of a `Measure`, the records from which `timing/derived` makes those of the sentence included.
-    asked: the events of its clause `for each`, as a plural. nothing: why nothing was measured. unproven: the same where
-    no event of `given` came. cut_off: what is `unfinished`, as a phrase.
-    unknown: of each `unless`, a thing and a reason, as in "3 reads" and "may carry other frames".
+    about: what it measures, for documentation; "" if its text explains it.
+    cost: the number of records that it takes in 0.1 s, which are five rounds, of timing/imu_hil_published.toml.
+    looks_back: as in `Measure`; it includes the records from which `timing/derived` makes the records in the text.
+    asked: the name of its occasions, the events of its clause `for each`, in the plural.
+    nothing: a phrase that says why nothing was measured; None if the measure finds the reason itself.
+    unproven: the same if no event of its clause `given` happened.
+    cut_off: a phrase that names the event of its clause `unfinished`.
+    unknown: for each clause `unless`, a thing and a reason, such as "read" and "may carry other frames".
     """
 
     text: str
@@ -132,7 +134,7 @@ MEASURES = {
     "stuck": Sentence("count of record bus stuck", "Times a line of the bus was held low longer than `stuck_after`."),
 }
 
-# Measures with parameters, or that depend on the scene, by the form of the language that their words begin with.
+# Measures that have parameters or depend on the scene, indexed by their form in the language of budgets.
 PHRASES = {
     "span": Sentence(
         "from span any:{quoted} begin to span any:{quoted} end, last, same unit",

@@ -1,10 +1,10 @@
 """Measures of the time in a state: each time, the sum of all, or their share of the run or of its busiest window.
 
     wire SCL low   ──┐______┌──────┐___┌──     each: 6 and 3      time in: 9
-                       |--- W ---|             share of any W: of the window, wherever it begins, with the most in it
+                       |--- W ---|             share of any W: that of the busiest window of length W
 
-A state that holds as the run begins belongs to the sum. It is no "each", since its
-begin is not known, unless it lasts to the end of the run.
+The time of a state that holds when the run begins is part of the sum. It is not a value of "each time", because its
+begin is not known, unless the state lasts to the end of the run.
 """
 
 # core: compiled
@@ -28,14 +28,17 @@ from .measure import MILLIONTHS, MeasuredScene
 if TYPE_CHECKING:
     from .event import Hearing
 
-WAIT, ROUTINE = 0, 1  # places of what nests
+WAIT, ROUTINE = 0, 1  # indices in `StateEvents.nests`
 
 
 class StateEvents(Struct, frozen=True):
-    """A state by its events. enters: what begins it. leaves: what ends it, unless that is one of `enters`, too.
+    """The events that define a state.
 
-    nests: instead of these, the waits and the service routines of a CPU, whose records are 1 at the begin and 0 at the
-    end. The CPU is idle while the innermost one is a wait. is_idle: the state is this, not the opposite.
+    enters: the events that begin it.
+    leaves: the events that end it, unless they are also in `enters`.
+    nests: for a CPU, in place of these: the waits and the service routines, whose records have the value 1 at the begin
+        and 0 at the end. The CPU is idle while the innermost of them is a wait.
+    is_idle: for a CPU: True if the state is "idle", False if it is "busy".
     """
 
     text: str
@@ -46,7 +49,7 @@ class StateEvents(Struct, frozen=True):
 
     @property
     def free(self) -> bool:
-        """True if it is a span, whose name is free text."""
+        """True if the state is a span, whose name is free text."""
         return bool(self.enters) and self.enters[0].free
 
     def holds(self, scene: MeasuredScene) -> bool:
@@ -59,14 +62,15 @@ class StateEvents(Struct, frozen=True):
             return scene.level_of(place) == first.want
         if first.kind is Kind.FLAG:
             return first.mask == EVERYTHING and scene.value_of(place, first.what) == first.want
-        return first.kind is Kind.BUS and first.what == "STOP"  # no START yet: the bus is free
+        return first.kind is Kind.BUS and first.what == "STOP"  # the bus is free, as after a STOP
 
 
 @final
 class BusiestWindow:
-    """The window of a length in which a state lasts longest. most: its share in millionths, -1 before one was over.
+    """Finds the window of a given length in which a state lasts longest.
 
-    It begins with a stretch of the state or ends with one, so only those windows are evaluated.
+    It begins when the state begins, or ends when the state ends, so only such windows are evaluated.
+    most: the share of the state in this window, in millionths; -1 before a window was over.
     """
 
     STATE = State(ticks="_since _stretches _begins")
@@ -76,9 +80,9 @@ class BusiestWindow:
         self.most = -1
         self.begin = NO_TIME
         self._began = began
-        self._since = NO_TIME  # begin of the stretch under way
-        self._stretches: deque[tuple[int, int]] = deque()  # those that a later window may overlap
-        self._begins: deque[int] = deque([began])  # of windows that are not over yet
+        self._since = NO_TIME  # the tick since which the state holds; NO_TIME if it does not hold
+        self._stretches: deque[tuple[int, int]] = deque()  # (begin, end) of past times that a window may overlap
+        self._begins: deque[int] = deque([began])  # begins of the windows that are not over yet
 
     def begins(self, at: int) -> None:
         self._pass(at)
@@ -103,7 +107,7 @@ class BusiestWindow:
             self._stretches.popleft()
 
     def _look(self, begin: int) -> None:
-        """Evaluate the window that begins there, if it is inside the run."""
+        """Evaluate the window that begins at the tick `begin`, unless that is before the run."""
         if begin < self._began:
             return
         end = begin + self.length
@@ -118,11 +122,12 @@ class BusiestWindow:
 
 
 class TimeIn(EventMeasure):
-    """Time in a state, from its begin to its end; of a span, service routines included.
+    """Time in a state, from its begin to its end. For a span, service routines are included.
 
-    form: each   each time, unless its begin was not seen, since the run began in the state
+    form: each   each time in the state, except one that had begun before the run
           time   the sum of all times
-          share  the sum as a part of the run, in millionths, or of the busiest window. window: its length in seconds
+          share  the share of the state in the run, or in the busiest window, in millionths
+    window: the length of the window in seconds; None for the run.
     """
 
     STATE = State("_whole _windows _under_way", ticks="_since")
@@ -138,18 +143,18 @@ class TimeIn(EventMeasure):
         self._nests = bool(state.nests)
         self._is_idle: bool = state.is_idle
         self._under_way: list[int] = []  # waits and service routines, the inner ones last
-        self._enters = len(state.enters)  # the first ones of `matchers`
+        self._enters = len(state.enters)  # number of the first `matchers`, which begin the state
         self._since = NO_TIME
-        self._whole = False  # the begin of the present time was seen
+        self._whole = False  # True if the state began during the run, not before it
         self._began = 0
-        self._entered = False  # a share has no value before the run ends,
-        self._lasted = 0  # so the sum of its times is kept apart from its values
+        self._entered = False  # True after the state was entered
+        self._lasted = 0  # the sum of the times, for a share, which has no value before the run ends
         self._seconds = window
         self._windows: BusiestWindow | None = None
 
     @property
     def silent(self) -> bool:
-        """True if a span was never entered: its name may be misspelled. Other states may have lasted no time at all."""
+        """True if nothing was measured. A sum of 0 is a measured value, except for a span, which may be misspelled."""
         return not self.count and (self.series or self._is_share or self.state.free)
 
     def listen(self, scene: MeasuredScene) -> None:
@@ -160,7 +165,7 @@ class TimeIn(EventMeasure):
             self._begins(self._began, False)
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
-        """Follow the state. A record that both enters and leaves it enters it. Its events belong to no group."""
+        """Handle a record. One that both enters and leaves the state enters it. Groups do not occur here."""
         if self.spans is not None and self._names[tag]:
             self.spans.add(self._names[tag])
         plan = self._plans[tag]
@@ -203,7 +208,7 @@ class TimeIn(EventMeasure):
             self.count += 1
 
     def _ends(self, at: int) -> None:
-        """End a time in the state: it was left, or the run ended in it."""
+        """End a time in the state, because the state was left or the run ends."""
         since, self._since = self._since, NO_TIME
         if self._windows is not None:
             self._windows.ends(at)
@@ -227,7 +232,7 @@ class TimeIn(EventMeasure):
             self._be_share(_millionths(self._lasted, whole) if whole else -1, now)
 
     def _be_share(self, share: int, at: int) -> None:
-        """Take the only value. share: -1 if there is none. A span that was never entered may be misspelled."""
+        """Take the only value. share: -1 if there is none. A span that was never entered has none either."""
         self.count = int(share >= 0 and (self._entered or not self.state.free))
         self.worst = self.least = max(0, share)
         self.worst_at = self.least_at = at

@@ -13,7 +13,7 @@ from ..language.scope import MAPS, BadEvent, Scope
 class Watched(Struct, frozen=True):
     """The status register, or one field of it, that a measure names.
 
-    text: the measure's text.
+    text: the name of the register or field in the measure's text.
     unit, module, register: empty if all registers of the scene are meant.
     field: empty if the whole register is meant.
     units: the units of the scene, if all their registers are meant.
@@ -52,7 +52,10 @@ class Watched(Struct, frozen=True):
 
 
 def raced(unit: str, text: str, scope: Scope) -> Watched:
-    """Return what "I2C-A.I2CSTR.XRDY" or "I2C-A.I2CSTR" names. Raise BadEvent unless hardware changes its flags."""
+    """Return the register or field of a name such as "I2C-A.I2CSTR.XRDY" or "I2C-A.I2CSTR".
+
+    Raise BadEvent if hardware changes no flag in the register.
+    """
     if text.count(".") == 2:
         owner, module, register, f = scope.field(unit, text)
         field = f.name

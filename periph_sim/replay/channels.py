@@ -1,6 +1,6 @@
 """Mapping of a capture's channels to lines, by `scl=0,sda=1` or the channels' names.
 
-scl and sda are an I2C capture, rx alone a UART capture, all three a session.
+An I2C capture has scl and sda, a UART capture has only rx, and a capture of a session has all three.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ def channel_map(capture: Capture, text: str | None, session: bool = False) -> di
 
 
 def serial_channel(capture: Capture, text: str | None) -> str:
-    """Return the channel that is RX: the one that `rx=0` names, or the one named RX, or the only one of the capture.
+    """Return the name of RX's channel. text: "rx=CHANNEL", or None to take the only channel, or else the one named RX.
 
-    Raise BadReplay if that does not determine it.
+    Raise BadReplay if there is no such channel, or more than one.
     """
     if text is None and len(capture.channels) == 1:
         return capture.channels[0].name

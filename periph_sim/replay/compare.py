@@ -2,8 +2,9 @@
 
     expected, found --> compare --> Comparison: the first wrong byte, ACK, event, and the first wrong time
 
-An event is compared by its words ("address 50 write", "ACK"), not by its time. A wrong byte or ACK does not end the
-comparison, since later events still correspond to each other; any other difference does.
+Events are equal if their words are equal ("address 50 write", "ACK"); their times are compared separately. After a
+wrong byte or ACK, the comparison continues, because later events still correspond to each other. Any other difference
+in words ends it.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ CONDITIONS = ("START", "repeated START", "STOP", NOTHING)
 
 @dataclass(frozen=True, slots=True)
 class Happened:
-    """One event in words. at: seconds since the capture began; None if unknown."""
+    """An event in words. at: seconds since the capture began; None if unknown."""
 
     words: str
     at: Fraction | None
@@ -37,8 +38,9 @@ class Happened:
 class Change:
     """An entry of the chip's history: a register field that changed, or a CPU access.
 
-    at_s: seconds since the capture began. what: "I2C-A.I2CSTR.AAS" or "W I2C-A.I2CDXR". value: the field's new
-    value, or the word that was read or written.
+    at_s: seconds since the capture began.
+    what: the field or the access, for example "I2C-A.I2CSTR.AAS" or "W I2C-A.I2CDXR".
+    value: the field's new value, or the word that was read or written.
     """
 
     at_s: float
@@ -50,12 +52,12 @@ class Change:
 class Divergence:
     """A difference between the capture and the replay.
 
-    index: the number of events before it.
+    index: the number of events before the divergence.
     expected, found: the event in the capture and in the replay, in words.
     capture_s, replay_s: the times of these events in seconds since the capture began; None if there is no event.
     kind: one of KINDS.
-    history: the changes of the chip's registers around it.
-    cause: a phrase with the firmware's statement or another cause.
+    history: the changes of the chip's registers around the divergence.
+    cause: a phrase that names the causing statement of the firmware, or another cause; "" if unknown.
     """
 
     index: int
@@ -72,9 +74,9 @@ class Divergence:
 class Comparison:
     """The result of comparing two lists of events.
 
-    agreed: the number of equal events before the first difference.
+    agreed: the number of events that occur in both lists in the same order.
     divergence: the first divergence that is not of kind TIMING; None if there is none.
-    lag: the largest difference in time, in seconds, of the events before the first one with other words.
+    lag: the largest difference in time, in seconds, among the events before the first difference in words.
     ranked: the first divergence of each kind, in order of time, because an earlier one may cause a later one. TIMING is
         last, because a stretch delays all later events.
     """
@@ -86,7 +88,7 @@ class Comparison:
 
 
 def kind_of(words: str) -> str:
-    """Return the kind of divergence, BYTE, ACK or EVENT, in which an event with these words is wrong."""
+    """Return the kind of a divergence in which an event with these words is wrong: BYTE, ACK or EVENT."""
     if words in CONDITIONS or words.startswith("cut off"):
         return EVENT
     return ACK if words in ("ACK", "NACK") else BYTE
@@ -134,7 +136,7 @@ def _seconds(at: Fraction | None) -> float | None:
 
 
 def i2c_words(events: Iterable[i2c.Event], per_second: Fraction, origin: int = 0) -> list[Happened]:
-    """Convert I2C events. origin: the position at which the capture began."""
+    """Convert I2C events to words. per_second: positions per second. origin: the position where the capture begins."""
     return [Happened(_i2c(event), (event.at - origin) / per_second) for event in events]
 
 
@@ -150,5 +152,5 @@ def _i2c(event: i2c.Event) -> str:
 
 
 def byte_words(value: int, frame_error: bool, parity_error: bool) -> str:
-    """Format a received word: 55, 00 FE, 41 PE."""
+    """Format a received word and its errors, for example 55, 00 FE (framing error) or 41 PE (parity error)."""
     return f"{value:02X}{' FE' if frame_error else ''}{' PE' if parity_error else ''}"

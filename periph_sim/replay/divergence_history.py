@@ -1,12 +1,12 @@
-"""The chip's side of divergences: the history of its flags and the statement of the firmware for each divergence.
+"""Evidence for each divergence: the history of the chip's flags, and the statement of the firmware that caused it.
 
 The run is repeated with recording, and ends soon after the last divergence. The statement is the one that wrote the
 value on the wires, or else the one that was executed at the divergence.
 
-    Recorder --FLAG, ACCESS--> a ring for each register or access --at each divergence--> changes, oldest first
+    Recorder --FLAG, ACCESS--> a ring buffer per field or access --at each divergence--> changes, oldest first
 
-The first run records nothing, because the divergences are not known until it ends. Both runs are equal. The rings are
-bounded, so memory does not grow with the length of the run.
+The first run records nothing, because the divergences are not known until it ends. Both runs are equal. The ring
+buffers are bounded, so memory does not grow with the length of the run.
 """
 
 from __future__ import annotations
@@ -27,17 +27,17 @@ from ..processor.source_location import InstructionLocation, SourceLocation
 from ..scene.scene import Scene
 from .compare import TIMING, Change, Divergence
 
-KEEP = 24  # number of changes kept for each field, and of accesses of each kind for each register
+KEEP = 24  # number of entries kept in the ring buffer of each field, and of each kind of access to each register
 
 REGISTERS = {"I2C-A": ("I2CSTR.", "I2CMDR."), "SCI-A": ("SCIRXST.", "SCIFFRX.", "SCICTL1.")}
 
 
 class FlagHistory:
-    """Changes and accesses around some moments of a run.
+    """Recorder of changes and accesses around the divergences of a run.
 
-    moments: for each divergence its tick and the last tick to show after it.
-    module: the module whose registers are shown.
-    keep: the number of entries that each ring keeps.
+    moments: for each divergence, its tick and the last tick of its history.
+    module: the module whose registers are recorded.
+    keep: the number of entries in each ring buffer.
     instants: the ticks at which the executed statement is noted.
     """
 
@@ -63,7 +63,7 @@ class FlagHistory:
         recorder.subscribe([Kind.FLAG, Kind.ACCESS], self._record)
 
     def watch(self, scene: Scene) -> None:
-        """Note the statement that the unit's firmware executes at each instant of this scene's run."""
+        """Note the statement that the unit's firmware executes at each of `instants` in the run of this scene."""
         dsp = scene.units[self._unit]
         for tick in self._instants:
             scene.kernel.call_at(max(tick, scene.kernel.now), partial(self._note_place, tick, dsp))
@@ -72,7 +72,7 @@ class FlagHistory:
         self._places[tick] = dsp.processor.causing_statement()
 
     def place(self, instant: int) -> SourceLocation | None:
-        """Return the statement executed at an instant; None before the program begins or after its end."""
+        """Return the statement that was executed at a tick; None before the program begins and after it ends."""
         return self._places.get(instant)
 
     def _record(self, record: Record) -> None:
@@ -93,19 +93,20 @@ class FlagHistory:
         )
 
     def records_near(self, moment: tuple[int, int]) -> list[Record]:
-        """Return the records near one of the moments, in order. Call after the run."""
+        """Return the records around one of `moments`, in order. Call this after the run."""
         while self._moments:
             self._freeze(self._moments.popleft())
         return self._frozen[moment]
 
 
-Run = Callable[[FlagHistory, int], None]  # a function that repeats a run, with a history as subscriber, up to a tick
+Run = Callable[[FlagHistory, int], None]  # a function that repeats a run up to a tick, recorded by a history
 
 
 class Role(NamedTuple):
-    """The role of a unit.
+    """The role of a unit in a replay.
 
-    writes: for the first words of an event, the register from which such an event gets its value.
+    module: the module that is connected to the replayed lines.
+    writes: by the first words of an event, the register that contains the value of such an event.
     """
 
     module: str
@@ -120,14 +121,16 @@ AS_RECEIVER = Role("SCI-A", {})
 def with_history(
     divergences: tuple[Divergence, ...], scene: Scene, origin: int, after: int, unit: str, role: Role, again: Run
 ) -> list[Divergence]:
-    """Return the divergences, each with the chip's activity around it and the statement that caused it.
+    """Return the divergences with their histories and causes.
 
     scene: the scene of the run that had the divergences.
     origin: the tick at which the capture begins.
-    after: the number of ticks after a divergence for which history is shown.
+    after: the number of ticks after a divergence for which its history is shown.
+    again: a function that repeats the run.
 
-    A divergence is at the tick of the replayed event; if the replay has no such event, at that of the captured one. Its
-    cause is the statement of that tick, or of the tick at which the captured event was due if only the time differs.
+    A divergence is at the tick of the replayed event, or at the tick of the captured event if the replay has none. Its
+    cause is the statement that wrote the wrong value, or else the one that is executed at that tick. If only the time
+    differs, it is the statement that is executed when the event occurs in the capture.
     """
     if not divergences:
         return []
@@ -160,7 +163,7 @@ def with_history(
 
 
 def _write_of(event: str, role: Role, records: Sequence[Record]) -> str:
-    """Return a phrase that names the statement which wrote the value of an event; "" if no write was recorded."""
+    """Return a phrase with the statement that wrote the value of an event; "" if no such write was recorded."""
     for words, register in role.writes.items():
         if event.startswith(words):
             value = int(event.removeprefix(words).split()[0], 16)
@@ -171,7 +174,7 @@ def _write_of(event: str, role: Role, records: Sequence[Record]) -> str:
 
 
 def _shown(place: SourceLocation) -> str:
-    """Format a place as file, line and function, or as function and address for an image without debug data."""
+    """Format a place as file, line and function; for an image without debug data, as function and address."""
     if isinstance(place, InstructionLocation):
         return str(place)
     return f"{Path(place.path).name}:{place.line}, in {place.rpartition(':')[0]}"

@@ -1,12 +1,12 @@
-"""Frames of a UART capture that prove nothing about a receiver of the line.
+"""Separation of a UART capture's frames into those that can be judged and ambiguous ones.
 
     frames and rejected starts of the capture --+--> pairs of a frame and a word, which are compared
-    words received by the firmware -------------+--> ambiguous frames: a glitch lies at a sample point
+    words received by the firmware -------------+--> ambiguous frames: a glitch is at a sample point
 
-Receivers may read an ambiguous frame either way. A glitch in a data, parity or stop bit leaves that bit open, so the
-word may have either value. A glitch in the start bit, or a nearly valid start, leaves open whether a frame begins at
-all. A receiver that decides otherwise than the decoder may read other frames up to the next pause. Comparison resumes
-at the place in the burst after which the most words agree.
+Receivers may read an ambiguous frame in different ways. After a glitch in a data, parity or stop bit, this bit may be
+read as 0 or 1. After a glitch in the start bit, or a nearly valid start bit, a receiver may read a frame or none. If it
+decides differently from the decoder, it may also read other frames up to the next pause. The comparison resumes at the
+place in the burst after which the most words agree.
 
 A line that is read at a wrong rate, in a wrong format or inverted decodes into frames with errors. A receiver with the
 same settings reads the same bytes with the same errors, so agreement between capture and receiver proves nothing.
@@ -25,12 +25,12 @@ from ..traces.decode.uart import Event, Line, UartRowKind
 from ..traces.decode.uart_guess import NEAR, Guess, guess
 from .compare import Happened, byte_words
 
-LIKELY = Fraction(1, 4)  # minimum length, in bits, of a rejected start that a receiver may accept
-AHEAD = 8  # number of words that must agree where comparison resumes
-EXTRA = 2  # number of words that a receiver may read in addition to the frames
-MOST = Fraction(1, 10)  # largest share of frames with errors that is plausible in the right format
-SCI_BITS = 8  # maximum number of data bits of an SCI's word
-SURE = 0.5  # minimum certainty of a guess that contradicts the format
+LIKELY = Fraction(1, 4)  # minimum length, in bits, of a low pulse that some receivers accept as a start bit
+AHEAD = 8  # maximum number of words that are compared to find where the comparison resumes
+EXTRA = 2  # maximum number of words that a receiver may read in addition to the decoded frames
+MOST = Fraction(1, 10)  # maximum share of frames with errors that is plausible if the format is right
+SCI_BITS = 8  # maximum number of data bits in a word of an SCI
+SURE = 0.5  # minimum certainty of a guessed format that casts doubt on the given one
 
 
 class Word(NamedTuple):
@@ -60,9 +60,11 @@ class Settled:
 
 
 def settled(events: Sequence[Event], line: Line, rate: Fraction, found: Sequence[Word]) -> Settled:
-    """Return the events of a line that can be judged.
+    """Return the events of a line that can be judged, and the ambiguous frames.
 
-    events: the decoded capture. rate: the number of its positions in a second. found: the received words.
+    events: the events of the decoded capture.
+    rate: the number of positions per second in the capture.
+    found: the words that the firmware received.
     """
     return _Settling(events, line, rate, found).result()
 
@@ -79,7 +81,7 @@ class _Settling:
             if event.kind is UartRowKind.FRAME
             or (event.kind is UartRowKind.REJECTED and event.end - event.at >= LIKELY * width)
         ]
-        # Time from the start of a frame after which it has ended in every possible reading.
+        # If the next start is at least this many positions later, a receiver has finished the frame in any case.
         self._pause = 2 * line.frame * width
 
     def result(self) -> Settled:
@@ -110,7 +112,7 @@ class _Settling:
             done.found.append(self._found[word].happened)
 
     def _fits(self, frame: Event, word: Word) -> bool:
-        """Return True if a word is a possible reading of the frame."""
+        """Return True if a receiver may read the frame as this word."""
         data = (1 << self._line.bits) - 1
         open_data = frame.unsure >> 1 & data
         checked = self._line.parity != "none"
@@ -123,9 +125,9 @@ class _Settling:
         )
 
     def _until_agreed(self, item: int, word: int) -> tuple[int, int]:
-        """Return how many items and words to omit from an unsure start up to the best agreement in its burst.
+        """Return how many items and words to skip at an unsure start, so that the following ones agree best.
 
-        Of equally good agreements, choose the one with the fewest items, and then the one whose number of words is
+        If several numbers are equally good, choose the fewest items. Among these, choose the number of words that is
         nearest to the usual number for these items.
         """
         usual = int(self._items[item].kind is UartRowKind.FRAME)
@@ -142,9 +144,9 @@ class _Settling:
         return best
 
     def _agreeing(self, item: int, word: int) -> int:
-        """Return the number of next words that fit the next items, up to AHEAD.
+        """Return how many of the next words fit the next items, at most AHEAD.
 
-        Return AHEAD also if the items and words end together, or if another unsure start is reached.
+        Also return AHEAD if items and words end together, or if all words up to the next unsure start fit.
         """
         items, found = self._items[item : item + AHEAD], self._found[word : word + AHEAD]
         for number, event in enumerate(items):
@@ -160,9 +162,9 @@ class _Settling:
 class LineErrors:
     """The errors of one channel.
 
-    wrong: number of frames with a framing or parity error, except breaks and frames that a glitch makes ambiguous.
-    frames: number of frames.
-    doubt: a sentence with the evidence that the channel has another format; empty if there is none.
+    wrong: number of frames with a framing or parity error, without breaks and ambiguous frames.
+    frames: number of all frames.
+    doubt: a sentence with evidence that the channel has another format; "" without such evidence.
     """
 
     wrong: int
@@ -171,7 +173,7 @@ class LineErrors:
 
 
 def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequence[Event]) -> LineErrors:
-    """Return the errors of a channel that was decoded as `line`, with the doubt about that format that follows."""
+    """Return the errors of a channel that was decoded in the format `line`, and whether they make it doubtful."""
     frames = [event for event in events if event.kind is UartRowKind.FRAME]
     breaks = {event.at for event in events if event.kind is UartRowKind.BREAK}
     breaks |= _break_at_end(capture, channel, line)
@@ -190,7 +192,7 @@ def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequen
 
 
 def _break_at_end(capture: Capture, channel: str | int, line: Line) -> set[int]:
-    """Return the position of the edge after which the line is low for the rest of the capture.
+    """Return the position of the last edge if the line is low from there to the end of the capture.
 
     Such a low phase is a break whose end was not captured. The set is empty if there is none.
     """
@@ -202,7 +204,7 @@ def _break_at_end(capture: Capture, channel: str | int, line: Line) -> set[int]:
 
 
 def _better(capture: Capture, channel: str | int, line: Line, found: LineErrors) -> Guess | None:
-    """Return the format that the edges suggest if it differs from `line` and has fewer errors; else None."""
+    """Return the format that the edges suggest, if it differs from `line` and has fewer errors; else None."""
     try:
         other = guess(capture, channel)
     except ValueError:
@@ -210,7 +212,7 @@ def _better(capture: Capture, channel: str | int, line: Line, found: LineErrors)
     many = found.wrong > MOST * found.frames
     same_rate = abs(Fraction(other.line.baud) / Fraction(line.baud) - 1) <= NEAR
     if same_rate and other.line.invert == line.invert:
-        # A guess of the same format is not better, nor one with nine data bits, which counts a bad stop bit as data.
+        # The same format is not better. Nine data bits are not better, because a bad stop bit then counts as data.
         hides = other.line.shape == line.shape or other.line.bits > SCI_BITS
         if hides or not many:
             return None

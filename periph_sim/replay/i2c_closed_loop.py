@@ -1,17 +1,16 @@
-"""Closed loop: the controller's half of an I2C capture is played, and the firmware's slave reacts to it.
+"""Closed loop: agents play the controller's half of an I2C capture, and the firmware reacts to it as a slave.
 
     capture --decode--> transfers --> agents: controller, other targets --> SCL, SDA <--> unit with the firmware
                             |                                                  |
                             v                                                  v
                      events expected  <-------- compare -------->  events decoded from the wires
 
-The comparison shares no code with the agents or the chip: it decodes the wires like the capture. A difference that the
-agents also cause without the firmware is not judged, nor is anything after it. Firmware whose `REPLAY` names `address`,
-`replies`, `asleep` and `busy` is set to answer like the captured target.
+The comparison decodes the wires and the capture by the same code, which the agents and the chip do not use. Firmware
+whose `REPLAY` names `address`, `replies`, `asleep` and `busy` is set to answer like the captured target.
 
 The agents can deviate from the capture even if the firmware behaves as captured, for instance because `longest_low`
 shortens a pause of the controller. `without_firmware` runs the agents with the captured answers in place of the
-firmware. A difference that also occurs in this run is caused by the agents.
+firmware. A difference that also occurs in this run is caused by the agents. It is not judged, nor are later ones.
 """
 
 from __future__ import annotations
@@ -52,8 +51,9 @@ class Plan:
     own: the addresses of the firmware.
     origin: the tick of the beginning of the capture.
     longest_low: the maximum time, in positions, for which the controller holds SCL low; None if it is as captured.
-    least_gap: the minimum time, in ticks, between two transfers. After a delay, the controller shortens pauses down to
-        it until the transfers begin as captured. None: pauses are as captured, so that all later transfers are delayed.
+    least_gap: the minimum time, in ticks, between two transfers. After a delay, the controller shortens pauses to this
+        minimum until transfers begin at their captured times again. None: pauses have their captured lengths, so a
+        delay affects all later transfers.
     """
 
     part: Played
@@ -65,14 +65,14 @@ class Plan:
 
     @property
     def per_position(self) -> Fraction:
-        """The number of ticks from one position of the capture to the next."""
+        """The number of ticks per position of the capture."""
         return self.timebase.per_second / self.part.rate
 
 
 class CapturedController:
-    """Player of the controller's half of each transfer, and of the answers of targets other than the firmware.
+    """Player of the controller's half of each transfer, and of the answers of all targets except the firmware.
 
-    player: the agent that makes the edges.
+    player: the agent that drives the edges.
     begun: the number of transfers that have begun.
     on_end: a function that is called after the last transfer.
     """
@@ -92,7 +92,7 @@ class CapturedController:
             ScriptedTarget(kernel, scl, sda, answers, plan.timebase.ticks(HOLD, "nearest"))
 
     def go_on(self) -> None:
-        """Play the remaining transfers, each when it is due."""
+        """Play the remaining transfers, each at the time when it is due."""
         self._late = max(0, self._late + self.player.delay - self._delay - self._cut)
         self._delay = self.player.delay
         if self.begun == len(self._plan.part.transfers):
@@ -118,9 +118,10 @@ class CapturedController:
 
 
 def without_firmware(plan: Plan, start: int, end: int, tolerance: Fraction) -> Comparison:
-    """Return the comparison for a run of the agents alone, with captured answers in the firmware's place.
+    """Run the agents without the firmware, with the captured answers in its place, and compare with the capture.
 
-    start, end: ticks of the run. tolerance: seconds.
+    start, end: the ticks at which the run begins and ends.
+    tolerance: the allowed difference in time, in seconds.
     """
     part, kernel, recorder = plan.part, Kernel(start), Recorder()
     scl, sda = (Wire(kernel, name, recorder) for name in ("SCL", "SDA"))
@@ -136,9 +137,10 @@ def without_firmware(plan: Plan, start: int, end: int, tolerance: Fraction) -> C
 
 
 def _marked(one: Divergence, alone: tuple[Divergence, ...], tolerance: Fraction) -> Divergence:
-    """Return a difference, with its cause if it also occurs in the run of the agents without the firmware.
+    """Return the divergence `one`. If it also occurs without the firmware, its cause says so.
 
-    alone: the differences of that run.
+    alone: the divergences of the run without the firmware.
+    tolerance: the time in seconds within which divergences of kind TIMING count as the same.
     """
     for other in alone:
         if (one.kind, one.index) != (other.kind, other.index):
@@ -153,12 +155,14 @@ def _marked(one: Divergence, alone: tuple[Divergence, ...], tolerance: Fraction)
 
 
 def asked_once_more(expected: Sequence[Happened], first: Divergence, own: Sequence[int]) -> str:
-    """Return the reason why the firmware's NACK of its address is not an error; "" if it may be one.
+    """Return the reason why the firmware's NACK of its address is no error; "" if the NACK may be an error.
 
-    Firmware that has answered before, and sends one more NACK after the captured NACKs, is busy for longer than the
-    captured target was. A controller that polls would repeat the address, but only the captured polls are played.
+    If the firmware has answered before, and sends one more NACK after the captured NACKs, it is busy for longer than
+    the captured target. A real controller would continue to poll, but only the captured polls are played.
 
     expected: the events of the capture.
+    first: the first divergence.
+    own: the addresses of the firmware.
     """
     if (first.expected, first.found) != ("ACK", "NACK"):
         return ""
@@ -184,7 +188,7 @@ class I2cReplay(BusReplay):
     tolerance: the allowed difference in time, in seconds. None: a sample period plus a cycle; larger differences are
         reported, but not judged.
     lead: the time from the start of the firmware to the beginning of the capture, in seconds.
-    patience: the maximum time, in seconds, for which SCL may be held low; then the replay ends.
+    patience: the maximum time, in seconds, for which SCL may be held low. After a longer time, the replay ends.
 
     Raise BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
@@ -226,7 +230,7 @@ class I2cReplay(BusReplay):
         return Scene(prepared, subscribe)
 
     def _least_gap(self) -> int | None:
-        """Return the minimum time between transfers, which is `least_gap` of `Plan`."""
+        """Return `Plan.least_gap`, the minimum time between two transfers in ticks."""
         return None
 
     # Running ------------------------------------------------------------------------
@@ -289,13 +293,13 @@ class I2cReplay(BusReplay):
         )
 
     def _with_agents(self, outcome: Comparison, tolerance: Fraction) -> Comparison:
-        """Return the outcome with causes for the differences that the agents also make without the firmware.
+        """Return the outcome, with a cause for each divergence that also occurs without the firmware.
 
-        If the first judged difference is certainly not an error of the firmware, set `_agents_parted` to the reason;
+        If the first judged divergence is certainly no error of the firmware, set `_agents_parted` to the reason;
         otherwise set it to "".
         """
         self._agents_parted = ""
-        self._other_events = False  # True if the agents alone make the first judged difference, and it is an event
+        self._other_events = False  # True if the agents cause the first judged divergence, not of kind TIMING
         if not outcome.ranked:
             return outcome
         alone = without_firmware(self._agents, self._scene.start, self.kernel.now, tolerance)

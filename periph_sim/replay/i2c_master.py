@@ -1,4 +1,4 @@
-"""The F28335 as master against captured targets, whose answers are played when the firmware addresses them.
+"""The F28335 as master with captured targets, whose answers are played when the firmware addresses them.
 
     capture --> the script --> firmware's settings --> unit --> SCL, SDA <-- ScriptedTarget <-- captured answers
        \\--> events expected  <-------------- compare -------------->  events decoded from the wires
@@ -32,19 +32,19 @@ from .setup import HOLD, LEAD, PATIENCE, STEP, TAIL, alone, events_of, played, s
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
-MODULE_HZ = 10_000_000  # module clock that TI's start-up code sets; I2CCLKL and I2CCLKH count its cycles
+MODULE_HZ = 10_000_000  # module clock in Hz, set by TI's start-up code; I2CCLKL and I2CCLKH count its cycles
 D = 5  # cycles that the module adds to each of I2CCLKL and I2CCLKH (SPRUG03B Table 15)
 MOST = 0xFFFF
-EDGES = 2 * 4 * 9  # limit of edges of SCL and SDA for each event: twice the maximum in the nine bits of a byte
+EDGES = 2 * 4 * 9  # maximum number of edges per event: twice those of nine bits with four edges of SCL and SDA each
 
 
 class I2cMasterReplay(BusReplay):
-    """Replay of an I2C capture whose controller is replaced by the firmware, as master.
+    """Replay of an I2C capture in which the firmware, as master, replaces the captured controller.
 
     first: the number of transfers to replay; None for all.
     tolerance: the allowed difference in time of an event, in seconds; None: times are not compared.
-    patience: a time in seconds. If the firmware repeats the captured script, the replay ends when the bus has been
-        silent for the longest pause of the script plus this time.
+    patience: a time in seconds. If the firmware has a script, the replay ends when the bus has been silent for the
+        longest pause of the script plus this time.
 
     Raise BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
@@ -96,7 +96,7 @@ class I2cMasterReplay(BusReplay):
     # Running ------------------------------------------------------------------------
 
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
-        """Run to the end, or up to tick `until`. If the script is not over then, return what the firmware is doing."""
+        """Run to the end, or up to tick `until`. If the script is unfinished, return what the firmware is doing."""
         kernel, scene = self.kernel, self._scene
         step = self.timebase.ticks(STEP, "nearest")
         length = int(self._part.capture.length * self._per_position)
@@ -116,7 +116,7 @@ class I2cMasterReplay(BusReplay):
         return f"{self._unit} {scene.doing(unit)}: the replay ends there{endless}"
 
     def _endless(self) -> str:
-        """Return the reason to end a replay whose script does not end; empty to continue, or if there is no script."""
+        """Return the reason to end a replay whose script does not come to an end; "" to continue."""
         if not self._scripted:
             return ""
         if self.kernel.now - self.log.last_edge > self._silence:
@@ -132,7 +132,7 @@ class I2cMasterReplay(BusReplay):
         part = self._part
         events, found = self._decoded()
         expected = events_of(self._half.done)
-        if not self._scripted:  # after these events, the firmware's own program continues with its next round
+        if not self._scripted:  # the firmware's own program continues after the capture's events
             events, found = events[: len(expected)], found[: len(expected)]
         self._compared = i2c_words(expected, part.rate), found
         outcome = compare(*self._compared, self._tolerance)

@@ -1,15 +1,15 @@
-"""Open loop: the exact edges of an I2C capture go to the chip, and its outputs are compared with them.
+"""Open loop: the chip receives the exact edges of an I2C capture, and its outputs are compared with the capture.
 
-    capture --every edge of SCL and SDA--> the chip's inputs, on which it drives nothing
-                                           the chip's outputs --> back wires: its own pulls
-    bits that the chip must drive:                capture's level  <-- compare -->  back wire as SCL rises
-    all other bits:                               the chip must not pull SDA low in a bit that is 1 in the capture
+    capture --every edge of SCL and SDA--> input wires, driven by the capture only --> chip
+                                           back wires, driven by the chip only     <-- chip
+    bits that the chip must drive:         the back wire has the captured level when SCL rises
+    all other bits:                        the chip does not pull SDA low if the captured bit is 1
 
-If the chip still holds SCL when SCL rises in the capture, its answer is late, and the rest of its data differs from the
-data that it would send to a controller that waits. Low phases that are longer than usual in the capture are counted in
-a note if the chip would have ended them earlier.
+If the chip still holds SCL low when SCL rises in the capture, its answer is late. Its later data are then not those
+that it would send to a controller that waits. The capture may have low phases that are longer than usual. A note counts
+those that the chip would have ended earlier.
 
-An edge of SDA that shares a sample with an edge of SCL is moved half a sample into the low phase.
+An edge of SDA in the same sample as an edge of SCL is moved by half a sample into the low phase of SCL.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from .setup import LEAD, TAIL, Played, alone, answering, events_of, played, tole
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
-Position = int | Fraction  # a position in a capture; a Fraction if an edge was moved by half a sample
+Position = int | Fraction  # a position in a capture; a Fraction for an edge that was moved by half a sample
 
 
 class _OpenWires(SceneWires):
@@ -49,24 +49,24 @@ class _OpenWires(SceneWires):
 
 
 class OpenScene(Scene):
-    """A scene whose SCL and SDA are not driven by its units."""
+    """A scene whose units do not drive SCL and SDA, but separate back wires."""
 
     WIRES = _OpenWires
 
 
 @dataclass(frozen=True)
 class _Held:
-    """A low phase of SCL before a bit of the chip. Times are in seconds."""
+    """A low phase of SCL before a bit of a transfer with the chip. Times are in seconds."""
 
-    at: Fraction  # the rise of SCL in the capture
+    at: Fraction  # the time at which SCL rises in the capture
     captured: Fraction  # the low time of SCL in the capture
-    needed: Fraction  # the time for which the chip holds SCL low after its fall
-    late: Fraction  # the time from the captured rise to the chip's release of SCL; 0 if the chip releases it before
-    bit: str
+    needed: Fraction  # the time for which the chip holds SCL low after SCL's falling edge
+    late: Fraction  # the time from SCL's captured rise to its release by the chip; 0 if the chip releases SCL earlier
+    bit: str  # the name of the bit in messages
 
 
 class I2cOpenReplay(BusReplay):
-    """A replay like `I2cReplay`, except that the played controller does not wait for the chip."""
+    """A replay like `I2cReplay`, in which the controller does not wait while the chip holds SCL low."""
 
     LOOP = "open"
     NAME = "chip would drive"
@@ -96,7 +96,7 @@ class I2cOpenReplay(BusReplay):
         self._end_tick = self._tick(end) + self.timebase.ticks(TAIL, "nearest")
         for wire, line, edges in zip(wires, part.lines, _edges(*part.lines, part.half_sample, end), strict=True):
             ticks = [(self._tick(at), level) for at, level in edges]
-            if not line.initial:  # the line falls before the firmware enables the module, which then sees no START
+            if not line.initial:  # the line is low from the start of the scene, so that its fall is no START
                 ticks.insert(0, (scene.start, 0))
             EdgePlayer(scene.kernel, wire, ticks)
 
@@ -110,9 +110,9 @@ class I2cOpenReplay(BusReplay):
     # The chip's own outputs ----------------------------------------------------
 
     def _would_be(self, sda: Channel) -> list[decode.Transfer]:
-        """Return the capture's transfers with the levels that they would have with the chip on the bus.
+        """Return the capture's transfers with the bits that they would have if the chip were on the bus.
 
-        Bits that the chip must drive have the chip's level; any other bit is 0 if the chip pulls SDA low in it.
+        A bit that the chip must drive has the chip's level. Any other bit is 0 if the chip pulls SDA low during it.
         """
         found: list[decode.Transfer] = []
         for transfer in self._part.transfers:
@@ -143,7 +143,7 @@ class I2cOpenReplay(BusReplay):
         return self.origin + int(position * self._per_position)
 
     def _holds(self, scl: Channel) -> list[_Held]:
-        """Return the low phases of transfers that address the chip, each with the time for which the chip holds SCL."""
+        """Return the low phases of SCL in transfers with the chip, and the times for which the chip holds SCL low."""
         edges = scl.edges[scl.levels == 0].tolist(), scl.edges[scl.levels == 1].tolist()
         own = [
             phase
@@ -162,12 +162,12 @@ class I2cOpenReplay(BusReplay):
         ]
 
     def _held(self, name: str, bit: decode.Bit, edges: tuple[list[int], list[int]]) -> _Held:
-        """Return the low phase before a bit. edges: the chip's own falling and rising edges of SCL."""
+        """Return the low phase before a bit. edges: the ticks at which the chip pulls SCL low and releases it."""
         assert bit.low is not None
         falls, rises = edges
         rise, fall = self._tick(bit.at), self._tick(bit.at - bit.low)
         over = fall
-        pull = bisect_left(falls, fall)  # the chip's first pull in this low phase, if any
+        pull = bisect_left(falls, fall)  # index of the chip's first pull in this low phase, if there is one
         if pull < len(falls) and falls[pull] < rise:
             let_go = bisect_left(rises, falls[pull])
             over = rises[let_go] if let_go < len(rises) else self.kernel.now
@@ -213,7 +213,7 @@ class I2cOpenReplay(BusReplay):
         return self._transfers, (self._part.rate, 0)
 
     def _late(self, held: _Held, part: Played) -> Divergence:
-        """Return a late answer as a divergence of kind TIMING."""
+        """Return the divergence of kind TIMING for a late answer of the chip."""
         index = sum(Fraction(event.at) / part.rate < held.at for event in part.expected)
         return Divergence(
             index,
@@ -225,7 +225,7 @@ class I2cOpenReplay(BusReplay):
         )
 
     def _pauses(self, held: list[_Held], late: list[_Held]) -> list[str]:
-        """Return notes on stretches of SCL by only one of the two sides."""
+        """Return notes on stretches that occur only in the capture or only in the replay."""
         notes = []
         long = [one for one in held if one.captured > self._part.long_low / self._part.rate]
         spare = [one for one in long if one.needed < one.captured]
@@ -251,7 +251,7 @@ def _us(seconds: Fraction) -> str:
 def _edges(
     scl: Channel, sda: Channel, half_sample: Fraction, end: int
 ) -> tuple[list[tuple[Position, int]], list[tuple[Position, int]]]:
-    """Return the edges of both lines up to `end` as (position, level).
+    """Return the edges of SCL and those of SDA up to position `end`, as (position, level).
 
     An edge of SDA in the same sample as an edge of SCL is moved by half a sample.
     """

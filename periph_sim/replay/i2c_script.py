@@ -1,17 +1,17 @@
-"""A capture's I2C transfers as two halves, for agents and for firmware that play one of them.
+"""The two halves of a capture's I2C transfers, the controller's and the targets'. Agents or firmware can play each.
 
     decode.i2c transfers --> Moves of SCL and SDA, a list for each     (the controller's half)
                          --> AsMaster: "50 W 00 Sr 50 R 6", the pause before it, or why the F28335 cannot send it
                          --> Turn: address, answer, positions            (the targets' half)
                          --> AsTarget: address, replies, asleep, busy
 
-The controller's half keeps every SCL edge of the capture: the lines do not show who held SCL low, so a stretch of
-the captured target becomes the controller's own delay. Of SDA it keeps the controller's decisions: START, STOP,
-the bits it sent and the ACKs it gave. If an SDA change shares a sample with an SCL edge, or was not visible to the
-controller, it is moved inside the low phase, half a sample or more away from both edges.
+The controller's half contains all edges of SCL. The capture does not show which party held SCL low, so a stretch of the
+captured target becomes a delay of the controller. Of the edges of SDA, this half contains those of the controller:
+START, STOP, and the bits and ACKs that it sent. If such an edge is in the same sample as an edge of SCL, or is not
+visible in the capture, it is placed in the low phase of SCL, at least half a sample away from both of its ends.
 
-If the firmware is the master, a low phase that is much longer than usual is attributed to the target if it lies where a
-target may stretch, which is from the ACK of the address on.
+If the firmware is the master, low phases that are much longer than usual are stretches of the target. They can occur
+from the ACK of the address on.
 
 If the firmware is the target, consecutive NACKs of its address become an interval in which it does not answer. The
 interval begins with the STOP of the write before them, or with the start of the capture. It ends midway between the
@@ -29,7 +29,7 @@ from statistics import median
 from ..bus.i2c.replayed_sides import Answer, Move
 from ..traces.decode.i2c import Bit, Byte, Condition, Party, Phase, Transfer
 
-HALF = Fraction(1, 2)  # half a sample in positions, if a position is one sample
+HALF = Fraction(1, 2)  # half a sample in positions, in captures in which each position is a sample
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +51,7 @@ class Turn:
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """A change of a line by the controller. at: a position of the capture."""
+    """A change of a line by the controller. at: the position in the capture. clock: True for SCL, False for SDA."""
 
     at: Fraction
     clock: bool
@@ -61,8 +61,8 @@ class Edge:
 def controllers_half(transfer: Transfer, hold: Fraction, half_sample: Fraction = HALF) -> list[Edge]:
     """Return the controller's edges, in order. Arguments are in positions.
 
-    hold: the time from a fall of SCL to a change of SDA where the capture does not show the change.
-    half_sample: the minimum distance of a change of SDA from the edges of SCL.
+    hold: the time from a falling edge of SCL to a change of SDA, for changes that the capture does not show.
+    half_sample: the minimum time between a change of SDA and an edge of SCL.
     """
     half = _ControllersHalf(hold, half_sample)
     for number, phase in enumerate(transfer.phases):
@@ -81,13 +81,13 @@ def controllers_half(transfer: Transfer, hold: Fraction, half_sample: Fraction =
 
 
 def hurried(edges: list[Edge], longest_low: Fraction, step: int = 0) -> list[Edge]:
-    """Return the edges with each low phase of SCL shortened to `longest_low`; later edges move by the removed time.
+    """Shorten low phases of SCL to at most `longest_low`, and move later edges by the removed time. Return all edges.
 
-    The removed time is stretching by the captured target, or a pause of the controller. In the replay, the answering
+    The removed time is a stretch of the captured target, or a pause of the controller. In the replay, the answering
     party must stretch by itself.
 
-    step: the length of a sample in positions. An edge is exact to within one sample, so a low phase that is too long
-    by at most a sample is unchanged; otherwise, these errors would add up over the bits of a transfer.
+    step: the number of positions per sample. A low phase that is too long by at most one sample is not shortened,
+        because this may be a sampling error. Such errors would add up over the bits of a transfer.
     """
     found: list[Edge] = []
     cut = Fraction(0)
@@ -105,7 +105,7 @@ def hurried(edges: list[Edge], longest_low: Fraction, step: int = 0) -> list[Edg
 
 
 def moves(edges: list[Edge], ticks_per_position: Fraction) -> list[Move]:
-    """Convert edges to moves of an `I2cPlayer`. The time of each edge is rounded down, so errors do not add up."""
+    """Convert edges to moves of an `I2cPlayer`. Each edge's time is rounded down by itself, so errors do not add up."""
     found = []
     last = int(edges[0].at * ticks_per_position)
     for edge in edges:
@@ -116,7 +116,7 @@ def moves(edges: list[Edge], ticks_per_position: Fraction) -> list[Move]:
 
 
 def usual_hold(transfers: list[Transfer], half_sample: Fraction = HALF) -> Fraction:
-    """Return the median time from a fall of SCL to the controller's change of SDA, in positions.
+    """Return the median time, in positions, from a falling edge of SCL to the controller's change of SDA.
 
     half_sample: the result if the capture shows no such change.
     """
@@ -132,7 +132,7 @@ def usual_hold(transfers: list[Transfer], half_sample: Fraction = HALF) -> Fract
 
 
 def turns(transfers: list[Transfer]) -> Iterator[Turn]:
-    """Yield every addressed part of the transfers, in order. Parts with an incomplete address are left out."""
+    """Yield the addressed parts of the transfers, in order. Parts with an incomplete address are left out."""
     for transfer in transfers:
         for number, phase in enumerate(transfer.phases):
             if not is_addressed(phase):
@@ -150,9 +150,9 @@ def is_addressed(phase: Phase) -> bool:
 
 
 def most_frequent(of: list[Turn]) -> int | None:
-    """Return the address that answered most often, or None if `of` is empty.
+    """Return the address that was acknowledged most often; None if `of` is empty.
 
-    Of addresses that answered equally often, return the one that was most often addressed, then the first.
+    Of addresses that were acknowledged equally often, return the one that was sent most often, or else the first.
     """
     asked = Counter(turn.address for turn in of)
     answered = Counter(turn.address for turn in of if turn.answer.ack)
@@ -167,7 +167,7 @@ def _answer(phase: Phase) -> Answer:
 
 
 def _value(byte: Byte) -> int:
-    """Return a byte's value, in which bits that are missing in the capture are ones."""
+    """Return the value of a byte. Bits that are missing in the capture are 1."""
     value = 0xFF
     for place, bit in enumerate(byte.bits[:8]):
         if not bit.value:
@@ -176,14 +176,14 @@ def _value(byte: Byte) -> int:
 
 
 class _ControllersHalf:
-    """Builder of the edges of one transfer. _fall: the next fall of SCL, or None if the capture does not have it."""
+    """Builder of the edges of one transfer. _fall: the next falling edge of SCL; None if it was not captured."""
 
     def __init__(self, hold: Fraction, half_sample: Fraction) -> None:
         self.edges: list[Edge] = []
         self._hold = hold
         self._half_sample = half_sample
         self._fall: int | None = None
-        self._rise = -1  # the last rise of SCL
+        self._rise = -1  # the last rising edge of SCL
         self._sda = 1
 
     def bit(self, bit: Bit) -> None:
@@ -192,9 +192,9 @@ class _ControllersHalf:
         self._fall = None if bit.high is None else bit.at + bit.high
 
     def condition(self, condition: Condition, level: int) -> None:
-        """Add a START or repeated START (level 0) or a STOP (level 1), with its pulse of SCL, if any.
+        """Add a START, repeated START or STOP. If SCL rises for it alone, also add this pulse of SCL.
 
-        level: the level of SDA after the condition.
+        level: the level of SDA after the condition: 0 after START, 1 after STOP.
         """
         if condition.high is not None and condition.at - condition.high > self._rise:
             self._pulse(condition.at - condition.high, 1 - level, None)
@@ -205,14 +205,14 @@ class _ControllersHalf:
         self._fall = None if condition.hold is None else condition.at + condition.hold
 
     def cut_off(self) -> None:
-        """End a transfer that the end of the capture cuts off: add the last fall of SCL if it was captured."""
+        """End a transfer that is cut off by the end of the capture. Add SCL's last falling edge if it was captured."""
         if self._fall is not None:
             self.edges.append(Edge(Fraction(self._fall), True, 0))
 
     def _pulse(self, rise: int, sda: int, seen_at: int | None) -> None:
-        """Add a low phase of SCL that ends at `rise`, in which SDA changes to `sda`.
+        """Add a low phase of SCL that ends at `rise`, and a change of SDA to `sda` in this low phase.
 
-        seen_at: the position of that change; None if the capture does not show it.
+        seen_at: the position of the change of SDA; None if the capture does not show it.
         """
         if self._fall is not None:
             self.edges.append(Edge(Fraction(self._fall), True, 0))
@@ -235,15 +235,15 @@ class AsTarget:
     address: int
     replies: list[bytes] = field(default_factory=list)  # the data of each read
     asleep: Fraction | None = None  # the firmware does not answer from the start up to this time
-    # For each write that ended in a STOP, how long the firmware does not answer after it.
+    # For each write that ends in a STOP: the time after the STOP for which the firmware does not answer.
     busy: list[Fraction] = field(default_factory=list)
     refused: int = 0  # number of NACKs that neither `asleep` nor `busy` can reproduce
 
 
 def as_target(address: int, turns: Iterable[Turn], end: int) -> AsTarget:
-    """Return the settings of firmware that answers one address.
+    """Return the settings with which firmware answers like the captured target at this address.
 
-    end: the position up to which the firmware does not answer if the capture ends with NACKs.
+    end: the position up to which the firmware does not answer if the target's last answers are NACKs.
     """
     found = AsTarget(address)
     refused: list[Turn] = []
@@ -287,10 +287,11 @@ AGAINST = "the controller continued after a NACK"
 class AsMaster:
     """The settings of firmware that plays the controller, and the targets' answers.
 
-    script, pauses: one entry for each transfer in `done`; pauses are in positions.
+    script: the text of each transfer in `done`.
+    pauses: the pause before each transfer in `done`, in positions.
     done: the transfers in the script.
-    answers: the answers of the targets, indexed by their addresses.
-    left_out: the number of omitted transfers for each reason.
+    answers: the answers of the targets, by address.
+    left_out: the number of omitted transfers, by reason.
     """
 
     script: list[str] = field(default_factory=list)
@@ -301,7 +302,10 @@ class AsMaster:
 
 
 def as_master(transfers: list[Transfer], long_low: Fraction, ticks_per_position: Fraction) -> AsMaster:
-    """Return the script of the captured controller and the targets' answers. long_low: as for `stretched_answers`."""
+    """Return the script of the captured controller and the targets' answers.
+
+    long_low: the limit, in positions, above which a low phase of SCL is a stretch.
+    """
     found = AsMaster()
     over: int | None = None
     for transfer in transfers:
@@ -334,7 +338,7 @@ def stretched_answers(
 
 
 def obstacle(transfer: Transfer) -> str:
-    """Return why the F28335 as master cannot do a transfer; empty if it can."""
+    """Return the reason why the F28335 as master cannot do a transfer; "" if it can."""
     if transfer.stop is None:
         return CUT
     for phase in transfer.phases:

@@ -21,8 +21,8 @@ from ..traces.drawing.capture_lanes import LETTERS
 from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick, timing_diagram
 from .compare import Change, Divergence, Happened
 
-BEFORE, AFTER = 22, 13  # numbers of bits shown before and after the divergence
-# Fields whose lanes are always shown, in this order.
+BEFORE, AFTER = 22, 13  # numbers of bits that are shown before and after the divergence
+# Fields whose lanes are shown first, in this order, even if they do not change within the picture.
 ALWAYS = ("AAS", "SDIR", "RRDY", "XRDY", "XSMT", "SCD", "NACK", "BB", "RXFFST", "RXRDY")
 MOST_FLAGS = 9
 LINES = ("SCL", "SDA")
@@ -33,9 +33,9 @@ CONDITIONS = (I2cRowKind.START, I2cRowKind.REPEATED_START, I2cRowKind.STOP)
 class Side:
     """One side of a comparison.
 
-    rate: the number of positions in a second, for the edges of `lines`.
-    origin: the position of the beginning of the capture.
-    transfers_at: the rate and origin of the positions in `transfers`, if they are different.
+    rate: the number of positions per second in `lines`.
+    origin: the position in `lines` at which the capture begins.
+    transfers_at: (rate, origin) for positions in `transfers`; None if they are those of `lines`.
     agreed: the time on this side, in seconds, of the last event in which both sides agree.
     """
 
@@ -48,17 +48,17 @@ class Side:
     transfers_at: tuple[Fraction, int] | None = None
 
     def of_transfer(self, position: int) -> float:
-        """Convert a position in `transfers` to seconds on the axis of the picture, whose 0 is the last agreement."""
+        """Convert a position in `transfers` to seconds after the last event in which both sides agree."""
         rate, origin = (self.rate, self.origin) if self.transfers_at is None else self.transfers_at
         return float((position - origin) / rate) - self.agreed
 
     def seconds(self, position: float | Fraction) -> float:
-        """Convert a position on `lines` to seconds on the axis of the picture, whose 0 is the last agreement."""
+        """Convert a position in `lines` to seconds after the last event in which both sides agree."""
         return float(Fraction(position) - self.origin) / float(self.rate) - self.agreed
 
 
 def last_agreed(divergence: Divergence, expected: Sequence[Happened], found: Sequence[Happened]) -> tuple[float, float]:
-    """Return the times of the event before a divergence in capture and replay, in seconds; 0 if there is none."""
+    """Return the times in seconds of the event before a divergence, in capture and replay; (0, 0) if none is known."""
     number = divergence.index - 1
     if number < 0 or number >= min(len(expected), len(found)):
         return 0.0, 0.0
@@ -125,7 +125,7 @@ def _boxes(side: Side, window: tuple[float, float], wrong: float | None, bit: fl
 
 
 def _flags(history: Sequence[Change], side: Side, window: tuple[float, float]) -> list[Lane]:
-    """Return lanes of the changed fields: those of ALWAYS first, then those that changed within the window."""
+    """Return the lanes of fields: first those in ALWAYS, then others that change within the window."""
     fields: dict[str, list[Change]] = {}
     for change in history:
         if not _access(change):
@@ -154,7 +154,7 @@ def _flags(history: Sequence[Change], side: Side, window: tuple[float, float]) -
 
 
 def _accesses(history: Sequence[Change], side: Side, window: tuple[float, float]) -> list[Lane]:
-    """Return a lane for each register that the firmware wrote or read data from. Polls of status are left out."""
+    """Return a lane for each register that the firmware wrote, or from which it read data. Status polls are omitted."""
     ticks: dict[str, list[Tick]] = {}
     for change in history:
         at = change.at_s - side.agreed

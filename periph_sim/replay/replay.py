@@ -1,4 +1,4 @@
-"""Base classes of replays: the run, its repetition with a history of the divergences, the report and the picture.
+"""Base classes of replays. They run and repeat a replay, and create its report and its picture.
 
 scene, capture --run--> wires --compare--> Comparison --+--> Report
           \\--run again, up to the last divergence--> history of flags
@@ -25,20 +25,20 @@ from .setup import Played, events_of
 from .wire_log import WireLog
 
 Progress = Callable[[float], None]
-STEPS = 100  # number of reports of progress
+STEPS = 100  # number of progress reports in a run
 
 
 class Replay:
     """A capture played against the firmware of a unit.
 
-    KIND, LOOP, ROLE: as `kind`, `loop` and `role` of a `Report`.
+    KIND, LOOP, ROLE: the values of `kind`, `loop` and `role` in the report.
     SIDE: the chip's role.
     origin: the tick at which the capture begins.
     """
 
     KIND, LOOP, ROLE = "i2c", "closed", "slave"
     SIDE = AS_SLAVE
-    _repeated: Callable[..., Replay]  # makes the same replay with another `subscribe`
+    _repeated: Callable[..., Replay]  # creates the same replay again, with another `subscribe`
 
     def __init__(self, scene: Scene, unit: str, lead: Fraction) -> None:
         self._scene = scene
@@ -48,7 +48,7 @@ class Replay:
         self.origin = scene.start + scene.timebase.ticks(lead, "nearest")
 
     def run(self, progress: Progress | None = None) -> Report:
-        """Play the capture and compare."""
+        """Play the capture, compare the wires with it, and return the report."""
         wall = perf_counter()
         stuck = self._drive(progress)
         self._wall = perf_counter() - wall
@@ -60,7 +60,7 @@ class Replay:
         raise NotImplementedError
 
     def _report(self, stuck: list[str]) -> Report:
-        """Compare and return the result. stuck: notes on an early end."""
+        """Compare, and return the report. stuck: notes on why the replay ended early."""
         raise NotImplementedError
 
     def picture(self, report: Report) -> str | None:
@@ -76,7 +76,7 @@ class Replay:
         raise NotImplementedError
 
     def _play(self, end: int, progress: Progress | None) -> None:
-        """Run up to tick `end`."""
+        """Run up to tick `end`, and report progress on the way."""
         begin = self.kernel.now
         for step in range(1, STEPS + 1):
             self.kernel.run_until(begin + (end - begin) * step // STEPS)
@@ -89,7 +89,7 @@ class Replay:
         again._drive(until=until)
 
     def _summary(self, path: Path, outcome: Comparison, after: int, notes: list[str], **figures: Any) -> Report:
-        """Return the report. after: ticks of history shown after an event. figures: other fields of the report."""
+        """Return the report. after: ticks for which history continues after a divergence. figures: other fields."""
         scene, kernel = self._scene, self.kernel
         return Report(
             case=scene.case.name,
@@ -133,7 +133,7 @@ class BusReplay(Replay):
         notes: list[str],
         **figures: Any,
     ) -> Report:
-        """Return the report. replayed: the events of the replay."""
+        """Return the report. replayed: the events of the replay. figures: other fields of the report."""
         part = self._part
         return self._summary(
             part.capture.path,

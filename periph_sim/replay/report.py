@@ -22,26 +22,26 @@ class Report:
     events: number of compared events of the capture.
     agreed: number of these events that are also in the replay, in the same order.
     first_divergence: the earliest divergence that is not of kind TIMING, without its history.
-    divergences: the first divergence of each kind, in order of time, with the chip's activity around it. One of kind
-        TIMING exceeds the tolerance; it fails the replay if a tolerance was given.
+    divergences: the first divergence of each kind, in order of time, with its history. A divergence of kind TIMING
+        exceeds the tolerance. It makes the replay fail only if the user has given a tolerance.
     bytes: I2C: number of bytes on the replayed wires, addresses included. UART: number of bytes that the firmware read.
     nacks: number of NACKs on the replayed wires.
     captured_events, captured_transfers: numbers of events and transfers in the whole capture.
     transfers: number of replayed transfers.
-    captured_errors: number of captured UART frames, except breaks, that have a framing or parity error themselves.
-    ambiguous: number of events that are not judged, because receivers may read them either way.
+    captured_errors: number of UART frames with a framing or parity error in the capture, without breaks.
+    ambiguous: number of events that are not judged, because receivers may read them in different ways.
     filled: names of the firmware's settings that were taken from the capture.
     unjudged: the reason why nothing was judged.
-    lag_worst_us: the largest time from an event of the capture to the same event in the replay; for a UART word the
-        largest time from its start bit to the firmware's read.
-    lag_samples: the same time in sample periods of the capture.
-    late_worst_us: open loop: the longest time for which the chip held SCL low after its rise in the capture.
+    lag_worst_us: the largest difference in time between an event of the capture and the same event in the replay. For
+        UART, it is the largest time from a word's start bit to the firmware's read of the word.
+    lag_samples: `lag_worst_us` in sample periods of the capture.
+    late_worst_us: open loop: the longest time for which the chip holds SCL low after SCL rises in the capture.
     wall_s: the real time of the run alone, in seconds.
     """
 
     case: str
     capture: str
-    kind: str  # kind of the capture: i2c, uart or session
+    kind: str  # kind of the replay: i2c, uart, or session (both together)
     verdict: str  # pass, ambiguous, not judged or fail
     events: int
     agreed: int
@@ -60,31 +60,31 @@ class Report:
     tolerance_us: float = 0.0
     addresses: list[str] = field(default_factory=list)  # I2C: addresses of the firmware, or of its targets as a master
     nacks: int = 0
-    errors: dict[str, int] = field(default_factory=dict)  # UART: words read with FE or PE, and rises of other flags
+    errors: dict[str, int] = field(default_factory=dict)  # UART: how often each error flag was read or set
     stretch_worst_us: float = 0.0
     stretch_total_us: float = 0.0
-    captured_stretch_us: float = 0.0  # longest stretch by a captured target, or pause of its controller
+    captured_stretch_us: float = 0.0  # longest stretch or pause in the capture
     late_worst_us: float = 0.0
     lag_worst_us: float = 0.0
     lag_samples: float = 0.0
     simulated_s: float = 0.0
     wall_s: float = 0.0
     kernel_events: int = 0
-    budgets: list[Verdict] = field(default_factory=list)  # verdicts of the budgets of a session
+    budgets: list[Verdict] = field(default_factory=list)  # verdicts of budgets; only the replay of a session has them
     unknowns: list[str] = field(default_factory=list)
     notes: list[str] = field(default_factory=list)
 
 
 PASS, AMBIGUOUS, NOT_JUDGED, FAIL = "pass", "ambiguous", "not judged", "fail"
 
-# The part of the behaviour that each setting of the firmware determines if it was filled in from the capture.
+# For each setting that a replay can fill in from the capture: the behaviour that it decides in the firmware's place.
 DECIDES = {"replies": "the data", "asleep": "the refusals", "busy": "the refusals", "script": "the requests"}
 
 
 def verdict_of(failed: bool, asked: bool, ambiguous: int = 0) -> str:
     """Return the verdict of a replay.
 
-    failed: True if something differs.
+    failed: True if the replay differs from the capture.
     asked: True if the capture requires something of the firmware.
     ambiguous: number of ambiguous events.
     """
@@ -96,7 +96,7 @@ def verdict_of(failed: bool, asked: bool, ambiguous: int = 0) -> str:
 
 
 def headline(report: Report) -> str:
-    """Format the verdict, the judged part of the capture, and its limitations."""
+    """Return the first line of a printed report: the verdict, the judged part of the capture, and restrictions."""
     parts = [report.verdict.upper()]
     if report.verdict == NOT_JUDGED:
         return f"{parts[0]}: {report.unjudged}"
@@ -113,7 +113,7 @@ def headline(report: Report) -> str:
 
 
 def _coverage(report: Report) -> str:
-    """Format the replayed part of the capture; return "" if the whole capture was replayed."""
+    """Return a phrase with the replayed part of the capture; "" if the whole capture was replayed."""
     if report.captured_events <= report.events:
         return ""
     transfers = f", {report.transfers} of {report.captured_transfers} transfers" if report.captured_transfers else ""

@@ -1,15 +1,16 @@
-"""Replay of a captured session, I2C and UART at the same time, against the whole firmware, with budgets.
+"""Replay of a session: an I2C capture and a UART capture are played at the same time, and budgets are judged.
 
     SCL, SDA --closed loop--> I2cPlayer --> bus <--> unit --> budgets: response, stretch, age, FIFO, overruns, spans
     RX ---------open loop---> EdgePlayer --> SCI-A --^             ^--- transfers on the bus; frames of the capture
 
-The controller keeps the capture's times: a delay by stretching in a round is made up for in the next pause that is long
-enough. The host does not wait for the firmware, so the edges of RX keep their times.
+The controller keeps the times of the capture. If a stretch delays a transfer, the next pauses are shortened until
+transfers begin at their captured times again. The host does not wait for the firmware, so the edges of RX keep their
+times.
 
 A round is due one period after the previous one. If a capture has no round of the case's requests, budgets on rounds
 are not judged, and a note names them.
 
-A frame has as many bytes as the host sends at a time. A frame that a pause of RX ends early is ignored.
+A frame is a fixed number of bytes that the host sends together. A shorter frame, which a pause on RX ends, is ignored.
 """
 
 from __future__ import annotations
@@ -42,13 +43,13 @@ if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
 OF_ROUNDS = ("round", "missed rounds", "nacked rounds", "slack")
-PAUSE = 2  # number of character times; a longer pause on RX ends a frame
+PAUSE = 2  # maximum pause on RX within a frame, in character times
 
 OnFrame = Callable[[int, tuple[int, ...], int], None]
 
 
 class SessionScene(Scene):
-    """A scene whose agents replay a capture; its transfers and frames are passed to the measures."""
+    """A scene whose agents replay captures. Its transfers and frames are passed to the measures of budgets."""
 
     def __init__(self, case: Case, subscribe: Subscribe | None) -> None:
         self.frame_callbacks: list[OnFrame] = []
@@ -57,7 +58,7 @@ class SessionScene(Scene):
         self.bus.rounds.on_other.append(self.others.append)
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """Accept every budget, because the captures take the place of the controller and the host that it may need."""
+        """Accept every budget. The captures replace the controller and the host that a budget may need."""
 
     def on_frame(self, callback: OnFrame) -> None:
         self.frame_callbacks.append(callback)
@@ -73,7 +74,7 @@ class SessionScene(Scene):
 
 
 class SessionReplay(I2cReplay):
-    """Replay of an I2C and a UART capture on a case.
+    """Replay of an I2C capture and a UART capture at the same time.
 
     offset: seconds from the beginning of the I2C capture to the beginning of the UART capture.
     wanted: the line format with which RX is decoded; None for the format to which the firmware sets the SCI.
@@ -130,7 +131,7 @@ class SessionReplay(I2cReplay):
         return self._session_scene
 
     def _expect(self, transfer: Transfer) -> None:
-        """Expect the captured bytes in a transfer, unless the case checks them against the host's values."""
+        """Expect the captured bytes in this transfer, unless the case checks bytes against the host's values."""
         captured = next(self._whole, None)
         if captured is not None and not self._session_scene.case.checks_host:
             for phase, was in zip(transfer.phases, captured.phases, strict=False):
@@ -139,7 +140,7 @@ class SessionReplay(I2cReplay):
     # The host's frames ---------------------------------------------------------------
 
     def _plan_frames(self) -> None:
-        """Decode RX in the SCI's present format, and report each frame at the end of its last stop bit."""
+        """Decode RX in the wanted format, or else the SCI's. Report each frame at the end of its last stop bit."""
         scene = self._session_scene
         dsp = scene.units[self._answering.unit]
         line = line_of(dsp) if self._wanted is None else self._wanted
@@ -159,7 +160,7 @@ class SessionReplay(I2cReplay):
     # Running ------------------------------------------------------------------------
 
     def _least_gap(self) -> int:
-        """Return the shortest gap in the capture. A transfer begins late only if the gap before it would be shorter."""
+        """Return the shortest gap in the capture, in ticks. Gaps are not shortened below it to make up for a delay."""
         gaps = [transfer.gap for transfer in self._part.transfers if transfer.gap is not None]
         return int(min(gaps, default=0) * self._per_position)
 
@@ -173,7 +174,7 @@ class SessionReplay(I2cReplay):
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
         stuck = super()._drive(progress, until)
         if stuck:
-            self._scene.recorder.emit(self.kernel.now, Kind.BUS, WHO, "stuck")  # the record that a controller emits
+            self._scene.recorder.emit(self.kernel.now, Kind.BUS, WHO, "stuck")  # as a controller does
         return stuck
 
     def _report(self, stuck: list[str]) -> Report:
@@ -201,7 +202,7 @@ class SessionReplay(I2cReplay):
         return report
 
     def _other_transfers(self) -> list[str]:
-        """Return a note on transfers that belong to no round of the case; an empty list if there are none."""
+        """Return a list with a note on transfers outside of the case's rounds; an empty list if there are none."""
         scene = self._session_scene
         if not scene.others or not scene.rounds:
             return []
@@ -223,7 +224,7 @@ class SessionReplay(I2cReplay):
 
 
 def _bursts(words: list[uart.Event], pause: Fraction, most: int) -> list[list[uart.Event]]:
-    """Group words into frames: a new frame begins after `most` words, or if start bits are over `pause` apart."""
+    """Group words into frames of at most `most` words. Start bits that are more than `pause` apart end a frame."""
     found: list[list[uart.Event]] = []
     last: uart.Event | None = None
     for word in words:

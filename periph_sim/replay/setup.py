@@ -1,12 +1,12 @@
-"""Preparation of a replay from a case and a capture.
+"""Preparation of a replay from a case and a capture: the scene's case, and the transfers to play.
 
     capture --decode--> transfers --> turns --> the party of each address --> settings of the answering firmware
 
-The agent that the capture replaces is removed, and settings of the firmware that the case leaves open are filled in
-from the capture. Only settings that the firmware's module names in `REPLAY` are filled in, because another firmware may
-use `address` or `busy` for something else.
+The agent that the capture replaces is removed. Settings of the firmware that the case does not set are filled in from
+the capture if the firmware's module names them in `REPLAY`. Other firmware may use `address` or `busy` for something
+else.
 
-Budgets are not judged in a replay: its verdict is the agreement of the wires with the capture.
+Except in a session, budgets are not judged: the verdict of a replay says whether the wires agree with the capture.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ from ..traces.decode.scl_times import impossible_rate
 from . import BadReplay
 from .i2c_script import Turn, as_target, most_frequent, turns
 
-LEAD = Fraction(1, 1000)  # the firmware starts this long before the capture begins
-LONGEST = 24 * 3600  # longest replay, in simulated seconds
+LEAD = Fraction(1, 1000)  # seconds from the start of the firmware to the beginning of the capture
+LONGEST = 24 * 3600  # maximum length of a replay, in simulated seconds
 
 
 def unit_with(case: Case, module: str) -> str:
@@ -57,9 +57,9 @@ def settings_of(case: Case, unit: str) -> frozenset[str]:
 
 
 def undeclared(case: Case, unit: str, names: Iterable[str]) -> list[str]:
-    """Return a note on those of the named settings that the firmware has but does not name in `REPLAY`.
+    """Return a note on the settings in `names` that the firmware has but does not name in `REPLAY`.
 
-    A replay does not fill these settings in.
+    A replay does not fill in these settings.
     """
     if not case.unit[unit].firmware:
         return []
@@ -78,11 +78,13 @@ def undeclared(case: Case, unit: str, names: Iterable[str]) -> list[str]:
 def alone(
     case: Case, unit: str, agent: str, forced: Mapping[str, object], offered: Mapping[str, object]
 ) -> tuple[Case, list[str]]:
-    """Return the case without its agent ("controller" or "host") and budgets, with settings for one unit's firmware.
+    """Prepare a case for a replay: remove an agent and all budgets, and set settings of one unit's firmware.
 
-    Also return the names of the offered settings that are not empty and are filled in.
+    agent: "controller" or "host".
+    forced: settings that are always set.
+    offered: settings that are set if the firmware has them and the case does not set them.
 
-    forced: always set. offered: set if the firmware has them and the case does not set them.
+    Return the prepared case, and the names of the offered settings that were set to a value other than zero or empty.
     """
     known = settings_of(case, unit)
     old = case.unit[unit]
@@ -94,14 +96,14 @@ def alone(
 
 
 def rate_of(capture: Capture) -> Fraction:
-    """Return the number of positions in a second. Raise BadReplay if the file states none."""
+    """Return the number of positions per second in a capture. Raise BadReplay if it is unknown."""
     if capture.rate is None:
         raise BadReplay(f"{capture.path}: a replay needs a time base and the file states no rate; state the rate")
     return capture.rate
 
 
 def check_length(capture: Capture, end: int) -> None:
-    """Raise BadReplay if playing up to position `end` takes longer than a day."""
+    """Raise BadReplay if the capture up to position `end` is longer than a day."""
     rate = rate_of(capture)
     if end > LONGEST * rate:
         raise BadReplay(
@@ -113,28 +115,29 @@ def check_length(capture: Capture, end: int) -> None:
 def tolerance_of(given: Fraction | None, rate: Fraction, scene: Scene) -> Fraction:
     """Return the largest time, in seconds, by which an event may be early or late.
 
-    given: the user's tolerance. By default it is a sample period of the capture, which is the uncertainty of its edges,
-    and one SYSCLKOUT cycle of the slowest unit, to which the chip rounds its inputs. rate: samples per second.
+    given: the user's tolerance, or None. The default is the sum of a sample period, which is the uncertainty of the
+        capture's edges, and a SYSCLKOUT cycle of the slowest unit, to which the chip rounds its inputs.
+    rate: samples per second.
     """
     if given is not None:
         return given
     return 1 / rate + max(1 / dsp.clock.hz for dsp in scene.units.values())
 
 
-STEP = Fraction(25, 1000)  # simulated seconds between reports of progress
-TAIL = Fraction(1, 10_000)  # the wires are observed this long after the last move
-PATIENCE = Fraction(200, 1000)  # a replay ends when SCL is held low for longer; an SHT21 stretches for up to 85 ms
-BYTE = 9  # number of bits of a byte with its ACK
+STEP = Fraction(25, 1000)  # simulated seconds between two progress reports
+TAIL = Fraction(1, 10_000)  # seconds for which the wires are observed after the last move
+PATIENCE = Fraction(200, 1000)  # maximum seconds for which SCL may be held low; an SHT21 stretches for up to 85 ms
+BYTE = 9  # number of bits in a byte with its ACK
 LONG = Fraction(3, 2)  # a low phase is a stretch or a pause if it is longer than the usual one by this factor
-HOLD = Fraction(300, 10**9)  # data hold time of the targets that agents play: UM10204 Table 11
+HOLD = Fraction(300, 10**9)  # data hold time, in seconds, of targets that agents play: UM10204 Table 11
 
 
 @dataclass
 class Played:
-    """The part of a capture that a replay plays.
+    """The part of a capture that a replay plays. Positions are sample numbers or time stamps of the capture.
 
     lines: SCL and SDA.
-    rate: the number of positions of the capture in a second.
+    rate: the number of positions per second.
     whole: all transfers of the capture.
     transfers: the transfers that are played.
     turns: the addressed parts of the played transfers.
@@ -151,22 +154,22 @@ class Played:
 
     @cached_property
     def half_sample(self) -> Fraction:
-        """Half a sample, in positions. Edges of both lines in the same sample are moved apart by this distance."""
+        """Half a sample, in positions. Edges of SCL and SDA in the same sample are moved apart by this distance."""
         return Fraction(sample_step(self.capture), 2)
 
     @cached_property
     def step(self) -> int:
         """The number of positions from one sample to the next, which is the uncertainty of an edge.
 
-        It is 1 if SCL is low for less than two of these steps: then the spacing of the edges is that of the bus clock
-        and not that of an analyser.
+        It is 1 if the usual low time of SCL is less than two of these steps. In that case, the step follows from the
+        clock of the bus, and not from the sample rate of an analyser.
         """
         step = int(2 * self.half_sample)
         return step if self.low >= 2 * step else 1
 
     @property
     def sample_rate(self) -> Fraction:
-        """The number of samples in a second. `rate` is the number of positions in per second."""
+        """The number of samples per second. `rate` is the number of positions per second."""
         return self.rate / self.step
 
     @cached_property
@@ -186,13 +189,13 @@ class Played:
 
     @property
     def stretch(self) -> Fraction:
-        """The longest stretch, in positions: the most by which a low phase over `long_low` exceeds `low`; else 0."""
+        """The longest low phase minus `low`, in positions; 0 if no low phase is longer than `long_low`."""
         longest = max((bit.low for bit in self.bits() if bit.low is not None), default=0)
         return longest - self.low if longest > self.long_low else Fraction(0)
 
     @cached_property
     def high(self) -> Fraction:
-        """The median high time of SCL, in positions; 0 if no bit has a known high time."""
+        """The median high time of SCL in a bit, in positions; 0 if no bit has a known high time."""
         highs = [bit.high for bit in self.bits() if bit.high is not None]
         return Fraction(median(highs)) if highs else Fraction(0)
 
@@ -207,7 +210,7 @@ class Played:
         ]
 
     def answers_of_others(self, own: Sequence[int]) -> dict[int, list[Answer]]:
-        """Return the answers of the targets that the firmware does not replace, indexed by their addresses."""
+        """Return the answers of the targets that the firmware does not replace, by address."""
         answers: dict[int, list[Answer]] = defaultdict(list)
         for turn in self.turns:
             if turn.address not in own:
@@ -216,9 +219,9 @@ class Played:
 
 
 def played(capture: Capture, scl: str | int, sda: str | int, first: int | None = None) -> Played:
-    """Decode the part of a capture to play. first: maximum number of transfers; None for all.
+    """Decode the part of a capture that is to be played. first: the maximum number of transfers; None for all.
 
-    Raise BadReplay if the capture has no transfer or a wrong rate; LookupError if it has no such channel.
+    Raise BadReplay if the capture has no transfer or an impossible rate; LookupError if it has no such channel.
     """
     rate = rate_of(capture)
     if wrong := impossible_rate(capture, scl):
@@ -252,9 +255,10 @@ class Answering:
     """The unit that replaces captured targets.
 
     own: the addresses of the unit.
-    asked: the number of times that one of these addresses is acknowledged in the capture. If it is 0, the capture does
-        not require anything of the firmware.
-    forced, offered: settings of the firmware, as for `alone`.
+    asked: how often one of these addresses is acknowledged in the capture. If the number is 0, the capture does not
+        require anything of the firmware.
+    forced: settings of the firmware that are always set.
+    offered: settings of the firmware that are set if the firmware has them and the case does not set them.
     """
 
     unit: str
@@ -265,7 +269,7 @@ class Answering:
 
     @property
     def unjudged(self) -> str:
-        """The reason why a replay without differences proves nothing; empty if it proves something."""
+        """The reason why a replay without differences proves nothing; "" if it proves something."""
         if self.asked:
             return ""
         addresses = ", ".join(f"{address:02X}" for address in self.own)
@@ -273,12 +277,14 @@ class Answering:
 
 
 def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = LEAD) -> Answering:
-    """Determine the firmware's addresses and settings; add notes on settings that it lacks.
+    """Determine the firmware's addresses and settings. Add notes on settings that cannot be filled in.
 
-    given: the addresses of the firmware. If it is empty, the firmware answers the address that the case sets, or else
-    the one that was acknowledged most often in the capture; firmware whose `REPLAY` does not name `address` answers all
-    addresses. While the captured target sent NACK, the firmware is made unreachable. If its addresses are given, it is
-    not: it must then send NACK by itself to agree with the capture.
+    given: the addresses of the firmware. If there are none, the firmware answers the address that the case sets, or
+        else the one that was acknowledged most often in the capture. Firmware whose `REPLAY` does not name `address`
+        answers all addresses.
+
+    If no addresses are given, the firmware is set not to answer while the captured target sent NACK. Otherwise, the
+    firmware must send these NACKs by itself to agree with the capture.
     """
     unit = unit_with(case, "I2C-A")
     found = Answering(unit, _addresses(case, unit, part, given))
@@ -332,7 +338,7 @@ def _settings(part: Played, address: int, lead: Fraction, in_reach: bool) -> dic
 
 
 def _cut(last: decode.Transfer) -> list[str]:
-    """Return a note if the last transfer has no STOP; else an empty list."""
+    """Return a list with a note if the last transfer has no STOP; else an empty list."""
     if last.stop is not None:
         return []
     phase = last.phases[-1]

@@ -41,8 +41,8 @@ if TYPE_CHECKING:
     from ..records.recording import Subscribe
 
 
-TAKEN = Fraction(100, 10**6)  # seconds that the firmware has after the end of the capture to read the last word
-TOLERANCE = Fraction(2, 100)  # largest difference in rate at which two UARTs agree on every bit of a long frame
+TAKEN = Fraction(100, 10**6)  # seconds after the end of the capture in which the firmware can read the last word
+TOLERANCE = Fraction(2, 100)  # maximum relative difference in rate at which two UARTs read a long frame alike
 
 SCIRXBUF, SCIFFRX = (SCI_MAP[name] for name in ("SCIRXBUF", "SCIFFRX"))
 FLAGS = {"SCIRXST.BRKDT": "BRKDT", "SCIRXST.OE": "OE", "SCIFFRX.RXFFOVF": "RXFFOVF"}
@@ -74,7 +74,7 @@ def play_line(scene: Scene, capture: Capture, channel: str | int, origin: int) -
     ]
     notes = []
     if not line.initial:
-        # The line is in a frame or break that began before the capture; the decoder also waits for a falling edge.
+        # A frame or break began before the capture. It is left out here, as by the decoder.
         edges = edges[1:]
         notes.append("the capture begins with the line low; the line is kept idle until it has risen")
     EdgePlayer(scene.kernel, scene.wire("RX"), edges)
@@ -82,7 +82,7 @@ def play_line(scene: Scene, capture: Capture, channel: str | int, origin: int) -
 
 
 def line_events(capture: Capture, channel: str | int, line: decode.Line) -> list[decode.Event]:
-    """Decode a channel. Raise BadReplay if the capture is too coarse for the line."""
+    """Decode a channel. Raise BadReplay if the sample rate of the capture is too low for the line's baud rate."""
     try:
         return decode.events(capture, channel, line)
     except ValueError as error:
@@ -92,9 +92,9 @@ def line_events(capture: Capture, channel: str | int, line: decode.Line) -> list
 class UartReplay(Replay):
     """Replay of one channel of a capture into SCI-A.
 
-    wanted: the format in which the channel is read. None: the format to which the firmware sets the SCI.
-    lead: seconds from the start of the firmware to the start of the capture. It determines at which phases of the line
-        the SCI samples.
+    wanted: the line format with which the channel is decoded; None for the format to which the firmware sets the SCI.
+    lead: seconds from the start of the firmware to the beginning of the capture. It determines the phase between the
+        line and the SCI's samples.
 
     Raise BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
     """
@@ -164,7 +164,7 @@ class UartReplay(Replay):
         return ""
 
     def _line_to_read(self) -> decode.Line:
-        """Return the format in which to read the capture: the wanted format, or else the SCI's present format."""
+        """Return the line format with which the capture is decoded: the wanted one, or else the SCI's present one."""
         line = line_of(self.dsp)
         self._baud = Fraction(line.baud)
         return line if self._wanted is None else self._wanted
@@ -221,11 +221,11 @@ class UartReplay(Replay):
         return captured, side, 1 / float(self._line.baud)
 
     def received(self) -> list[Happened]:
-        """Return the words read from SCIRXBUF so far as events."""
+        """Return the words that the firmware has read from SCIRXBUF so far, as events."""
         return [word.happened for word in self._received()]
 
     def _received(self) -> list[Word]:
-        """Return the words read from SCIRXBUF so far."""
+        """Return the words that the firmware has read from SCIRXBUF so far."""
         rxdt, sciffe, sciffpe = (SCIRXBUF[name] for name in ("RXDT", "SCIFFFE", "SCIFFPE"))
         return [
             Word(
@@ -248,7 +248,7 @@ class UartReplay(Replay):
         ]
 
     def _left(self) -> int:
-        """Return the number of words in the receive FIFO."""
+        """Return the number of unread words in the receive FIFO."""
         cycle = self.dsp.clock.cycle_at(self.kernel.now)
         return SCIFFRX["RXFFST"].extract(self.dsp.socket("SCI-A").peek(cycle, SCIFFRX.offset))
 

@@ -1,4 +1,4 @@
-"""Log of the edges of a running scene's wires, readable as a capture of a logic analyser."""
+"""Log of the edges of wires in a running scene. It can be read like the capture of a logic analyser."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ..traces.capture.capture import Capture, channel_of
 
 
 class WireLog:
-    """Log of the edges of some wires; its positions are ticks."""
+    """Log of the edges of some wires. Its positions are ticks."""
 
     def __init__(self, *wires: Wire) -> None:
         self._wires = wires
@@ -23,7 +23,7 @@ class WireLog:
             watch([wire], _collector(ticks, levels))
 
     def capture(self, timebase: Timebase, now: int) -> Capture:
-        """Return the wires' levels up to and including tick `now`."""
+        """Return a capture of the wires' levels up to and including tick `now`."""
         states = enumerate(zip(self._wires, self._ticks, self._levels, strict=True))
         channels = tuple(
             channel_of(wire.name, index, ticks, levels, now + 1) for index, (wire, ticks, levels) in states

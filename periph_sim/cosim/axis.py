@@ -46,7 +46,7 @@ class Axis:
 
 def _length(per_second: int) -> str:
     """Return the length of a step as in a timescale, such as "1 ps". per_second: number of steps in a second."""
-    power = len(str(per_second)) - 1  # simulators use powers of ten
+    power = len(str(per_second)) - 1  # the number of steps in a second is a power of ten
     for unit, of in (("s", 0), ("ms", 3), ("us", 6), ("ns", 9), ("ps", 12), ("fs", 15)):
         if power <= of:
             return f"{10 ** (of - power)} {unit}"

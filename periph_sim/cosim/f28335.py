@@ -1,4 +1,4 @@
-"""A case as a component of a design in an HDL simulator, used like a component of the cocotbext packages.
+"""A component for cocotb tests that runs a case inside an HDL simulator, like the models of the cocotbext packages.
 
     scl, sda (resolved), rx --value change--> apply(floor)   Session   changes --ceil--> scl_o, sda_o, tx
                                                      next_output --> one pending timer
@@ -56,7 +56,7 @@ class F28335:
     Each signal is given as an object or by its name in `dut`.
     case: a case from `load` or `make_case`, or the path of a file.
     scl, sda: the resolved lines, which are read.
-    scl_o, sda_o: the signals of our own drive: 0 pulls, 1 releases.
+    scl_o, sda_o: the signals that we drive: 0 pulls the line low, 1 releases it.
     rx, tx: the line that is read and the line that is driven.
     wires: pairs (read, driven) for wires of other units, by name; either of a pair may be None.
     log: a file for the line changes, which `periph_sim.outside.replay` can replay.
@@ -104,7 +104,7 @@ class F28335:
             for name, signal in read.items():
                 _level(name, signal, "the beginning")
         per_second = get_sim_steps(1, "sec")
-        if begin:  # so that the times of records count from the simulator's time 0
+        if begin:  # start the case later, so that times in records are those of the simulator
             case = case.model_copy(update={"start": case.start + Fraction(begin, per_second)})
         self._files = ExitStack()
         subscribe, self._ended_at = self._files.enter_context(

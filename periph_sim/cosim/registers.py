@@ -1,4 +1,4 @@
-"""Reading of registers by name, such as "I2C-A.I2CSTR.SCD". Like a debugger, it has no side effects on the run."""
+"""Reading of registers by name, such as "I2C-A.I2CSTR.SCD", without side effects on the run, as in a debugger."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def peek(scene: Scene, place: str) -> int:
     value = socket.peek(cycle, register.offset)
     if register.width == 32:
         value |= socket.peek(cycle, register.offset + 1) << 16
-    socket.chip.touched.intersection_update(touched)  # the run does not depend on open questions of this read
+    socket.chip.touched.intersection_update(touched)  # this read adds no open questions to those of the run
     if len(parts) == 3:
         return value
     fields = {field.name: field for field in register.fields}

@@ -69,7 +69,7 @@ def simulate(
 ) -> Path:
     """Build the sources, run the cocotb tests, and return the path of the run's log, which is in `folder`.
 
-    module: the module of the tests. The simulator searches for it on the import path of this program.
+    module: the name of the Python module with the tests. It is searched for on the import path of this program.
     folder: the folder for build files, logs and waves.
     tests: a regular expression; only tests whose names match run.
 

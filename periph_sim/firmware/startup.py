@@ -25,7 +25,7 @@ def start_pin(dsp: Dsp, pin: int) -> None:
 def start_i2c(dsp: Dsp, own_address: int = 0) -> None:
     """Set up I2C-A with a module clock of 10 MHz, and leave it in reset (IRS = 0).
 
-    The inputs of its pins are asynchronous, as in TI's code. own_address: the value of I2COAR.
+    The inputs of its pins are not synchronized to SYSCLKOUT, as in TI's code. own_address: the value of I2COAR.
     """
     clocks = dsp.module("SYS")
     dsp.eallow()
@@ -46,7 +46,7 @@ def start_i2c(dsp: Dsp, own_address: int = 0) -> None:
 
 
 def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> None:
-    """Set up SCI-A to receive with FIFO and an interrupt at `level` words. sciccr: 0x07 is 8 data bits, no parity."""
+    """Set up SCI-A with a receive FIFO that requests an interrupt at `level` words. For brr, sciccr see `start_sci`."""
     clocks = dsp.module("SYS")
     dsp.eallow()
     clocks.PCLKCR0.SCIAENCLK = 1
@@ -62,17 +62,17 @@ def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> Non
     sci.SCICTL2.all = 0x00
     sci.SCIHBAUD.all = brr >> 8
     sci.SCILBAUD.all = brr & 0xFF
-    sci.SCIFFTX.all = 0xC000  # SCIRST, SCIFFENA
+    sci.SCIFFTX.all = 0xC000  # SCIRST and SCIFFENA set
     sci.SCIFFRX.all = 0x0000  # FIFO held in reset
-    sci.SCIFFRX.all = 0x6060 | level  # overflow and interrupt flags cleared, FIFO on, interrupt on
+    sci.SCIFFRX.all = 0x6060 | level  # clears both flags, releases the FIFO from reset, enables its interrupt
     sci.SCICTL1.all = 0x23  # SW RESET released; receiver and transmitter enabled
 
 
 def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
-    """Enable the PIE, and the interrupts that are the keys of `handlers`, with their service routines."""
+    """Enable the PIE and some interrupts. handlers: the service routine of each of them, by the interrupt's name."""
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1
-    pie.PIEACK.all = 0xFFF  # before PIEIER: after it, this write would request a pending interrupt twice
+    pie.PIEACK.all = 0xFFF  # before PIEIER, because otherwise this write requests a pending interrupt again
     for name, handler in handlers.items():
         group, line = dsp.handle(name, handler)
         setattr(pie[f"PIEIER{group}"], f"INTx{line}", 1)

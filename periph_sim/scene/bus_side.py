@@ -29,9 +29,9 @@ class BusSide:
     """The transfers and rounds of a scene's bus.
 
     asked: the requests of the master; None if they are not known.
-    spike: pulses on SDA of fewer ticks are ignored.
+    spike: the monitor ignores pulses on SDA that last fewer ticks.
     before: callbacks that receive each transfer before other subscribers.
-    monitor: the monitor of the wires; None before the first use of `rounds`, and without a bus.
+    monitor: the monitor of the wires; None before the first use of `rounds`, and in scenes without a bus.
     wire_bytes: number of bytes of the counted transfers.
     nacked: number of counted transfers that were not acknowledged.
     bit_skip: the shortcut that skips bits on this bus; None if no bits are skipped.
@@ -66,12 +66,12 @@ class BusSide:
         return 0 if self.asked is None else int(self.asked.period // 1)
 
     def count(self, transfer: Transfer) -> None:
-        """Count the bytes of a transfer of the controller agent, and the transfer if it was not acknowledged."""
+        """Add a transfer by the controller agent to `wire_bytes` and, if it was not acknowledged, to `nacked`."""
         self.wire_bytes += transfer.wire_bytes
         self.count_nacked(transfer)
 
     def count_nacked(self, transfer: Transfer) -> None:
-        """Count the transfer if it was not acknowledged, unless it only polls whether an EEPROM is ready."""
+        """Add a transfer to `nacked` if it was not acknowledged, unless it only polls whether an EEPROM is ready."""
         first = transfer.phases[0]
         polls = self.asked is not None and self.asked.ack_polling and not first.read and not first.data
         self.nacked += not transfer.acked and not polls

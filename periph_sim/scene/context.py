@@ -28,7 +28,7 @@ class CaseTicks(Struct, frozen=True):
         return is_on(name, self.case.disable)
 
     def ticks(self, length: Fraction, ppm: Fraction = Fraction(0)) -> int:
-        """Convert a length in seconds to ticks, rounded to the nearest tick. A clock that is `ppm` too fast counts it.
+        """Return the nearest number of ticks of a length in seconds. The length is counted by a clock `ppm` too fast.
 
         Raise BadCase, with its line, if the number of ticks is too large.
         """

@@ -2,8 +2,8 @@
 
     Case --head_plan--> HeadPlan, shared by all scenes of the case --build_head--> SensorHead of one scene
 
-Its times are counted by its own clock, which has an error of `ppm`. The length of each phase of SCL is rounded to the
-nearest tick. Rounds do not drift from the clock, however long the run is.
+The head counts its times by its own clock, which has an error of `ppm`. The length of each phase of SCL is rounded to
+the nearest tick. Rounds do not drift from the clock, however long the run is.
 """
 
 from __future__ import annotations
@@ -164,7 +164,7 @@ def _transfers(requests: list[Request], by_stop: bool) -> tuple[Transfer, ...]:
 
 
 def _sensors(case: Case, table: Controller | RoundsTable) -> Mapping[str, ChipData]:
-    """Return the known sensors, including those of plugins that the table names."""
+    """Return the known sensors. They include the sensors of installed plugins if the table names one."""
     names = [*table.order, *(request.chip for request in table.request if request.chip is not None)]
     return sensors_of(case, names)
 

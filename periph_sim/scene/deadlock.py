@@ -40,7 +40,7 @@ RESTARTED = 2  # a wait of this many watchdog periods shows that a service routi
 def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]) -> str:
     """Return why the wait of `dsp` cannot end, as a clause; empty if it can end, or if there is no wait.
 
-    may_move: returns True if one of these parties, which are not of the unit, may still change the wire.
+    may_move: takes a wire and its parties outside the unit; returns True if one of them may still change the wire.
     instant: formats a tick.
     """
     wait = dsp.program.unanswered_wait()
@@ -117,7 +117,7 @@ def watchdog_runs(dsp: Dsp) -> bool:
 def watchdog_ends(dsp: Dsp, since: int) -> bool:
     """Return True if the watchdog may end a wait that began at this cycle.
 
-    It cannot after RESTARTED watchdog periods, because a service routine then restarts the watchdog regularly.
+    It cannot end a wait of RESTARTED watchdog periods, because a service routine restarts the watchdog regularly.
     """
     return watchdog_runs(dsp) and dsp.control.watchdog_rounds(since, _now(dsp)) < RESTARTED
 

@@ -34,7 +34,7 @@ class DerivedRecords:
     """The derived records of a scene. bytes: compares read bytes with expected ones; None if no subscriber needs it."""
 
     def __init__(self, recorder: Recorder) -> None:
-        """Call this after all subscriptions and before units are built: it subscribes to records of their firmware."""
+        """Subscribe to records of firmware. Create this object after all other subscriptions and before the units."""
         self._recorder = recorder
         self._named = {kind: recorder.named_things(kind) for kind in KINDS}
         self._transfers: TransferRecords | None = None
@@ -84,7 +84,7 @@ class DerivedRecords:
                 StuckWatch(scene.wires[name], limit, scene.stuck.report, scene.bus.bit_skip)
 
     def finish(self, scene: Scene) -> None:
-        """Record what is incomplete at the end of the run."""
+        """Record transfers, hold times and reads that are incomplete at the end of the run."""
         now, monitor = scene.kernel.now, scene.bus.monitor
         if self._transfers is not None and monitor is not None:
             unfinished = None if scene.case.controller is not None else monitor.open_transfer
@@ -132,7 +132,7 @@ MODEL_PIN = "MODEL"  # name, in a case, of the pin that is high while the firmwa
 
 
 def _origins_of(scene: Scene) -> Origins:
-    """Return the object that finds the frame of each read. Raise BadCase if it cannot recognize a model's values."""
+    """Return the object that finds the host frame from which the bytes of a read come. Raise BadCase if it cannot."""
     from ..core.sampler import watch
     from ..devices.host_frames import host_frames
     from ..timing.derived.origins import FrameOrigins, ModelOrigins

@@ -18,8 +18,8 @@ from . import plugins
 from .context import SceneContext
 from .firmware_loader import BadSetting, filled
 
-RESET = ".XRS"  # suffix of the wire at a unit's reset pin
-MODULE_RESET = ".IRS"  # suffix of the wire that represents a unit's bit I2CMDR.IRS
+RESET = ".XRS"  # suffix in the name of the wire at a unit's reset pin
+MODULE_RESET = ".IRS"  # suffix in the name of the wire that represents a unit's bit I2CMDR.IRS
 
 
 class Wires:

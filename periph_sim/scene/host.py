@@ -89,7 +89,7 @@ class HostAgent:
     def _truth(self, table: HostTable, model: FirmwareModel | None) -> Truth | None:
         """Return the true values of the chips.
 
-        Return None if a model of the firmware computes the chips' data and no motion is known from which frames come.
+        Return None if a model of the firmware computes the chips' data but the host's frames have no known motion.
         """
         if model is None:
             return LineBetweenFrames(self.values, table.period, host_frames().shown)

@@ -69,7 +69,7 @@ class MeasuredParts:
         value = socket.peek(cycle, register.offset)
         if register.width == 32:
             value |= socket.peek(cycle, register.offset + 1) << 16
-        chip.touched.intersection_update(touched)  # the run does not depend on open questions of this read
+        chip.touched.intersection_update(touched)  # this read adds no open questions to those of the run
         return register[field_name].extract(value)
 
     def ticks_per_second(self) -> int:

@@ -142,10 +142,8 @@ class LogReader:
                 self._cut = len(text)
                 return None
             value: object = json.loads(text)
-        except (
-            ValueError,
-            RecursionError,
-        ):  # no JSON, no UTF-8, too long, or a number with more digits than Python reads
+        except (ValueError, RecursionError):
+            # The line is not JSON or not UTF-8, is too long, or has a number with more digits than Python reads.
             raise self._bad(self._lines + 1, "a damaged line", "JSON") from None
         self._lines += 1
         return value

@@ -57,7 +57,7 @@ def as_driven(case: Case) -> Case:
 def with_outside(case: Case, wires: tuple[str, ...]) -> Case:
     """Return the case as it is built if the outside drives these wires instead of those in its [outside].
 
-    Raise BadCase if its [outside] has replaced a party that these wires do not replace, since it would be missing.
+    Raise BadCase if its [outside] has replaced a party that these wires do not replace: the party would be missing.
     """
     for party, lines in (("controller", BUS), ("host", frozenset(("RX",)))):
         if party in case._replaced and not lines.issubset(wires):

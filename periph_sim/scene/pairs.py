@@ -1,6 +1,6 @@
 """The RS-485 pairs of a scene with their transceivers and notes, built from [[transceiver]] tables.
 
-Equal notes about a transceiver or a group of drivers are one note, with the first time and the count.
+Equal notes are combined into one note, with the time of the first one and their count.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ class Pairs:
         return self._transceivers.get((unit, module))
 
     def lines(self) -> Mapping[str, Line]:
-        """Return, by pair's wire, a function that gives the bit length and format of the party that drives it."""
+        """Return, by wire of a pair, a function that gives the bit length and format of the party that drives it."""
         return {name: partial(self._line, pair) for name, pair in self._pairs.items()}
 
     def notes(self) -> list[str]:

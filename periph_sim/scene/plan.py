@@ -75,7 +75,7 @@ class ScenePlan:
 
     @property
     def limits(self) -> tuple[BudgetPlan, ...]:
-        """The plans of the budgets. They are made at each access if `scope` is. Raise BadCase for an invalid budget."""
+        """The plans of the budgets, made again whenever `scope` is read again. Raise BadCase for an invalid budget."""
         return parts.limits.limit_plans(self.ticks, self.scope) if self._names_of_files else self._limits
 
     @cached_property

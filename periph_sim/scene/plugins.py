@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ..devices.chips.register_chip import RegisterChip
 
 T = TypeVar("T")
-GROUP = "periph_sim"  # the group of entry points
+GROUP = "periph_sim"  # name of the group of entry points that are plugins
 STALL_LIMIT = 10.0  # maximum seconds of the import of a plugin
 
 
@@ -152,7 +152,10 @@ def _project_plugins(folder: Path) -> list[Plugin]:
 
 @lru_cache(maxsize=64)
 def _module(path: Path, changed: int, size: int) -> ModuleType:
-    """Return the module of a file, from a cache. changed, size: with other values, the file is imported again."""
+    """Return the module of a file, from a cache.
+
+    changed, size: time of change and size of the file. If they differ from the cached ones, it is imported again.
+    """
     return UserCode(f"plugin {path.name}", STALL_LIMIT).in_time(module_of_file, path)
 
 

@@ -36,7 +36,7 @@ MOST_PLANS = 16  # maximum number of kept plans of changed cases, which a sweep 
 
 
 class PreparedScene:
-    """A case of which many scenes are built.
+    """A case from which many scenes are built.
 
     case: a case from `load` or `make_case`, or the path of a file, which is read once.
     changes: "key=value" texts applied to the file for all runs.
@@ -71,7 +71,7 @@ class PreparedScene:
         if plan is None:
             try:
                 unchanged = self.plan()
-            except BadCase:  # it may be that the file is a valid case only with the changes
+            except BadCase:  # perhaps the file is a valid case only with the changes
                 unchanged = None
             plan = ScenePlan(file.changed(changes), unchanged)
             if len(self._plans) == MOST_PLANS:

@@ -4,8 +4,8 @@
     cases = ["timing", "bench/line.toml"]   cases that `check` runs without arguments; default: timing, else this folder
     baselines = "ci/figures"                folder of their baselines; default: baselines/ beside each case
     guaranteed = true                       rejected by `run`, `check` and `watch`, because nothing is proven yet
-    jobs = 2
-    tolerance = 1
+    jobs = 2                                number of processes of `check`
+    tolerance = 1                           number of cycles by which times may differ from a baseline
     plugins = ["barometer.py"]              Python files that define chips, sensors and more: see `plugins`
 
 Paths are relative to the folder of the file. A pyproject.toml without this table is ignored, even if it is not valid.

@@ -103,8 +103,8 @@ class Scene:
         self.kernel = Kernel(self.start)
         self.wires = self.WIRES(self.kernel, self.recorder)
         self.units: dict[str, Dsp] = {}
-        # No part of a scene refers to the scene itself. The stack of waiting firmware refers to parts, and the garbage
-        # collector does not see this stack, so a scene that parts refer to would never be deleted.
+        # No part of a scene refers to the scene itself, because the stack of waiting firmware refers to parts.
+        # The garbage collector does not see this stack, so it would never delete a scene to which parts refer.
         self._close = finalize(self, _let_go, self.recorder, self.units)
         self._close.atexit = False
         self.firmware: dict[str, Firmware] = {}  # by unit
@@ -233,7 +233,7 @@ class Scene:
         taken = {address: name for name, chip in self.chips.items() for address in chip.addresses}
         try:
             self.devices = parts.devices.build_devices(context, self.wires, taken)
-        except FirmwareStalled as stalled:  # the code of a user's device has stalled, so the run ends as it begins
+        except FirmwareStalled as stalled:  # the code of a user's device stalled, so the run ends at its first tick
             self.stalled = str(stalled)
 
     def note_logs(self) -> dict[str, NoteLog]:

@@ -63,7 +63,7 @@ class ChipOnBus:
 
 
 def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipOnBus:
-    """Return the chip of `[chip.NAME]`, not yet on its wires. source: its values; None for those of the case.
+    """Return the chip of `[chip.NAME]`, not yet on its wires. source: its input; None for the `values` of the case.
 
     Raise BadCase, with its line, for an impossible chip.
     """

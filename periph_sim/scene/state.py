@@ -39,7 +39,7 @@ WINDOWS = 10_000  # number of windows in a second; a run searches for its checkp
 
 
 def state_of_scene(scene: Scene) -> Snapshot:
-    """Return the state of a scene between two runs. Wires that have not settled are settled, as the next run would."""
+    """Return the state of a scene between two runs. Wires settle first, as they would in the next run."""
     scene.kernel.settle()
     taken = take_snapshot(modules_of(scene), scene.kernel.now, scene.recorder.number, tuple(_identity(scene)))
     return taken._replace(base=scene.checkpoint)
@@ -88,7 +88,7 @@ def modules_of(scene: Scene) -> dict[str, Module]:
     for name, dsp in scene.units.items():
         found |= _unit_modules(name, dsp, dsp.clock.cycle_at(scene.kernel.now), keys)
     found |= {name: Module(part, keys=keys) for name, part in (parts | scene.wires).items()}
-    # The kernel is last, because an event has the name of the attribute in which its owner keeps it.
+    # The kernel is last, because its events are identified by attributes of the modules before it.
     found["kernel"] = Module(scene.kernel, keys=keys)
     return found
 
@@ -132,7 +132,7 @@ def keep_logs(scene: Scene) -> bool:
 
 
 def run_to_checkpoint(scene: Scene, until: int) -> None:
-    """Run to an instant in the last window before tick `until` at which the logs of all C sources can end.
+    """Run to an instant at which the logs of all C sources can end, in the last window before tick `until`.
 
     The state at this instant becomes the scene's checkpoint, unless a part of it cannot be restored. If there is no
     such instant, there is no checkpoint.

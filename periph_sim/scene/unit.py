@@ -46,7 +46,7 @@ class FirmwareModel(Protocol):
         """Return the model of the bytes that the chips should show; None if the settings do not determine it."""
 
     def truth(self, motion: Any, first: Fraction) -> Truth:
-        """Return the true values during a motion. first: seconds of the motion's time at which frame 0 is due."""
+        """Return the true values during a motion. first: the time in the motion at which frame 0 is due, in seconds."""
 
     def attitude(self, readings: Mapping[str, Sequence[float]]) -> list[float] | None:
         """Return roll, pitch, yaw in degrees from the last readings by chip; None if they do not suffice."""

@@ -30,7 +30,7 @@ class Strikes(Table, frozen=True, kw_only=True):
 
 
 class StretchTable(Strikes, frozen=True, kw_only=True):
-    """Stretched bytes, and the length. A text in place of the table is the length for each byte, address included."""
+    """The bytes after which SCL is held low. A text in place of the table is the length after every byte."""
 
     length: DurationRange
 

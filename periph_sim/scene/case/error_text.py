@@ -33,8 +33,8 @@ def complaint(first: Mistake) -> str:
         return "it is missing"
     found = repr(first.found)
     told = first.found is NOTHING
-    # The value is not quoted if the message of the check already quotes it, or if the message is a BadCase, which is
-    # about a file that the value names.
+    # The value is not quoted a second time if the message of the check quotes it already.
+    # A BadCase is about a file that the value names, so its message is complete without the value.
     if first.error is not None:
         told |= found in first.what or "but it is" in first.what or isinstance(first.error, BadCase)
         told |= isinstance(first.found, dict)

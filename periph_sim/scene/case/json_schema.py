@@ -5,7 +5,8 @@ of a unit. The settings of firmware are defined in its source, so the schema all
 
     int, Annotated[...], a `Table` ... --schema_of--> {"type": "integer"} ...
 
-Each inner table is written once, in `definitions`. What a schema cannot express is checked only when a case is loaded.
+The schema of each inner table is stored once, in `definitions`. Rules that a schema cannot express are checked only
+when a case is loaded.
 """
 
 from __future__ import annotations
@@ -37,7 +38,8 @@ from .model import Case
 
 Schema = dict[str, Any]
 
-LIMITS = {"ge": "minimum", "le": "maximum", "pattern": "pattern", "examples": "examples"}  # by key of msgspec.Meta
+# For each attribute of msgspec.Meta, the keyword of a schema with the same meaning.
+LIMITS = {"ge": "minimum", "le": "maximum", "pattern": "pattern", "examples": "examples"}
 PLAIN: dict[Any, Schema] = {
     bool: {"type": "boolean"},
     int: {"type": "integer"},
@@ -61,12 +63,13 @@ def schema_of(annotation: Any, definitions: Schema) -> Schema:
         return {"type": PLAIN[type(arguments[0])]["type"], "enum": [*arguments]}
     if origin is tuple and arguments[1] is not ...:
         entries = [schema_of(kind, definitions) for kind in arguments]
+        # In draft 7, a tuple has this form.
         return {
             "type": "array",
             "minItems": len(entries),
             "maxItems": len(entries),
             "items": entries,
-        }  # the form of a tuple in draft 7
+        }
     if origin in (tuple, list):
         return {"type": "array", "items": schema_of(arguments[0], definitions)}
     if origin in (dict, Mapping):
@@ -88,8 +91,9 @@ def _annotated(kind: Any, checks: tuple[Any, ...], definitions: Schema) -> Schem
         if isinstance(check, msgspec.Meta) and "type" in schema:
             limits = {"minItems": check.min_length} if check.min_length is not None else {}
             limits |= {name: getattr(check, of) for of, name in LIMITS.items() if getattr(check, of) is not None}
+            # Numeric limits of a value that is written as a text, such as "10 ms", cannot be expressed in a schema.
             fits = schema["type"] != "string" or ("minimum" not in limits and "maximum" not in limits)
-            schema = schema | limits if fits else schema  # a text has no numeric limits: they apply to its value
+            schema = schema | limits if fits else schema
     return schema
 
 
@@ -131,7 +135,7 @@ DIALECT = "http://json-schema.org/draft-07/schema#"  # the newest draft that edi
 
 
 def case_schema() -> Schema:
-    """Return the schema as a tree, for `json.dumps`."""
+    """Return the schema of case files as a tree of dicts and lists, for `json.dumps`."""
     here = Path()  # the present folder, whose project may have plugins
     faults = {f"fault {name}": kind.Settings for name, kind in known(here, "attach", kinds_of_fault()).items()}
     frames = host_frames()
@@ -181,7 +185,7 @@ def _devices(common: Schema, families: Mapping[str, Family], schemas: Schema) ->
 
 
 def _with_own_keys(common: Schema, own: Schema, key: str, values: list[str]) -> Schema:
-    """Return the schema of a table with the common keys and the own keys that it has if `key` has one of `values`."""
+    """Return the schema of a table with the keys of `common` and `own`, in which `key` has one of `values`."""
     properties = {**common["properties"], **own["properties"], key: {"enum": values}}
     return _closed({**common, "properties": properties, "required": [*common["required"], *own.get("required", [])]})
 
@@ -191,7 +195,7 @@ def _closed(schema: Schema) -> Schema:
 
 
 def _options(kind: type) -> Schema:
-    """Return the schema of a table of answers to the open questions in a class of options."""
+    """Return the schema of a table of options. kind: a class whose fields are options, with open questions."""
     found: Schema = {}
     for field in dataclasses.fields(kind):
         about = field.metadata

@@ -217,7 +217,7 @@ class CaseFile:
             return self.case
         try:
             found = None if self.case.outside is not None else self._changed(changes)
-        except ValueError:  # one of the two cases is invalid; loading the changed one as a whole raises its error
+        except ValueError:  # the unchanged or the changed case is invalid, so the changed one is loaded as a whole
             found = None
         return _loaded(self.path, self._text, (*self.changes, *changes))[0] if found is None else found
 
@@ -247,7 +247,7 @@ class CaseFile:
 
 
 def _converted(tree: Mapping[str, Any], named: set[str]) -> dict[str, object] | None:
-    """Return the fields of a case that these keys of a tree define; None if one of them is wrong."""
+    """Convert the named keys of a tree to fields of a case. Return None if a key is unknown or has a wrong value."""
     keys, mistakes = keys_of(Case), list[Mistake]()
     fields: dict[str, object] = {}
     for said in named:

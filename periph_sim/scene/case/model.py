@@ -42,7 +42,7 @@ from .wiring import Cable, wiring_of
 
 
 class BadCase(ValueError):
-    """A case file that cannot be run; the message is one sentence for the user."""
+    """Error: a case cannot be loaded or run. The message is one sentence for the user."""
 
 
 SHORTEST_ROUND = Fraction(1, 1_000_000)  # minimum period of rounds, in seconds: even a byte at 5 MHz takes longer
@@ -88,13 +88,13 @@ class Controller(Table, frozen=True, kw_only=True):
     request: tuple[RequestTable, ...] = ()
     initialise: Length | None = None  # time before the first round at which chips are set up; None: no chip is set up
     check: Literal["expect", "host"] = "expect"  # what "wrong bytes" compares with: `expect`, or host frames
-    on_nack: Literal["go on", "give up"] = "go on"  # after a data byte without ACK: next phase, or STOP
+    on_nack: Literal["go on", "give up"] = "go on"  # after a NACK of a data byte: continue with the next phase, or STOP
     stuck_after: Length = Fraction(25, 1000)
     clear_after: Length | None = None  # None: the bus is never cleared
     beside_outside: bool = False  # False: an outside that drives SDA and SCL replaces it; True: both are on the bus
 
     def as_rounds(self) -> RoundsTable:
-        """Return its requests as [rounds], for a bus on which another controller replaces it."""
+        """Return the requests as a table [rounds], for a case in which an outside party replaces this controller."""
         same = ("order", "request", "period", "rounds", "pointer_by", "check", "stuck_after")
         return RoundsTable(**{name: getattr(self, name) for name in same})
 
@@ -185,7 +185,9 @@ class HostTable(Table, frozen=True, kw_only=True):
     silent: pairs [begin, length] of spans in which no frame begins.
     twice: the numbers of frames that are sent twice.
     motion: `kind`, the name of a motion, and that motion's settings.
-    encoding: settings by which a frame encodes the motion's values. `devices.host_frames` defines both tables' keys.
+    encoding: settings that determine how a frame encodes the motion's values.
+
+    `devices.host_frames` defines the keys of motion and encoding.
     """
 
     baud: Annotated[int, Meta(ge=1, le=10_000_000)] = 115_200
@@ -251,7 +253,7 @@ class Case(Table, frozen=True, kw_only=True):
     breaks: tuple[str, ...] = ()
     _source: Source | None = None
     _all_budgets: tuple[Budget, ...] = ()  # all budgets of the file, if `budget` lacks some of them
-    _replaced: dict[str, str] = {}  # for each replaced party, the sentence of `outside_parties` about it
+    _replaced: dict[str, str] = {}  # by party that the outside replaces: a sentence about the replacement
 
     @classmethod
     def model_validate(cls, tree: object) -> Case:
@@ -298,7 +300,7 @@ class Case(Table, frozen=True, kw_only=True):
         return None if self._source is None else self._source.path
 
     def files(self) -> Iterator[Path]:
-        """Yield the file of the case, the files that its texts may name, and those that these may import or include."""
+        """Yield the case's file, the files that texts in it may name, and the files that they may import or include."""
         if self._source is not None:
             yield self._source.path
             yield from named_files(self.folder, self._source.values)
@@ -310,12 +312,12 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def replaced(self) -> tuple[str, ...]:
-        """A sentence for each party of the file that an outside party has replaced."""
+        """A sentence for each party of the case that the outside replaces."""
         return tuple(self._replaced.values())
 
     @property
     def rx_sender(self) -> str:
-        """The sender on RX, unless it is a unit: the host, or the outside party that replaces it; else ""."""
+        """The name of the sender on RX: the host, or the outside party that replaces it; "" if only a unit can send."""
         return "the host" if self.host is not None else "the outside" if "host" in self._replaced else ""
 
     @property
@@ -326,7 +328,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def recorded_modules(self) -> dict[str, tuple[str, ...]]:
-        """By unit, the entries of a recording: its modules, and its wires other than SDA, SCL, RX and TX."""
+        """The entries of a recording, by unit: the unit's modules, and its wires other than SDA, SCL, RX and TX."""
         usual = ("SDA", "SCL", "RX", "TX")
         wires = {name: dict.fromkeys(pins.values()) for name, pins in wiring_of(self).pins.items()}
         told: set[str] = set()
@@ -351,7 +353,7 @@ class Case(Table, frozen=True, kw_only=True):
         return 0 if self._source is None else line_of(self._source.text, self._written(place))
 
     def _named(self) -> dict[str, Any]:
-        """Return a tree with the structure of a case that has only the names of its budgets, sends and replies."""
+        """Return the names of this case's budgets, sends and replies, in a tree with the structure of a case."""
         serial = self.serial or SerialTable()
         return {
             "budget": [{"name": budget.name} for budget in self._all_budgets or self.budget],

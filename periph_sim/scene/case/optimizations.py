@@ -32,7 +32,7 @@ def _checked_names(value: object) -> object:
 
 
 def _checked_level(value: object) -> object:
-    """Return the levels in a value of `fidelity`, as a text. Raise ValueError unless they are obsolete levels."""
+    """Return the obsolete levels in a value of the key `fidelity`, as a text. Raise ValueError for any other level."""
     levels = [*_levels(value)] if isinstance(value, dict) else [value]
     for level in levels:
         if isinstance(level, str) and level in removed.LEVELS:

@@ -1,4 +1,4 @@
-"""Origins of the values in a case (file and line, or the `--set` that wrote it), and the files that values name."""
+"""Origins of the values in a case: file and line, or a `--set`. Also the files that these values name."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def texts_in(tree: object) -> Iterator[str]:
 
 
 def named_files(folder: Path, texts: Iterable[str]) -> Iterator[Path]:
-    """Yield each text that may be a path, as a path below `folder`, and the files that it may import or include."""
+    """Yield the paths below `folder` that texts may name, and the files that such a file may import or include."""
     for text in texts:
         if len(text) >= LONGEST or "\0" in text:
             continue

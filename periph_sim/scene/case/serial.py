@@ -161,7 +161,7 @@ def reply_budget(expected: ExpectTable) -> Budget:
 
 
 def in_words(length: Fraction) -> str:
-    """Return a duration as the text of a case, in the largest unit that gives a whole number, else in seconds."""
+    """Return a duration as text for a case, in the largest unit that gives a whole number; if none does, in seconds."""
     symbol, number = next(
         ((symbol, length * size) for symbol, size in UNITS if (length * size).denominator == 1), ("s", length)
     )

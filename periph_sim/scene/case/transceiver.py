@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 class TransceiverTable(Table, frozen=True, kw_only=True):
     """An RS-485 transceiver between an SCI and a pair of wires. de: the pin that switches its driver on.
 
-    pull: the direction of the resistor at DE, which sets its level while the unit does not drive it.
+    pull: the direction in which a resistor pulls the pin DE while the unit does not drive it.
     """
 
     on: str

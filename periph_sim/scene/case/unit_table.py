@@ -1,4 +1,4 @@
-"""The table of a unit: one chip, its program, the costs of its code, and its crystal."""
+"""The table of a unit: one F28335, its program, the costs of its code, and its crystal."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COMPILED = CodeCosts()
 
 
 class Code(Table, frozen=True, kw_only=True):
-    """Numbers of cycles that compiled code takes besides accesses and computations. Defaults: counted in images."""
+    """Cycles that compiled code takes besides its accesses and computations. The defaults were counted in images."""
 
     between_accesses: CodeCycles = COMPILED.between_accesses
     poll_pass: PassCycles = COMPILED.poll_pass
@@ -47,7 +47,7 @@ class Compile(Table, frozen=True, kw_only=True):
 
 
 class Unit(Table, frozen=True, kw_only=True):
-    """A chip with its program, which is one of `firmware`, `image` and `sources`.
+    """An F28335 with its program: one of `firmware`, `image` and `sources`.
 
     firmware: a Python program.
     image: a linker's .out file, or assembly (.asm).

@@ -59,7 +59,7 @@ class Wiring(Struct, frozen=True):
         return self.pins[unit][SIGNALS[module][signal]]
 
     def wires(self) -> tuple[str, ...]:
-        """Return every wire with a pin of a unit on it."""
+        """Return all wires that are connected to a pin of a unit."""
         return tuple(dict.fromkeys(wire for pins in self.pins.values() for wire in pins.values()))
 
 

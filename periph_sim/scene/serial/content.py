@@ -55,7 +55,7 @@ def _fitting(case: Case, data: bytes, bits: int, *place: str | int) -> bytes:
 
 
 def show_characters(characters: tuple[int, ...], as_text: bool) -> str:
-    """Return characters for messages, as 'OK\\r\\n' or 06 15. A value above 0xFF is a wrong character, shown as 06!."""
+    """Return characters for messages, as 'OK\\r\\n' or 06 15. A value above 0xFF has an error, and is shown as 06!."""
     bad = any(value > 0xFF for value in characters)
     if as_text and not bad and all(value < 0x80 for value in characters):
         return repr(bytes(characters))[1:]

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..core.input_error import InputError
-from .rotations import Floats, angle_between, angles, quaternion_of, wrapped
+from .firmware_model import resting_attitude
+from .rotations import Floats, angle_between, angles, quaternions, wrapped
 
 LEAST_ANGLE = 1e-6  # minimum angle in radians between gravity and field, below which yaw is undefined
 
@@ -83,7 +84,7 @@ def estimate(
         return np.empty((0, 4))
     ekf = _filter(reference, noise or Noise())
     found = np.empty((len(times), 4))
-    found[0] = fitting(gravity[0], magnetic[0], reference) if start is None else np.asarray(start, np.float64)
+    found[0] = _at_rest(-gravity[0], magnetic[0], reference) if start is None else np.asarray(start, np.float64)
     steps = np.diff(times)
     for n in range(1, len(times)):
         ekf.mag = magnetic[n] if _usable(magnetic[n]) else None
@@ -95,12 +96,6 @@ def estimate(
     return found
 
 
-def fitting(gravity: Floats, mag: Floats, field: Floats) -> Floats:
-    """Return the attitude that fits gravity exactly and the field as well as possible, float64[4]."""
-    seen, there = _axes(gravity, mag), _axes(np.array([0.0, 0.0, 1.0]), field)
-    return quaternion_of(there @ seen.T)
-
-
 def errors(estimated: ArrayLike, truth: ArrayLike) -> Errors:
     """Return the errors of estimated attitudes. Both arguments are float64[n, 4]."""
     one, other = np.atleast_2d(estimated), np.atleast_2d(truth)
@@ -110,16 +105,16 @@ def errors(estimated: ArrayLike, truth: ArrayLike) -> Errors:
     return Errors(np.degrees(angle_between(one, other)), roll, pitch, yaw)
 
 
-def _axes(down: Floats, field: Floats) -> Floats:
-    """Return the directions magnetic north, east and down as columns, in the axes in which both vectors are given."""
-    if not _usable(down) or not _usable(field):
+def _at_rest(accel: Floats, mag: Floats, field: Floats) -> Floats:
+    """Return the attitude of a resting body, float64[4]."""
+    if not _usable(accel) or not _usable(mag):
         raise NoAttitude("the first sample has no usable accel and mag; omit it, or give start")
-    down, field = down / np.linalg.norm(down), field / np.linalg.norm(field)
-    east = np.cross(down, field)
-    if np.linalg.norm(east) < LEAST_ANGLE:
-        raise NoAttitude("gravity and field are parallel, so yaw is undefined; give start")
-    east /= np.linalg.norm(east)
-    return np.stack([np.cross(east, down), east, down], axis=1)
+    for down, magnetic in ((accel, mag), (np.array([0.0, 0.0, 1.0]), field)):
+        east = np.linalg.norm(np.cross(down, magnetic))
+        if east < LEAST_ANGLE * np.linalg.norm(down) * np.linalg.norm(magnetic):
+            raise NoAttitude("gravity and field are parallel, so yaw is undefined; give start")
+    (attitude,) = quaternions(np.radians(resting_attitude(accel.tolist(), mag.tolist(), field.tolist())))
+    return np.asarray(attitude, np.float64)
 
 
 def _usable(vector: Floats) -> bool:

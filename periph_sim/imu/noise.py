@@ -15,9 +15,6 @@ Terms as in IEEE Std 952 annex C: N (white), B (bias instability), K (random wal
 
 from __future__ import annotations
 
-from array import array
-from collections.abc import Sequence
-from functools import lru_cache
 from hashlib import blake2b
 from math import isfinite, log, pi, sqrt
 from typing import TYPE_CHECKING, TypeAlias
@@ -52,27 +49,17 @@ class Gaussian:
 
     def __init__(self, seed: int, name: str) -> None:
         self.key = int.from_bytes(blake2b(f"{seed}/{name}".encode(), digest_size=16).digest(), "little")
-        self._block: int | None = None  # number of the cached block, for access sample by sample
-        self._kept: Sequence[float] = ()
 
     def values(self, first: int, count: int) -> Floats:
         """Return values `first` up to `first + count - 1`."""
         import numpy as np
 
-        _not_negative(first, count)
+        if first < 0 or count < 0:
+            raise BadNoise(f"noise: {count} samples from number {first}; both must be 0 or more")
         blocks = range(first // BLOCK, -(-(first + count) // BLOCK))
         joined = np.concatenate([np.empty(0), *map(self._values_of, blocks)])
         begin = first % BLOCK
         return joined[begin : begin + count]
-
-    def at(self, number: int) -> float:
-        """Return one value. This is quick if numbers increase."""
-        place: int
-        block, place = number // BLOCK, number % BLOCK
-        if block != self._block:
-            _not_negative(number, 1)
-            self._block, self._kept = block, _block_of(self.key, block)
-        return self._kept[place]
 
     def near(self, number: int) -> float | None:
         """Return a value with an error of up to NEAR; None if this is impossible without numpy."""
@@ -80,20 +67,11 @@ class Gaussian:
         return first_of(self.key, block)[place] if place < FEW and number >= 0 else None
 
     def _values_of(self, block: int) -> Floats:
-        return _drawn(self.key, block)
+        import numpy as np
 
-
-def _drawn(key: BigInt, block: int) -> Floats:
-    import numpy as np
-
-    # The number of the block is the second word of the counter, so blocks with up to 2**64 draws do not overlap.
-    generator = np.random.Generator(np.random.Philox(key=key, counter=[0, block, 0, 0]))
-    return generator.standard_normal(BLOCK)
-
-
-@lru_cache(maxsize=256)  # 2 MB; many short scenes of one seed begin with the same 225 blocks
-def _block_of(key: int, block: int) -> Sequence[float]:
-    return array("d", _drawn(key, block).tobytes())
+        # The number of the block is the second word of the counter, so blocks with up to 2**64 draws do not overlap.
+        generator = np.random.Generator(np.random.Philox(key=self.key, counter=[0, block, 0, 0]))
+        return generator.standard_normal(BLOCK)
 
 
 class NoiseTerms(Struct, frozen=True):
@@ -135,6 +113,8 @@ class AxisNoise:
         self._step = terms.random_walk * sqrt(period)
         self._walk = Gaussian(seed, f"{stream}/random walk")
         self._walked = (0, 0.0)  # the number of a sample, and the sum of the steps before it
+        self._block: int | None = None  # number of the cached block, for access sample by sample
+        self._kept: list[float] = []
 
     def values(self, first: int, count: int) -> Floats:
         """Return samples `first` up to `first + count - 1`, in the sensor's unit."""
@@ -146,17 +126,11 @@ class AxisNoise:
         return noise
 
     def at(self, number: int) -> float:
-        """Return one sample, which has the same bits as in `values`."""
-        noise = self._white.at(number) * self._white_sigma
-        if self._octaves:
-            total = 0.0
-            octave: Gaussian
-            for k, octave in enumerate(self._octaves):
-                total += octave.at(_hold(octave, k, number))
-            noise += total * self._octave_sigma
-        if self._step:
-            noise += self._walk_at(number)
-        return noise
+        """Return one sample. This is quick if numbers increase."""
+        block, place = number // BLOCK, number % BLOCK
+        if block != self._block:
+            self._block, self._kept = block, self.values(block * BLOCK, BLOCK).tolist()
+        return self._kept[place]
 
     def near(self, number: int) -> tuple[float, float] | None:
         """Return one sample and its maximum error; None if this is impossible without numpy."""
@@ -176,7 +150,7 @@ class AxisNoise:
         return total * self._octave_sigma
 
     def _walk_values(self, first: int, count: int) -> Floats:
-        begin, total = self._walk_before(first)
+        begin, total = self._walked if self._walked[0] <= first else (0, 0.0)
         while begin < first:
             stretch = min(first - begin, WALKED_AT_ONCE)
             total = float(self._sums(begin, stretch, total)[-1])
@@ -194,20 +168,6 @@ class AxisNoise:
 
         return np.cumsum(np.concatenate([[total], self._walk.values(begin, count) * self._step]))
 
-    def _walk_at(self, number: int) -> float:
-        begin, total = self._walk_before(number)
-        for step in range(begin, number):
-            total += self._walk.at(step) * self._step
-        self._walked = (number, total)
-        return total
-
-    def _walk_before(self, first: int) -> tuple[int, float]:
-        """Return the sample from which the walk is continued, and its value.
-
-        It is the last calculated sample, or the start if that sample is after `first`.
-        """
-        return self._walked if self._walked[0] <= first else (0, 0.0)
-
 
 def _phase(octave: Gaussian, k: int) -> int:
     return octave.key & ((1 << k) - 1)
@@ -216,8 +176,3 @@ def _phase(octave: Gaussian, k: int) -> int:
 def _hold(octave: Gaussian, k: int, number: int) -> int:
     """Return the number of the value that octave `k` holds at a sample."""
     return (number + _phase(octave, k)) >> k
-
-
-def _not_negative(first: int, count: int) -> None:
-    if first < 0 or count < 0:
-        raise BadNoise(f"noise: {count} samples from number {first}; both must be 0 or more")

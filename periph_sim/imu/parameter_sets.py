@@ -138,7 +138,7 @@ def text_of(imu: ImuParameters) -> str:
     lines = [_line(imu, one) for one in parts if one.says is not None]
     for one in parts:
         if one.says is None:
-            sensor = getattr(imu, one.name)
+            sensor: Checked = getattr(imu, one.name)
             lines += ["", f"[{one.name}]", *(_line(sensor, inner) for inner in parameters_of(type(sensor)))]
     return "\n".join([*lines, ""])
 

@@ -53,26 +53,6 @@ def matrices(attitudes: ArrayLike) -> Floats:
     return np.moveaxis(np.array(rows), 2, 0)
 
 
-def quaternion_of(matrix: Floats) -> Floats:
-    """Convert a rotation matrix, float64[3, 3], to a quaternion, float64[4].
-
-    If the matrix is inexact, the quaternion is that of the nearest rotation.
-
-    Source: I. Y. Bar-Itzhack, "New method for extracting the quaternion from a rotation matrix", 2000.
-    """
-    m = matrix
-    sums = np.array(
-        [
-            [m[0, 0] + m[1, 1] + m[2, 2], m[2, 1] - m[1, 2], m[0, 2] - m[2, 0], m[1, 0] - m[0, 1]],
-            [0, m[0, 0] - m[1, 1] - m[2, 2], m[0, 1] + m[1, 0], m[0, 2] + m[2, 0]],
-            [0, 0, m[1, 1] - m[0, 0] - m[2, 2], m[1, 2] + m[2, 1]],
-            [0, 0, 0, m[2, 2] - m[0, 0] - m[1, 1]],
-        ]
-    )
-    _, vectors = np.linalg.eigh(sums, UPLO="U")
-    return np.asarray(vectors[:, 3], np.float64)  # the eigenvector of the largest eigenvalue
-
-
 def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
     """Return the angle of the rotation from each attitude of `a` to that of `b`, float64[n] in radians, 0 to pi."""
     one, other = (np.atleast_2d(np.asarray(q, np.float64)) for q in (a, b))

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.imu.rotations import angle_between, angles, matrices, quaternion_of, quaternions, wrapped
+from periph_sim.imu.rotations import angle_between, angles, matrices, quaternions, wrapped
 from tests.devices.aerospace import to_body
 
 roll_or_yaw = st.floats(-np.pi, np.pi)
@@ -20,12 +20,6 @@ def test_a_quaternion_turns_as_the_three_matrices_do(attitude: tuple[float, floa
     (q,) = quaternions([attitude])
     assert np.linalg.norm(q) == pytest.approx(1)
     assert np.allclose(matrices([q])[0].T, to_body(*attitude), atol=1e-12)
-
-
-@given(attitudes)
-def test_the_quaternion_of_a_matrix_is_that_rotation(attitude: tuple[float, float, float]):
-    q = quaternion_of(to_body(*attitude).T)
-    assert angle_between([q], quaternions([attitude]))[0] < 1e-7
 
 
 @given(attitudes)

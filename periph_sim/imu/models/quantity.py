@@ -8,6 +8,7 @@ A set checks itself at construction. It raises BadParameter with the parameter, 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import cache
 from math import isfinite
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
@@ -61,20 +62,15 @@ class Parameter(Struct, frozen=True):
     says: Quantity | Choice | None
 
 
-_known: dict[type, tuple[Parameter, ...]] = {}  # cache, because reading annotations takes longer than all checks
-
-
+@cache  # reading annotations takes longer than all checks
 def parameters_of(kind: type[Checked]) -> tuple[Parameter, ...]:
     """Return every parameter of a set, in order."""
-    if kind not in _known:
-        hints = get_type_hints(kind, include_extras=True)
-        found = []
-        for name in kind.__struct_fields__:
-            hint = hints[name]
-            annotated = get_origin(hint) is Annotated
-            found.append(Parameter(name, *(get_args(hint) if annotated else (hint, None))))
-        _known[kind] = tuple(found)
-    return _known[kind]
+    hints = get_type_hints(kind, include_extras=True)
+    found = []
+    for name in kind.__struct_fields__:
+        annotated = get_origin(hints[name]) is Annotated
+        found.append(Parameter(name, *(get_args(hints[name]) if annotated else (hints[name], None))))
+    return tuple(found)
 
 
 class Checked(Struct, frozen=True):

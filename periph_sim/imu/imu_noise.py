@@ -5,6 +5,7 @@ Imu, seed --> values(first, count), at(n) --> Noise: deg/s, g and gauss on x, y,
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import TYPE_CHECKING, Any
 
 from .models.imu import Noise
@@ -28,22 +29,17 @@ class ImuNoise:
 
     def at(self, number: int) -> Noise[float]:
         """Return the noise of sample `number`."""
-        g, a, m = self._sensors
-        return Noise(
-            (g[0].at(number), g[1].at(number), g[2].at(number)),
-            (a[0].at(number), a[1].at(number), a[2].at(number)),
-            (m[0].at(number), m[1].at(number), m[2].at(number)),
-        )
+        sensors = ([axis.at(number) for axis in axes] for axes in self._sensors)
+        return Noise(*((x, y, z) for x, y, z in sensors))
 
     def near(self, number: int) -> list[tuple[float, float]] | None:
         """Return the nine values of a sample with their maximum errors; None if this is impossible without numpy."""
         found = []
-        for axes in self._sensors:
-            for axis in axes:
-                value = axis.near(number)
-                if value is None:
-                    return None
-                found.append(value)
+        for axis in chain(*self._sensors):
+            value = axis.near(number)
+            if value is None:
+                return None
+            found.append(value)
         return found
 
 

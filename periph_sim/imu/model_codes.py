@@ -16,12 +16,14 @@ from typing import Any, final
 from ..devices.chip_model import ChipModel, Shown
 from ..devices.sensor_rounds import register_bytes
 from .host_frame import ACCELERATION, ANGLE
-from .models.imu import Imu, Inputs, State
+from .imu_noise import ImuNoise
+from .models.imu import Imu, Inputs, Noise, State
 from .models.parameters import ImuParameters
+from .numeric import arithmetic_names as named
 from .numeric.q import Q
 from .sensors import SENSORS
-from .shared_models import REMEMBERED, model_noise, model_of
 
+REMEMBERED = 16  # number of cached results, which may belong to several runs of a scene's models
 BY_ADDRESS = {chip.address: (name, chip) for name, chip in SENSORS.items()}
 
 
@@ -33,13 +35,12 @@ class ModelCodes(ChipModel):
     """
 
     _model: Imu[Any]
-    _noise: Callable[[int], Any]
 
     def __init__(self, parameters: ImuParameters, arithmetic: str, noise_seed: int | None = None) -> None:
-        self._model = model_of(arithmetic, parameters)
+        self._model = Imu(named.scalar(arithmetic), parameters)
         # True if numpy would warn of divisions by zero, whose results float32 defines.
         self._warns = arithmetic == "float32"
-        self._noise = model_noise(arithmetic, parameters, noise_seed)
+        self._noise = None if noise_seed is None else ImuNoise(parameters, noise_seed)
         self._remembered = lru_cache(REMEMBERED)(self._computed)
         self.addresses = frozenset(BY_ADDRESS)
         self.at_rest = Shown(None, self._model.at_rest, None)
@@ -59,7 +60,7 @@ class ModelCodes(ChipModel):
         roll, pitch, yaw, x, y, z = values or (0, 0, 0, 0, 0, 0)
         attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
         pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
-        noise = self._noise(number)
+        noise = self.noise(number)
         model.check(attitude, pushed, noise)
         attitude_before = attitude if last is model.at_rest else last.attitude
         turned, body = self._quietly(model.motion, attitude, attitude_before)
@@ -73,6 +74,18 @@ class ModelCodes(ChipModel):
         codes = self._quietly(self._model.codes_of, name, shown.inputs)
         shown.overflows += self._overflows() - overflows
         return register_bytes(chip, codes)
+
+    def noise(self, number: int) -> Noise[Any]:
+        """Return sample `number` of the noise in the numbers of the arithmetic."""
+        if self._noise is None:
+            return self._model.silence
+        a = self._model.a
+        numbers = _rounded(a, self._noise.near(number)) if isinstance(a, Q) else None
+        if numbers is None:
+            nearest = a.nearest if isinstance(a, Q) else a.constant
+            numbers = [nearest(value) for axes in self._noise.at(number) for value in axes]
+        p, q, r, x, y, z, north, east, down = numbers
+        return Noise((p, q, r), (x, y, z), (north, east, down))
 
     def _overflows(self) -> int:
         a = self._model.a
@@ -92,3 +105,11 @@ class ModelCodes(ChipModel):
 def model_codes(parameters: ImuParameters, arithmetic: str, noise_seed: int | None) -> ModelCodes:
     """Return the models, which firmware, the check of its output and scenes with equal arguments share."""
     return ModelCodes(parameters, arithmetic, noise_seed)
+
+
+def _rounded(a: Q, near: list[tuple[float, float]] | None) -> list[Any] | None:
+    """Return values with an error in a Q format; None if the error of one might change its rounding."""
+    if near is None:
+        return None
+    numbers = [a.nearest(value - off) for value, off in near]
+    return numbers if numbers == [a.nearest(value + off) for value, off in near] else None

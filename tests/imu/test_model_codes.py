@@ -6,14 +6,17 @@ import warnings
 from fractions import Fraction
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from periph_sim.devices.sensor_rounds import register_bytes
-from periph_sim.imu.model_codes import ModelCodes
-from periph_sim.imu.models.imu import Codes, Imu
+from periph_sim.imu.imu_noise import ImuNoise
+from periph_sim.imu.model_codes import REMEMBERED, ModelCodes, model_codes
+from periph_sim.imu.models.imu import Codes, Imu, Noise
 from periph_sim.imu.models.parameters import ImuParameters, MagnetometerParameters
 from periph_sim.imu.numeric import arithmetic_names as named
 from periph_sim.imu.sensors import SENSORS as CHIPS
-from periph_sim.imu.shared_models import model_noise
+from tests.profiles import examples
 
 IMU = ImuParameters()
 FRAMES = [(0, 0, 0, 0, 0, 0), (3000, -2000, 900, 120, -340, 560), (3100, -1700, 1000, 100, -300, 500)]
@@ -34,7 +37,6 @@ def bytes_of(codes: Codes) -> dict[int, bytes]:
 def test_each_run_shows_what_a_step_of_the_models_gives(arithmetic: str, noise_seed: int | None):
     """Angles come in 1e-4 rad, accelerations in 1e-3 g; the first frame has no rates."""
     codes, imu = ModelCodes(IMU, arithmetic, noise_seed), Imu(named.scalar(arithmetic), IMU)
-    noise = model_noise(arithmetic, IMU, noise_seed)
     assert {address: codes.at_rest.data(address) for address in (0x68, 0x53, 0x1E)} == dict.fromkeys(
         (0x68, 0x53, 0x1E), bytes(6)
     )
@@ -44,7 +46,7 @@ def test_each_run_shows_what_a_step_of_the_models_gives(arithmetic: str, noise_s
         angles = tuple(imu.a.scaled(value, Fraction(1, 10_000)) for value in values[:3])
         pushed = tuple(imu.a.scaled(value, Fraction(1, 1000)) for value in values[3:])
         before = imu.at_rest._replace(attitude=angles) if state is None else state
-        expected, state = imu.step(angles, pushed, noise(number), before)
+        expected, state = imu.step(angles, pushed, codes.noise(number), before)
         assert {address: shown.data(address) for address in (0x68, 0x53, 0x1E)} == bytes_of(expected)
     assert set(bytes_of(expected).values()) != {bytes(6)}
 
@@ -68,3 +70,41 @@ def test_float32_computes_without_warnings():
 def test_codes_that_do_not_fit_are_refused():
     with pytest.raises(OverflowError, match=r"\(0, 32768, 0\): "):
         register_bytes(CHIPS["gyroscope"], (0, 0x8000, 0))
+
+
+@settings(max_examples=examples(40), deadline=None)
+@given(
+    st.sampled_from(["q16", "q12 saturating", "q16 rounded", "float64"]),
+    st.lists(st.tuples(*[st.integers(-32768, 32767)] * 6), max_size=8),
+)
+def test_a_remembered_sample_is_the_one_that_is_computed_anew(arithmetic: str, frames: list[tuple[int, ...]]):
+    shared, alone = model_codes(IMU, arithmetic, None), ModelCodes(IMU, arithmetic)
+    for _ in range(2):
+        shown, expected = shared.at_rest, alone.at_rest
+        for number, values in enumerate(frames):
+            shown, expected = shared.run(number, values, shown), alone.run(number, values, expected)
+            assert all(shown.data(address) == expected.data(address) for address in shared.addresses)
+            assert (shown.state, shown.overflows) == (expected.state, expected.overflows)
+
+
+def test_who_comes_second_is_given_what_the_first_has_worked_out():
+    codes, values = model_codes(IMU, "q16", None), (100, 200, 300, 0, 0, 0)
+    first = codes.run(0, values, codes.at_rest)
+    assert model_codes(IMU, "q16", None) is codes
+    assert codes.run(0, tuple(values), codes.at_rest) is first
+    assert codes.run(1, values, codes.at_rest) is not first
+    assert codes.run(0, values, first) is not first
+
+
+@given(st.lists(st.integers(0, 3 * REMEMBERED), min_size=1, max_size=20), st.data())
+@settings(max_examples=examples(20), deadline=None)
+def test_noise_is_that_of_its_number_whoever_asks_and_in_whatever_order(asked: list[int], data: st.DataObject):
+    arithmetic = data.draw(st.sampled_from(["q16", "float64"]))
+    holders = [ModelCodes(IMU, arithmetic, 7), model_codes(IMU, arithmetic, 7)]
+    constant = named.scalar(arithmetic).constant
+    for number in asked:
+        alone = ImuNoise(IMU, 7).at(number)
+        expected = Noise(*(tuple(constant(x) for x in axes) for axes in alone))
+        assert holders[data.draw(st.integers(0, 1))].noise(number) == expected
+    silent = Imu(named.scalar(arithmetic), IMU).silence
+    assert ModelCodes(IMU, arithmetic).noise(3) == silent

@@ -7,11 +7,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.imu.imu_noise import ImuNoise
+from periph_sim.imu.model_codes import ModelCodes
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.near_gaussian import FEW, NEAR, first_of, philox
 from periph_sim.imu.noise import BLOCK, AxisNoise, Gaussian, NoiseTerms
 from periph_sim.imu.numeric import arithmetic_names as named
-from periph_sim.imu.shared_models import model_noise
 
 
 @given(st.integers(0, (1 << 128) - 1), st.integers(0, 1 << 40))
@@ -45,4 +45,4 @@ def test_a_models_noise_is_the_exact_one_rounded(seed: int, number: int):
     constant = named.scalar("q16").constant
     exact = ImuNoise(ImuParameters(), seed).at(number)
     expected = tuple(tuple(map(constant, axes)) for axes in exact)
-    assert tuple(model_noise("q16", ImuParameters(), seed)(number)) == expected
+    assert tuple(ModelCodes(ImuParameters(), "q16", seed).noise(number)) == expected

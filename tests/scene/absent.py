@@ -98,7 +98,7 @@ ROWS: dict[str, Row] = {
         {"unit": {"dsp": LOGGER}, "host": {**HOST, "motion": {"kind": "static"}}},
     ),
     "sensor models": Row(
-        ("imu.models.imu", "imu.numeric.", "imu.shared_models", "imu.firmware_model"),
+        ("imu.models.imu", "imu.numeric.", "imu.model_codes", "imu.firmware_model"),
         {"unit": {"dsp": IMU}, "host": HOST, "controller": {**HEAD, "period": "20 ms"}},
     ),
     "sensor chip": Row(

@@ -38,6 +38,7 @@ MOVED = {  # modules and packages of earlier versions, which one release still f
     "periph_sim.dissertation": "periph_sim.imu",
     "periph_sim.scene.case.sensor_sets": "periph_sim.imu.parameter_sets",
     "periph_sim.scene.case.sensor_sets_text": "periph_sim.imu.parameter_sets",
+    "periph_sim.sensors.shared_models": "periph_sim.imu.model_codes",
     "periph_sim.sensors": "periph_sim.imu",
 }
 

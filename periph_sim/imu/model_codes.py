@@ -56,7 +56,7 @@ class ModelCodes(ChipModel):
 
     def _computed(self, number: int, values: tuple[int, ...] | None, before: Shown) -> Shown:
         model, last = self._model, before.state
-        scaled, overflows = model.a.scaled, self._overflows()
+        scaled, overflows = model.a.scaled, model.overflows
         roll, pitch, yaw, x, y, z = values or (0, 0, 0, 0, 0, 0)
         attitude = scaled(roll, ANGLE), scaled(pitch, ANGLE), scaled(yaw, ANGLE)
         pushed = scaled(x, ACCELERATION), scaled(y, ACCELERATION), scaled(z, ACCELERATION)
@@ -65,14 +65,14 @@ class ModelCodes(ChipModel):
         attitude_before = attitude if last is model.at_rest else last.attitude
         turned, body = self._quietly(model.motion, attitude, attitude_before)
         state = last if values is None else State(attitude, body)
-        return Shown(self, state, Inputs(turned, pushed, body, last.body, noise), self._overflows() - overflows)
+        return Shown(self, state, Inputs(turned, pushed, body, last.body, noise), model.overflows - overflows)
 
     def data_of(self, address: int, shown: Shown) -> bytes:
         """Return the register bytes of one chip, and count overflows in `shown`."""
         name, chip = BY_ADDRESS[address]
-        overflows = self._overflows()
+        overflows = self._model.overflows
         codes = self._quietly(self._model.codes_of, name, shown.inputs)
-        shown.overflows += self._overflows() - overflows
+        shown.overflows += self._model.overflows - overflows
         return register_bytes(chip, codes)
 
     def noise(self, number: int) -> Noise[Any]:
@@ -86,10 +86,6 @@ class ModelCodes(ChipModel):
             numbers = [nearest(value) for axes in self._noise.at(number) for value in axes]
         p, q, r, x, y, z, north, east, down = numbers
         return Noise((p, q, r), (x, y, z), (north, east, down))
-
-    def _overflows(self) -> int:
-        a = self._model.a
-        return a.overflows if isinstance(a, Q) else 0
 
     def _quietly(self, computed: Callable[..., Any], *inputs: Any) -> Any:
         """Return computed(*inputs) without warnings of numpy."""
@@ -113,3 +109,15 @@ def _rounded(a: Q, near: list[tuple[float, float]] | None) -> list[Any] | None:
         return None
     numbers = [a.nearest(value - off) for value, off in near]
     return numbers if numbers == [a.nearest(value + off) for value, off in near] else None
+
+
+def model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
+    """Return the model, for firmware of earlier versions that calls `Imu.step` itself."""
+    return Imu(named.scalar(arithmetic), parameters)
+
+
+class ModelNoise:
+    """The noise of a model's samples, for firmware of earlier versions. at: returns sample n."""
+
+    def __init__(self, arithmetic: str, parameters: ImuParameters, seed: int | None) -> None:
+        self.at = ModelCodes(parameters, arithmetic, seed).noise

@@ -20,7 +20,6 @@ from ..models.chips import SensorEquations
 from ..models.imu import Imu, Inputs
 from ..numeric import arithmetic_names as named
 from ..numeric.arithmetic import Arithmetic, Triple
-from ..numeric.q import Q
 
 Ints = NDArray[np.int64]
 
@@ -54,7 +53,7 @@ def codes_of(name: str, imu: parameters.ImuParameters, counts: Ints) -> Codes:
         rows, overflows = [], []
         for column in counts.T.tolist():
             rows.append(_sample(model, column))
-            overflows.append(a.overflows if isinstance(a, Q) else 0)
+            overflows.append(model.overflows)
     codes, exact = np.array(rows, np.float64).transpose(1, 2, 0)
     return Codes(codes, exact, np.diff(overflows, prepend=0) > 0)
 

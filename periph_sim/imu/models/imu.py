@@ -111,6 +111,11 @@ class Imu(Generic[T]):
         self.accelerometer = _named("accelerometer", lambda: Accelerometer(a, imu.accelerometer))
         self.magnetometer = _named("magnetometer", lambda: Magnetometer(a, imu.magnetometer))
 
+    @property
+    def overflows(self) -> int:
+        """The number of results so far that did not fit a Q format."""
+        return self.a.overflows if isinstance(self.a, Q) else 0
+
     def check(self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T]) -> None:
         """Raise NotFinite, with the axis, for a NaN or an infinity. A Q format has neither."""
         if not isinstance(self.a, Q):

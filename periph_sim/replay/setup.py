@@ -27,7 +27,7 @@ from ..scene.scene import Scene
 from ..traces.capture.capture import Capture, Channel, gap_notes
 from ..traces.capture.sampling import rate_text, sample_step, stamp_notes
 from ..traces.decode import i2c as decode
-from ..traces.decode.scl_times import impossible_rate
+from ..traces.decode.i2c_table import impossible_rate
 from . import BadReplay
 from .i2c_script import Turn, as_target, most_frequent, turns
 

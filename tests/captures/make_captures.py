@@ -18,8 +18,7 @@ from pathlib import Path
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.traces import formats
-from periph_sim.traces.capture.capture import Capture, Span
-from periph_sim.traces.capture.excerpt import with_channels, within
+from periph_sim.traces.capture.capture import Capture, Span, with_channels, within
 from periph_sim.traces.capture.sampling import resampled
 from tests.replay.make_session import samples
 from tests.replay.slow import slow_case

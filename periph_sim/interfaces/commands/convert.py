@@ -16,7 +16,7 @@ from ...core.counted import counted
 from ...core.suggest import did_you_mean
 from ...records.recording import format_of, recording_formats, rewrite
 from ...traces import formats
-from ...traces.capture.excerpt import window_of, with_channels, within
+from ...traces.capture.capture import window_of, with_channels, within
 from ...traces.capture.sampling import rate_text, resampled
 from ...traces.formats import BadCapture, psr
 from .command_output import usage_errors_in_one_sentence

@@ -15,7 +15,7 @@ from ...core.shorten import shorten
 from ...traces.capture.capture import Capture
 from ...traces.capture.sampling import sample_step
 from ...traces.decode.event_rows import Rows, grouped, merged
-from ...traces.decode.scl_times import long_lows
+from ...traces.decode.i2c_table import long_lows
 from . import decode_exports
 from . import decoded_text as event_text
 from .command_output import usage_errors_in_one_sentence

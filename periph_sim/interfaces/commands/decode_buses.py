@@ -18,8 +18,7 @@ from ...traces.capture.capture import Capture, Channel, gap_notes, listed
 from ...traces.capture.channel_names import buses_named
 from ...traces.decode import spi
 from ...traces.decode.event_rows import Rows, i2c_rows, no_rows, spi_rows, uart_rows
-from ...traces.decode.i2c_table import i2c_table
-from ...traces.decode.scl_times import impossible_rate
+from ...traces.decode.i2c_table import i2c_table, impossible_rate
 from ...traces.decode.uart import uart_table, width_of
 from ...traces.decode.uart_line import line_of
 

@@ -20,7 +20,7 @@ from typing import NamedTuple
 import numpy as np
 
 from ...traces.decode.event_rows import ADDRESS, ADDRESS_LOW, CUT, DETAILS, EVENTS, START, WORD, Rows
-from ...traces.decode.scl_times import LongLows
+from ...traces.decode.i2c_table import LongLows
 from ...traces.decode.table_columns import select
 from .bulk_text import BLANK, NONE, Column, Digits, Literal, Numbers, Sparse, Words, numbered, text
 

@@ -9,11 +9,9 @@ from __future__ import annotations
 
 from ..capture.capture import Capture, gap_notes
 from ..capture.sampling import stamp_notes
-from .limits import Mode
+from .limits import Mode, resolution_of
 from .measure import measure
-from .report import Report
-from .resolution import resolution_of
-from .verdict import Row, Verdict, judge
+from .report import Report, Row, Verdict, judge
 
 __all__ = ["Mode", "Report", "Row", "Verdict", "check"]
 

@@ -1,4 +1,9 @@
-"""The timing limits of the I2C-bus specification, one row per limit; nothing is measured here.
+"""The timing limits of the I2C-bus specification, in nanoseconds and as thresholds in positions of a capture.
+
+    Capture --> Resolution --thresholds--> whole numbers of positions to compare with
+
+A time of n samples is truly between n - 1 and n + 1 sample periods, both ends excluded: each edge is at the first
+sample after it. Exact positions (ticks of a simulation) have no error. All arithmetic is in whole numbers.
 
 Source: UM10204 (I2C-bus specification and user manual), Table 10, characteristics of the SDA and SCL bus lines, with
 its footnotes; the maxima of tVD in Fast-mode Plus from general knowledge. Times are whole nanoseconds. The maximum
@@ -7,8 +12,14 @@ of fSCL is stated as the minimum period.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from enum import Enum
+from fractions import Fraction
+from math import ceil, floor
 from typing import NamedTuple
+
+from ..capture.capture import Capture
+from ..capture.sampling import grid_of, is_exact
 
 
 class Mode(Enum):
@@ -94,3 +105,58 @@ LIMITS: tuple[Limit, ...] = (
 
 LIMIT = {limit.symbol: limit for limit in LIMITS}
 SPIKES_TO = 2  # a pulse of up to this multiple of tSP is a spike; above tSP it breaks the limit
+
+
+NS = 10**9
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Resolution of the positions of a capture.
+
+    rate: the number of positions per second.
+    slack: the maximum error of a time in either direction, in positions; 0 if positions are exact.
+    """
+
+    rate: Fraction
+    slack: int
+
+    @property
+    def period(self) -> Fraction:
+        """Maximum error of a time, in nanoseconds."""
+        return self.slack * NS / self.rate
+
+    def ns(self, positions: int) -> Fraction:
+        return positions * NS / self.rate
+
+    def surely_at_least(self, ns: int) -> int:
+        """Return the smallest number of positions that is certainly `ns` or more."""
+        return ceil(ns * self.rate / NS) + self.slack
+
+    def surely_at_most(self, ns: int) -> int:
+        """Return the largest number of positions that is certainly `ns` or less."""
+        return floor(ns * self.rate / NS) - self.slack
+
+    def surely_below(self, ns: int) -> int:
+        """Return the largest number of positions that is certainly less than `ns`."""
+        return self.surely_at_most(ns) if self.slack else ceil(ns * self.rate / NS) - 1
+
+    def surely_above(self, ns: int) -> int:
+        """Return the smallest number of positions that is certainly more than `ns`."""
+        return self.surely_at_least(ns) if self.slack else floor(ns * self.rate / NS) + 1
+
+
+def resolution_of(capture: Capture, exact: bool | None = None) -> Resolution:
+    """Return the resolution of the capture's positions.
+
+    exact: how time stamps are interpreted. True: as exact instants. False: as samples on the coarsest grid that
+        contains all edges. None: as exact if the capture is known to be exact, or if it is finer than any analyser.
+
+    Raise ValueError if the capture has no rate.
+    """
+    if capture.rate is None:
+        raise ValueError(f"{capture.path}: limits need a time base and the file states no rate; state the rate")
+    if capture.sampled:
+        return Resolution(capture.rate, 1)
+    exact = is_exact(capture) if exact is None else exact
+    return Resolution(capture.rate, 0 if exact else grid_of(capture.channels))

@@ -36,8 +36,7 @@ from ..capture.capture import Capture, Channel, Positions, Span
 from ..decode.i2c import Party
 from ..decode.i2c_stream import BITS
 from ..decode.i2c_table import I2cEdges, edges_of
-from .limits import LIMIT, SPIKES_TO, Mode
-from .resolution import Resolution
+from .limits import LIMIT, SPIKES_TO, Mode, Resolution
 
 
 def without_spikes(

@@ -13,8 +13,7 @@ from fractions import Fraction
 from ..capture.capture import Capture
 from ..decode.uart import Line
 from .compare import ChangePoint, Entry, TraceDiff, compared
-from .event_names import Group, i2c_groups, uart_groups
-from .matching import pairs
+from .matching import Group, i2c_groups, pairs, uart_groups
 
 __all__ = ["ChangePoint", "Entry", "TraceDiff", "diff_i2c", "diff_uart"]
 

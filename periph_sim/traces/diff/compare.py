@@ -18,8 +18,7 @@ from math import lcm
 from statistics import median_low
 from typing import NamedTuple
 
-from .event_names import Event
-from .matching import Pair
+from .matching import Event, Pair
 
 
 class Entry(NamedTuple):

@@ -18,7 +18,7 @@ import numpy as np
 
 from ..capture import size_limits as limits
 from ..capture.capture import BadCapture, Levels, Positions
-from ..capture.grid import exact_time
+from ..capture.sampling import exact_time
 
 MOST_INT64 = 1 << 62  # maximum time that is stored in 64 bits
 

@@ -31,7 +31,7 @@ from typing import Any, NamedTuple, NoReturn
 import numpy as np
 
 from ..capture.capture import UNKNOWN, BadCapture, Capture, Channel, changes, channel_of_states
-from ..capture.grid import nearest, on_grid
+from ..capture.sampling import nearest, on_grid
 from .vcd import LETTERS, OURS, channel_names, timescale_of
 
 __all__ = ["NAME", "SUFFIXES", "WRITTEN", "read", "recognises", "write"]

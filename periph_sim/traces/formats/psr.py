@@ -38,7 +38,7 @@ from numpy.typing import NDArray
 from ...core.input_files import open_regular
 from ...core.records import RECORDED, Kind
 from ..capture.capture import BadCapture, Capture, Channel, Span, channel_of_states
-from ..capture.grid import on_grid
+from ..capture.sampling import on_grid
 from .record_table import COLUMNS, TABLES, TOPIC, RecordTable, Topics
 
 NAME = "periph-sim records (.psr)"

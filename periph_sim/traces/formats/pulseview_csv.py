@@ -29,7 +29,7 @@ import numpy as np
 
 from ..capture import size_limits as limits
 from ..capture.capture import BadCapture, Capture, Positions, channel_of_states, rate_of
-from ..capture.grid import DECIMAL, nearest
+from ..capture.sampling import DECIMAL, nearest
 from .csv_rows import MOST_INT64, Rows
 
 NAME = "PulseView or DSView CSV"

@@ -22,8 +22,7 @@ from pathlib import Path
 import numpy as np
 
 from ..capture.capture import UNKNOWN, BadCapture, Capture, Positions, changes, channel_of_states
-from ..capture.grid import LEAST_DECIMALS, OffGrid, decimals_for, nearest, quantized
-from ..capture.sampling import rate_text
+from ..capture.sampling import LEAST_DECIMALS, OffGrid, decimals_for, nearest, quantized, rate_text
 from .csv_rows import MOST_INT64, Rows, numbered_rows
 
 NAME = "Saleae CSV"

@@ -31,8 +31,7 @@ from typing import IO, NoReturn
 import numpy as np
 
 from ..capture.capture import UNKNOWN, BadCapture, Capture, changes, channel_of_states
-from ..capture.grid import decimals_for, nearest, on_grid
-from ..capture.sampling import rate_text
+from ..capture.sampling import decimals_for, nearest, on_grid, rate_text
 from ..capture.size_limits import MOST_EDGES
 
 SECONDS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}  # number of decimals of a second for each unit

@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.compliance import Mode, Verdict, check
+from periph_sim.traces.compliance.limits import Resolution
 from periph_sim.traces.compliance.measure import CONTROLLER, PARTY, TARGET, Measures, measure
-from periph_sim.traces.compliance.resolution import Resolution
 from periph_sim.traces.decode import i2c
 from tests.traces.compliance.bus import EASY, Odd, Spike, sampled
 from tests.traces.compliance.bus import drawn as bus_drawn

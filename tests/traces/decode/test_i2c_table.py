@@ -2,21 +2,23 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
 from random import Random
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Capture
 from periph_sim.traces.decode import i2c
 from periph_sim.traces.decode.i2c import events_of_table
-from periph_sim.traces.decode.i2c_table import I2cRowKind, I2cTable, i2c_bits, i2c_table
+from periph_sim.traces.decode.i2c_table import I2cRowKind, I2cTable, i2c_bits, i2c_table, impossible_rate
 from tests.profiles import examples
 from tests.traces.decode.drawing import drawn, of_bytes, plain
 from tests.traces.decode.random_lines import captures
 from tests.traces.decode.test_i2c_stream import streamed
-from tests.traces.formats.make_traces import read_registers
+from tests.traces.formats.make_traces import FOLDER, read_registers
 from tests.traces.formats.writers import I2cWave
 
 
@@ -188,3 +190,21 @@ def test_nothing_on_an_idle_or_dead_bus():
 def test_a_missing_channel_is_named():
     with pytest.raises(LookupError, match=r"there is no channel 'SCL'; it has a, b"):
         i2c_table(drawn("a ----\nb ----"))
+
+
+NACK = FOLDER / "nack.sr"  # 100 kHz, seen at 4 MHz
+
+
+@pytest.mark.parametrize(
+    ("rate", "clock"),
+    [(1, "0.025 Hz"), (1000, "25 Hz"), (4_000, ""), (4 * 10**6, ""), (200 * 10**6, ""), (4 * 10**9, "1e+08 Hz")],
+)
+def test_a_rate_is_impossible_where_scl_would_run_at_no_rate_of_a_bus(rate: int, clock: str):
+    said = impossible_rate(formats.read(NACK, Fraction(rate)), "SCL")
+    assert (f"SCL would run at {clock}; expected 100 Hz to 5 MHz" in said) if clock else said == ""
+
+
+def test_with_few_clocks_or_no_rate_nothing_is_said():
+    assert impossible_rate(drawn("SCL -_-_-_-_-_-_-_-_", rate=1), "SCL") == "", "fewer than a byte"
+    assert impossible_rate(drawn("SCL -" + "_-" * 9, rate=1), "SCL") != ""
+    assert impossible_rate(drawn("SCL -" + "_-" * 9, rate=None), "SCL") == ""

@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from periph_sim.traces.diff.compare import TraceDiff, compared
-from periph_sim.traces.diff.event_names import Event, Group
-from periph_sim.traces.diff.matching import pairs
+from periph_sim.traces.diff.matching import Event, Group, pairs
 
 MHZ = Fraction(10**6)
 

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from periph_sim.traces.diff import align as module
 from periph_sim.traces.diff.align import Run, align
-from periph_sim.traces.diff.event_names import Group
+from periph_sim.traces.diff.matching import Group
 from tests.traces.diff.runs import diffed, group
 
 LETTERS = st.text(alphabet="abc", max_size=30)

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.traces.diff import matching as pair
-from periph_sim.traces.diff.event_names import Event, Group
+from periph_sim.traces.diff.matching import Event, Group
 from tests.traces.diff.runs import MHZ, diffed, event, group, told
 
 WRITE = "START 0, address 53 W 10, ACK 90, byte 32 100, ACK 180, STOP 195"

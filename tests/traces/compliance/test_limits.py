@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.traces.capture.capture import Capture, channel_of
-from periph_sim.traces.compliance.resolution import Resolution, resolution_of
+from periph_sim.traces.compliance.limits import Resolution, resolution_of
 
 FOUR_MHZ = Resolution(Fraction(4 * 10**6), 1)  # 250 ns
 EXACT = Resolution(Fraction(10**9), 0)

@@ -62,7 +62,7 @@ def _readable(transfer: str) -> str:
 
 @dataclass
 class Settings:
-    """Settings of a case."""
+    """The settings that a case can give to this program."""
 
     script: tuple[Annotated[str, After(_readable)], ...] = ("50 W 00 Sr 50 R 6",)
     pauses: tuple[Duration, ...] = ()

@@ -20,7 +20,7 @@ AL, NACK, ARDY, SCD = 0x01, 0x02, 0x04, 0x20  # masks in I2CSTR; the flags are c
 
 @dataclass
 class Settings:
-    """Settings of a case."""
+    """The settings that a case can give to this program."""
 
     address: int = 0x57
     byte: int = 0x77

@@ -25,7 +25,7 @@ FLAGS = 0x0026  # mask of SCD, ARDY and NACK in I2CSTR, which are cleared by wri
 
 @dataclass
 class Settings:
-    """Settings of a case."""
+    """The settings that a case can give to this program."""
 
     address: int = 0x50
     record_at: int = 0x0038  # the record's word address in the EEPROM

@@ -98,7 +98,7 @@ class Emulator:
         self.pie.PIEACK.all = GROUP_9
 
     def look_at_line(self) -> None:
-        """Reset the receiver if RX is idle and data or an error is left. Idle: the FIFO level has not changed."""
+        """Reset the receiver if data or an error is left and the FIFO level has not changed since the last check."""
         sci = self.sci
         left = sci.SCIFFRX.RXFFST
         if left == self.left and (left or sci.SCIRXST.RXERROR):
@@ -130,7 +130,7 @@ class Emulator:
         i2c.I2CMDR.all = FREE | IRS
 
     def wait_for(self, flags: int) -> int:
-        """Wait until any of these flags of I2CSTR is set. Return the set ones, or 0 after a timeout."""
+        """Wait until any of these flags of I2CSTR is set. Return those that are set, or 0 after a timeout."""
         i2c, timer, found = self.i2c, self.wait_timer, 0
 
         def one_of_them() -> bool:
@@ -154,7 +154,7 @@ class Emulator:
             if found & RRDY:
                 _ = i2c.I2CDRR.all  # the register pointer, or a byte that follows it
             else:
-                i2c.I2CSTR.all = SCD  # the pointer has its own STOP, so the read follows
+                i2c.I2CSTR.all = SCD  # a STOP follows the pointer, so the read has a START of its own
 
     def send(self, data: bytes) -> bool:
         for byte in endless(data):

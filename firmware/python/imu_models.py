@@ -153,7 +153,7 @@ def _swapped(x: Any, y: Any, z: Any) -> bytes:
 
 @lru_cache(maxsize=16)
 def estimated(arithmetic: str, parameters: ImuParameters) -> Fraction:
-    """Return the estimated time that the equations take at 150 MHz, in seconds. "bytes" is invalid: no equations."""
+    """Return the estimated time that the equations take at 150 MHz, in seconds. "bytes" is not allowed: it has none."""
     from periph_sim.imu.models.counts import counts_of
     from periph_sim.imu.numeric import arithmetic_names as named
     from periph_sim.imu.numeric.estimate import estimate

@@ -24,7 +24,7 @@ from periph_sim.processor.dsp import Dsp
 
 @dataclass
 class Settings:
-    """Settings of a case."""
+    """The settings that a case can give to this program."""
 
     address: int = 0x50
     act: Literal["clear", "gate", "look", "reset", "nothing"] = "nothing"

@@ -18,7 +18,7 @@ REPLAY = ("address",)  # settings that a replay sets from the capture
 
 @dataclass
 class Settings:
-    """Settings of a case. registers: initial values, from register 0 on; the others are 0."""
+    """The settings that a case can give. registers: initial values, from register 0 on; other registers are 0."""
 
     address: int = 0x50
     registers: HexBytes = b""

@@ -31,7 +31,7 @@ REPLAY = ("address", "replies", "asleep", "busy")  # settings that a replay sets
 
 @dataclass
 class Settings:
-    """Settings of a case."""
+    """The settings that a case can give to this program."""
 
     address: int = 0x50
     replies: tuple[HexBytes, ...] = (bytes(range(1, 17)),)
@@ -55,7 +55,7 @@ class Responder(SlaveInterrupt):
         self._busy = iter(settings.busy)
         self._last = settings.replies[-1] if settings.replies else b""
         self._bytes: Iterator[int] = iter(())
-        self._writing = self._stored = False  # interrupt style: a write is in progress; one has ended
+        self._writing = self._stored = False  # interrupt style: True while a write is in progress; True after one
         self.waits = self.conditions()
 
     def configure(self) -> None:
@@ -151,14 +151,14 @@ class Responder(SlaveInterrupt):
                 i2c.I2CFFTX.TXFFRST = 1
                 for _ in range(16):
                     i2c.I2CDXR.all = next(self._bytes)
-                i2c.I2CFFTX.all = 0x6060 | 4  # interrupts when four bytes are left
+                i2c.I2CFFTX.all = 0x6060 | 4  # interrupt when only four bytes are left
             else:
                 i2c.I2CDXR.all = next(self._bytes)
                 i2c.I2CIER.XRDY = 1
         else:
             self.received.append(bytearray())
             if self.settings.fifo:
-                i2c.I2CFFRX.all = 0x2061  # interrupts as soon as there is one byte
+                i2c.I2CFFRX.all = 0x2061  # interrupt as soon as there is one byte
 
     def fifo_interrupt(self) -> None:
         """Serve I2CINT2A: the transmit FIFO level is low, or a byte was received."""

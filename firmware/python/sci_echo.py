@@ -12,7 +12,7 @@ from periph_sim.firmware import Dsp, start_sci
 
 @dataclass
 class Settings:
-    """Settings of a case. brr: LSPCLK / (8 * rate) - 1."""
+    """The settings that a case can give to this program. brr: LSPCLK / (8 * rate) - 1."""
 
     brr: int = 40
 

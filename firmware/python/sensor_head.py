@@ -23,7 +23,7 @@ CHIPS = {0x68: 0x1D, 0x53: 0x32, 0x1E: 0x03}  # address of each chip -> its firs
 
 @dataclass
 class Settings:
-    """Settings of a case."""
+    """The settings that a case can give to this program."""
 
     period: Duration = Fraction(20, 1000)
     count: int = 6

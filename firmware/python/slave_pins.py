@@ -1,12 +1,12 @@
 """A software slave for any number of addresses. It uses the I2C module's two pins as GPIO, with edge interrupts.
 
-    SDA GPIO32 --XINT3--> which line changed? --> START, STOP --> the address is next, or nothing
-    SCL GPIO33 --XINT4-->                       rise: a bit was received, or the master's ACK
-                                                fall: send a bit or an ACK; at a byte's end also hold SCL
+    SDA GPIO32 --XINT3--> SDA changed while SCL is high --> START: the address follows; STOP: the transfer is over
+    SCL GPIO33 --XINT4--> SCL rose --> a bit was received, or the master's ACK
+                          SCL fell --> send a bit or an ACK; at the end of a byte, also hold SCL low
 
     Low is driven: DIR = 1 with the latch at 0. High is released: DIR = 0, with a pull-up.
 
-An interrupt shows only that a line has changed, so the routine reads the levels of both. If both have changed, the edge
+An interrupt shows only that a line has changed, so the routine reads both levels. If both have changed, the change
 of SDA was data. No edge is lost if the routine reads the lines before they change again: docs/any_order.md gives the
 SCL rate that allows this. SCL is held at the end of a byte, while the target prepares the next one.
 
@@ -80,7 +80,7 @@ class SlavePins:
         self.lines = lines
         self.dsp.compute(self.costs.edge)
         if self.phase == IDLE and before == SDA | SCL and not lines:
-            self.began()  # a START, after whose fall of SDA SCL has fallen, too
+            self.began()  # a START: SDA has fallen, and then SCL
         elif (before ^ lines) & SCL:
             if lines & SCL:
                 self.rose(lines & SDA)

@@ -28,7 +28,7 @@ REPLAY = ("baud", "bits", "parity", "stop")  # settings that a replay sets from 
 
 @dataclass
 class Settings:
-    """Settings of a case: the format of the line."""
+    """The settings that a case can give to this program: the format of the line."""
 
     baud: int = 115_200
     bits: Literal[1, 2, 3, 4, 5, 6, 7, 8] = 8

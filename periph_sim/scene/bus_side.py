@@ -66,12 +66,12 @@ class BusSide:
         return 0 if self.asked is None else int(self.asked.period // 1)
 
     def count(self, transfer: Transfer) -> None:
-        """Add a transfer by the controller agent to `wire_bytes` and, if it was not acknowledged, to `nacked`."""
+        """Count the bytes of a transfer by the controller agent, and call `count_nacked` with the transfer."""
         self.wire_bytes += transfer.wire_bytes
         self.count_nacked(transfer)
 
     def count_nacked(self, transfer: Transfer) -> None:
-        """Add a transfer to `nacked` if it was not acknowledged, unless it only polls whether an EEPROM is ready."""
+        """Count a transfer in `nacked` if it was not acknowledged, unless it only polls whether an EEPROM is ready."""
         first = transfer.phases[0]
         polls = self.asked is not None and self.asked.ack_polling and not first.read and not first.data
         self.nacked += not transfer.acked and not polls

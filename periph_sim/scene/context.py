@@ -17,14 +17,14 @@ from .case.wiring import Wiring
 
 
 class CaseTicks(Struct, frozen=True):
-    """Converts the times of a case into ticks. start: the tick at which the run begins."""
+    """Converter of the times of a case to ticks. start: the tick at which the run begins."""
 
     case: Case
     timebase: Timebase
     start: int
 
     def optimizes(self, name: str) -> bool:
-        """Return True if an optimization of `case.optimizations` is on."""
+        """Return True if the optimization `name` (see `case.optimizations`) is on."""
         return is_on(name, self.case.disable)
 
     def ticks(self, length: Fraction, ppm: Fraction = Fraction(0)) -> int:

@@ -88,7 +88,7 @@ IRS = I2CMDR["IRS"].mask
 
 
 class ModuleReset:
-    """Clears I2CMDR.IRS of a unit while a wire is low, and restores it when the wire rises."""
+    """Reset of an I2C module by a wire: I2CMDR.IRS is 0 while the wire is low, and restored when the wire rises."""
 
     STATE = State("_was_on")
 
@@ -96,11 +96,11 @@ class ModuleReset:
         self._kernel = kernel
         self._clock = unit.clock
         self._socket = unit.socket("I2C-A")
-        self._was_on: bool  # True if IRS was 1 at the last fall of the wire; not set before the first fall
+        self._was_on: bool  # True if IRS was 1 at the last fall of the wire; not assigned before the first fall
         watch([wire], self._changed)
 
     def _changed(self, tick: int, level: int) -> None:
-        """Schedule the write of I2CMDR.IRS for the cycle that follows this edge of the wire."""
+        """Schedule the write of I2CMDR.IRS for the first cycle at or after this edge of the wire."""
         cycle = self._clock.cycle_at(tick)
         self._kernel.call_at(self._clock.tick(cycle), partial(self._write, cycle, level))
 

@@ -38,7 +38,7 @@ SHIPPED = EXAMPLES / "firmware" / "python"
 
 PREFIX = "_firmware_"
 SHIPPED_PACKAGE = f"{PREFIX}shipped"
-_packages: dict[tuple[Path, int], str] = {}  # names by file and thread; threads may load the same file
+_packages: dict[tuple[Path, int], str] = {}  # package names by file and thread, since threads may load one file
 _numbers = count()
 
 
@@ -62,7 +62,7 @@ def shipped_module(name: str) -> ModuleType:
 
 
 def module_of_file(path: Path) -> ModuleType:
-    """Import a firmware file and return its module. Files that it imports are also read again, so edits count."""
+    """Import a firmware file and return its module. Files that it imports are also read again after edits."""
     path = note_input(path).resolve()
     package = _packages.setdefault((path, get_ident()), f"{PREFIX}{next(_numbers)}")
     # `sys.modules` is copied, because other threads may import at the same time.

@@ -21,7 +21,7 @@ from .case.unit_table import Unit
 
 
 def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgram, recorder: Recorder) -> None:
-    """Add the observers to a program before its first instruction. Raise BadCase if the image lacks a needed name."""
+    """Add the observers to a program before its first instruction. Raise BadCase for a name that the image lacks."""
     if recorder.wants(Kind.SPAN):
         program.add_call_listener(FunctionSpans(recorder, name, program.place_of))
     if recorder.wants(Kind.WAIT):

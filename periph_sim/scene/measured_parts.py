@@ -1,4 +1,4 @@
-"""The parts of a scene that a measure can request, in addition to the records that it subscribes to."""
+"""The parts of a scene that a measure can request, in addition to the records to which it subscribes."""
 
 from __future__ import annotations
 

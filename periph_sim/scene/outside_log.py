@@ -4,7 +4,7 @@
  "file": ..., "set": [...]}             if the case has a file: its path from the log's folder, and its changes
 {"serial": "RX"}                        from here on, this wire is driven by bytes
 [tick, {"SCL": 0}, ["RX"]]              an instant: levels of wires, and the wires on which a byte begins, if any
-{"end": tick}                           the end of the session; without this line, the last instant is the end
+{"end": tick}                           the end of the session; without this line, it ends a tick after the last instant
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from ..core.wire import Wire
 from .context import SceneContext
 
 FORMAT, VERSION = "periph-sim outside", 1
-LONGEST_LINE = 1 << 20  # maximum number of characters of a line
+LONGEST_LINE = 1 << 20  # a line with this number of characters or more is rejected
 
 
 class BadLog(ValueError):

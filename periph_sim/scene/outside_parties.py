@@ -38,7 +38,7 @@ def as_driven(case: Case) -> Case:
     """Return a case without the parties that its [outside] replaces. Its `replaced` has a sentence for each of them.
 
     Budgets that need such a party are left out, and the sentence names them. Raise BadCase, with its line, for a budget
-    that would be wrong without [outside], too.
+    that would also be wrong without [outside].
     """
     outside, controller = case.outside, case.controller
     assert outside is not None

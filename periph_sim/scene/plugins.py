@@ -87,12 +87,12 @@ def known(folder: Path, attribute: str, shipped: Mapping[str, T], names: Iterabl
 
 
 def sensors_of(case: Case, names: Iterable[str] = ()) -> Mapping[str, ChipData]:
-    """Return the sensors that a case may name in `order`. names: the sensors that it names."""
+    """Return the sensors that a case may name in `order`. names: the sensors that it does name."""
     return known(case.folder, "SENSORS", known_sensors(), names)
 
 
 def known_formats(shipped: Mapping[str, T], installed: bool) -> Mapping[str, T]:
-    """Return the capture formats of the present folder's project by name. installed: True to include entry points."""
+    """Return the capture formats of the current folder's project by name. installed: True to include entry points."""
     return known(Path(), "NAME", shipped, [""] if installed else ())
 
 

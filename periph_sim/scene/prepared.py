@@ -56,7 +56,7 @@ class PreparedScene:
             self._file = CaseFile(case, changes)
 
     def plan(self, changes: Sequence[str] = ()) -> ScenePlan:
-        """Return the plan of the case with changes. Raise BadCase if it cannot be run."""
+        """Return the plan of the case to which these changes are applied. Raise BadCase if it cannot be run."""
         if self._file is None:
             _refuse_changes(changes)
         elif changes:
@@ -88,7 +88,7 @@ class PreparedScene:
         keep_values: bool = False,
         sources: Mapping[str, Source] | None = None,
     ) -> Scene:
-        """Return a new scene, not yet run, of the case with changes. The other arguments are those of `Scene`."""
+        """Return a new scene of the case with these changes, not yet run. The other arguments are those of `Scene`."""
         plan = self.plan(changes)
         note_inputs_of(plan.case.files())
         return Scene(plan, subscribe, programs, keep_values=keep_values, sources=sources)
@@ -101,7 +101,7 @@ class PreparedScene:
         programs: Mapping[str, Program | Firmware] | None = None,
         record: str | Path | None = None,
     ) -> Result:
-        """Return the result of a run of the case with changes, judged as `periph-sim run` judges it.
+        """Run the case with these changes, and return the result, judged as `periph-sim run` judges it.
 
         seconds: the duration, such as "10 ms" or a Fraction, in place of the case's own.
         programs: firmware given as functions (dsp, settings), by unit; the unit's own `firmware` is then only a name.

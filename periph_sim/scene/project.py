@@ -129,6 +129,6 @@ def _parsed(text: str) -> dict[str, object]:
 
 
 def _near(path: Path) -> Path:
-    """Return a path inside the present folder as relative to it, and any other path unchanged."""
+    """Return a path inside the current folder as relative to it, and any other path unchanged."""
     here = Path.cwd()
     return Path(os.path.relpath(path, here)) if path.is_relative_to(here) else path

@@ -28,8 +28,8 @@ class ReleaseDelay:
         self._setup: int = i2c.sda_setup_before_scl_release.unrecorded()
         self._pin: int = system.gpio_out_delay.unrecorded()
         self._touched: frozenset[str] = frozenset()  # the chip's `touched` before the last call of `_look`
-        self._writes = -1  # the chip's `writes` at that call
-        self._cycles = 0  # the delay in cycles, computed by that call
+        self._writes = -1  # the chip's `writes` at the last call of `_look`
+        self._cycles = 0  # the delay in cycles, computed by the last call of `_look`
 
     def ticks(self, written: int) -> int:
         """Return the delay in ticks after a write at tick `written`; it varies if cycles are not whole ticks long."""
@@ -40,7 +40,7 @@ class ReleaseDelay:
         return clock.tick(cycle + self._cycles) - clock.tick(cycle)
 
     def _look(self, now: int) -> None:
-        """Read both registers, which only a write changes, and compute the delay in cycles."""
+        """Read I2CPSC and I2CEMDR, which only a write changes, and compute the delay in cycles."""
         chip = self._socket.chip
         self._writes = chip.writes
         touched = chip.touched

@@ -359,7 +359,7 @@ class Scene:
 
 
 def _raise_in_firmware(units: Mapping[str, Dsp], name: str, note: Note) -> None:
-    """Raise a note of a chip or device as an error in strict firmware. name: the name of the chip or device."""
+    """Raise a note of the chip or device `name` as an error in the firmware, because the case is `strict`."""
     for dsp in units.values():
         dsp.processor.notes.raise_if_strict(note, name, dsp.processor.kernel.now)
 

@@ -29,7 +29,7 @@ class StuckLines:
         self._start = start
         self._units = units
         self._wire: Wire | None = None  # the line that was reported last
-        self._after_rounds = 0  # number of rounds that were over at that report
+        self._after_rounds = 0  # number of rounds that were over at the last report
 
     def report(self, wire: Wire) -> None:
         who = " and ".join(wire.held_by()) or "no party"

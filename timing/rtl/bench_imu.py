@@ -1,4 +1,4 @@
-"""Test by cocotb of the IMU emulator, which a sensor head in Verilog reads: each value that it reads is from a frame.
+"""cocotb test: a sensor head in Verilog reads the IMU emulator, and each value that it reads is that of a host frame.
 
     simulate(["sensor_head.v", "i2c_master.v"], "sensor_head", "timing.rtl.bench_imu", folder="build")
 

@@ -45,7 +45,7 @@ WHICH_BYTES = ("bytes", "access", "phases", "share")  # keys that kind = "off" d
 
 
 class DeviceFault(Strikes, frozen=True, kw_only=True):
-    """A fault of a device: its `kind`, the bytes and the time that it affects, and the keys of that kind."""
+    """A fault of a device: its `kind`, which bytes it affects and when, and the keys that this kind has."""
 
     kind: Literal["nack", "wrong", "flip", "hold", "off"]
     value: Byte | None = None

@@ -52,7 +52,7 @@ PLAIN: dict[Any, Schema] = {
 
 
 def schema_of(annotation: Any, definitions: Schema) -> Schema:
-    """Return the schema of the values that a file may contain for this type. Add its tables to `definitions`."""
+    """Return the schema of the values that a file may contain for a type. Add the type's tables to `definitions`."""
     origin, arguments = get_origin(annotation), get_args(annotation)
     if origin is Annotated:
         return _annotated(arguments[0], arguments[1:], definitions)
@@ -98,7 +98,7 @@ def _annotated(kind: Any, checks: tuple[Any, ...], definitions: Schema) -> Schem
 
 
 def schema_of_table(kind: Any, definitions: Schema) -> Schema:
-    """Return the schema of a table: its keys, with the defaults that a file can contain."""
+    """Return the schema of a table: its keys, with those defaults that a file can express."""
     keys = keys_of(kind)
     properties = {said: _property(key, definitions) for said, key in keys.items()}
     schema: Schema = {
@@ -136,7 +136,7 @@ DIALECT = "http://json-schema.org/draft-07/schema#"  # the newest draft that edi
 
 def case_schema() -> Schema:
     """Return the schema of case files as a tree of dicts and lists, for `json.dumps`."""
-    here = Path()  # the present folder, whose project may have plugins
+    here = Path()  # the current folder, whose project may have plugins
     faults = {f"fault {name}": kind.Settings for name, kind in known(here, "attach", kinds_of_fault()).items()}
     frames = host_frames()
     motions = {f"motion {name}": settings for name, settings in frames.motion_settings().items()}
@@ -195,7 +195,7 @@ def _closed(schema: Schema) -> Schema:
 
 
 def _options(kind: type) -> Schema:
-    """Return the schema of a table of options. kind: a class whose fields are options, with open questions."""
+    """Return the schema of a table of options. kind: the class whose fields are the options."""
     found: Schema = {}
     for field in dataclasses.fields(kind):
         about = field.metadata

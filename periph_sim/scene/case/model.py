@@ -119,7 +119,7 @@ class RoundsTable(Table, frozen=True, kw_only=True):
     period: Length
     rounds: Annotated[int, Meta(ge=1)] | None = None
     pointer_by: Literal["repeated START", "STOP"] = "repeated START"
-    check: Literal["expect", "host"] = "expect"  # see [controller]
+    check: Literal["expect", "host"] = "expect"  # as in [controller]
     ack_polling: bool = False  # True: a write of only the address polls an EEPROM and is no request
     stuck_after: Length = Fraction(25, 1000)
 
@@ -291,7 +291,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def folder(self) -> Path:
-        """The folder of the case's file, to which its paths are relative; the present folder if there is no file."""
+        """The folder of the case's file, to which its paths are relative; the current folder if there is no file."""
         return Path() if self._source is None else self._source.path.parent
 
     @property

@@ -75,7 +75,7 @@ class Unit(Table, frozen=True, kw_only=True):
     skip_polls: bool = True
     pins: dict[str, Annotated[int, Meta(ge=0, le=87)]] = {}
     code: Code = Code()
-    options: dict[str, dict[str, Answer]] = {}  # answers by group; see `periph-sim regs --options`
+    options: dict[str, dict[str, Answer]] = {}  # by group: answers to open questions; see `periph-sim regs --options`
 
     def check_together(self, given: Set[str]) -> None:
         programs = [name for name in ("firmware", "image", "sources") if getattr(self, name)]

@@ -21,7 +21,7 @@ from ..context import SceneContext
 
 
 class EventTrigger(EventMeasure):
-    """Calls `happened(tick)` each time an event happens."""
+    """Trigger that calls `happened(tick)` each time an event happens."""
 
     def __init__(self, event: Matcher, happened: Callable[[int], None]) -> None:
         super().__init__(event)
@@ -36,7 +36,7 @@ class EventTrigger(EventMeasure):
 
 
 class TextTrigger:
-    """Calls `happened(tick)` at the end of each occurrence of these characters. Occurrences do not overlap."""
+    """Trigger that calls `happened(tick)` at the end of each occurrence of a text. Occurrences do not overlap."""
 
     STATE = State("_came")
 

@@ -53,7 +53,10 @@ def stamps(package: Path, modules: Sequence[str]) -> list[list[int]]:
 
 
 def digest(package: Path, modules: Sequence[str]) -> str:
-    """Return a digest of Python's version and of the sources of these modules ("core.kernel") and `periph_sim.form`."""
+    """Return a digest of Python's version, of these modules' sources, and of the sources of `periph_sim.form`.
+
+    modules: the names of modules within the package, for example "core.kernel".
+    """
     import hashlib  # imported here because few runs need it
 
     found = hashlib.sha256(SUFFIX.encode())

@@ -58,7 +58,7 @@ DIRECTIVES = {
     "nonecheck": True,  # access to an attribute of None raises AttributeError, as in Python
 }
 # With `trashcan`, a long chain of objects is freed in a loop instead of by recursion.
-# Cython documents `trashcan` for single classes. It applies to all classes if it is added to the finished options.
+# Cython documents `trashcan` for single classes. To apply it to all classes, it is added to the finished options.
 FOR_ALL_CLASSES = {"trashcan": True}
 NEVER_NONE = "self"  # this argument is never None, because its caller has already checked the object
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
@@ -225,7 +225,10 @@ def link(modules: list[str], folder: Path, cc: str, kind: Kind = NORMAL) -> None
 
 
 def types_of(module: str, folder: Path) -> dict[str, str]:
-    """Return the text of the .pxd file of a module, and of each module in `folder` on which it depends, by module."""
+    """Return the .pxd texts of a module and of all modules on which it depends, by module.
+
+    folder: the folder of the prepared sources and their .pxd files.
+    """
     found: dict[str, str] = {}
     waiting = [module]
     while waiting:

@@ -1,4 +1,4 @@
-"""C types in the declarations of a compiled module: those of its functions, and of its classes' members."""
+"""C types with which a compiled module declares its functions, and the attributes and methods of its classes."""
 
 from __future__ import annotations
 
@@ -47,7 +47,7 @@ class Function(NamedTuple):
     """The declaration of a function.
 
     kind: "cpdef" if Python and C can call it, "cdef" if only C can call it, "def" if it stays a Python function.
-    arguments: by the argument's name, its type and whether it has a default.
+    arguments: for the name of each argument, (its type, True if it has a default).
     variables: the types of annotated local variables.
     marks: the words in its `# core:` comment.
     """

@@ -16,9 +16,9 @@ from .compiled_class import INTEGER, NUMBERS, OBJECT, VOID, Class, Function, Typ
 from .sources import Source, Sources
 
 LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}  # names of C types in `cython`
-# For each result type: the result that a C function returns if it has raised an exception.
-# Without such a result, callers would have to ask Python after each call whether an exception was raised.
-# C functions without a result return False. The None of a Python method that overrides one is converted to False.
+# For each C result type: the value that a function returns to report that it has raised an exception.
+# Without such a value, callers would have to ask Python after each call whether an exception was raised.
+# A C function without a result returns False. If a Python method overrides it, the method's None is converted to False.
 RAISES = {VOID: " except -1", "bint": " except -1", INTEGER: " except? PERIPH_SIM_RAISED"}
 RAISED = '''\
 cdef extern from *:

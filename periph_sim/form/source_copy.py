@@ -57,7 +57,7 @@ def prepared(source: Source) -> str:
             **source.fused,
             **source.pointers,
         }:
-            lines[statement.lineno - 1] = ""  # the .pxd file declares it
+            lines[statement.lineno - 1] = ""  # this type is declared in the .pxd file
     text = _look_up_spelled_out(source, "\n".join(lines))
     keeps = any(kind.marks for kind in source.classes.values())
     return text.replace(FUTURE, f"{FUTURE.rstrip()}; import cython\n", 1) if keeps else text
@@ -95,7 +95,7 @@ def _returns(body: Iterable[ast.AST]) -> Iterator[ast.Return]:
 
 
 def _remove_names(statement: ast.ImportFrom, names: Collection[str], lines: list[str]) -> None:
-    """Remove names from an import statement in `lines`. Its number of lines stays the same."""
+    """Remove names from an import statement in `lines`. The statement keeps its number of lines."""
     if not any(alias.name in names for alias in statement.names):
         return
     assert statement.end_lineno is not None

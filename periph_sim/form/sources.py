@@ -308,7 +308,7 @@ class Source:
 
     @cached_property
     def cimported(self) -> dict[str, str]:
-        """The defining module of each imported C function that this module calls and does not use as an object."""
+        """The imported C functions that this module only calls: for each name, the module that defines it."""
         found = {}
         called = self.called - read_names(self.tree, "")
         for name, (module, there) in self.imports.items():

@@ -69,14 +69,14 @@ class Reaction(Agent):
             for dsp in scene.units.values()
         }
         self._direct: list[Socket] = []  # modules that listen to the lines without a synchronised pad
-        self._routers: list[Router] = []  # routers with synchronised pads that listen to the lines
+        self._routers: list[Router] = []  # pin routers whose synchronised pads listen to the lines
         self._listening: list[Socket] = []  # listening modules whose inputs have a filter: I2C and SCI
         self._modules: list[tuple[Socket, I2c]] = []  # the I2C modules in `_listening`
         self._pins: list[list[Pin]] = []  # for each module in `_modules`: its pins of SCL, then its pins of SDA
         self._scl = self._sda = ""  # the lines on which all these modules are; "" if they are on different lines
         self._at_once = True  # True if a listener may answer without a filter
         self._now = scene.kernel.now  # the next tick
-        self._levels = dict.fromkeys(lines, 1)  # levels after the moves before `_now`
+        self._levels = dict.fromkeys(lines, 1)  # levels of the lines just before tick `_now`
         self._put: list[tuple[int, str, int]] = []  # moves from `_now` on, in order of time
         self._fresh = False  # True if the values in the following lines are up to date
         self._due = NEVER
@@ -84,7 +84,7 @@ class Reaction(Agent):
         self._widest = 0  # length in ticks of the longest pulse that a filter may remove
         self._widest_of: list[tuple[int, Clock]] = []  # the filter widths and clocks from which `_widest` was computed
         self._hz: list[Fraction] = []  # the frequencies of the clocks in `_widest_of`
-        self._seen = self._levels.copy()  # levels after all moves that were put
+        self._seen = self._levels.copy()  # levels of the lines after all moves in `_put`
         self._scl_moved = LONG_AGO  # tick of the last edge of SCL among all moves that were put
         self._scl_done = LONG_AGO  # tick of the last edge of SCL before `_now`
 
@@ -102,7 +102,7 @@ class Reaction(Agent):
         """Record that the scene has run up to tick `now`, exclusive."""
         self._now = now
         self._fresh = False
-        if len(self._put) > 2 * REMEMBERED:  # `due`, which removes past moves, is not called
+        if len(self._put) > 2 * REMEMBERED:  # past moves remain because `due` is not called
             self._pass(len(self._put) - REMEMBERED)
 
     def due(self) -> int:
@@ -227,7 +227,7 @@ class Reaction(Agent):
             if line == self._scl:
                 before, self._scl_moved = self._scl_moved, tick
                 if tick - before <= self._widest:
-                    tick = max(before, self._now)  # the filter may remove this pulse; then SDA moved while SCL was high
+                    tick = max(before, self._now)  # if the filter removes this pulse of SCL, an SDA edge in it is a START or STOP
                 elif self._silent:
                     self._silent -= 1
                     return

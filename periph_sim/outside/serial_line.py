@@ -109,7 +109,7 @@ class SerialLine:
     def next_client(self) -> int:
         """Assign the line to another client. Return the number of discarded bytes of the previous client.
 
-        Its waiting bytes are kept if they take at most a tenth of a second, because a program may end after a write.
+        Waiting bytes are kept if they take at most a tenth of a second, because a program may end just after a write.
         """
         lasts = self.waiting * self._format.length * self._bit
         if lasts <= LAST * self._session.ticks_per_second:

@@ -125,10 +125,10 @@ class _Settling:
         )
 
     def _until_agreed(self, item: int, word: int) -> tuple[int, int]:
-        """Return how many items and words to skip at an unsure start, so that the following ones agree best.
+        """Return how many items and words to skip at an unsure start, so that the items and words after them agree best.
 
-        If several numbers are equally good, choose the fewest items. Among these, choose the number of words that is
-        nearest to the usual number for these items.
+        Of equally good choices, take those with the fewest items. Of these, take the one that is nearest to one word
+        per item.
         """
         usual = int(self._items[item].kind is UartRowKind.FRAME)
         last = item + 1

@@ -89,7 +89,11 @@ class Replay:
         again._drive(until=until)
 
     def _summary(self, path: Path, outcome: Comparison, after: int, notes: list[str], **figures: Any) -> Report:
-        """Return the report. after: ticks for which history continues after a divergence. figures: other fields."""
+        """Return the report.
+
+        after: the number of ticks after a divergence for which its history is shown.
+        figures: the other fields of the report.
+        """
         scene, kernel = self._scene, self.kernel
         return Report(
             case=scene.case.name,

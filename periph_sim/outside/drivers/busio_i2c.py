@@ -71,7 +71,7 @@ class I2C:
         in_start: int = 0,
         in_end: int | None = None,
     ) -> None:
-        """Write, then read after a repeated START."""
+        """Write `out_buffer`, and then read into `in_buffer` after a repeated START."""
         self._transfer(address, bytes(out_buffer[out_start:out_end]), memoryview(in_buffer)[in_start:in_end])
 
     def _asks(self, address: int) -> bool:

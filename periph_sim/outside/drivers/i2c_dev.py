@@ -107,7 +107,7 @@ SLAVE, TENBIT, FUNCS, SLAVE_FORCE, RDWR, PEC, SMBUS = 0x703, 0x704, 0x705, 0x706
 QUICK, BYTE, BYTE_DATA, WORD_DATA, PROC_CALL, BLOCK_DATA, BLOCK_PROC_CALL, I2C_BLOCK = 0, 1, 2, 3, 4, 5, 7, 8
 FUNCTIONS = 0x1 | 0x8 | 0x8000 | 0x0FFF_0000  # I2C_FUNC bits: plain I2C, PEC, block process call, all SMBus transfers
 READS = 1  # value of `read_write` for a read, and flag of a message that reads
-FIRST_FILE = 1 << 20  # the first file number that is used; no process has numbers as high as this
+FIRST_FILE = 1 << 20  # file number of the first open `/dev/i2c-N`; the process's other file numbers are lower
 
 
 class _SmbusTransfer(ctypes.Structure):

@@ -82,7 +82,7 @@ class I2cDriver:
         return said
 
     def captured(self) -> bytes:
-        """Return the traffic on the bus since the last call, in the format of the command 'c'; b"" if none."""
+        """Return the traffic on the bus since the last call, in the format of the command 'c'; b"" if there is none."""
         tokens = [token for transfer in self._transfers for token in _tokens(transfer)]
         self._transfers.clear()
         tokens += [0] * (len(tokens) % 2)

@@ -225,7 +225,7 @@ class Port:
     rts = dtr = True
 
     def __init__(self, line: SerialLine, baud: int, form: str, door: Rfc2217Door) -> None:
-        self.before: Callable[[], None] = lambda: None  # called before each command
+        self.before: Callable[[], None] = lambda: None  # called before each Telnet command
         self._line = line
         self._door = door
         self._baud = baud

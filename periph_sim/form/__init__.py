@@ -72,7 +72,7 @@ def source_of(package: Path, module: str) -> Path:
 
 
 def symbol(module: str) -> str:
-    """Return the name of a module in the C library. It contains the whole path, because last parts are not unique."""
+    """Return the name of a module in the C library. It contains the whole path, because file names are not unique."""
     return module.replace(".", "__")
 
 

@@ -276,7 +276,10 @@ def last_build(built: Path) -> dict[str, str]:
 
 
 def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
-    """Return the modules to compile. With prefixes, these are the matching modules and those whose types they use."""
+    """Return the modules to compile: all compiled modules, or those that match `prefixes`.
+
+    The modules whose types they use are also returned.
+    """
     found = sources.compiled()
     chosen = [one for one in found if any(f"{one}.".startswith(f"{prefix}.") for prefix in prefixes)]
     if prefixes and not chosen:

@@ -7,13 +7,13 @@ object.
 
 from __future__ import annotations
 
-from array import array as Buffer  # a contiguous buffer: of 64-bit integers, or as in `Buffer[UInt32]`
+from array import array as Buffer  # a contiguous buffer of 64-bit integers, or of 32-bit integers in `Buffer[UInt32]`
 from collections.abc import Callable as CFunction  # a pointer to a C function: `CFunction[[Cpu, Operation], None]`
 
 BigInt = int  # a Python integer, which may have more than 64 bits or come from a user
 Text = str  # a Python string, which may be an instance of a subclass such as `SourceLocation`
-UInt8 = int  # unsigned C integers with 8, 16 and 32 bits
-UInt16 = int
-UInt32 = int
+UInt8 = int  # an unsigned C integer of 8 bits
+UInt16 = int  # an unsigned C integer of 16 bits
+UInt32 = int  # an unsigned C integer of 32 bits
 
 __all__ = ["BigInt", "Buffer", "CFunction", "Text", "UInt8", "UInt16", "UInt32"]

@@ -15,7 +15,7 @@ from collections.abc import Iterator
 from .compiled_class import INTEGER, NUMBERS, OBJECT, VOID, Class, Function, Type
 from .sources import Source, Sources
 
-LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}  # names of C types in `cython`
+LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}  # C type -> name in `cython`
 # For each C result type: the value that a function returns to report that it has raised an exception.
 # Without such a value, callers would have to ask Python after each call whether an exception was raised.
 # A C function without a result returns False. If a Python method overrides it, the method's None is converted to False.

@@ -29,9 +29,9 @@ def is_own(target: ast.expr) -> bool:
 
 
 def read_names(tree: ast.AST, owner: str) -> set[str]:
-    """Return the names of variables that are read but not called. If `owner` is given, return its attributes instead.
+    """Return the names that are read but not called.
 
-    owner: the name of a variable, or "".
+    owner: "" for names of variables, or the name of a variable for names of its attributes.
     """
     called = {id(node.func) for node in walked(tree) if isinstance(node, ast.Call)}
     read = [one for one in walked(tree) if isinstance(getattr(one, "ctx", None), ast.Load) and id(one) not in called]

@@ -38,7 +38,7 @@ class LogWriter:
         self._waiting: list[object] | None = [{**head, "wires": wires, **file}]  # lines for `begin`; None after it
 
     def begin(self) -> None:
-        """Write the waiting lines. The session calls this when its time begins to pass."""
+        """Write the lines that were collected so far. The session calls this when its time begins to pass."""
         if self._waiting is not None:
             if self._path.is_file():  # devices and pipes cannot be truncated
                 self._file.truncate(0)

@@ -74,13 +74,13 @@ class Reaction(Agent):
         self._modules: list[tuple[Socket, I2c]] = []  # the I2C modules in `_listening`
         self._pins: list[list[Pin]] = []  # for each module in `_modules`: its pins of SCL, then its pins of SDA
         self._scl = self._sda = ""  # the lines on which all these modules are; "" if they are on different lines
-        self._at_once = True  # True if a listener may answer without a filter
+        self._at_once = True  # True if a listener may answer without the delay of a filter
         self._now = scene.kernel.now  # the next tick
         self._levels = dict.fromkeys(lines, 1)  # levels of the lines just before tick `_now`
         self._put: list[tuple[int, str, int]] = []  # moves from `_now` on, in order of time
         self._fresh = False  # True if the values in the following lines are up to date
         self._due = NEVER
-        self._silent = -1  # number of further edges of SCL that are unobservable; -1: any edge is observable
+        self._silent = -1  # number of further edges of SCL that cause no answer; -1 if any edge may cause one
         self._widest = 0  # length in ticks of the longest pulse that a filter may remove
         self._widest_of: list[tuple[int, Clock]] = []  # the filter widths and clocks from which `_widest` was computed
         self._hz: list[Fraction] = []  # the frequencies of the clocks in `_widest_of`
@@ -207,7 +207,7 @@ class Reaction(Agent):
             processor, chips = agent, self._chips[agent]
             chip: I2c
             for chip in chips:
-                if chip.target.pulls & SCL or chip.master.active:  # a read may end a stretch, and SCL moves at once
+                if chip.target.pulls & SCL or chip.master.active:  # a register read may end a stretch at once
                     return event.time
             clock: Clock = self._cpu_clocks[processor]
             return _tick_of(clock, processor.next_output(clock.cycle_at(event.time)))
@@ -227,7 +227,7 @@ class Reaction(Agent):
             if line == self._scl:
                 before, self._scl_moved = self._scl_moved, tick
                 if tick - before <= self._widest:
-                    tick = max(before, self._now)  # if the filter removes this pulse of SCL, an SDA edge in it is a START or STOP
+                    tick = max(before, self._now)  # if the filter removes the pulse, SDA edges in it are START or STOP
                 elif self._silent:
                     self._silent -= 1
                     return

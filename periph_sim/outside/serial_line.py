@@ -51,7 +51,8 @@ class SerialLine:
         self.wrong = self.sent = self.received = 0
         self.waiting = 0
         self._got = bytearray()
-        self._queue: deque[tuple[bytes, Wrong] | int] = deque()  # bytes; or RX's level: a break begins (0), ends (1)
+        # An entry is bytes with the bit to send wrongly, or the level of RX that begins (0) or ends (1) a break.
+        self._queue: deque[tuple[bytes, Wrong] | int] = deque()
         self._place = 0  # index of the next byte in the first entry of `_queue`
         self._begins: deque[int] = deque()  # ticks of the future start bits that are already scheduled
         self.broken = False

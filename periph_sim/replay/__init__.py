@@ -8,4 +8,4 @@ of a sample, or the value of a time stamp.
 
 
 class BadReplay(ValueError):
-    """A capture, or a mapping of it, that cannot be replayed; the message is one sentence for the user."""
+    """A capture cannot be replayed with this case and mapping. The message is one sentence for the user."""

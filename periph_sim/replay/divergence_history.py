@@ -99,14 +99,14 @@ class FlagHistory:
         return self._frozen[moment]
 
 
-Run = Callable[[FlagHistory, int], None]  # a function that repeats a run up to a tick, recorded by a history
+Run = Callable[[FlagHistory, int], None]  # a function that repeats a run up to a tick and records it in a history
 
 
 class Role(NamedTuple):
     """The role of a unit in a replay.
 
     module: the module that is connected to the replayed lines.
-    writes: by the first words of an event, the register that contains the value of such an event.
+    writes: the register that contains the value of an event, by the first words of the event.
     """
 
     module: str

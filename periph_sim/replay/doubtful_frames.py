@@ -125,7 +125,7 @@ class _Settling:
         )
 
     def _until_agreed(self, item: int, word: int) -> tuple[int, int]:
-        """Return how many items and words to skip at an unsure start, so that the items and words after them agree best.
+        """Return how many items and words to skip at an unsure start, so that those after them agree best.
 
         Of equally good choices, take those with the fewest items. Of these, take the one that is nearest to one word
         per item.
@@ -173,7 +173,7 @@ class LineErrors:
 
 
 def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequence[Event]) -> LineErrors:
-    """Return the errors of a channel that was decoded in the format `line`, and whether they make it doubtful."""
+    """Return the errors of a channel that was decoded in the format `line`, and a possible doubt about this format."""
     frames = [event for event in events if event.kind is UartRowKind.FRAME]
     breaks = {event.at for event in events if event.kind is UartRowKind.BREAK}
     breaks |= _break_at_end(capture, channel, line)

@@ -50,7 +50,7 @@ class Plan:
 
     own: the addresses of the firmware.
     origin: the tick of the beginning of the capture.
-    longest_low: the maximum time, in positions, for which the controller holds SCL low; None if it is as captured.
+    longest_low: the maximum time, in positions, for which the controller holds SCL low. None: as long as captured.
     least_gap: the minimum time, in ticks, between two transfers. After a delay, the controller shortens pauses to this
         minimum until transfers begin at their captured times again. None: pauses have their captured lengths, so a
         delay affects all later transfers.
@@ -184,13 +184,13 @@ class I2cReplay(BusReplay):
 
     addresses: the addresses of the firmware; if empty, `answering` determines them.
     first: the maximum number of transfers; None for all.
-    longest_low: the maximum time, in seconds, for which the controller holds SCL low; None: as captured.
+    longest_low: the maximum time, in seconds, for which the controller holds SCL low. None: as long as captured.
     tolerance: the allowed difference in time, in seconds. None: a sample period plus a cycle; larger differences are
         reported, but not judged.
     lead: the time from the start of the firmware to the beginning of the capture, in seconds.
     patience: the maximum time, in seconds, for which SCL may be held low. After a longer time, the replay ends.
 
-    Raise BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
+    Raise BadCase or BadReplay if the replay cannot be built; LookupError if there is no such channel.
     """
 
     def __init__(
@@ -299,7 +299,7 @@ class I2cReplay(BusReplay):
         otherwise set it to "".
         """
         self._agents_parted = ""
-        self._other_events = False  # True if the agents cause the first judged divergence, not of kind TIMING
+        self._other_events = False  # True if the agents cause the first judged divergence and it is not of kind TIMING
         if not outcome.ranked:
             return outcome
         alone = without_firmware(self._agents, self._scene.start, self.kernel.now, tolerance)

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 MODULE_HZ = 10_000_000  # module clock in Hz, set by TI's start-up code; I2CCLKL and I2CCLKH count its cycles
 D = 5  # cycles that the module adds to each of I2CCLKL and I2CCLKH (SPRUG03B Table 15)
 MOST = 0xFFFF
-EDGES = 2 * 4 * 9  # maximum number of edges per event: twice those of nine bits with four edges of SCL and SDA each
+EDGES = 2 * 4 * 9  # maximum number of edges per event: twice the four edges of SCL and SDA in each of nine bits
 
 
 class I2cMasterReplay(BusReplay):
@@ -46,7 +46,7 @@ class I2cMasterReplay(BusReplay):
     patience: a time in seconds. If the firmware has a script, the replay ends when the bus has been silent for the
         longest pause of the script plus this time.
 
-    Raise BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
+    Raise BadCase or BadReplay if the replay cannot be built; LookupError if there is no such channel.
     """
 
     ROLE = "master"

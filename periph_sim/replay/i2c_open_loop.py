@@ -96,7 +96,7 @@ class I2cOpenReplay(BusReplay):
         self._end_tick = self._tick(end) + self.timebase.ticks(TAIL, "nearest")
         for wire, line, edges in zip(wires, part.lines, _edges(*part.lines, part.half_sample, end), strict=True):
             ticks = [(self._tick(at), level) for at, level in edges]
-            if not line.initial:  # the line is low from the start of the scene, so that its fall is no START
+            if not line.initial:  # the line falls before the module is enabled, so the fall is no START
                 ticks.insert(0, (scene.start, 0))
             EdgePlayer(scene.kernel, wire, ticks)
 

@@ -34,11 +34,11 @@ HALF = Fraction(1, 2)  # half a sample in positions, in captures in which each p
 
 @dataclass(frozen=True, slots=True)
 class Turn:
-    """One addressed part of a transfer. Times are positions of the capture.
+    """A part of a transfer that begins with a START and an address. Times are positions of the capture.
 
-    begin: the START.
-    answered: the rise of SCL in the ninth bit of the address.
-    stop: the STOP, or None if a repeated START or the end of the capture ended the part.
+    begin: the time of the START.
+    answered: the time at which SCL rises in the ninth bit of the address.
+    stop: the time of the STOP; None if the part ends with a repeated START or with the capture.
     """
 
     address: int
@@ -247,7 +247,7 @@ def as_target(address: int, turns: Iterable[Turn], end: int) -> AsTarget:
     """
     found = AsTarget(address)
     refused: list[Turn] = []
-    last: Turn | None = None  # the last answered turn
+    last: Turn | None = None  # the last turn that was acknowledged
     for turn in turns:
         if turn.address != address:
             continue

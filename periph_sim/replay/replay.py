@@ -64,7 +64,7 @@ class Replay:
         raise NotImplementedError
 
     def picture(self, report: Report) -> str | None:
-        """Return the first divergence of a run as SVG text; None if there is none. Both sides share one time base."""
+        """Return a picture of the first divergence as SVG text; None if there is no divergence."""
         if not report.divergences:
             return None
         divergence, name = report.divergences[0], Path(report.capture).name
@@ -158,7 +158,7 @@ class BusReplay(Replay):
         )
 
     def _decoded(self) -> tuple[list[i2c.Event], list[Happened]]:
-        """Decode the log up to now. Return its events, and the same in words."""
+        """Decode the log of the wires up to now. Return its events, and the same events in words."""
         self._replayed = self.log.capture(self.timebase, self.kernel.now)
         events = i2c.events(self._replayed, *LINES)
         return events, i2c_words(events, Fraction(self.timebase.per_second), self.origin)
@@ -174,8 +174,8 @@ class BusReplay(Replay):
         return captured, replayed, part.bit
 
     def _replayed_transfers(self) -> tuple[Sequence[i2c.Transfer], tuple[Fraction, int] | None]:
-        """Return the transfers of the replay, and the rate and origin of their positions.
+        """Return the transfers of the replay, and (rate, origin) of their positions.
 
-        Rate and origin are None if the positions are those of `log`.
+        None instead of (rate, origin): the positions are those of `log`.
         """
         return i2c.transfers(self._replayed, *LINES), None

@@ -77,7 +77,7 @@ class Report:
 
 PASS, AMBIGUOUS, NOT_JUDGED, FAIL = "pass", "ambiguous", "not judged", "fail"
 
-# For each setting that a replay can fill in from the capture: the behaviour that it decides in the firmware's place.
+# For each setting that a replay fills in from the capture: what it determines, which is therefore not judged.
 DECIDES = {"replies": "the data", "asleep": "the refusals", "busy": "the refusals", "script": "the requests"}
 
 

@@ -174,7 +174,7 @@ class SessionReplay(I2cReplay):
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
         stuck = super()._drive(progress, until)
         if stuck:
-            self._scene.recorder.emit(self.kernel.now, Kind.BUS, WHO, "stuck")  # as a controller does
+            self._scene.recorder.emit(self.kernel.now, Kind.BUS, WHO, "stuck")  # a controller emits the same record
         return stuck
 
     def _report(self, stuck: list[str]) -> Report:

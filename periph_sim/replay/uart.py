@@ -96,7 +96,7 @@ class UartReplay(Replay):
     lead: seconds from the start of the firmware to the beginning of the capture. It determines the phase between the
         line and the SCI's samples.
 
-    Raise BadCase or BadReplay if it cannot be built; LookupError if there is no such channel.
+    Raise BadCase or BadReplay if the replay cannot be built; LookupError if there is no such channel.
     """
 
     KIND, LOOP = "uart", "open"

@@ -133,7 +133,7 @@ class _Messages(ctypes.Structure):
 
 
 class Adapter:
-    """An open file of the adapter. pause: ticks that pass before each transfer."""
+    """An open file `/dev/i2c-N`. pause: the number of ticks that pass before each transfer."""
 
     def __init__(self, session: Session, pause: int) -> None:
         self._session = session

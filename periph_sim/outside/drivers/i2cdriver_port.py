@@ -80,7 +80,7 @@ class I2cDriverPort:
             raise self._failed
 
     def _run(self) -> None:
-        from ..live.i2cdriver_door import I2cDriverDoor  # not on Windows, which has no pseudo-terminals
+        from ..live.i2cdriver_door import I2cDriverDoor  # imported here, because Windows has no pseudo-terminals
 
         case, outside, log = self._session
         run_up, pause = self._times

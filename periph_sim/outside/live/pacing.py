@@ -75,7 +75,10 @@ class Pacer:
                 self.slips += 1
 
     def percentile(self, share: float) -> float:
-        """Return a bound in seconds for the lateness of this share of the steps: one of STEPS, or else `worst`."""
+        """Return the lateness, in seconds, that this share of the steps does not exceed.
+
+        The result is rounded up to one of STEPS. If it is above STEPS, the result is `worst`.
+        """
         wanted, passed = share * sum(self.counts), 0
         for step, count in zip(STEPS, self.counts, strict=False):
             passed += count

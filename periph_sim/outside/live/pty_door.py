@@ -1,4 +1,4 @@
-"""Doors at a pseudo-terminal, such as a serial line: an SCI receives what a client writes, and the client its bytes.
+"""Doors at a pseudo-terminal. At a serial line, an SCI receives the client's bytes, and the client reads the SCI's.
 
     client --/dev/pts/N, or LINK--> terminal --bytes--> SerialLine --bits--> RX
                   rate set by the client -------------> length of a bit
@@ -147,7 +147,7 @@ class TerminalDoor:
     """A door at a pseudo-terminal.
 
     path: the path that clients open.
-    file: the serving side of the terminal.
+    file: the file descriptor of the server's side of the terminal.
     back: bytes for the client that the terminal has not accepted yet.
     unread: number of bytes from clients that were not read when the door was closed.
     """

@@ -130,8 +130,8 @@ class Client:
         self.file = connection.fileno()
         self._connection = connection
         self._line = line
-        self._out = bytearray()  # bytes to be sent, with Telnet commands
-        self._data = bytearray()  # received bytes, without Telnet commands
+        self._out = bytearray()  # bytes to send to the client, Telnet commands included
+        self._data = bytearray()  # bytes received from the client, without Telnet commands
         port.before = self._put
         connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
@@ -150,7 +150,10 @@ class Client:
         return bool(poll.poll(0))
 
     def receive_rest(self) -> bytes:
-        """Return unread bytes, Telnet commands included; b"" if none arrives in WHILE seconds or on a closed socket."""
+        """Return unread bytes, Telnet commands included.
+
+        Return b"" if none arrives within WHILE seconds, or if the connection is closed.
+        """
         try:
             return self._connection.recv(MOST) if select.select([self.file], [], [], WHILE)[0] else b""
         except (OSError, ValueError):  # ValueError: the connection is closed

@@ -2,7 +2,7 @@
 
 unit.memory             --> PresetMemory: initial values of variables
 budgets, span records   --> FunctionSpans: a span for each function
-cpu load, wait records  --> WaitRecords: the times in IDLE
+cpu load, wait records  --> record_waits: the times in IDLE
 budgets on variables    --> VariableRecords: the values of variables
 budgets on the stack    --> StackDepth: the depth of the stack
 """
@@ -14,7 +14,6 @@ from ..f28335.memory.ram import MEMORY
 from ..processor.dsp import Dsp
 from ..processor.image.observers import CPU, SECTION, STACK, FunctionSpans, PresetMemory, StackDepth, VariableRecords
 from ..processor.image.program import ImageProgram
-from ..processor.image.waits import WaitRecords
 from ..processor.image_files.variables import BadVariable, Variables
 from .case.model import Case
 from .case.unit_table import Unit
@@ -25,7 +24,7 @@ def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgr
     if recorder.wants(Kind.SPAN):
         program.add_call_listener(FunctionSpans(recorder, name, program.place_of))
     if recorder.wants(Kind.WAIT):
-        program.record_waits(WaitRecords(recorder, dsp.clock, name))
+        program.record_waits(recorder)
     if unit.memory:
         _preset(case, name, unit, program)
     wanted = recorder.named(Kind.FLAG)

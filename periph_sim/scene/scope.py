@@ -14,7 +14,7 @@ from .case.origin import Source
 from .case.wiring import Wiring, sci_lines, wiring_of
 
 if TYPE_CHECKING:
-    from ..processor.image_files.model import Image
+    from ..processor.image_files.load import Image
     from ..processor.image_files.variables import Variable, Variables
 
 ADDRESS = re.compile(r"0x[0-9a-f]{6}")

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from ..processor.dsp import Dsp
     from ..processor.host_code.firmware import HostFirmware
     from ..processor.image.cpu import ImageCpu
-    from ..processor.image_files.model import Image
+    from ..processor.image_files.load import Image
     from .scene import Scene
 
 NO_PART = ("name", "about", "duration", "budget", "breaks")  # keys of a case that do not affect the state

@@ -129,8 +129,7 @@ def build_unit(
 
 def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Firmware:
     """Make the unit run its image. The returned firmware represents it in lists of firmware."""
-    from ..processor.image_files.load import program_in
-    from ..processor.image_files.model import BadImage
+    from ..processor.image_files.load import BadImage, program_in
     from .image_watching import watch_image
 
     try:

@@ -28,7 +28,6 @@ CHAINS = {
     ("processor.c28x.execution.cpu", "Operation", "following"),
     ("processor.c28x.execution.cpu", "Operation", "goal"),
     ("processor.bus", "Posted", "following"),
-    ("processor.python.code_records", "Waited", "following"),
     ("timing.budgets", "BudgetJudge", "same_as"),
     ("timing.measures.event", "ValueTest", "others"),
     ("timing.measures.modifies", "Access", "after"),

@@ -11,8 +11,7 @@ from collections.abc import Iterator, Sequence
 from functools import cache
 from typing import NamedTuple
 
-from .encodings import Encoding, encodings, places
-from .operand_field import is_operand
+from .encodings import Encoding, encodings, is_operand, places
 from .operands import FPU_CONDITION_NAMES, PMA_PAGE, parts_of
 
 OPERAND = re.compile(r"(loc|mem)(16|32)")

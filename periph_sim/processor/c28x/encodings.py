@@ -1,4 +1,4 @@
-"""The instruction set as data: patterns, fields and properties read from `encodings.toml`.
+"""The instruction set as data: forms with their fields, read from `encodings.toml`, and the texts of operand fields.
 
     bits    1100110xllllllll cccccccccccccccc      first word first, most significant bit first
     fields  x = 0, l = 0x41, c = 0x00FF            in a given pair of words
@@ -192,3 +192,51 @@ def _bounds(where: str) -> dict[str, range]:
         return {}
     name, relation, number = where.split()
     return {name: range(int(number), 1 << PAIR) if relation == ">=" else range(int(number) + 1)}
+
+
+WIDE = ("loc32", "mem32", "reg32")
+REGISTERS = range(0xA0, 0xAE)
+SP_FIELD = 0xAD  # @SP, which has no 32-bit meaning
+DIRECT, STACK, INDEXED = range(0x40), range(0x40, 0x80), range(0xC0, 0x100)
+
+
+@cache
+def operand_texts(wide: bool) -> tuple[str, ...]:
+    """Return the text of each value of an operand field. wide: the operand has 32 bits."""
+    xar, words = range(8), range(0x40)
+    # For ACC and P of 32 bits, the assembler emits the second one of two.
+    named = ("@ACC", "@ACC", "@P", "@P", "@XT", "@SP") if wide else ("@AH", "@AL", "@PH", "@PL", "@T", "@SP")
+    return (
+        *(f"@{word:#x}" for word in words),
+        *(f"*-SP[{word}]" for word in words),
+        *(f"*XAR{n}++" for n in xar),
+        *(f"*--XAR{n}" for n in xar),
+        *(f"*+XAR{n}[AR0]" for n in xar),
+        *(f"*+XAR{n}[AR1]" for n in xar),
+        *(f"@XAR{n}" if wide else f"@AR{n}" for n in xar),
+        *named,
+        "*BR0++",
+        "*BR0--",
+        *(f"*,ARP{n}" for n in xar),
+        *("*", "*++", "*--", "*0++", "*0--", "*SP++", "*--SP", "*AR6%++"),
+        *(f"*+XAR{n}[{offset}]" for offset in xar for n in xar),
+    )
+
+
+def is_operand(kind: str, field: int) -> bool:
+    """Return True if a field encodes an operand of this kind: loc16, loc32, mem16, mem32 or reg32 (32 bits).
+
+    mem16 and mem32 are modes of memory only [SPRUEO2A Table 4-1].
+    """
+    if kind.startswith("mem"):
+        return field not in REGISTERS
+    if field == SP_FIELD and kind in WIDE:
+        return False
+    return kind != "reg32" or field in REGISTERS
+
+
+@cache
+def fixed_operands(wide: bool) -> dict[str, int]:
+    """Return the field of every operand text without a number: registers and address register modes."""
+    texts = operand_texts(wide)
+    return {texts[field]: field for field in range(0x80, 0x100)} | {f"*XAR{n}": 0xC0 | n for n in range(8)}

@@ -17,8 +17,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from typing import NamedTuple
 
-from . import operand_field
-from .encodings import Encoding
+from .encodings import WIDE, Encoding, fixed_operands, is_operand, operand_texts
 
 Values = Mapping[str, int]
 Evaluate = Callable[[str], int]  # evaluates an expression of the source
@@ -243,11 +242,11 @@ def _joined(parts: list[Part]) -> list[Part]:
 
 
 def _operand(token: str, encoding: Encoding) -> Part:
-    wide = token in operand_field.WIDE
+    wide = token in WIDE
 
     def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
         field = field_of(text, evaluate)
-        if not operand_field.is_operand(token, field):
+        if not is_operand(token, field):
             raise BadInstruction(
                 f"{text!r} is not an operand of {encoding.mnemonic}, whose {token} is {OPERANDS[token]}"
             )
@@ -255,7 +254,7 @@ def _operand(token: str, encoding: Encoding) -> Part:
 
     def field_of(text: str, evaluate: Evaluate) -> int:
         spaceless = "".join(text.split())
-        names = operand_field.fixed(wide)
+        names = fixed_operands(wide)
         found = names.get(spaceless.upper(), names.get(f"@{spaceless.upper()}"))  # a register needs no @
         if found is not None:
             return found
@@ -269,7 +268,7 @@ def _operand(token: str, encoding: Encoding) -> Part:
             return 0xC0 | ranged(evaluate(indexed[2]), 0, 7, text) << 3 | int(indexed[1])
         raise BadInstruction(f"{text!r} is not an operand in memory or a register")
 
-    return Part(lambda values, at: operand_field.show(values["l"], wide), r"\*\s*,\s*ARP[0-7]|[^,|<#]+?", read)
+    return Part(lambda values, at: operand_texts(wide)[values["l"]], r"\*\s*,\s*ARP[0-7]|[^,|<#]+?", read)
 
 
 def _optional_operand(token: str, encoding: Encoding) -> Part:

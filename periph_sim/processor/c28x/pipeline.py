@@ -18,9 +18,8 @@ from functools import cache
 from typing import Annotated, final
 
 from ...core.state import State
-from .encodings import Encoding
+from .encodings import SP_FIELD, Encoding
 from .execution.cpu import Operation
-from .operand_field import SP_FIELD
 
 # Hazards ----------------------------------------------------------------------------------------------------------
 #

@@ -23,7 +23,7 @@ from elftools.elf.elffile import ELFFile
 from elftools.elf.sections import SymbolTableSection
 
 from ..image_files.debug_info import DebugInfo
-from ..image_files.model import Image
+from ..image_files.load import Image
 from .register_layout import LARGEST
 
 BYTES = 0x4_0000  # bytes of registers: 2 ** 16 words

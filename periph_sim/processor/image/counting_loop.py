@@ -20,10 +20,9 @@ from typing import NamedTuple
 from ...core.chip import NEVER
 from ...core.state import State
 from ...f28335.memory.ram import Ram
-from ..c28x.encodings import LOCATIONS, Encoding, places
+from ..c28x.encodings import LOCATIONS, Encoding, operand_texts, places
 from ..c28x.execution.cpu import REGISTER, Cpu, Operation
 from ..c28x.execution.registers import M16
-from ..c28x.operand_field import show
 from ..c28x.pipeline import BY_ARP, addressing
 from ..cpu_time import CpuTime
 from .cpu import ImageCpu
@@ -319,7 +318,7 @@ class CountingLoop(InstructionWatch):
         if f.l < 0:
             return ()
         if self._cpu.ea == REGISTER:
-            return WORDS.get(show(f.l, f.wide).removeprefix("@"), ())
+            return WORDS.get(operand_texts(f.wide)[f.l].removeprefix("@"), ())
         address = self._cpu.ea
         if L0_AGAIN <= address < L4_AGAIN:
             address -= MIRROR

@@ -1,29 +1,82 @@
-"""An image in the memory of its CPU: source lines of its instructions, texts of its errors, and observers."""
+"""An image in the memory of its CPU: source lines, errors and waits as text, and observers.
+
+A wait is described by the registers and bits that its loop reads. The bits are those of the loop's first bit test or
+mask; without one, all bits of a register. A loop that reads no register, and has an exit, waits for memory: its words
+are named by the symbols before them.
+"""
 
 # core: compiled
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Iterator, Sequence
+from functools import lru_cache
+from typing import Annotated, NamedTuple
 
 from ...core.chip import Note
+from ...core.records import Kind, Recorder
+from ...core.registers import Register
 from ...core.state import State
 from ...core.time import Clock
+from ...f28335.memory.address_space import Content, area_at, full_name
+from ..c28x.decoder import Instruction, sweep
+from ..image_files.constants import Known, accesses
 from ..image_files.debug_info import FunctionMap
-from ..image_files.model import Image
-from ..processor import Processor, Program
+from ..image_files.load import Image
+from ..operand import Operand
+from ..processor import Awaited, Processor, Program
 from ..source_location import SourceLocation, instruction_location
 from .cpu import ImageCpu
 from .observers import CallListener, CallStack, InstructionWatch
-from .waits import WaitRecords
 
 LAST_JUMPS = 8  # named in an error; a power of two
+LONGEST = 64  # words of a loop that is examined
+ALL = 0xFFFF
+MEMORY = "memory"  # unknown words
+LCR_WORDS = 2
+IDLE = "IDLE"
+ENDLESS = "endless loop"  # one that reads no register
+
+
+class LoopRange(NamedTuple):
+    """The addresses of a loop's first and last instructions."""
+
+    first: int
+    branch: int
+
+
+class UnmodelledWait(NamedTuple):
+    """A wait for unmodelled registers, which continues across interrupts.
+
+    since: the cycle at which it began. addresses: the unmodelled words that it reads.
+
+    sp: the stack pointer in the loop. routines: number of service routines active there.
+    """
+
+    since: int
+    loop: LoopRange
+    sp: int
+    routines: int
+    addresses: list[int]
+
+    def goes_on(self, cpu: ImageCpu) -> bool:
+        """Return True if the program is in the loop, in a function that it calls, or in a routine that interrupts it.
+
+        Call it at each entry of a service routine, too, and drop a wait that is over there.
+        """
+        routines = cpu.polls.routines
+        if routines != self.routines:
+            return routines > self.routines
+        first, branch = self.loop
+        if first <= cpu.pc <= branch:
+            return cpu.sp == self.sp
+        return cpu.sp > self.sp and first < cpu.rpc <= branch + LCR_WORDS
 
 
 class LoadedImage(Program):
     """A program whose image is in the memory of its CPU. cpu: the registers and memory of the CPU."""
 
-    STATE = State("cpu _jumps _jumped _calls _waits _watches _unwritten _at")
+    STATE = State("cpu _jumps _jumped _calls _waits_for _watches _unwritten _at")
 
     def __init__(self, processor: Processor, clock: Clock, image: Image, entry: int, cpu: ImageCpu) -> None:
         """entry: the address at which execution begins."""
@@ -37,7 +90,8 @@ class LoadedImage(Program):
         self._places: dict[int, SourceLocation] = {}
         self._functions: FunctionMap | None = None
         self._calls: CallStack | None = None  # if calls are observed
-        self._waits: WaitRecords | None = None  # if waits are recorded
+        self._recorder: Recorder | None = None  # if waits are recorded
+        self._waits_for = ""  # as in the record of the last wait
         self._watches: list[InstructionWatch] = []  # observers of instructions
         self._entry = entry
         self._at = entry  # the present instruction, or the last one
@@ -107,6 +161,50 @@ class LoadedImage(Program):
             f"last jumps: {jumps or 'none'}"
         )
 
+    # Waits -----------------------------------------------------------------------------
+
+    def _awaited(self, loop: LoopRange, operands: Sequence[Operand], elsewhere: Sequence[int]) -> Awaited:
+        """Return what a loop waits for that reads these registers of modules, and these unmodelled words."""
+        cpu, first = self.cpu, loop.first
+        words: tuple[int, ...] = ()
+        if loop.branch - first < LONGEST:
+            words = tuple([cpu.word_at(address) for address in range(first, loop.branch + 2)])
+        if operands or elsewhere:
+            mask = mask_of(first, words)
+            texts = [f"{operand.name}.{fields_of(operand.register, mask)}" for operand in operands]
+            texts += [f"{full_name(address)} & {mask:#06x}" for address in elsewhere]
+            return Awaited(" and ".join(dict.fromkeys(texts)), self._unanswered(elsewhere) if elsewhere else "")
+        steps = list(_instructions(first, words))
+        if not any(_is_exit(one, loop) for one in steps):
+            return Awaited("")
+        found = accesses(steps, frozenset(), Known(cpu.dp, cpu.xar, cpu.sp))
+        read = dict.fromkeys(one.address for one in found if "r" in one.how)
+        areas = [(address, area_at(address)) for address in read]
+        names = [self._word_name(at) for at, area in areas if area is not None and area.content is Content.RAM]
+        return Awaited(" and ".join(names or [MEMORY]), "", True)
+
+    def _unanswered(self, addresses: Sequence[int]) -> str:
+        """Return why these words keep their values, and what to add to the case; "" if a stub will answer later."""
+        memory, table = self.cpu.elsewhere, f"[[unit.{self._processor.name}.stub]]"
+        if any(address in memory.to_come for address in addresses):
+            return ""
+        answers = [memory.stubs[address] for address in addresses if address in memory.stubs]
+        if answers:
+            return (
+                f"its {table} answers {answers[0]:#06x}; give a value that ends the wait, "
+                "or a later one by a further stub with after"
+            )
+        return f'it is not modelled; answer it by {table} with register = "{full_name(addresses[0])}" and a value'
+
+    def _word_name(self, address: int) -> str:
+        """Return the name of a word by the symbol at or before it in its section; else its address."""
+        section = next((one for one in self.image.sections if one.runs_at(address)), None)
+        before = [at for at in self.image.symbol_at if section is not None and section.run <= at <= address]
+        if not before:
+            return f"{address:#06x}"
+        offset = address - max(before)
+        return self.image.symbol_at[max(before)] + (f"+{offset}" if offset else "")
+
     # Observers -------------------------------------------------------------------------
 
     def add_call_listener(self, listener: CallListener) -> None:
@@ -116,9 +214,19 @@ class LoadedImage(Program):
             self._calls.began(self.cpu.pc, self._processor.time.cycle)
         self._calls.add_listener(listener)
 
-    def record_waits(self, waits: WaitRecords) -> None:
-        """Record the begin and the end of each wait."""
-        self._waits = waits
+    def record_waits(self, recorder: Recorder) -> None:
+        """Record the begin and the end of each wait, in the same form as those of Python firmware."""
+        self._recorder = recorder
+
+    def _record_wait(self, cycle: int, begins: int) -> None:
+        """Record that a wait begins (1) or ends (0), if waits are recorded."""
+        if self._recorder is not None:
+            place = ""
+            if begins:
+                self._waits_for = IDLE if self.cpu.idling else self.awaited().what or ENDLESS
+                place = self.place() or ""
+            tick = self._clock.tick(cycle)
+            self._recorder.emit(tick, Kind.WAIT, self._processor.name, self._waits_for, begins, place)
 
     def watch_instructions(self, watch: InstructionWatch) -> None:
         """Add an observer of each executed instruction."""
@@ -127,3 +235,38 @@ class LoadedImage(Program):
     def unwatch_instructions(self, watch: InstructionWatch) -> None:
         """Remove an observer, if it is there; it may be the one that is receiving an instruction."""
         self._watches = [one for one in self._watches if one is not watch]
+
+
+def fields_of(register: Register, mask: int) -> str:
+    """Return the fields of a register that have bits of the mask; "all" for a full mask or no field."""
+    if mask == ALL:
+        return "all"
+    return "+".join(field.name for field in register.fields if field.mask & mask) or "all"
+
+
+@lru_cache(maxsize=256)
+def mask_of(first: int, words: tuple[int, ...]) -> int:
+    """Return the bits that a loop of these words tests. first: its first address."""
+    for one in _instructions(first, words):
+        mnemonic, values = one.encoding.mnemonic, one.values
+        if mnemonic == "TBIT" and "b" in values:
+            return 1 << values["b"]
+        if mnemonic in ("AND", "ANDB") and "c" in values:
+            return values["c"]
+    return ALL
+
+
+def _instructions(first: int, words: tuple[int, ...]) -> Iterator[Instruction]:
+    """Yield the instructions in these words; the last word only completes an instruction."""
+    for found in sweep(first, words):
+        if isinstance(found, int) or found.address >= first + len(words) - 1:
+            return
+        yield found
+
+
+def _is_exit(one: Instruction, loop: LoopRange) -> bool:
+    """Return True if the loop can end here; a loop without an exit is the end of a program."""
+    goal = one.target
+    if goal is None or one.is_call or not one.goes_on:
+        return False
+    return one.address == loop.branch or not loop.first <= goal <= loop.branch

@@ -22,18 +22,17 @@ from ...core.time import Clock
 from ...f28335.cpu import code_costs as cpu_costs
 from ...f28335.system_options import SystemOptions
 from ...form.c_types import Text
+from ..c28x.encodings import SP_FIELD
 from ..c28x.execution.cpu import WRITES, Operation
 from ..c28x.execution.registers import IllegalOperation
-from ..c28x.operand_field import SP_FIELD
-from ..image_files.model import Image
+from ..image_files.load import Image
 from ..polling import Spin
 from ..processor import Awaited, Processor, Stop, UnansweredWait
 from ..user_code import FirmwareLost, InterruptFault
 from .counting_loop import CountingLoop
 from .cpu import ImageCpu
-from .loaded_image import LAST_JUMPS, LoadedImage
+from .loaded_image import LAST_JUMPS, LoadedImage, LoopRange, UnmodelledWait
 from .polls import FEWEST
-from .waits import IDLE, LoopRange, UnmodelledWait, awaited
 
 
 class ImageProgram(LoadedImage):
@@ -98,8 +97,8 @@ class ImageProgram(LoadedImage):
             self._woken(min(now, time.wakes))
             if loop is not None and polls.skips:
                 loop.cut_off(now - time.cycle)
-        elif self._idle_began and self._waits is not None:
-            self._waits.ends(now)
+        elif self._idle_began:
+            self._record_wait(now, 0)
         polls.forget()
 
     # Turns --------------------------------------------------------------------------
@@ -234,8 +233,7 @@ class ImageProgram(LoadedImage):
         if self._counting is None:
             self._keep_unmodelled(spin.since)
         self._asleep_at = self._clock.tick(polls.began)
-        if self._waits is not None:
-            self._waits.begins(self.awaited().what, self._processor.time.cycle, self.place() or "")
+        self._record_wait(self._processor.time.cycle, 1)
         return True
 
     def _keep_unmodelled(self, since: int) -> None:
@@ -282,8 +280,7 @@ class ImageProgram(LoadedImage):
                 counting.move(passes)
         if counting is not None and not polls.reads:
             return
-        if self._waits is not None:
-            self._waits.ends(cycle)
+        self._record_wait(cycle, 0)
         if self._calls is not None:
             self._calls.slept(self._clock.tick(polls.begins_at(passes)) - self._asleep_at)
 
@@ -295,14 +292,14 @@ class ImageProgram(LoadedImage):
     def awaited(self) -> Awaited:
         """See `Program.awaited`."""
         operands, loop = [] if self.spin is None else self.spin.polls, LoopRange(self.cpu.pc, self._at)
-        return awaited(self.cpu, loop, operands, self.cpu.polls.elsewhere, self._processor.name, self.image)
+        return self._awaited(loop, operands, self.cpu.polls.elsewhere)
 
     def unanswered_wait(self) -> UnansweredWait | None:
         """See `Program.unanswered_wait`."""
         wait = self._unmodelled
         if wait is None or not wait.goes_on(self.cpu):
             return None
-        found = awaited(self.cpu, wait.loop, [], wait.addresses, self._processor.name, self.image)
+        found = self._awaited(wait.loop, [], wait.addresses)
         return UnansweredWait(wait.since, found.what, self.place_at(wait.loop.branch), found.unanswered)
 
     def _slept(self) -> bool:
@@ -313,14 +310,12 @@ class ImageProgram(LoadedImage):
             self._idle_began = True
             self._asleep_at = self._clock.tick(time.cycle)
             core.idle(time.cycle - cpu_costs.IDLE)
-            if self._waits is not None:
-                self._waits.begins(IDLE, time.cycle - cpu_costs.IDLE, self.place() or "")
+            self._record_wait(time.cycle - cpu_costs.IDLE, 1)
         while not core.idle_ends(time.cycle):
             if not processor.rest(max(time.cycle, core.next_wake)):
                 return False
         self._idle_began = self.cpu.idling = False
-        if self._waits is not None:
-            self._waits.ends(time.cycle)
+        self._record_wait(time.cycle, 0)
         if self._calls is not None:
             self._calls.slept(self._clock.tick(time.cycle) - self._asleep_at)
         return True

@@ -16,9 +16,8 @@ import re
 from collections.abc import Iterable, Iterator
 from typing import NamedTuple
 
-from ..c28x import operand_field
 from ..c28x.decoder import Instruction
-from ..c28x.encodings import places
+from ..c28x.encodings import DIRECT, INDEXED, STACK, WIDE, places
 from ..c28x.pipeline import POPS, PUSHES
 
 PAGE = 6  # bits of an address within a data page
@@ -94,16 +93,16 @@ def _accesses(instruction: Instruction, known: Known) -> Iterator[Access]:
 
 
 def _width(instruction: Instruction) -> int:
-    return 32 if any(wide in instruction.encoding.syntax for wide in operand_field.WIDE) else 16
+    return 32 if any(wide in instruction.encoding.syntax for wide in WIDE) else 16
 
 
 def _address(field: int, known: Known, width: int) -> int | None:
     """Return the address of an operand field; None if it is a register or unknown."""
-    if field in operand_field.DIRECT:
+    if field in DIRECT:
         return None if known.dp is None else known.dp << PAGE | field
-    if field in operand_field.STACK:
+    if field in STACK:
         return None if known.sp is None else known.sp - (field & 0x3F)
-    if field in operand_field.INDEXED:
+    if field in INDEXED:
         base = known.xar[field & 7]
         return None if base is None else base + (field >> 3 & 7)
     if field in range(0x80, 0xA0):

@@ -17,7 +17,7 @@ from elftools.dwarf.compileunit import CompileUnit
 from elftools.dwarf.dwarfinfo import DebugSectionDescriptor, DwarfConfig, DWARFInfo
 from elftools.dwarf.lineprogram import LineProgram
 
-from .model import Image
+from .load import Image
 
 ADDRESS_BYTES = 4
 T = TypeVar("T")

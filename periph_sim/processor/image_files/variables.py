@@ -23,7 +23,7 @@ from msgspec import Struct
 from ...core.suggest import did_you_mean
 from ...f28335.memory.address_space import Content, area_at
 from .debug_info import DebugInfo, text_of
-from .model import Image
+from .load import Image
 
 UNSIGNED, SIGNED, FLOAT = "unsigned", "signed", "float"
 KINDS = {4: FLOAT, 5: SIGNED, 6: SIGNED}  # by DW_ATE encoding; others are unsigned

@@ -17,8 +17,7 @@ from ...f28335.system_options import SystemOptions
 from ...form.c_types import Text
 from ..processor import Processor
 from .accesses import Accesses, Instructions
-from .code_records import CodeRecords
-from .program import PythonProgram
+from .program import CodeRecords, PythonProgram
 from .waits import Waits
 
 

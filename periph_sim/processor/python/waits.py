@@ -38,8 +38,7 @@ from ..polling import Lease, Poll, Spin
 from ..processor import Processor, Stop
 from ..source_location import SourceLocation
 from .accesses import ABOVE, BELOW, EQUAL, UNEQUAL, Condition, Instructions
-from .code_records import CodeRecords
-from .program import PythonProgram
+from .program import CodeRecords, PythonProgram
 from .register_view import ModulePort, Port
 
 TESTS = {"==": EQUAL, "!=": UNEQUAL, "<": BELOW, ">": ABOVE}

@@ -14,9 +14,8 @@ from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.image.boot import Boot, Stub
 from periph_sim.processor.image.program import ImageProgram
-from periph_sim.processor.image.waits import WaitRecords
 from periph_sim.processor.image_files.assemble import assemble
-from periph_sim.processor.image_files.model import Image
+from periph_sim.processor.image_files.load import Image
 
 HEAD = """
 WDCR .set 0x7029
@@ -65,7 +64,7 @@ class Rig:
         """Its WAIT records, as the run goes on."""
         waits: list[Record] = []
         self.recorder.subscribe({Kind.WAIT}, waits.append)
-        self.program.record_waits(WaitRecords(self.recorder, self.dsp.clock, "dsp"))
+        self.program.record_waits(self.recorder)
         return waits
 
     def word(self, address: int) -> int:

@@ -12,7 +12,6 @@ from periph_sim.core.records import Kind, Record
 from periph_sim.processor.c28x.encodings import by_id, encodings
 from periph_sim.processor.image.boot import Stub
 from periph_sim.processor.image.counting_loop import Number, Sum, passes_within, sum_of
-from periph_sim.processor.image.waits import WaitRecords
 from tests.processor.image.rig import HEAD, Rig
 from tests.processor.image.test_polls import ADCST, HARDWARE, ROUTINE, both, lines
 from tests.profiles import examples
@@ -164,7 +163,7 @@ def test_the_pll_locks_within_a_time_out():
 def waits_of(rig: Rig) -> list[tuple[str, int]]:
     told: list[Record] = []
     rig.recorder.subscribe({Kind.WAIT}, told.append)
-    rig.program.record_waits(WaitRecords(rig.recorder, rig.dsp.clock, "dsp"))
+    rig.program.record_waits(rig.recorder)
     rig.run()
     return [(one.what, one.value) for one in told]
 

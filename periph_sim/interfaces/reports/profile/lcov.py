@@ -14,7 +14,7 @@ from collections.abc import Iterable, Iterator
 from ....processor.c28x.decoder import Instruction, sweep
 from ....processor.image.observers import Coverage
 from ....processor.image_files.debug_info import FunctionMap
-from ....processor.image_files.model import Image
+from ....processor.image_files.load import Image
 
 
 class FileCoverage:

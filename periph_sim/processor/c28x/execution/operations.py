@@ -10,8 +10,7 @@ from __future__ import annotations
 import re
 
 from ..decoder import Instruction
-from ..encodings import Encoding
-from ..operand_field import WIDE
+from ..encodings import WIDE, Encoding
 from ..pipeline import writes_at_once
 from . import (
     accumulator,

@@ -41,6 +41,7 @@ from .interrupts import InterruptLines, pie_lines
 from .processor import Processor, Program
 from .python.cpu import Cpu
 from .python.firmware_view import FirmwareView
+from .python.waits import Waits
 from .source_location import SourceLocation
 
 if TYPE_CHECKING:
@@ -126,8 +127,8 @@ class Dsp(FirmwareView):
             kernel, self.clock, recorder, plan.name, self.memory, self.core, self.pie, plan.system, strict=plan.strict
         )
         self._lines.interrupts = self.processor.interrupts
-        options, skip = plan.system, plan.skip_polls
-        self.cpu = Cpu(self.processor, self.clock, recorder, options, code=plan.code, skip_polls=skip)
+        self.cpu = Cpu(self.processor, self.clock, recorder, plan.code)
+        self.waits = Waits(self.cpu, plan.system.pf2_read_ws, plan.code.poll_pass, plan.skip_polls)
         self.cpu.program.stall_limit = plan.stall_limit
         self.program: Program = self.cpu.program
         self.sources: HostFirmware | None = None  # C sources that it runs

@@ -18,6 +18,7 @@ from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.processor import Processor
 from periph_sim.processor.python.cpu import Cpu
 from periph_sim.processor.python.register_view import ModulePort
+from periph_sim.processor.python.waits import Waits
 from tests.processor.flag_chip import FlagChip
 
 
@@ -64,9 +65,10 @@ class Bench:
         self.pie_socket.after = self._pulse
         memory.add(ModuleRange("PIE", 0x0CE0, 0x20, Frame.PF0, self.pie_socket))
         self.processor = Processor(self.kernel, self.clock, self.recorder, name, memory, self.core, self.pie, options)
-        self.cpu = Cpu(self.processor, self.clock, self.recorder, options, code=code, skip_polls=skip_polls)
-        self.flags = ModulePort(self.cpu.accesses, memory.places["FLAGS"])
-        self.pie_regs = ModulePort(self.cpu.accesses, memory.places["PIE"])
+        self.cpu = Cpu(self.processor, self.clock, self.recorder, code)
+        self.waits = Waits(self.cpu, options.pf2_read_ws, code.poll_pass, skip_polls)
+        self.flags = ModulePort(self.cpu, memory.places["FLAGS"])
+        self.pie_regs = ModulePort(self.cpu, memory.places["PIE"])
         self.log: list[tuple[str, int]] = []
         self.socket.publish(0)
 

@@ -70,7 +70,7 @@ def test_passes_of_a_wait_do_not_pay_for_code_between_accesses():
             found.append(bench.cpu.cycle)
             return value
 
-        bench.run(lambda: bench.cpu.waits.spin(condition), 400)
+        bench.run(lambda: bench.waits.spin(condition), 400)
         return found
 
     assert reads(between_accesses=9) == reads()
@@ -86,7 +86,7 @@ def test_poll_pass_is_the_distance_of_two_polls(loop):
         reads.append(bench.cpu.cycle)
         return value
 
-    bench.run(lambda: bench.cpu.waits.spin(condition), 600)
+    bench.run(lambda: bench.waits.spin(condition), 600)
     assert {b - a for a, b in pairwise(reads)} == {loop}
 
 
@@ -102,7 +102,7 @@ def test_a_wait_says_the_length_of_its_own_passes(length, took, frame):
         reads.append(bench.cpu.cycle)
         return value
 
-    bench.run(lambda: bench.cpu.waits.spin(condition, pass_cycles=length), 600)
+    bench.run(lambda: bench.waits.spin(condition, pass_cycles=length), 600)
     assert {b - a for a, b in pairwise(reads)} == {took}
 
 
@@ -115,7 +115,7 @@ def test_pass_of_two_reads_takes_its_length_whichever_were_made():
         begins.append(bench.cpu.cycle)
         return bool(flags.STATUS.B == 1 and flags.STATUS.A == 1)
 
-    bench.run(lambda: bench.cpu.waits.spin(condition, pass_cycles=25), 600)
+    bench.run(lambda: bench.waits.spin(condition, pass_cycles=25), 600)
     assert {b - a for a, b in pairwise(begins)} == {25}
 
 
@@ -132,7 +132,7 @@ def test_stall_and_routine_lengthen_a_pass_by_themselves():
 
     def main() -> None:
         bench.flags.STATUS.all = 0
-        bench.cpu.waits.spin(condition, pass_cycles=30)
+        bench.waits.spin(condition, pass_cycles=30)
 
     bench.run(main, 300)
     assert [b - a for a, b in pairwise(begins)][:4] == [33, 30 + 38, 30, 30]
@@ -171,7 +171,7 @@ def test_a_wait_times_out_at_the_end_of_the_pass_in_which_its_time_is_over(flag,
     bench = bench_with([] if flag is None else [(flag, 1, -1)], skip_polls=skip)
 
     def main() -> None:
-        bench.note(str(bench.cpu.waits.spin(lambda: bench.flags.STATUS.A == 1, timeout=timeout)))
+        bench.note(str(bench.waits.spin(lambda: bench.flags.STATUS.A == 1, timeout=timeout)))
 
     assert bench.run(main, 200) == [(str(came), end)]
 
@@ -179,7 +179,7 @@ def test_a_wait_times_out_at_the_end_of_the_pass_in_which_its_time_is_over(flag,
 def test_a_long_wait_that_times_out_costs_a_few_events():
     bench = bench_with()
     bench.run(
-        lambda: bench.note(str(bench.cpu.waits.spin(lambda: bench.flags.STATUS.A, timeout=1_000_000_000))),
+        lambda: bench.note(str(bench.waits.spin(lambda: bench.flags.STATUS.A, timeout=1_000_000_000))),
         1_100_000_000,
     )
     ((what, cycle),) = bench.log
@@ -204,7 +204,7 @@ def test_skipping_equals_polling_whatever_waits_cost_and_when_they_time_out(chan
         flags, cpu = bench.flags, bench.cpu
 
         def routine(name: str) -> None:
-            bench.note(f"{name} {cpu.waits.spin(lambda: flags.STATUS.B == 0, timeout=timeout // 2)}")
+            bench.note(f"{name} {bench.waits.spin(lambda: flags.STATUS.B == 0, timeout=timeout // 2)}")
             bench.pie_regs.PIEACK.all = 1
 
         cpu.program.handle("SEQ1INT", lambda: routine("1"))
@@ -214,9 +214,9 @@ def test_skipping_equals_polling_whatever_waits_cost_and_when_they_time_out(chan
         def main() -> None:
             cpu.compute(lead)
             while True:
-                came = cpu.waits.spin(lambda: flags.STATUS.A or flags.STATUS.B, pass_cycles=length, timeout=timeout)
+                came = bench.waits.spin(lambda: flags.STATUS.A or flags.STATUS.B, pass_cycles=length, timeout=timeout)
                 bench.note(f"came {came}")
-                bench.note(f"gone {cpu.waits.spin(lambda: not flags.STATUS.A, pass_cycles=length)}")
+                bench.note(f"gone {bench.waits.spin(lambda: not flags.STATUS.A, pass_cycles=length)}")
                 flags.STATUS.C = 1
 
         return bench.run(main, 900)

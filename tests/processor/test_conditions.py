@@ -39,31 +39,31 @@ def firmware(bench: Bench, form: str, kind: str, lead: int, timeout: int | None,
         bench.note(f"{name} in")
         cpu.compute(cost)
         if name == "IRQ1":
-            cpu.waits.spin(of(lambda: status.A == 0, status.when(A=0)))
+            bench.waits.spin(of(lambda: status.A == 0, status.when(A=0)))
         bench.pie_regs.PIEACK.all = 1
         bench.note(f"{name} out")
 
     cpu.program.handle("SEQ1INT", lambda: isr("IRQ0", 7))
     cpu.program.handle("SEQ2INT", lambda: isr("IRQ1", 23))
 
-    spin_either = cpu.waits.spin_either
+    spin_either = bench.waits.spin_either
 
     def main() -> None:
         cpu.compute(lead)
         while True:
             if kind == "field":
-                came = cpu.waits.spin(of(lambda: status.A == 1, status.when(A=1)), **more)
+                came = bench.waits.spin(of(lambda: status.A == 1, status.when(A=1)), **more)
             elif kind == "mask":
-                came = cpu.waits.spin(of(lambda: (status.all & 5) == 4, status.when(mask=5, value=4)), **more)
+                came = bench.waits.spin(of(lambda: (status.all & 5) == 4, status.when(mask=5, value=4)), **more)
             elif kind == "register":
-                came = cpu.waits.spin(of(lambda: status.all == 3, status.when(all=3)), **more)
+                came = bench.waits.spin(of(lambda: status.all == 3, status.when(all=3)), **more)
             elif kind == "counter":  # a read takes the count away
-                came = cpu.waits.spin(of(lambda: flags.COUNT.N == 1, flags.COUNT.when(N=1)), **more)
+                came = bench.waits.spin(of(lambda: flags.COUNT.N == 1, flags.COUNT.when(N=1)), **more)
             else:
                 came = spin_either(*of((lambda: s.A == 1, lambda: s.B == 1), (s.when(A=1), s.when(B=1))), **loop)
             bench.note(f"came {came}")
             if timeout is None:
-                cpu.waits.spin(of(lambda: status.A == 0, status.when(A=0)), timeout=90)
+                bench.waits.spin(of(lambda: status.A == 0, status.when(A=0)), timeout=90)
             bench.note("gone")
             flags.STATUS.C = 1
 
@@ -110,7 +110,7 @@ def test_no_pass_of_a_declared_wait_calls_the_firmware():
     calls = {}
     for form in FORMS:
         bench = Bench([(2000, 1, -1)], skip_polls=False)
-        flags, cpu = bench.flags, bench.cpu
+        flags = bench.flags
         seen = either(form)(lambda: flags.STATUS.A == 1, flags.STATUS.when(A=1))  # noqa: B023
         made = calls[form] = []
 
@@ -118,10 +118,10 @@ def test_no_pass_of_a_declared_wait_calls_the_firmware():
             if event == "call" and frame.f_code.co_filename == __file__:
                 made.append(frame.f_code.co_name)
 
-        def main(cpu=cpu, seen=seen, count=count) -> None:
+        def main(waits=bench.waits, seen=seen, count=count) -> None:
             sys.setprofile(count)
             try:
-                cpu.waits.spin(seen)
+                waits.spin(seen)
             finally:
                 sys.setprofile(None)
 

@@ -30,7 +30,7 @@ def firmware(bench: Bench, lead: int, kind: str):
         bench.note(f"{name} in")
         cpu.compute(cost)
         if name == "IRQ1":
-            cpu.waits.spin(lambda: flags.STATUS.A == 0)
+            bench.waits.spin(lambda: flags.STATUS.A == 0)
         bench.pie_regs.PIEACK.all = 1
         bench.note(f"{name} out")
 
@@ -41,13 +41,13 @@ def firmware(bench: Bench, lead: int, kind: str):
         cpu.compute(lead)
         while True:
             if kind == "one field":
-                cpu.waits.spin(lambda: flags.STATUS.A == 1)
+                bench.waits.spin(lambda: flags.STATUS.A == 1)
             elif kind == "either field":
-                cpu.waits.spin(lambda: flags.STATUS.A == 1 or flags.STATUS.B == 1)
+                bench.waits.spin(lambda: flags.STATUS.A == 1 or flags.STATUS.B == 1)
             else:
-                cpu.waits.spin(lambda: flags.STATUS.A == 1 and flags.STATUS.B == 1)
+                bench.waits.spin(lambda: flags.STATUS.A == 1 and flags.STATUS.B == 1)
             bench.note("seen")
-            cpu.waits.spin(lambda: flags.STATUS.A == 0)
+            bench.waits.spin(lambda: flags.STATUS.A == 0)
             bench.note("gone")
             flags.STATUS.C = 1
 
@@ -92,7 +92,7 @@ def test_a_wait_costs_the_same_number_of_events_however_long_it_is(wait):
     flags = bench.flags
 
     def main() -> None:
-        bench.cpu.waits.spin(lambda: flags.STATUS.A == 1)
+        bench.waits.spin(lambda: flags.STATUS.A == 1)
         bench.note("seen")
 
     log = bench.run(main, wait + 100)
@@ -108,7 +108,7 @@ def test_polls_are_ten_cycles_apart_and_see_the_flag_at_the_read():
         flags = bench.flags
 
         def main(bench: Bench = bench, flags=flags) -> None:
-            bench.cpu.waits.spin(lambda: flags.STATUS.A == 1)
+            bench.waits.spin(lambda: flags.STATUS.A == 1)
             bench.note("seen")
 
         reads = [2 + 10 * k for k in range(10)]
@@ -121,7 +121,7 @@ def test_a_flag_that_is_gone_before_the_next_read_is_missed():
     flags = bench.flags
 
     def main() -> None:
-        bench.cpu.waits.spin(lambda: flags.STATUS.A == 1)
+        bench.waits.spin(lambda: flags.STATUS.A == 1)
         bench.note("seen")
 
     assert bench.run(main, 500) == []
@@ -132,7 +132,7 @@ def test_a_spin_on_a_register_that_a_read_changes_is_polled_for_real():
     flags = bench.flags
 
     def main() -> None:
-        bench.cpu.waits.spin(lambda: flags.COUNT.N == 2)
+        bench.waits.spin(lambda: flags.COUNT.N == 2)
         bench.note("seen")
 
     bench.run(main, 300)
@@ -169,7 +169,7 @@ def test_a_write_on_its_way_lands_though_the_wait_behind_it_is_skipped():
     def main() -> None:
         bench.cpu.compute(10)
         bench.flags.STATUS.all = 4  # C, which a 1 clears
-        bench.note(f"{bench.cpu.waits.spin(lambda: bench.pie_regs.PIEIER1.INTx1, timeout=100)} C={bench.chip.status}")
+        bench.note(f"{bench.waits.spin(lambda: bench.pie_regs.PIEIER1.INTx1, timeout=100)} C={bench.chip.status}")
 
     assert bench.run(main, 50) == []
     assert bench.chip.status == 0, "the wait still lasts"
@@ -182,7 +182,7 @@ def test_a_wait_is_skipped_on_behind_an_interrupt_that_cut_into_it():
     bench.cpu.program.handle("SEQ1INT", lambda: bench.note("served"))
 
     def main() -> None:
-        bench.cpu.waits.spin(lambda: bench.flags.STATUS.A == 1)
+        bench.waits.spin(lambda: bench.flags.STATUS.A == 1)
         bench.note("seen")
 
     assert bench.run(main, 10_000) == [("served", 115), ("seen", 9007)]
@@ -203,7 +203,7 @@ def test_an_interrupt_asked_for_behind_a_wait_waits_for_the_end_of_an_instructio
     bench.chip.write = ask  # type: ignore[method-assign]
 
     def main() -> None:
-        bench.cpu.waits.spin(lambda: bench.flags.STATUS.A == 1)
+        bench.waits.spin(lambda: bench.flags.STATUS.A == 1)
         bench.flags.STATUS.all = 0
         bench.cpu.instruction(1000)
         bench.note(f"B={bench.flags.STATUS.B}")
@@ -225,7 +225,7 @@ def asked(
         return bool(bench.flags.STATUS.A)
 
     def main() -> None:
-        bench.cpu.waits.spin(condition)
+        bench.waits.spin(condition)
         bench.note("seen")
 
     return bench.run(main, 600), len(asked)

@@ -328,7 +328,7 @@ def played(steps, changes, lands: int, loop: int, skip: bool):
             elif what == "read pie":
                 bench.note(f"pie {pie.PIEIER2.all} {pie.PIEIFR1.all}")
             elif what == "spin":
-                cpu.waits.spin(conditions[more])
+                bench.waits.spin(conditions[more])
             else:
                 cpu.compute(3 * more)
             bench.note(what)

@@ -63,7 +63,7 @@ def run_of(changes, lead, form, interrupts, timeout, kinds, places=None):
 
     def isr() -> None:
         cpu.compute(9)
-        cpu.waits.spin(form(lambda: flags.STATUS.A != 1), timeout=30)
+        bench.waits.spin(form(lambda: flags.STATUS.A != 1), timeout=30)
         bench.pie_regs.PIEACK.all = 1
         bench.note("served")
 
@@ -74,11 +74,11 @@ def run_of(changes, lead, form, interrupts, timeout, kinds, places=None):
     def main() -> None:
         cpu.compute(lead)
         while True:
-            cpu.waits.spin(form(lambda: flags.STATUS.A == 1), timeout=timeout)
+            bench.waits.spin(form(lambda: flags.STATUS.A == 1), timeout=timeout)
             bench.note("A")
-            cpu.waits.spin_either(form(lambda: flags.STATUS.B > 0), form(lambda: flags.STATUS.A < 1))
+            bench.waits.spin_either(form(lambda: flags.STATUS.B > 0), form(lambda: flags.STATUS.A < 1))
             bench.note("B")
-            cpu.waits.spin(form(lambda: flags.STATUS.all == 4), timeout=timeout)
+            bench.waits.spin(form(lambda: flags.STATUS.all == 4), timeout=timeout)
             flags.STATUS.C = 1
 
     log = bench.run(main, 1200)
@@ -164,7 +164,7 @@ def test_a_read_has_its_line_in_the_firmware_though_no_frame_is_there():
 
     def polls():
         for _ in range(3):
-            bench.cpu.waits.spin(
+            bench.waits.spin(
                 lambda: (
                     flags.STATUS.A  # here
                     == 1

@@ -17,7 +17,7 @@ from periph_sim.f28335.memory.memory_map import ModuleRange, NoSuchAddress
 from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.python import register_view
-from periph_sim.processor.python.accesses import Accesses
+from periph_sim.processor.python.cpu import Cpu
 from periph_sim.processor.user_code import FirmwareError
 from tests.processor.bench import Bench
 
@@ -189,7 +189,7 @@ def test_a_register_is_made_once_and_only_if_firmware_names_it(monkeypatch: pyte
     made: list[str] = []
     make = register_view.register_port
 
-    def counted(accesses: Accesses, place: ModuleRange, register: Register) -> register_view.RegisterPort:
+    def counted(accesses: Cpu, place: ModuleRange, register: Register) -> register_view.RegisterPort:
         made.append(register.name)
         return make(accesses, place, register)
 

@@ -55,9 +55,9 @@ def waits(bench: Bench, times: int) -> Callable[[], None]:
 
     def firmware() -> None:
         for _ in range(times):
-            bench.cpu.waits.spin(lambda: bench.flags.STATUS.A == 1)
+            bench.waits.spin(lambda: bench.flags.STATUS.A == 1)
             bench.note("up")
-            bench.cpu.waits.spin(lambda: bench.flags.STATUS.A == 0)
+            bench.waits.spin(lambda: bench.flags.STATUS.A == 0)
             bench.note("down")
 
     return firmware
@@ -272,7 +272,7 @@ def test_the_cause_of_what_firmware_does_is_its_own_whoever_acted_meanwhile():
 
     def firmware() -> None:
         recorder.cause = 5
-        bench.cpu.waits.spin(lambda: bench.flags.STATUS.A == 1)
+        bench.waits.spin(lambda: bench.flags.STATUS.A == 1)
         causes["firmware"] = recorder.cause
 
     Acts(bench, 50, under_a_record)

@@ -1,6 +1,11 @@
-"""The C28x as Python firmware uses it: accesses, computations, waits and instructions, with their cycles.
+"""The C28x as Python firmware uses it: instructions, register accesses among them, and interrupts at their boundaries.
 
-firmware --> Cpu --> Accesses, Waits --> Instructions --> Processor
+instruction, run, idle --boundary--> Processor.take_interrupt --> vector --> service routine --> Processor.iret
+firmware --> wait for writes, wait states --> Bus --> value, or a posted write --> boundary
+                                                ^--- reads of a replayed pass of a wait return the earlier values
+
+A service routine is called on the firmware's own stack, at the instruction boundary at which the chip would take the
+interrupt.
 """
 
 # core: compiled
@@ -8,59 +13,64 @@ firmware --> Cpu --> Accesses, Waits --> Instructions --> Processor
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import final
 
+from ...core.chip import NEVER, Note
 from ...core.records import Recorder
 from ...core.time import Clock
 from ...f28335.cpu import code_costs as cpu_costs
 from ...f28335.cpu.code_costs import BARE, CodeCosts
-from ...f28335.system_options import SystemOptions
+from ...f28335.cpu.interrupts import CpuInterrupts
+from ...f28335.memory.ram import block_at
 from ...form.c_types import Text
-from ..processor import Processor
-from .accesses import Accesses, Instructions
+from ..bus import Bus
+from ..cpu_time import CpuTime
+from ..operand import Operand
+from ..polling import Spin
+from ..processor import Processor, Stop
+from ..source_location import SourceLocation
+from ..user_code import warn
 from .program import CodeRecords, PythonProgram
-from .waits import Waits
+
+SLEEPS = Stop.SLEEPS
+
+MANY_READS = 1000  # registers read in a row, without a write or a wait
+CYCLES_OF_A_PASS = 100  # most cycles for each read of a loop that only polls
+POLLING = Note(
+    "polling",
+    "a loop polls registers pass by pass, which takes long to simulate; wait with dsp.spin(lambda: CONDITION), which "
+    "skips the passes",
+    "firmware in Python",
+)
 
 
+@final
 class Cpu:
-    """One processor with its Python firmware.
+    """One processor with its Python firmware. Each access takes one cycle and the frame's wait states.
 
-    accesses: register accesses, by operand or address.
-    waits: waits for conditions.
-    skip_polls: False executes every pass of every spin.
+    bus: the bus of the unit.
+    records: of spans and waits.
     """
 
-    def __init__(
-        self,
-        processor: Processor,
-        clock: Clock,
-        recorder: Recorder,
-        options: SystemOptions,
-        *,
-        code: CodeCosts = BARE,
-        skip_polls: bool = True,
-    ) -> None:
+    def __init__(self, processor: Processor, clock: Clock, recorder: Recorder, code: CodeCosts = BARE) -> None:
         self.processor = processor
-        self.time = processor.time
+        self.time: CpuTime = processor.time
+        self.bus: Bus = processor.bus
+        self.core: CpuInterrupts = processor.interrupts.core
         self.program = PythonProgram(processor)
-        self._core = processor.interrupts.core
-        self._records = CodeRecords(clock, recorder, self.program)
-        self._instructions = Instructions(processor, self.program, code)
-        self.accesses = Accesses(processor, self.program, self._instructions, code)
-        self.waits = Waits(
-            processor,
-            self.program,
-            self._instructions,
-            self._records,
-            poll_pass=code.poll_pass,
-            pf2_read_ws=options.pf2_read_ws,
-            skip_polls=skip_polls,
-        )
+        self.records = CodeRecords(clock, recorder, self.program)
+        self._prologue: int = code.isr_prologue
+        self._epilogue: int = code.isr_epilogue
+        self._between: int = code.between_accesses
+        self._reads = 0  # since the last write or wait
+        self._reads_from = 0  # the latest cycle at which they may have begun
+        self._polling_places: set[str] = set()
 
     # Life --------------------------------------------------------------------
 
     def start(self, firmware: Callable[[], None], delay: int = 0) -> None:
         """Run `firmware`, beginning `delay` cycles after now."""
-        self.program.begin(firmware, lambda: self._instructions.after_main())
+        self.program.begin(firmware, lambda: self.after_main())
         self.processor.start(self.program, delay)
 
     @property
@@ -70,66 +80,261 @@ class Cpu:
 
     # Code ----------------------------------------------------------------------
 
-    def load(self, address: int, width: int = 16) -> int:
-        """Return a 16- or 32-bit value from an address. Raise NoSuchAddress if nothing is there."""
-        return self.accesses.load(address, width)
-
-    def store(self, address: int, value: int, width: int = 16) -> None:
-        """Write 16 or 32 bits to an address. Raise NoSuchAddress if nothing is there."""
-        self.accesses.store(address, value, width)
-
-    def instruction(self, cycles: int) -> None:
-        """Execute one instruction, or an inseparable group: interrupts wait for its end."""
-        self._instructions.instruction(cycles)
-
     def compute(self, cycles: int, name: Text = "") -> None:
         """Execute single-cycle instructions, interruptible after each of them. A name makes it a span."""
         if name:
             self.mark_span(name, 1)
-        self._instructions.run(cycles)
+        self.run(cycles)
         if name:
             self.mark_span(name, 0)
 
     def mark_span(self, name: str, begins: int) -> None:
         """Record that a named stretch of firmware begins (1) or ends (0) at this cycle."""
-        self._records.span(self.time.cycle, name, begins)
-
-    def idle(self) -> None:
-        """Execute IDLE: wait for an interrupt that IER enables; with INTM = 0 it is served first."""
-        self._records.wait(self.time.cycle, "IDLE", 1)
-        self._instructions.idle()
-        self._records.wait(self.time.cycle, "IDLE", 0)
-        self._instructions.serve()
+        self.records.span(self.time.cycle, name, begins)
 
     # Interrupt and protection instructions -------------------------------------------
 
     def eint(self) -> None:
-        self._core.clrc_intm(self.time.cycle)
+        self.core.clrc_intm(self.time.cycle)
         self._note_and_pass(cpu_costs.CLRC_INTM)
 
     def dint(self) -> None:
-        self._core.setc_intm(self.time.cycle)
+        self.core.setc_intm(self.time.cycle)
         self._note_and_pass(cpu_costs.SETC_INTM)
 
     def eallow(self) -> None:
-        self._core.set_eallow(self.time.cycle, True)
-        self._instructions.instruction(cpu_costs.EALLOW)
+        self.core.set_eallow(self.time.cycle, True)
+        self.instruction(cpu_costs.EALLOW)
 
     def edis(self) -> None:
-        self._core.set_eallow(self.time.cycle, False)
-        self._instructions.instruction(cpu_costs.EDIS)
+        self.core.set_eallow(self.time.cycle, False)
+        self.instruction(cpu_costs.EDIS)
 
     def or_ier(self, mask: int) -> None:
-        self._core.or_ier(self.time.cycle, mask)
-        self._instructions.instruction(cpu_costs.OR_IER)
+        self.core.or_ier(self.time.cycle, mask)
+        self.instruction(cpu_costs.OR_IER)
 
     def and_ier(self, mask: int) -> None:
-        self._core.and_ier(self.time.cycle, mask)
-        self._instructions.instruction(cpu_costs.AND_IER)
+        self.core.and_ier(self.time.cycle, mask)
+        self.instruction(cpu_costs.AND_IER)
 
     def nop(self) -> None:
-        self._instructions.instruction(cpu_costs.SIMPLE)
+        self.instruction(cpu_costs.SIMPLE)
 
     def _note_and_pass(self, cycles: int) -> None:
         self.processor.interrupts.take_notes(self.time.cycle)
-        self._instructions.instruction(cycles)
+        self.instruction(cycles)
+
+    # Instructions ----------------------------------------------------------------------
+
+    def instruction(self, cycles: int) -> None:
+        """Execute one instruction, or an inseparable group: interrupts wait for its end."""
+        time, core = self.time, self.core
+        cycle = time.cycle + cycles
+        if cycle >= time.lease and not self.processor.reach(cycle):
+            self.program.yield_turn()
+        time.cycle = cycle
+        if core.ifr or core.next_wake <= cycle or core.owes_instruction:
+            self.serve()
+
+    def go_to(self, cycle: int) -> None:
+        """Let time pass to `cycle`, without interrupts."""
+        if not self.processor.reach(cycle):
+            self.program.yield_turn()
+
+    def run(self, cycles: int) -> None:
+        """Execute straight-line code, interruptible at each cycle."""
+        time, core = self.time, self.core
+        end = time.cycle + cycles
+        if end < time.lease and core.next_wake > end and not core.ifr and not core.owes_instruction:
+            time.cycle = end
+            return
+        left = cycles
+        while left > 0:
+            if time.lands < NEVER:  # one by one until the posted writes have landed
+                self.instruction(1)
+                left -= 1
+                continue
+            began = time.cycle
+            self._rest_until(began + left)
+            left -= time.cycle - began
+            if core.ifr or core.next_wake <= time.cycle:
+                self.serve()
+
+    def idle(self) -> None:
+        """Execute IDLE: wait for an interrupt that IER enables; with INTM = 0 it is served first."""
+        time, core = self.time, self.core
+        self.records.wait(time.cycle, "IDLE", 1)
+        core.idle(time.cycle)
+        self.go_to(time.cycle + cpu_costs.IDLE)
+        while not core.idle_ends(time.cycle):
+            self._rest_until(max(time.cycle, core.next_wake))
+        if core.ready > time.cycle:
+            self.go_to(core.ready)
+        self.records.wait(time.cycle, "IDLE", 0)
+        self.serve()
+
+    def after_main(self) -> None:
+        """Run the run-time library's endless loop of exit(), a branch to itself; service routines still run."""
+        time = self.time
+        while True:
+            began = time.cycle
+            self._rest_until(NEVER)
+            passes = max(1, -(-(time.cycle - began) // cpu_costs.SB_ALWAYS))
+            self.go_to(began + passes * cpu_costs.SB_ALWAYS)
+            self.serve()
+
+    def _rest_until(self, cycle: int) -> None:
+        """Sleep to `cycle`, or to the boundary at which an interrupt can be taken."""
+        if not self.processor.rest(cycle):
+            self.program.yield_turn(SLEEPS)
+
+    def serve(self) -> None:
+        """Take every interrupt that can be taken at this instruction boundary."""
+        time, core = self.time, self.core
+        if core.owes_instruction:
+            core.owes_instruction = False
+        number = core.next_taken(time.cycle)
+        while number:
+            self._call_routine(number)
+            number = core.next_taken(time.cycle)
+
+    def _call_routine(self, number: int) -> None:
+        processor, program, time = self.processor, self.program, self.time
+        spin, program.spin = program.spin, None
+        began = time.cycle
+        if not processor.take_interrupt(number):
+            program.yield_turn()
+        routine = program.entered
+        assert routine is not None
+        self.run(self._prologue)
+        routine()
+        self.run(self._epilogue)
+        if not processor.iret():
+            program.yield_turn()
+        program.spin = spin
+        if spin is not None:
+            spin.hold_up(time.cycle - began)
+
+    # Accesses --------------------------------------------------------------------------
+
+    def read(self, operand: Operand, where: SourceLocation | None = None) -> int:
+        """Return the operand's words, the upper word in bits 31:16. where: the statement, if known."""
+        time, spin = self.time, self.program.spin
+        if spin is None:
+            self.run(self._between)
+            self._reads += 1
+            if self._reads == MANY_READS:
+                self._check_for_polling()
+        elif spin.made:
+            self.instruction(cpu_costs.SB_NOT_TAKEN)  # the test of the previous value
+        bus = self.bus
+        free = bus.free_from if operand.block else bus.free(operand)
+        if time.cycle < free:
+            self._wait_for_writes(operand, spin)
+        at = time.cycle + bus.read_waits(operand)
+        if spin is not None and at < spin.live_from:
+            value = spin.answer()
+            time.cycle = at
+        else:
+            if at < time.lease:
+                time.cycle = at
+            else:
+                self.go_to(at)
+            if operand.looks and (where is not None or not operand.placed):
+                value = operand.chip.see(at, operand.offset)
+                if operand.recorded:
+                    bus.record_poll(at, operand, value, where)
+            else:
+                value = self._fetch(operand)
+        if spin is not None:
+            spin.note(operand, value, where)
+            self._reads = 0
+        self.instruction(1)
+        return value
+
+    def _check_for_polling(self) -> None:
+        """Note, once for each place, a loop that reads registers pass by pass without `dsp.spin`."""
+        cycle = self.time.cycle
+        dense = cycle - self._reads_from < MANY_READS * CYCLES_OF_A_PASS
+        self._reads, self._reads_from = 0, cycle
+        where = self.program.place() if dense and self.program.placed is None else None
+        if where is not None and where not in self._polling_places:
+            self._polling_places.add(where)
+            self.processor.notes.note(cycle, POLLING)
+            warn(f"{self.program.name}, {where.for_people()}: {POLLING.text}")
+
+    def write(self, operand: Operand, value: int) -> None:
+        """Write the operand's words. The upper word is in bits 31:16 of `value`."""
+        self._before_write()
+        at = self.bus.posts_at(self.time.cycle, operand)
+        self.go_to(at)
+        self.bus.store(at, operand, value)
+        self.instruction(1)
+
+    def modify(self, operand: Operand, number: int) -> None:
+        """Write a bit field by a read-modify-write of its word."""
+        self._before_write()
+        time = self.time
+        self._wait_for_writes(operand, self.program.spin)
+        self.go_to(time.cycle + self.bus.read_waits(operand))
+        if operand.meets:
+            time.meet()
+        self.bus.modify(time.cycle, operand, number)
+        self.instruction(1)
+
+    def load(self, address: int, width: int = 16) -> int:
+        """Return a 16- or 32-bit value from an address. Raise NoSuchAddress if nothing is there."""
+        bus, time = self.bus, self.time
+        if block_at(address) is not None:
+            self.run(self._between)
+            self.go_to(bus.reads_at(time.cycle, address, width))
+            value = bus.read(time.cycle, address, width)
+            self.instruction(1)
+            return value
+        operand = bus.at(address, width)
+        if width == 32 and operand.frame2:
+            self._refuse(operand)
+            return 0
+        return self.read(operand) >> operand.shift
+
+    def store(self, address: int, value: int, width: int = 16) -> None:
+        """Write 16 or 32 bits to an address. Raise NoSuchAddress if nothing is there."""
+        bus, time = self.bus, self.time
+        if block_at(address) is not None:
+            self._before_write()
+            self.go_to(bus.writes_at(time.cycle, address, width))
+            bus.write(time.cycle, address, value, width)
+            self.instruction(1)
+            return
+        operand = bus.at(address, width)
+        if width == 32 and operand.frame2:
+            self._refuse(operand)
+        else:
+            self.write(operand, value << operand.shift)
+
+    def _refuse(self, operand: Operand) -> None:
+        """Let the cycles of an access pass whose width the frame does not support; it has no effect."""
+        self.instruction(1 + self.bus.read_waits(operand))
+        self.bus.note_width(self.time.cycle, operand)
+
+    def _fetch(self, operand: Operand) -> int:
+        if operand.meets:
+            self.time.meet()
+        return self.bus.fetch(self.time.cycle, operand)
+
+    def _wait_for_writes(self, operand: Operand, spin: Spin | None) -> None:
+        free, cycle = self.bus.free(operand), self.time.cycle
+        if cycle < free:
+            if spin is not None:
+                spin.hold_up(free - cycle)
+            self.go_to(free)
+
+    def _before_write(self) -> None:
+        """Execute the code between two accesses. A pass of a wait has its own; one with a write is not skipped."""
+        spin = self.program.spin
+        self._reads = 0
+        if spin is None:
+            self.run(self._between)
+        else:
+            spin.pure = False

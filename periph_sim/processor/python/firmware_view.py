@@ -25,6 +25,7 @@ from ...form.c_types import BigInt, Text
 from ..user_code import Misuse, flaw_of
 from .cpu import Cpu
 from .register_view import ModulePort
+from .waits import Waits
 
 LONG = 1 << 31  # cycles: times below this need no check against the end of time
 
@@ -47,6 +48,7 @@ class FirmwareView:
     """One unit as its firmware sees it. sockets: its modules by name. seed: seed of the values drawn from spreads."""
 
     cpu: Cpu
+    waits: Waits
     memory: AddressMap
     control: SystemControl
 
@@ -67,7 +69,7 @@ class FirmwareView:
             way = f"name it in modules of [unit.{self.name}]" if known else did_you_mean(name, self.sockets)
             raise KeyError(f"{self.name} has no module {name!r}; {way}")
         if name not in self._ports:
-            self._ports[name] = ModulePort(self.cpu.accesses, self.memory.places[name])
+            self._ports[name] = ModulePort(self.cpu, self.memory.places[name])
         return self._ports[name]
 
     def spin(
@@ -88,7 +90,7 @@ class FirmwareView:
             raise _no_condition("spin", condition)
         if pass_cycles is not None:
             pass_cycles = self._pass("spin", pass_cycles)
-        return self.cpu.waits.spin(condition, pass_cycles, None if timeout is None else self._cycles(timeout))
+        return self.waits.spin(condition, pass_cycles, None if timeout is None else self._cycles(timeout))
 
     def spin_either(
         self, ready: Callable[[], object], over: Callable[[], object], *, pass_cycles: int | None = None
@@ -98,7 +100,7 @@ class FirmwareView:
             raise _no_condition("spin_either", over if callable(ready) else ready)
         if pass_cycles is not None:
             pass_cycles = self._pass("spin_either", pass_cycles)
-        return self.cpu.waits.spin_either(ready, over, pass_cycles)
+        return self.waits.spin_either(ready, over, pass_cycles)
 
     def _pass(self, what: Text, cycles: BigInt) -> BigInt:
         """Return the cycles. Raise Misuse if a pass of a wait cannot take this number."""

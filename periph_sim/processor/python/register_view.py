@@ -26,18 +26,57 @@ from ...form.c_types import BigInt, Text
 from ..operand import Operand
 from ..source_location import SourceLocation
 from ..user_code import Misuse
-from .accesses import Accesses, Condition
+from .cpu import Cpu
+
+EQUAL, UNEQUAL, BELOW, ABOVE = range(4)  # how the bits compare with the value
+
+
+@final
+class Condition:
+    """A comparison of bits of a register with a value. `holds` makes the read of one pass of a wait."""
+
+    def __init__(
+        self,
+        cpu: Cpu,
+        operand: Operand,
+        mask: int,
+        value: int,
+        test: int = EQUAL,
+        where: SourceLocation | None = None,
+    ) -> None:
+        """mask, value: bits at their positions in the register. where: the statement with the condition, if known."""
+        self._cpu = cpu
+        self._operand = operand
+        self._mask = mask
+        self._value = value
+        self._test = test
+        self._where = where
+
+    def holds(self) -> bool:
+        """Read the register, which takes the cycles of a read, and return True if the condition is true."""
+        bits, test = self._cpu.read(self._operand, self._where) & self._mask, self._test
+        if test == EQUAL:
+            return bits == self._value
+        if test == UNEQUAL:
+            return bits != self._value
+        return bits < self._value if test == BELOW else bits > self._value
+
+    def __call__(self) -> bool:
+        return self.holds()
+
+    def __bool__(self) -> bool:
+        raise Misuse(f"a condition on {self._operand} has no value by itself; give it to dsp.spin, or call it")
 
 
 class Port:
     """One register of one module of a unit. where, fields: "I2C-A.I2CSTR" and its names, set in subclasses."""
 
-    __slots__ = ("_accesses", "_fields", "_half", "_operands", "_place")
+    __slots__ = ("_cpu", "_fields", "_half", "_operands", "_place")
     where = ""
     fields: tuple[str, ...] = ()
 
-    def __init__(self, accesses: Accesses, place: ModuleRange, fields: dict[str, PortField]) -> None:
-        self._accesses = accesses
+    def __init__(self, cpu: Cpu, place: ModuleRange, fields: dict[str, PortField]) -> None:
+        self._cpu = cpu
         self._place = place
         self._fields = fields
         self._half: Port | None = None
@@ -94,7 +133,7 @@ class Port:
     def _inner(self, made: type[Port], fields: dict[str, PortField]) -> Port:  # core: python
         """Return the port of the register's halves, made at the first call."""
         if self._half is None:
-            self._half = made(self._accesses, self._place, fields)
+            self._half = made(self._cpu, self._place, fields)
         return self._half
 
 
@@ -124,21 +163,21 @@ class PortField:
 
     def _read(self, port: Port) -> int:
         operand: Operand = port._operands[self.number] or self._operand(port)
-        return (port._accesses.read(operand) & self.mask) >> self._lsb
+        return (port._cpu.read(operand) & self.mask) >> self._lsb
 
     def assign(self, port: Port, value: BigInt) -> None:
         if type(value) is not int or not 0 <= value <= self._most:
             value = self._fitting(value)
         operand: Operand = port._operands[self.number] or self._operand(port)
         if self._field is None:
-            port._accesses.write(operand, value << self._lsb)
+            port._cpu.write(operand, value << self._lsb)
         else:
-            port._accesses.modify(operand, value)
+            port._cpu.modify(operand, value)
 
     def condition(self, port: Port, number: object) -> Condition:
         """Return the condition that this field has a value. Raise Misuse if it cannot have it."""
         value = self.in_place(number)
-        return Condition(port._accesses, port._operands[self.number] or self._operand(port), self.mask, value)
+        return Condition(port._cpu, port._operands[self.number] or self._operand(port), self.mask, value)
 
     def in_place(self, number: object) -> BigInt:
         """Return the number shifted to the field's bits. Raise Misuse if the field cannot have it."""
@@ -156,7 +195,7 @@ class PortField:
             return None
         if not operand.looks or not 0 <= number <= self._most:
             return None
-        return Condition(port._accesses, operand, self.mask, number << self._lsb, test, where)
+        return Condition(port._cpu, operand, self.mask, number << self._lsb, test, where)
 
     def masked(self, port: Port, mask: object, value: object) -> Condition:
         """Return the condition that these bits have this value. Raise Misuse if they cannot."""
@@ -167,7 +206,7 @@ class PortField:
             raise Misuse(f"{where} tests no bit; expected a mask of 1 to {self._most:#x}")
         if wanted & ~bits:
             raise Misuse(f"{where} never holds: {wanted & ~bits:#x} is outside of the mask {bits:#x}")
-        return Condition(port._accesses, port._operands[self.number] or self._operand(port), bits, wanted)
+        return Condition(port._cpu, port._operands[self.number] or self._operand(port), bits, wanted)
 
     def _whole(self, what: Text, value: object, most: BigInt) -> BigInt:
         """Return the value as an int. Raise Misuse if it is none, or exceeds `most`."""
@@ -180,7 +219,7 @@ class PortField:
         return number
 
     def _operand(self, port: Port) -> Operand:
-        operand = port._accesses.bus.operand(port._place, self._register, self._words, self._field)
+        operand = port._cpu.bus.operand(port._place, self._register, self._words, self._field)
         port._operands[self.number] = operand
         return operand
 
@@ -222,14 +261,14 @@ Ports = tuple[Register, type[RegisterPort], dict[str, PortField]]
 _made: dict[str, Ports] = {}  # shared data of the ports of a register, by its full name
 
 
-def register_port(accesses: Accesses, place: ModuleRange, register: Register) -> RegisterPort:  # core: python
+def register_port(cpu: Cpu, place: ModuleRange, register: Register) -> RegisterPort:  # core: python
     """Return the port of one register."""
     where = f"{place.name}.{register.name}"
     found = _made.get(where)
     if found is None or found[0] is not register:
         found = _made[where] = _ports_of(where, register)
     _, made, fields = found
-    return made(accesses, place, fields)
+    return made(cpu, place, fields)
 
 
 def _ports_of(where: str, register: Register) -> Ports:
@@ -264,8 +303,8 @@ class ModulePort:
 
     __dict__: dict[str, RegisterPort]
 
-    def __init__(self, accesses: Accesses, place: ModuleRange) -> None:
-        self._accesses = accesses
+    def __init__(self, cpu: Cpu, place: ModuleRange) -> None:
+        self._cpu = cpu
         self._place = place
         self._made: dict[str, RegisterPort] = {}
 
@@ -275,7 +314,7 @@ class ModulePort:
         if name not in registers:
             near = did_you_mean(name, [r.name for r in registers])
             raise AttributeError(f"{self._place.name} has no register {name!r}; {near}")
-        port = self._made[name] = vars(self)[name] = register_port(self._accesses, self._place, registers[name])
+        port = self._made[name] = vars(self)[name] = register_port(self._cpu, self._place, registers[name])
         return port
 
     def __setattr__(self, name: str, value: object) -> None:

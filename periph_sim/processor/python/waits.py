@@ -31,15 +31,14 @@ from ...core.chip import NEVER
 from ...core.options import IntOption
 from ...core.records import Topic
 from ...f28335.cpu import code_costs as cpu_costs
-from ..bus import Bus
 from ..cpu_time import CpuTime
 from ..operand import Operand
 from ..polling import Lease, Poll, Spin
-from ..processor import Processor, Stop
+from ..processor import Stop
 from ..source_location import SourceLocation
-from .accesses import ABOVE, BELOW, EQUAL, UNEQUAL, Condition, Instructions
-from .program import CodeRecords, PythonProgram
-from .register_view import ModulePort, Port
+from .cpu import Cpu
+from .program import PythonProgram
+from .register_view import ABOVE, BELOW, EQUAL, UNEQUAL, Condition, ModulePort, Port
 
 TESTS = {"==": EQUAL, "!=": UNEQUAL, "<": BELOW, ">": ABOVE}
 NOTHING = frozenset(("RESUME", "COPY_FREE_VARS", "NOP", "CACHE", "PRECALL"))  # opcodes without effect here
@@ -157,29 +156,15 @@ class Waits:
     branch: the cycles of the branch back to the begin of a pass.
     """
 
-    def __init__(
-        self,
-        processor: Processor,
-        program: PythonProgram,
-        instructions: Instructions,
-        records: CodeRecords,
-        *,
-        poll_pass: int,
-        pf2_read_ws: IntOption,
-        skip_polls: bool,
-    ) -> None:
+    def __init__(self, cpu: Cpu, pf2_read_ws: IntOption, poll_pass: int, skip_polls: bool) -> None:
         self._branch: int = max(0, poll_pass - cpu_costs.SIMPLE - pf2_read_ws.unrecorded())
         self._branch_listed = False
         self._pf2_read_ws = pf2_read_ws
-        self._bus: Bus = processor.bus
-        self._core = processor.interrupts.core
-        self._instructions = instructions
-        self._program = program
-        self._records = records
+        self._cpu = cpu
+        self._time: CpuTime = cpu.time
         self._skip_polls = skip_polls
-        self._time: CpuTime = processor.time
-        self._lease = Lease(processor.time)
-        self._recogniser = Recogniser(program)
+        self._lease = Lease(cpu.time)
+        self._recogniser = Recogniser(cpu.program)
         self._spare: Spin | None = None  # the object of an earlier wait, which the next wait can use again
 
     def spin(self, condition: Callable[[], object], pass_cycles: int | None = None, timeout: int | None = None) -> bool:
@@ -204,7 +189,8 @@ class Waits:
         timeout: int | None,
     ) -> int:
         """Wait, and return the condition that ended the wait: READY, OVER or, after a timeout, NEITHER."""
-        time, program, instructions, records = self._time, self._program, self._instructions, self._records
+        time, cpu = self._time, self._cpu
+        program, records = cpu.program, cpu.records
         spin = self._new_wait(pass_cycles, NEVER if timeout is None else time.cycle + timeout)
         outer, program.spin = program.spin, spin
         recogniser = self._recogniser
@@ -229,14 +215,14 @@ class Waits:
                     records.record(waited, spin.since, 1)
             if pass_cycles is None and not self._branch_listed:
                 self._branch_listed = True  # `_branch` depends on it; the CPU's list keeps its entries
-                self._pf2_read_ws.assume(self._core.touched)
-            instructions.instruction(spin.rest(time.cycle, self._branch))
+                self._pf2_read_ws.assume(cpu.core.touched)
+            cpu.instruction(spin.rest(time.cycle, self._branch))
             again = spin.pure and time.cycle < spin.ends and self._skip(spin)
             if time.cycle >= spin.ends:
                 break
         if waited is not None:
             records.record(waited, time.cycle, 0)
-        instructions.instruction(cpu_costs.SB_NOT_TAKEN)
+        cpu.instruction(cpu_costs.SB_NOT_TAKEN)
         program.spin = outer
         self._spare = None if records.kept else spin
         return came
@@ -261,7 +247,7 @@ class Waits:
         If passes are executed instead, keep their reads in `Spin.last`.
         Return True if only its reads can make the next pass differ.
         """
-        time, core = self._time, self._core
+        time, core = self._time, self._cpu.core
         if not spin.made or time.lands < NEVER or core.earliest() < NEVER:
             return False
         if not self._skip_polls:
@@ -278,16 +264,16 @@ class Waits:
             time.wake_at(first - (first - spin.ends) // period * period)  # the end of the pass that times out
         time.sleep(NEVER)
         try:
-            self._program.yield_turn(SLEEPS)
+            self._cpu.program.yield_turn(SLEEPS)
         finally:  # a reset ends the firmware here
             lease.end()
         woken = time.cycle
         skipped = (woken - first) // period
-        self._program.polls_skipped += skipped
+        self._cpu.program.polls_skipped += skipped
         time.cycle = first + skipped * period
         spin.answer_before(woken)
         if core.ifr or core.next_wake <= time.cycle:  # the end of the branch back is a boundary, too
-            self._instructions.serve()
+            self._cpu.serve()
         return spin.bare and spin.pure
 
     def _repeats(self, spin: Spin) -> bool:
@@ -295,7 +281,7 @@ class Waits:
 
         False: the condition must be called from the start of the pass; completed reads then return the same values.
         """
-        time, instructions = self._time, self._instructions
+        time, cpu = self._time, self._cpu
         cycle: int
         start = cycle = time.cycle
         place: int
@@ -306,17 +292,17 @@ class Waits:
                 cycle += cpu_costs.SB_NOT_TAKEN  # the test of the previous value
                 if not self._passes(cycle):
                     break
-            if not operand.looks or (operand.placed and read.where is None) or cycle < self._bus.free(operand):
+            if not operand.looks or (operand.placed and read.where is None) or cycle < self._cpu.bus.free(operand):
                 break
             cycle += operand.read_waits
             if cycle >= spin.live_from:
                 if cycle >= time.lease:
-                    instructions.go_to(cycle)
+                    cpu.go_to(cycle)
                 value: int = operand.chip.see(cycle, operand.offset)
                 if (value ^ read.value) & operand.mask:
                     break
                 if operand.recorded:
-                    self._bus.record_poll(cycle, operand, value, read.where)
+                    self._cpu.bus.record_poll(cycle, operand, value, read.where)
             cycle += 1
             if not self._passes(cycle):
                 break
@@ -329,9 +315,9 @@ class Waits:
 
     def _passes(self, cycle: int) -> bool:
         """Let time pass to an instruction boundary. Return False if an interrupt may be taken there."""
-        time, core = self._time, self._core
+        time, core = self._time, self._cpu.core
         if cycle < time.lease:
             time.cycle = cycle
         else:
-            self._instructions.go_to(cycle)
+            self._cpu.go_to(cycle)
         return core.next_wake > cycle and not core.owes_instruction and not (core.ifr and core.earliest() < NEVER)

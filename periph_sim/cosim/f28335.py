@@ -1,7 +1,8 @@
 """A component for cocotb tests that runs a case inside an HDL simulator, like the models of the cocotbext packages.
 
-    scl, sda (resolved), rx --value change--> apply(floor)   Session   changes --ceil--> scl_o, sda_o, tx
-                                                     next_output --> one pending timer
+    scl, sda (resolved), rx --step to tick: floor--> Session.apply
+    Session.advance --tick to step: ceil--> scl_o, sda_o, tx
+    Session.next_output --> the pending timer
 
 The simulator calls `_changed` when a line changes. A timer calls `_woken` when one of our pins may change, and advances
 the session's time. Both are plain callbacks, because waking a cocotb task takes several times as long.

@@ -36,7 +36,7 @@ class CaseTicks(Struct, frozen=True):
         return self._fitting((2 * count + parts) // (2 * parts), length)
 
     def exact_ticks(self, length: Fraction, ppm: Fraction) -> Fraction:
-        """Convert a length in seconds to ticks as `ticks` does, but without rounding."""
+        """Return the exact number of ticks of a length in seconds. ppm: as for `ticks`."""
         exact = Fraction(*self._ticks(length, ppm))
         self._fitting(int(exact), length)
         return exact

@@ -2,7 +2,7 @@
 
     Case --head_plan--> HeadPlan, shared by all scenes of the case --build_head--> SensorHead of one scene
 
-The head counts its times by its own clock, which has an error of `ppm`. The length of each phase of SCL is rounded to
+The head counts its times by its own clock, which has an error of `ppm`. The low and high times of SCL are rounded to
 the nearest tick. Rounds do not drift from the clock, however long the run is.
 """
 

@@ -1,11 +1,11 @@
 """Detection of firmware that waits for an event that cannot occur, with the reason.
 
-    the wait depends on            which can be changed by
-    registers of modules           the module, if it has a clock: by its own due events, or by wires that others move;
-                                   service routines, if interrupts are on: all modules whose interrupts are enabled
-    registers that nothing models  nothing
-    memory                         service routines
-    IDLE                           modules whose interrupts IER and PIEIER enable
+    the wait depends on         it can be ended by
+    registers of a module       events of this module, or changes of its wires by other parties, if its clock is on;
+                                the modules whose interrupts are enabled, if interrupts are on
+    registers without a model   nothing
+    memory                      service routines of interrupts
+    IDLE                        the modules whose interrupts IER and PIEIER enable
 
 A unit that waits for an agent whose schedule is over, or for firmware that has ended, is idle, not stuck, because a
 longer schedule could have ended the wait. Units that wait only for each other are stuck.
@@ -57,7 +57,7 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
     unanswered = awaited.unanswered
     if not spin.polls and not unanswered:
         if not awaited.memory or watchdog_runs(dsp):
-            return ""  # an endless loop that waits for nothing, or a wait that the watchdog ends
+            return ""  # firmware loops without a wait, or the watchdog will end its wait
         if not takes_interrupts(dsp):
             return f"only a service routine could change that, and {OFF[bool(dsp.core.intm)]}; {ENABLE}"
     modules = [module for module in signals_behind(dsp, spin) if has_clock(dsp, module)]
@@ -95,7 +95,7 @@ def polls_for_input(dsp: Dsp) -> bool:
 
 
 def sleep_reason(dsp: Dsp) -> str:
-    """Return why no interrupt can end IDLE; empty if an interrupt or the watchdog's reset can."""
+    """Return why no interrupt can end IDLE; empty if an interrupt or a reset by the watchdog can."""
     ier = dsp.core.ier
     if watchdog_runs(dsp) or ier >> GROUPS:
         return ""

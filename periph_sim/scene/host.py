@@ -1,7 +1,7 @@
 """The host of a case: the sender on RX, the values of its frames, and the true values of the sensor chips.
 
-    [host.motion], ramp --> values of frame n --> Host --> RX
-                       '--> Truth at a tick, by the host's own clock
+    [host.motion], or a ramp --> values of frame n --> Host --> RX
+                                 '--> Truth at a tick, by the host's own clock
 
 Frames are scheduled by the clock of the host's computer, which is off by `ppm`. Its serial converter has a crystal of
 its own, so the bit rate is off by `error`.
@@ -62,7 +62,7 @@ def host_plan(scale: CaseTicks) -> HostPlan:
 class HostAgent:
     """The host of a scene, with the frames that it sends and the true values of the chips.
 
-    frames: source of the frames of a motion; None if the host sends a ramp.
+    frames: source of the frames of a motion; None if the host has no motion.
     values: returns the values of the frame with a given number.
     truth: the values that chips should show; None if they are not known.
     model: the model with which firmware computes the data of chips; None if chips show the values of frames.

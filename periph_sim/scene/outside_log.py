@@ -49,7 +49,7 @@ class Head:
 class Instant(NamedTuple):
     """The changes at one tick.
 
-    levels: the new levels of the wires that the outside changes.
+    levels: the new levels of the wires that the outside party changes.
     sent: by wire, the number of bytes that begin; 0 states only that from now on bytes drive the wire.
     """
 

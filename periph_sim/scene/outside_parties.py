@@ -1,11 +1,11 @@
 """Replacement of parties of a case by the outside party that its table [outside] describes.
 
-    the outside drives    it replaces      budgets that are still judged
+    the party drives      it replaces      budgets that are still judged
     SDA and SCL           [controller]     those on rounds, requests and bytes
     RX                    [host]           those that do not need the host's frames
 
 The table [controller] is replaced by a table [rounds] with the same requests, so that the rounds of the outside party
-can be recognized on the wires. With `beside_outside = true`, the [controller] stays: the outside is then a second
+can be recognized on the wires. With `beside_outside = true`, the [controller] stays: the outside party is then a second
 controller, or a device.
 
 Parties are replaced when a case is loaded, when a session chooses other wires, and when a scene is built. So the same
@@ -30,7 +30,7 @@ BUS = frozenset(("SDA", "SCL"))
 
 
 def drives_bus(outside: OutsideTable) -> bool:
-    """Return True if the outside drives both lines of the I2C bus."""
+    """Return True if the outside party drives both lines of the I2C bus."""
     return BUS.issubset(outside.wires)
 
 
@@ -55,7 +55,7 @@ def as_driven(case: Case) -> Case:
 
 
 def with_outside(case: Case, wires: tuple[str, ...]) -> Case:
-    """Return the case as it is built if the outside drives these wires instead of those in its [outside].
+    """Return the case as built for an outside party that drives these wires instead of those in its [outside].
 
     Raise BadCase if its [outside] has replaced a party that these wires do not replace: the party would be missing.
     """

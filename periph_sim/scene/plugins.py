@@ -76,7 +76,7 @@ def known(folder: Path, attribute: str, shipped: Mapping[str, T], names: Iterabl
     attribute: the kind, a key of `DEFINES`.
     names: the names that a case uses; if one is unknown, the plugins of entry points are included.
 
-    Raise BadCase if a plugin cannot be loaded, or if two define one name.
+    Raise BadCase if a plugin cannot be loaded, or if two plugins define the same name.
     """
     found: dict[str, Any] = dict(shipped)
     owners: dict[str, Plugin] = {}

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 
 Program = Callable[[Any, Any], None]
 
-MOST_PLANS = 16  # maximum number of kept plans of changed cases, which a sweep may need again
+MOST_PLANS = 16  # maximum number of plans of changed cases that are kept for later use, as by a sweep
 
 
 class PreparedScene:

@@ -117,8 +117,8 @@ class Scene:
         self.host_agent: HostAgent | None = None
         self.truth: Truth | None = None
         self.model: FirmwareModel | None = None  # the model with which firmware computes the data of chips
-        self.frames: FrameSource | None = None  # source of the frames of the host; None if it sends a ramp
-        self._counter: BusRecorder | None = None  # counts bytes on the wires; None if the controller agent does
+        self.frames: FrameSource | None = None  # source of the host's frames; None if it has no motion
+        self._counter: BusRecorder | None = None  # counts bytes on the wires; None if the sensor head counts them
         self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.log_ends_early = ""  # a sentence if the log in [outside] has no end; else ""
@@ -198,7 +198,7 @@ class Scene:
     # Building ------------------------------------------------------------------
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """Raise BadCase for a budget on a part that this scene does not have, because such a budget always holds."""
+        """Raise BadCase for a budget on a part that this scene does not have, since it would always hold."""
         needs = limit.measure.needs
         if not self._there[needs]:
             measure = limit.budget.measure
@@ -256,8 +256,8 @@ class Scene:
     def bytes_on_bus(self) -> int:
         """Return the number of complete bytes on the I2C bus, including addresses.
 
-        They are counted on the wires if there is no controller agent or if the outside also drives the bus; otherwise
-        they are counted from the transfers of the agent.
+        They are counted on the wires if there is no controller agent, or if an outside party also drives the bus.
+        Otherwise, they are counted from the transfers of the agent.
         """
         if self._counter is not None:
             return self._counter.bytes

@@ -1,6 +1,6 @@
 """Lines of the bus that stay low: a sentence for each reported wire, and whether the run hangs.
 
-controller agent, or StuckWatch where there is none --wire--> StuckLines --> sentences
+controller agent, or StuckWatch if there is none --wire--> StuckLines --> sentences
 """
 
 from __future__ import annotations

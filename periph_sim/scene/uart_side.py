@@ -67,17 +67,17 @@ class UartSide:
 
     @property
     def characters(self) -> int:
-        """The number of characters sent by [serial] and by the outside."""
+        """The number of characters sent by [serial] and by the outside party."""
         counted = sum(count for wire, count in self._counted.items() if wire not in self._sent)
         return counted + sum(self._sent.values()) + (0 if self._serial is None else self._serial.characters)
 
     def count(self, wires: Collection[str]) -> None:
-        """Count the characters on each of these wires that leads to an SCI. The outside drives these wires."""
+        """Count the characters on each of these wires that leads to an SCI. The outside party drives these wires."""
         if self._lines is not None:
             self._lines.on_character_from(wires, self._came)
 
     def sent(self, wire: str, count: int) -> None:
-        """Add characters that the outside has sent on a wire as bytes.
+        """Add characters that the outside party has sent on a wire as bytes.
 
         The characters that `count` finds on this wire are ignored, so that none is counted twice.
         """

@@ -1,8 +1,8 @@
 """Search for the case files in a folder and its sub-folders.
 
-The folder may be a whole repository, with a pyproject.toml and a virtual environment in it. The headers of its tables
-distinguish a case from other TOML files. A case with invalid TOML is also found, so that `check` reports it instead of
-ignoring it.
+The folder may be a whole repository, with a pyproject.toml and a virtual environment in it. A TOML file is a case if it
+has a table that only cases have. A case with invalid TOML is also found, so that `check` reports it instead of ignoring
+it.
 """
 
 from __future__ import annotations

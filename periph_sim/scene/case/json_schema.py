@@ -178,7 +178,7 @@ def _one_of(kinds: Mapping[str, object], schemas: Schema) -> Schema:
 
 
 def _devices(common: Schema, families: Mapping[str, Family], schemas: Schema) -> Iterator[Schema]:
-    """Yield a device table's schema for each family of models, and one for Python files, whose keys are not known."""
+    """Yield a schema of device tables for each family of models, and for Python files, whose own keys are not known."""
     for name, family in families.items():
         yield _with_own_keys(common, schemas[name], "model", [*family.MODELS])
     yield {**common, "properties": {**common["properties"], "model": {"type": "string", "pattern": r"\.py$"}}}

@@ -131,7 +131,7 @@ def _check_name(source: Source, name: str, place: Place) -> None:
 
 
 def apply(tree: dict[str, object], change: str) -> Place:
-    """Set one key of a case, as in "unit.dsp.settings.model_cost=400 us", and return its place.
+    """Set one key of a case, as in "unit.dsp.settings.model_cost=400 us". Return the place of this key.
 
     The value is read as TOML; if it is not valid TOML, it is a text. A number with underscores is also a text, because
     the value of an option may be called 3_4_5. Raise BadCase if the change does not have this form.
@@ -212,7 +212,7 @@ class CaseFile:
         return _loaded(self.path, self._text, self.changes)[0]
 
     def changed(self, changes: Sequence[str]) -> Case:
-        """Return the case with these changes applied after those of this object. Raise BadCase as `load` does."""
+        """Return the case with the changes of `CaseFile` and then these applied. Raise BadCase as `load` does."""
         if not changes:
             return self.case
         try:

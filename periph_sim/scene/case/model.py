@@ -87,8 +87,8 @@ class Controller(Table, frozen=True, kw_only=True):
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
     initialise: Length | None = None  # time before the first round at which chips are set up; None: no chip is set up
-    check: Literal["expect", "host"] = "expect"  # what "wrong bytes" compares with: `expect`, or host frames
-    on_nack: Literal["go on", "give up"] = "go on"  # after a NACK of a data byte: continue with the next phase, or STOP
+    check: Literal["expect", "host"] = "expect"  # the measure "wrong bytes" compares with `expect`, or with host frames
+    on_nack: Literal["go on", "give up"] = "go on"  # after a NACK of a data byte: the rest of the transfer, or a STOP
     stuck_after: Length = Fraction(25, 1000)
     clear_after: Length | None = None  # None: the bus is never cleared
     beside_outside: bool = False  # False: an outside that drives SDA and SCL replaces it; True: both are on the bus
@@ -253,7 +253,7 @@ class Case(Table, frozen=True, kw_only=True):
     breaks: tuple[str, ...] = ()
     _source: Source | None = None
     _all_budgets: tuple[Budget, ...] = ()  # all budgets of the file, if `budget` lacks some of them
-    _replaced: dict[str, str] = {}  # by party that the outside replaces: a sentence about the replacement
+    _replaced: dict[str, str] = {}  # by replaced party: a sentence about its replacement by an outside party
 
     @classmethod
     def model_validate(cls, tree: object) -> Case:
@@ -312,7 +312,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def replaced(self) -> tuple[str, ...]:
-        """A sentence for each party of the case that the outside replaces."""
+        """A sentence for each party of the case that an outside party replaces."""
         return tuple(self._replaced.values())
 
     @property

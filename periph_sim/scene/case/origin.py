@@ -110,5 +110,5 @@ def named_files(folder: Path, texts: Iterable[str]) -> Iterator[Path]:
         yield file
         if file.suffix in BESIDE:
             yield from file.parent.glob(BESIDE[file.suffix])
-        elif file.is_dir():  # it may be a folder of headers
+        elif file.is_dir():  # the folder may contain headers
             yield from file.glob("*.h")

@@ -129,22 +129,22 @@ class SerialTable(Table, frozen=True, kw_only=True):
     expect: tuple[ExpectTable, ...] = ()
 
     def mode(self, entry: SendTable | ExpectTable | None = None) -> Multiprocessor:
-        """Return the multiprocessor mode of an entry; if it has none, or without an entry, that of this table."""
+        """Return the multiprocessor mode of an entry, or of this table if the entry has none or is not given."""
         return self.multiprocessor if entry is None or entry.multiprocessor is None else entry.multiprocessor
 
     def form(self, entry: SendTable | ExpectTable | None = None) -> UartFormat:
-        """Return the format of an entry's characters; without an entry, that of the table."""
+        """Return the character format of an entry, or of this table if no entry is given."""
         own = {} if entry is None else {key: getattr(entry, key) for key in FORMAT}
         bits, parity, stop = (getattr(self, key) if own.get(key) is None else own[key] for key in FORMAT)
         return UartFormat(bits, parity, stop, self.mode(entry) == "address-bit")
 
     def bit(self, entry: SendTable | ExpectTable | None = None) -> Fraction:
-        """Return the nominal length of a bit of an entry, in seconds; without an entry, that of the table."""
+        """Return the nominal bit length of an entry, in seconds, or of this table if no entry is given."""
         baud = self.baud if entry is None or entry.baud is None else entry.baud
         return Fraction(1, baud)
 
     def clock(self, entry: SendTable | ExpectTable | None = None) -> Fraction:
-        """Return the error of an entry's clock in parts per million; if it has none, that of the table."""
+        """Return the clock error of an entry, in parts per million, or of this table if the entry has none."""
         own = entry.ppm if isinstance(entry, SendTable) else None
         return self.ppm if own is None else own
 

@@ -12,7 +12,7 @@ from .serial import in_words
 
 
 class WatchTable(Table, frozen=True, kw_only=True):
-    """A watcher of a wire, of a kind in `devices.watchers`. The kind adds keys of its own."""
+    """A watcher of a wire. kind: a name in `devices.watchers`. Each kind adds keys of its own."""
 
     OTHERS = "own"
 

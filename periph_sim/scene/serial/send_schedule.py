@@ -1,7 +1,10 @@
 """Schedule of one entry of [[serial.send]]: one or more bursts on a line after its trigger.
 
-at, records --EventTrigger--, characters --TextTrigger--> happened --delay--> fire --> BurstSender
-                                                             '--period--> fire ...
+    the time `at` --------------.
+    records --EventTrigger-------+--> happened --delay--> burst 0 --period--> burst 1 ...
+    characters --TextTrigger----'
+
+A `BurstSender` drives the line.
 """
 
 from __future__ import annotations

@@ -265,7 +265,7 @@ class SerialSide:
         return lambda: sender.line or idle
 
     def _line(self, entry: Entry | None = None) -> tuple[Fraction, UartFormat]:
-        """Return the bit length, in ticks, and the format of an entry; without an entry, those of the table."""
+        """Return the bit length, in ticks, and the format of an entry, or of the table if no entry is given."""
         return self._context.exact_ticks(self._table.bit(entry), self._table.clock(entry)), self._table.form(entry)
 
     def _event(self, scope: Scope, text: str, kind: str, number: int) -> Matcher:

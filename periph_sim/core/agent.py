@@ -104,7 +104,7 @@ class SampledParty:
             self.deliver(now)
 
     def deliver(self, now: int) -> None:
-        """Call `agent.sampled` under the record that caused the change."""
+        """Call `agent.sampled`. During the call, the record that caused the change is the present record."""
         raise NotImplementedError
 
     def jump(self, bits: int) -> None:

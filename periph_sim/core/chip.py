@@ -73,8 +73,8 @@ class Chip:
     MAP: RegisterMap
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
-    mid_byte: tuple[int, ...] = ()  # offsets, below 62, of registers to which a write may affect a byte in progress
-    steady: tuple[int, ...] = ()  # offsets of register words whose values change only if `writes` changes
+    mid_byte: tuple[int, ...] = ()  # offsets, below 62, of registers whose writes may affect a byte in progress
+    steady: tuple[int, ...] = ()  # offsets of register words whose values change only when `writes` is increased
 
     def __init__(self) -> None:
         self.next_wake = NEVER  # no output or readable value changes by itself before this cycle

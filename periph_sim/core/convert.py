@@ -84,13 +84,13 @@ class Before(msgspec.Struct, frozen=True):
 
 
 class After(msgspec.Struct, frozen=True):
-    """A function that converts a checked value. A ValueError with a phrase rejects it."""
+    """A function that converts a checked value. It rejects the value by a ValueError with a phrase."""
 
     function: Callable[[Any], object]
 
 
 class Mistake(msgspec.Struct, frozen=True):
-    """One mistake and its place. error: the exception of a check. known: the valid keys, if the key is unknown."""
+    """One mistake and its place. error: what a check raised, or None. known: the valid keys, if the key is unknown."""
 
     place: Place
     what: str = ""
@@ -101,7 +101,7 @@ class Mistake(msgspec.Struct, frozen=True):
 
 
 class BadTable(ValueError):
-    """A table that does not match its class. mistakes: all of them, in the order of the class's keys."""
+    """A table that does not match its class. mistakes: all mistakes, in the order of the class's keys."""
 
     def __init__(self, mistakes: list[Mistake]) -> None:
         super().__init__("; ".join(_in_short(one) for one in mistakes))
@@ -118,11 +118,11 @@ def _in_short(one: Mistake) -> str:
     return ": ".join(filter(None, [".".join(map(str, one.place)), what]))
 
 
-Converter = Callable[[Any, Place, list[Mistake]], Any]  # its result is not valid if it adds mistakes to the list
+Converter = Callable[[Any, Place, list[Mistake]], Any]  # valid if it adds no mistake
 
 
 def convert(kind: type[T], tree: object) -> T:
-    """Return a `Table` or a dataclass made from the keys in a file. Raise BadTable if they do not match it."""
+    """Return a `Table` or a dataclass made from the keys in a file. Raise BadTable if they do not match the type."""
     mistakes: list[Mistake] = []
     made: T = converter_of(kind)(tree, (), mistakes)
     if mistakes:
@@ -237,7 +237,7 @@ def _typed_dict(kind: Any) -> Converter:
     """Return the converter of a TypedDict, whose values stay dictionaries."""
     hints = get_type_hints(kind, include_extras=True)
     named = {name: converter_of(hint) for name, hint in hints.items()}
-    # String annotations hide NotRequired from __required_keys__.
+    # If annotations are strings, `__required_keys__` also contains keys that are NotRequired.
     optional = {name for name, hint in hints.items() if get_origin(hint) is NotRequired}
     required = [name for name in named if name in kind.__required_keys__ - optional]
 
@@ -282,7 +282,7 @@ def _is_plain(annotation: Any) -> bool:
     if origin is Annotated:
         return _is_plain(arguments[0]) and all(isinstance(one, msgspec.Meta) for one in arguments[1:])
     if origin in UNIONS and {Fraction, Path} & {*arguments}:
-        return False  # msgspec cannot distinguish them from other types
+        return False  # msgspec cannot distinguish Fraction and Path from other types
     if origin in (list, tuple, *UNIONS):
         return all(kind is ... or _is_plain(kind) for kind in arguments)
     return origin is not dict and annotation not in (Any, object) and not is_table(annotation)

@@ -56,7 +56,7 @@ class WaitingInputs:
         self._count = 0
         self._first: Input | None = None
         self._last: Input | None = None
-        self._spare: Input | None = None  # a chain of inputs to use again
+        self._spare: Input | None = None  # the first of a chain of unused Input objects, for reuse
 
     def add(self, cycle: int, cause: int) -> None:
         """Add an input that takes effect in `cycle`. cause: the number of its record; if it is 0, nothing is added."""
@@ -69,7 +69,7 @@ class WaitingInputs:
             self._spare = given.following
         given.cycle, given.cause = cycle, cause
         before = self._last
-        if before is not None and given.comes_before(before):  # this is rare
+        if before is not None and given.comes_before(before):  # rare: most inputs come in order
             before, after = None, self._first
             while after is not None and not given.comes_before(after):
                 before, after = after, after.following
@@ -173,8 +173,8 @@ class FlagRecorder:
         self._some_steady = len(self._moving) < len(registers)
         self._loads_data = any(register.data for register in registers)
         self._read = registers  # the registers that the last call of `look` has read
-        self._writes = -1  # the chip's `writes` at that call
-        self._touched: frozenset[str] = frozenset()  # the chip's `touched` before that call
+        self._writes = -1  # the chip's `writes` at the last call of `look`
+        self._touched: frozenset[str] = frozenset()  # the chip's `touched` before the last call of `look`
 
     def look(self, cycle: int) -> bool:
         """Read the registers as a debugger does. Return True if any has changed.
@@ -186,7 +186,7 @@ class FlagRecorder:
             self._read = self._moving if chip.writes == self._writes else self._registers
             self._writes = chip.writes
         touched = chip.touched
-        if len(touched) != len(self._touched):  # the set only grows, except for the names removed below
+        if len(touched) != len(self._touched):  # `touched` only grows, except for the names removed below
             self._touched = frozenset(touched)
         moved = False
         register: WatchedRegister

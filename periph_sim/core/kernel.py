@@ -72,7 +72,7 @@ class Kernel:
         self.released = False
         self.outer_loop: object = None
         self.fault: BaseException | None = None
-        # Each of these is the first element of a chain in order of rank.
+        # The next three attributes are the first elements of chains that are ordered by rank.
         self._unsettled: Settleable | None = None  # wires that changed in this phase
         self._notifying: Settleable | None = None  # wires that have settled, but have not notified their listeners yet
         self._sampling: SampledParty | None = None  # parties that requested a sample
@@ -254,7 +254,7 @@ class Kernel:
         if (self._unsettled is not None or self._sampling is not None) and (
             event is None or event.time > self._at or event.phase > self._phase
         ):
-            self.settle()  # may schedule an event in this tick, or stop the run
+            self.settle()  # a notified party may schedule an event in this tick, or stop the run
             if self._stop:
                 return False
             event = self._queue.first

@@ -104,7 +104,7 @@ KINDS: dict[type, type[TextOption | IntOption | BoolOption]] = {str: TextOption,
 class Answers:  # core: python
     """Immutable answers. Each field of a subclass, which becomes a dataclass, is the answer to one question.
 
-    The methods of a frozen dataclass are written here once, since generating them for each class slows the import.
+    The methods of a frozen dataclass are written here once, because generating them for each class slows the import.
     """
 
     def __init_subclass__(cls) -> None:

@@ -30,7 +30,7 @@ from .state import State
 class Kind(Enum):
     EDGE = "edge"  # a wire changed: what = level, text = the pulling parties
     ACCESS = "access"  # a CPU access: what = R or W and the register, value
-    FLAG = "flag"  # a register field changed by itself or by an access
+    FLAG = "flag"  # hardware or an access changed a register field
     IRQ = "irq"  # an interrupt is requested, entered or left
     SPAN = "span"  # a span of firmware begins (value 1) or ends (value 0)
     BUS = "bus"  # an event on a bus: START, address, byte, ACK, STOP
@@ -38,8 +38,8 @@ class Kind(Enum):
     NOTE = "note"  # a violated duty, lost data, unknown behaviour
     WAIT = "wait"  # firmware begins (value 1) or ends (value 0) a wait: what = the fields it polls, or IDLE
     HOLD = "hold"  # the set of parties that pull a wire has changed, and it stays low: text = their names
-    # The following are derived from the records above by `scene/derived_records.py`, only if a subscriber names them.
-    # Their ticks may be before those of the neighbouring records. They have the number of the record before them.
+    # `scene/derived_records.py` derives the following kinds from the kinds above, if a subscriber names them.
+    # Derived records have the number of the record before them, and may have an earlier tick.
     TRANSFER = "transfer"  # a complete I2C transfer: its phases, acknowledges, stretches
     ROUND = "round"  # a round of requests is due, complete or missed
     RECEIVER = "receiver"  # an SCI's number of waiting words changes, or a character is received or lost
@@ -75,7 +75,7 @@ Things = Collection[tuple[Kind, str]]
 
 
 UNWANTED = -1  # in place of a tag: the subscriber has no use for the topic
-NOWHERE, OF_MODIFIES, EVERYWHERE = range(3)  # the accesses for which a sink needs the place in the firmware
+NOWHERE, OF_MODIFIES, EVERYWHERE = range(3)  # values of `RecordSink.places`
 
 
 class Listener:
@@ -136,7 +136,7 @@ class _SinkEntry:
     following: _SinkEntry | None
 
 
-_NO_CALLBACKS: list[Any] = []  # stays empty
+_NO_CALLBACKS: list[Any] = []  # shared by all topics without callbacks, so it must stay empty
 
 
 @final
@@ -171,11 +171,11 @@ class Topic:
         self._kind = kind
         self._where = where
         self._what = what
-        self._listeners: _ListenerEntry | None = None  # the first of a chain
+        self._listeners: _ListenerEntry | None = None  # the first of the chain of listeners
         self._last_listener: _ListenerEntry | None = None
         self._sinks: _SinkEntry | None = None
         self._last_sink: _SinkEntry | None = None
-        self._step: int = 0 if kind in DERIVED else 1  # added to the number of the previous record
+        self._step: int = 0 if kind in DERIVED else 1  # a record's number minus that of the record before it
         self._callbacks: list[RecordCallback] = _NO_CALLBACKS
 
     def add(self, party: Party) -> None:
@@ -265,8 +265,9 @@ class Recorder:
     def subscribe(
         self, kinds: Iterable[Kind], party: Party, only: Subjects | None = None, things: Things | None = None
     ) -> None:
-        """Subscribe `party` to the records of these kinds. A listener or sink gets the topics that its `tag_of` tags.
+        """Subscribe `party` to the records of these kinds.
 
+        A listener or a sink receives only the topics for which its `tag_of` returns a tag.
         only: the subjects that the party needs, by kind: wires for EDGE and FRAME; registers for FLAG and ACCESS, with
             unit and module ("dsp.I2C-A.I2CSTR"). The party may also receive subjects that other subscribers need.
         things: the pairs of kind and thing that the party needs; `tag_of` is not called for others.
@@ -327,7 +328,7 @@ class Recorder:
         return topic
 
     def carried(self, action: Callable[[], None]) -> Callable[[], None]:
-        """Return a function that calls `action` later with the present record as the cause."""
+        """Return a function that calls `action`. In this call, the record that is the present one now is the cause."""
         return partial(self._under, self.cause, action) if self.cause else action
 
     def _under(self, cause: int, action: Callable[[], None]) -> None:
@@ -338,5 +339,5 @@ class Recorder:
     def emit(
         self, tick: int, kind: Kind, where: Text, what: Text, value: BigInt = 0, text: Text = "", field: Text = ""
     ) -> int:
-        """Make a record of this topic and return its number."""
+        """Make a record of the topic with this kind, place and thing, and return its number."""
         return self.topic(kind, where, what).emit(tick, value, text, field)

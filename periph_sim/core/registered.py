@@ -11,10 +11,10 @@ from importlib import import_module
 from types import ModuleType
 
 HOMES = {
-    "firmware model": "periph_sim.imu.firmware_model",  # see `scene.unit.FirmwareModel`
-    "host frames": "periph_sim.imu.host_frames",  # see `devices.host_frames`
-    "plugins": "periph_sim.scene.plugins",  # known_formats: the capture formats of plugins
-    "sensors": "periph_sim.imu.sensors",  # SENSORS: the sensors that the key `order` may list, indexed by name
+    "firmware model": "periph_sim.imu.firmware_model",  # what it defines is described by `scene.unit.FirmwareModel`
+    "host frames": "periph_sim.imu.host_frames",  # what it defines is described in `devices.host_frames`
+    "plugins": "periph_sim.scene.plugins",  # defines `known_formats`, the capture formats of plugins
+    "sensors": "periph_sim.imu.sensors",  # defines `SENSORS`, the sensors that the key `order` may list, by name
 }
 
 

@@ -131,10 +131,10 @@ class Register(Struct, frozen=True, dict=True):
     offset: int
     source: str
     fields: tuple[Field, ...]
-    protected: bool = False  # writes need EALLOW
+    protected: bool = False  # True if writes need EALLOW
     width: int = 16
     yields: Yields = Yields.STATE
-    read_acts: bool = False  # True if a read has an effect beyond this register: takes a word, clears a flag elsewhere
+    read_acts: bool = False  # True if a read has another effect, such as taking a word or clearing a flag elsewhere
     data: str = ""  # the name of the field that contains the data word, if `yields` is DATA
     upper: str = ""  # the register with bits 31:16, if C headers define both as one 32-bit register (`all`, `half`)
 

@@ -36,7 +36,7 @@ class _WatcherAgent(Agent):
 
 @final
 class _Line:
-    """One line of a sampler: a wire, or None if the owner sets its level with `put`."""
+    """One line of a sampler. wire: the wire of the line; None if the owner sets its level with `put`."""
 
     STATE = State("bit wire", made=True)
 
@@ -83,7 +83,7 @@ class Sampler(SampledParty):
         self._set(line, wire.level)
 
     def put(self, line: int, level: int) -> None:
-        """Set the level of this line. If the line was a wire, it is detached from it."""
+        """Set the level of this line. If the line was a wire, the wire is detached."""
         self._leave(line)
         self._put_under = self._recorder.cause
         if self._put_under:

@@ -1,7 +1,8 @@
 """Types of settings in case files and firmware: exact numbers, written as texts with units.
 
 `Duration` converts "250 us" to seconds as an exact fraction and rejects a number without a unit. `DurationRange`
-converts "240 us to 260 us" to a `Spread`. `Frequency` accepts "100 kHz", `HexBytes` "1d 00 ff", `Share` "90 %".
+converts "240 us to 260 us" to a `Spread`. `Frequency` converts "100 kHz" to hertz, `HexBytes` converts "1d 00 ff" to
+bytes, and `Share` converts "90 %" to a fraction.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from .shorten import shorten
 from .time import UNITS as TIMES
 from .time import TimeError, seconds
 
-LOWEST, HIGHEST = Fraction(1, 1000), 10**12  # in hertz; a cycle in ticks and a run in cycles then fit into 64 bits
+LOWEST, HIGHEST = Fraction(1, 1000), 10**12  # limits in hertz: a cycle in ticks and a run in cycles must fit 64 bits
 HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000, "GHz": 1_000_000_000}
 
 
@@ -138,7 +139,7 @@ def hex_bytes(value: object) -> bytes:
 
 def _said(pattern: str, *examples: str) -> Any:
     """Return the type of a text in a file, for the schema that editors read. The converters check the text."""
-    schema = {"pattern": pattern, "examples": [*examples]}  # `Meta(pattern=...)` would compile the pattern
+    schema = {"pattern": pattern, "examples": [*examples]}  # no Meta, which would compile the pattern
     return Annotated[str, Meta(extra_json_schema=schema)]
 
 

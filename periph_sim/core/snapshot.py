@@ -28,7 +28,7 @@ from .state import Time, state_of
 NOT_YET = -1  # an instant that is not known yet
 PLAIN = (type(None), bool, int, float, str, bytes, Fraction, datetime)
 CONTAINERS = (list, tuple, deque, set, frozenset, dict, bytearray, array)
-ARRAY = "array of "  # followed by the type code of its items
+ARRAY = "array of "  # the begin of the kind of an array; the type code of its items follows
 KEYED_BY_OBJECTS = "dict keyed by objects"
 
 
@@ -70,7 +70,7 @@ class Made(NamedTuple):
 
 
 class Group(NamedTuple):
-    """A container of plain values; the items of a dict are pairs, those of a random generator its internal state."""
+    """A container of plain values. items: the values, the pairs of a dict, or the state of a random generator."""
 
     kind: str
     items: tuple[Any, ...]
@@ -119,7 +119,7 @@ class Snapshot(NamedTuple):
     base: Snapshot | None = None
 
     def differences(self, other: Snapshot) -> dict[str, tuple[object, object]]:
-        """Return the values that differ from those of the other snapshot, by name, as pairs."""
+        """Return the values that differ from those of the other snapshot, as pairs (this, other), indexed by name."""
         found: dict[str, tuple[object, object]] = {}
         for name in {**self.values, **other.values}:
             here, there = (one.values.get(name, Absent()) for one in (self, other))
@@ -256,7 +256,7 @@ class _Collector:
             self.values[name] = Foreign(class_name(kind))
 
     def _function(self, name: str, value: Any) -> None:
-        """Collect a method by its owner, which may get its name here, or a function by its own name."""
+        """Collect a method as a reference to its owner, which may get its name here, or a function by its name."""
         owner = getattr(value, "__self__", None)
         if owner is None or isinstance(owner, ModuleType):
             kind = Foreign if getattr(value, "__closure__", None) else Function

@@ -22,13 +22,13 @@ from .state import State
 from .time import Clock
 from .wire import BITS, MAX_PARTIES, Pin
 
-# Tags of events. WAKE is the chip's wake-up; LOOK is the sampling of its inputs. Other tags are changes of an output:
-# the bits below bit RECORD are a number n >= 2, and output n // 2 - 1 takes level n % 2; the bits from bit RECORD up
-# are the number of the record that caused the change.
+# Tags of events. WAKE is the chip's wake-up; LOOK is the sampling of its inputs. Other tags are changes of an output.
+# The bits below bit RECORD of the tag for a change of an output are the number 2 * (output + 1) + level.
+# The bits from bit RECORD up of the tag for a change of an output are the number of the record that caused it.
 WAKE, LOOK = 0, 1
 RECORD = 16
 MOVE = (1 << RECORD) - 1
-_NO_PINS: list[Pin] = []  # stays empty
+_NO_PINS: list[Pin] = []  # shared by all outputs that are not connected, so it must stay empty
 
 
 class PinReleaseGate:
@@ -116,16 +116,16 @@ class Socket(Agent):
         self.inputs = Sampler(kernel, recorder, self, sum(BITS[: len(chip.INPUTS)]))
         self.marks: WriteOrigins | None = chip.marks
         self.out_delay = 0  # cycles from an output of the chip to its pin
-        self.before: Callable[[int], None] | None = None  # called before each access, to update the chip
+        self.before: Callable[[int], None] | None = None  # called with the cycle before each access, to update the chip
         self.on_peek: Callable[[int, int], int] | None = None  # called with (cycle, offset) in place of `chip.peek`
-        self.after: Callable[[int], None] | None = None  # called when readable values may have changed
+        self.after: Callable[[int], None] | None = None  # called with the cycle when readable values may have changed
         self.on_held: Callable[[int, int], None] | None = None  # called with (cycle, mask) when `Chip.held` changes
         self._held = 0
         self.release: PinReleaseGate | None = None
         self.watchers: list[ChipObserver] = []
         self.on_watch: Callable[[], None] | None = None  # called when `watchers` has changed
         self.notes: list[tuple[int, Note]] = []
-        self.on_note: Callable[[int, Note], None] | None = None  # called with the cycle for each note
+        self.on_note: Callable[[int, Note], None] | None = None  # called with (cycle, note) for each note
         self._note_count: dict[Note, int] = {}
         self._mid_byte = sum(BITS[offset] for offset in chip.mid_byte)
         self._kernel = kernel

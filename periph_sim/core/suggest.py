@@ -11,7 +11,7 @@ LONGEST = 60  # maximum number of characters of a name that are compared and sho
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:
     """Return a phrase with the nearest known names, or with the first twelve if none is near."""
-    from difflib import get_close_matches  # only for an error
+    from difflib import get_close_matches  # imported here, because only errors need it
 
     names = [shorten(str(k), LONGEST) for k in known]
     folded = {k.casefold(): k for k in reversed(names)}

@@ -27,7 +27,7 @@ PLAIN = frozenset((str, int, bool, bytes, float, Fraction, NoneType))  # the typ
 class Table(Struct, frozen=True, kw_only=True):
     """Base of tables. Fields whose names begin with _ are not keys."""
 
-    OTHERS: ClassVar[str] = ""  # the field, if any, for the keys that have no field
+    OTHERS: ClassVar[str] = ""  # the name of the field that receives unknown keys; "" to reject them
 
     def check_together(self, given: Set[str]) -> None:
         """Raise ValueError with a phrase if the keys contradict each other. given: the keys in the file."""

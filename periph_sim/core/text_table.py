@@ -13,7 +13,7 @@ from textwrap import wrap
 
 WIDTH = 80
 GAP = "  "  # the space between two columns
-FOLD = 16  # minimum width to which a word is broken
+FOLD = 16  # minimum width of a column in which words are broken
 KEPT = "\u00a0"  # a space at which lines are not broken
 ROOM = 24  # minimum width of a column whose continuation lines are indented by two spaces
 

@@ -21,7 +21,7 @@ from .state import State
 
 GHZ = 1_000_000_000
 NO_TIME = -1
-LAST_TICK = NEVER - 1  # also the limit of recordings, whose ticks are int64
+LAST_TICK = NEVER - 1  # the last valid tick, also in recordings, whose ticks are int64
 DAY = 86_400
 LONGEST = 365_250 * DAY  # maximum seconds that a user can write: a thousand years, more than 64-bit ticks can count
 MOST_TICKS = LAST_TICK  # maximum length of time in ticks
@@ -61,7 +61,7 @@ def round_ratio(value: Fraction, rounding: Rounding) -> BigInt:
 def seconds(text: Text) -> Fraction:
     """Return the exact seconds in "250 us" or "1.5 ms". Raise TimeError if it is not a length of time, or too long."""
     quoted = shorten(repr(text), SHOWN)
-    number, _, unit = text.strip().replace("\u00b5", "u").replace("\u03bc", "u").partition(" ")  # micro sign, mu
+    number, _, unit = text.strip().replace("\u00b5", "u").replace("\u03bc", "u").partition(" ")  # micro sign, letter mu
     if not unit:
         cut = len(number.rstrip("abcdefghijklmnopqrstuvwxyz"))
         number, unit = number[:cut], number[cut:]
@@ -174,7 +174,7 @@ class Clock:
         period = self.timebase.per_second / hz
         self._exact = period.numerator, period.denominator
         self._wide = period < 1 or period.numerator * period.denominator > MOST
-        self._near = MOST // max(self._exact)  # fewer cycles or ticks than this, times either factor, fit 64 bits
+        self._near = MOST // max(self._exact)  # a smaller number, times `_num` or `_den`, fits 64 bits
         return (0, 0) if self._wide else self._exact
 
     def tick(self, cycle: int) -> int:
@@ -189,7 +189,7 @@ class Clock:
             if -self._near < passed < self._near:
                 self._last_tick = self._tick0 + passed * self._num // den
             else:
-                whole = passed // den  # divided first, because the product could exceed 64 bits in a long run
+                whole = passed // den  # divide first, because the product could exceed 64 bits in a long run
                 self._last_tick = self._tick0 + whole * self._num + (passed - whole * den) * self._num // den
         return self._last_tick
 

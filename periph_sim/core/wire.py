@@ -56,7 +56,7 @@ class Wire(Settleable):
         self.shortcut: Shortcut | None = None  # the shortcut that skips edges of this wire now
         self.attached = 0
         self._pulling = 0  # like `pulling`, with the changes that have not settled yet
-        self._pulling_recorded = 0  # like `pulling`, at the last record of this wire
+        self._pulling_recorded = 0  # the value of `_pulling` at the last record of this wire
         self._parties: list[str] = []
         self._names_of: dict[int, str] = {}  # names of the pulling parties, for records; indexed by their mask
         self._named = 0  # mask of the parties that a record named last; `_names` are their names

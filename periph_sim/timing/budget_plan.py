@@ -126,7 +126,7 @@ def _joined(
 
 
 def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, given: str | int) -> int:
-    """Return the limit in ticks, millionths or counts."""
+    """Return a limit of the table in ticks, millionths or counts, according to the unit of the measure."""
     unit = measure.unit
     if unit == "time":
         try:

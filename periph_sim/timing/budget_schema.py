@@ -1,6 +1,6 @@
 """Budgets as a case file states them, with checked limits.
 
-Their measures are plain text here; `budget_plan.py` resolves them.
+The measures are plain text here; `budget_plan.py` parses them.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ def _limit(value: object) -> object:
 
 Extent = Annotated[str | int, Before(_limit)]
 
-SPAN = "span:"  # this and the next two begin measures that contain a name, such as "span:models"
+SPAN = "span:"  # prefix of a measure that contains a name, such as "span:models"; so are the next two
 REPLY = "reply:"
 WATCH = "watch:"
-LIMITS = ("max", "min", "exactly", "p50", "p95", "p99", "p99_9")  # keys of a budget
+LIMITS = ("max", "min", "exactly", "p50", "p95", "p99", "p99_9")  # the keys of a budget that are limits
 
 
 class Limited(Table, frozen=True, kw_only=True):
@@ -58,7 +58,8 @@ class Budget(Limited, frozen=True, kw_only=True):
 
     p50 to p99_9: upper limits for the smallest 50 % to 99.9 % of the values.
     after: a time since the begin of the run; occurrences that begin before it are left out.
-    coverage: the share of all occasions that must be measured; with less, the budget is not judged.
+    coverage: the share of all occasions (events at which a value should be measured) that must have been measured; with
+        less, the budget is not judged.
     also: the key `and` in a file: conditions that are joined to the budget.
     """
 

@@ -151,7 +151,11 @@ class BudgetJudge:
         )
 
     def _can_judge(self, which: str, limit: BigInt) -> bool:
-        """Return False if all values are of cut-off occurrences, and such lower bounds cannot decide on this limit."""
+        """Return True if the values that were measured can decide on this limit.
+
+        The value of an occurrence that the end of the run cut off is only a lower bound. If all values are such bounds,
+        they cannot decide on each kind of limit.
+        """
         measure = self.measure
         if measure.count > measure.cut_off or not measure.series:
             return True
@@ -216,8 +220,8 @@ def combine(measures: list[Measure]) -> list[int]:
         age            a   b       c    d            the first measure determines which occurrences count
         value error    a   b   x        d   y        it has no value for c, so nothing is proven
 
-    Occurrences are the same if they begin at the same tick. Return for each measure the number of occurrences for which
-    it has no value. If there are any, all its values are dropped.
+    Occurrences are the same if they begin at the same tick. Return for each measure the number of occurrences of the
+    first measure for which it has no value. If there are any, all its values are dropped.
     """
     import numpy as np  # imported here, because only joined conditions need it
 

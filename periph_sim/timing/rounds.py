@@ -5,9 +5,9 @@
     Asked ------'                          '--> rounds due, rounds missed
 
 A transfer fulfils a request if it begins with the same address and R/W bit, and writes the same bytes. A transfer that
-matches no request belongs to no round. A round begins with its first START, but not later than its schedule allows. It
-ends with the STOP of its last request. A round is missed if it does not begin, and also if one of its requests is not
-made because a later request, or the first request of the next round, comes in its place.
+matches no request belongs to no round. A round begins with its first START, or at the latest time that its schedule
+allows if the START comes later. It ends with the STOP of its last request. A round is missed if it does not begin, and
+also if one of its requests is not made, because a later request or the first one of the next round takes its place.
 
 The rounds of an agent are due by a fixed schedule. Firmware and captures have a clock of their own: a round is due one
 period after the begin of the round before, and is missed if it has not begun half a period after that.
@@ -152,7 +152,7 @@ class BusRounds:
         self._round: Round | None = None
         self._number = 0
         self.completed = self.missed = 0
-        self._over = NO_TIME  # the end of the last round
+        self._over = NO_TIME  # the tick at which the last round ended
 
     def transfer(self, transfer: Transfer) -> None:
         """Assign a complete transfer to the set-up, to a round, or to neither."""
@@ -194,12 +194,12 @@ class BusRounds:
             told(transfer)
 
     def _request(self, transfer: Transfer, place: int) -> None:
-        """Take a transfer as the request at a place of the round; earlier requests that were not made are skipped."""
+        """Take a transfer as request number `place` of the round. Earlier requests that were not made are skipped."""
         phase: Phase = transfer.phases[0]
         start: int = phase.start_at
         current = self._round or self._begin(start)
         made = asked_for(transfer, self._requests[place])
-        if place > self._made and current.transfers == self._made:  # the first request that is missing in this round
+        if place > self._made and current.transfers == self._made:  # a missing request, reported once per round
             self._tell_incomplete(start)
         self._made = place + 1
         current.transfers += 1

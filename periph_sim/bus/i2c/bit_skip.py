@@ -55,7 +55,7 @@ class BitTimes:
 
 @final
 class CycleTimes(BitTimes):
-    """Edges of SCL from a party with a clock of its own. since, low and high are in cycles of that clock."""
+    """The ticks of the edges of SCL, for a clocking party with its own clock, whose cycles are the unit of times."""
 
     __slots__ = ("_clock",)
 
@@ -80,7 +80,7 @@ class BitParty(Agent):
         return 0
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return True if the party waits for the first bit of a byte and changes only SDA before the eighth bit.
+        """Return True if the party waits for the first bit of a byte and will change only SDA before the eighth bit.
 
         low, high, hold: times of the controller, in ticks, as in `BusTiming`.
         each: True if the caller also checks each change of SDA by `separates`.
@@ -162,7 +162,7 @@ class BitSkip(Shortcut):
         self._fell = NO_TIME
         self._shown = ONES
         self._steady = BitTimes()
-        self._times = self._steady  # times of this byte
+        self._times = self._steady  # the edges of SCL in this byte
         self._ends = 0  # the tick at which the skipped bits end
         self._eighth: Event | None = None
         self._tag = 0
@@ -223,7 +223,7 @@ class BitSkip(Shortcut):
     def materialize(self) -> None:
         kernel, controller = self._kernel, self._controller
         if self._ends <= kernel.now:
-            self.over()  # the controller acts in this tick, or has acted; the state after the bits is right
+            self.over()  # the controller acts in this tick, or has acted, so the skip is complete
             return
         assert controller is not None
         self._set_active(None)

@@ -29,7 +29,7 @@ from .filtered_bus import FilteredBus
 from .line_events import SCL
 from .transfer import BusTiming, Phase, Transfer
 
-# Purposes of events.
+# Purposes of the controller's events, which are the tags of the events.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 
 OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that only the agent can report: the wires do not show them
@@ -227,7 +227,7 @@ class I2cController(BitParty):
         self._then(now + self.timing.start_hold, FIRST_LOW)
 
     def _may_start(self, now: int) -> bool:
-        """Return True if both lines are high, and the bus is this controller's or has been free long enough."""
+        """Return True if both lines are high and the bus is in use by this controller or was free long enough."""
         if not self._scl_wire.level or not self._bus.sda(self._kernel.now):
             return False
         return self._phase_index > 0 or not (self._bus.busy or now < self._bus.last_stop + self.timing.free)
@@ -270,7 +270,7 @@ class I2cController(BitParty):
         self._bit = self._in = 0
 
     def _low(self, sda: int) -> None:
-        """Pull SCL; SDA changes to `sda` after the hold time; SCL is released after the low time."""
+        """Pull SCL low. SDA will change to `sda` after the hold time, and SCL will be released after the low time."""
         self._scl_wire.pull(self._scl_mask, 0)
         if sda == self._sda_level:
             self._then(self._kernel.now + self._low_time, RELEASE)
@@ -295,7 +295,7 @@ class I2cController(BitParty):
         self._then(now + self._high, self._high_end)
 
     def _bit_end(self) -> None:
-        """End the high phase: sample SDA, go to the next bit."""
+        """End the high phase: sample SDA and begin the next bit."""
         level = self._bus.sda(self._kernel.now)
         bit = self._bit
         if bit == 8:
@@ -319,7 +319,7 @@ class I2cController(BitParty):
 
     def _byte_end(self, ack: bool) -> None:
         phase = self._phase
-        refused = not ack and (self._index < 0 or not self._receiving)  # the controller NACKs the last byte of a read
+        refused = not ack and (self._index < 0 or not self._receiving)  # the NACK that ends a read is no refusal
         if self._index < 0:
             phase.acked = ack
             self._mark("address", self._in << 1 | (not ack))

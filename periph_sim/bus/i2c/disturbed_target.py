@@ -107,7 +107,7 @@ class Refuse(Rule):
 
 
 class Wrong(Rule):
-    """Replaces each byte that is sent by `value`."""
+    """Sends `value` in place of each byte."""
 
     def __init__(self, when: When, value: int) -> None:
         super().__init__(when)

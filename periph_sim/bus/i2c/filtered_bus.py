@@ -84,7 +84,7 @@ class FilteredBus:
             self.last_stop = self._sda_moved
 
     def sda(self, now: int) -> int:
-        """Return SDA after the filter."""
+        """Return the level of SDA behind the filter."""
         self.settle(now)
         return self._sda_seen
 

@@ -55,9 +55,9 @@ class I2cMonitor(BitParty):
         self._start_at = NO_TIME  # the tick of a possible START, until a party that pulled SDA for it pulls SCL
         self._starting = 0  # the mask of the parties that pulled SDA for the possible START
         self._masters_of: dict[int, tuple[int, int]] = {}  # cached results of `_masters`, by the value of `_starting`
-        self._versions = scl.version, sda.version  # versions of the wires for which these results are valid
-        self._scl_mask = self._sda_mask = 0  # the master's pulls on the wires; 0 between transfers
-        self._pulls_scl = self._pulls_sda = False  # True while the master pulls
+        self._versions = scl.version, sda.version  # versions of the wires for which the cached results are valid
+        self._scl_mask = self._sda_mask = 0  # the masks of the master's pulls on the wires; 0 between transfers
+        self._pulls_scl = self._pulls_sda = False  # True while the master pulls the wire
         self._began_at = NO_TIME
         self._first = True  # True if the master's next pull of SCL is part of the START
         self._let_go_at = NO_TIME  # the tick of the master's release of SCL, until SCL rises
@@ -240,5 +240,5 @@ def _parties(wire: Wire, mask: int) -> list[str]:
 
 
 def _mask(wire: Wire, parties: set[str]) -> int:
-    """Return the mask of these parties on a wire. The pin of a unit counts as the unit."""
+    """Return the mask of these parties on a wire. The pins of a unit count as the unit."""
     return sum(1 << place for place, who in enumerate(wire.parties()) if who.partition(".")[0] in parties)

@@ -35,7 +35,7 @@ class Move(NamedTuple):
     """
 
     after: int
-    clock: bool  # True for SCL, False for SDA
+    clock: bool  # the line: True for SCL, False for SDA
     level: int
 
 

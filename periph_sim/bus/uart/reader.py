@@ -1,4 +1,4 @@
-"""Readers of a UART line, which read or count its frames from any sender.
+"""Readers of a UART line: they read or count its frames, whoever sends them.
 
     wire  --|___+---|___...---+------      start bit, data, parity, stop
             on_begin          on_end(Heard)
@@ -122,7 +122,7 @@ class UartReader(Agent):
         levels = []
         passed: int
         level: int
-        passed, level = 0, 1  # edges so far, and the level after them
+        passed, level = 0, 1  # number of edges so far, and the level after them
         bit: int
         for bit in range(self._length):
             middle: int = self._start + self._halves[2 * bit + 1]
@@ -180,7 +180,7 @@ class UartCounter(Agent):
         self._lasted = self._taken = 0
         self._begun_at = NO_TIME
         self._over_at = 0  # the tick at which the last stop bit of the last character ends
-        self._free_at = 0  # the tick in the middle of that stop bit: a fall from then on is a start bit
+        self._free_at = 0  # the middle of this stop bit, in ticks: a fall from then on is a start bit
         watch([wire], self)
 
     def sampled(self, now: int, levels: int) -> None:

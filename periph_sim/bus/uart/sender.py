@@ -21,7 +21,7 @@ from ...core.wire import Wire
 from ...form.c_types import BigInt
 from .frame_format import UartFormat
 
-EDGE = 0x100  # tag of the events of edges; a subclass may have others
+EDGE = 0x100  # the tag of events that make an edge; a subclass may have events with other tags
 
 
 class EdgeSender(Agent):
@@ -142,7 +142,7 @@ class UartSender(EdgeSender):
             return
         self._measure(len(data), gap)
         edges = []
-        first = 0  # number of the first bit of the frame, in the burst
+        first = 0  # the number in the burst of the frame's first bit
         byte: int
         for byte in data:
             if self._recorder is not None:

@@ -12,11 +12,13 @@
     model age     START of the read           ticks since the end of the frame that the last model run used
     model run     end of the span "model"     0; for each model run that began after the first frame ended
 
+A chip shows a frame while its registers contain values of the frame.
+
 Every read has an age. If the values are of no frame, the age counts from the frame that the chip showed last. Until a
 chip has shown a frame, the age counts from the first frame. If several frames have the same values, the last counts.
 
-The model age is for firmware whose chips do not show the values of frames. Its span "model" marks each run of the
-models. A run uses the last frame that ended before the run began.
+The model age is for firmware whose chips do not show the values of frames, but results of models that it computes from
+them. The firmware's span "model" marks each run of the models. A run uses the last frame that ended before it began.
 """
 
 # core: compiled
@@ -33,7 +35,7 @@ from .transfer_records import begin_of
 
 if TYPE_CHECKING:
     from ...core.records import Topic
-    from . import origins as read_origins  # compiled code does not import a class that is named through its module
+    from . import origins as read_origins  # a class that is named through its module is not imported by compiled code
 
 MODEL = "model"  # the span in which firmware computes sensor models
 
@@ -54,17 +56,17 @@ class ChipTopics:
 class AgeRecords(Listener):
     """Makes the records of the ages of sensor reads and of model runs.
 
-    origins: the origins of the data that reads carry; None where only model ages are needed.
+    origins: finds the frame whose values a read returned; None if only model ages are needed.
     """
 
     def __init__(self, recorder: Recorder, origins: read_origins.Origins | None = None) -> None:
         self.origins: read_origins.Origins | None = origins
         self._chips = {chip.address: ChipTopics(recorder, name) for name, chip in known_sensors().items()}
         self._model_run: Topic = recorder.topic(Kind.DATA, MODEL, "model run")
-        self._first_ended = NO_TIME  # when the first frame ended
-        self._last_ended = NO_TIME  # when the last frame ended
-        self._taken = NO_TIME  # when the frame ended that the present model run uses
-        self._made = NO_TIME  # when the frame ended that the last complete model run used
+        self._first_ended = NO_TIME  # the tick at which the first frame ended
+        self._last_ended = NO_TIME  # the tick at which the last frame ended
+        self._taken = NO_TIME  # the tick at which the frame ended that the present model run uses
+        self._made = NO_TIME  # the tick at which the frame ended that the last complete model run used
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         """Note a host frame that ended at `tick`."""

@@ -5,7 +5,7 @@ bytes asked      START of the read  number of bytes requested
 bytes compared   START of the read  number of bytes whose right values are known
 wrong bytes      START of the read  number of these bytes that are wrong
 zeros            end of the run     number of bytes read as 0 from chips that never showed a host frame's values
-unknown bytes    end of the run     number of bytes that may be of frames which were not compared with them
+unknown bytes    end of the run     number of bytes that may be values of frames that were not compared with them
 """
 
 # core: compiled
@@ -20,13 +20,13 @@ from .transfer_records import I2C, begin_of
 
 if TYPE_CHECKING:
     from ...core.records import Topic
-    from . import origins as read_origins  # compiled code does not import a class that is named through its module
+    from . import origins as read_origins  # a class that is named through its module is not imported by compiled code
 
 
 class ByteRecords:
     """Compares the bytes of reads with `Phase.expect`, or with the values of host frames.
 
-    origins: the frames that reads come from; None if the chips need not show values of host frames.
+    origins: finds the frame whose values a read returned; None if the chips need not show values of host frames.
     wrong_places: the number of wrong bytes at each place, such as "gyroscope byte 0".
     first_wrong: a sentence about the first wrong read.
     """
@@ -40,7 +40,7 @@ class ByteRecords:
         self._wrong: Topic = recorder.topic(Kind.DATA, I2C, "wrong bytes")
         self._never_shown: Topic = recorder.topic(Kind.DATA, I2C, "zeros")
         self._not_known: Topic = recorder.topic(Kind.DATA, I2C, "unknown bytes")
-        self._zeros: dict[int, int] = {}  # by address: number of bytes that are right if the chip shows a frame later
+        self._zeros: dict[int, int] = {}  # by chip address: number of zeros, right if the chip shows a frame later
         self._unknown = 0
 
     def transfer(self, transfer: Transfer) -> None:

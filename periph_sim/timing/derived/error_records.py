@@ -1,4 +1,4 @@
-"""Records of the errors of samples of known chips, compared with the truth.
+"""Records of errors: the differences between the samples that were read from sensor chips and the true values.
 
     read of a chip --values x, y, z--.
                                      |-- worst axis --> value error, in millionths of an LSB

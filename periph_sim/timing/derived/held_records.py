@@ -23,7 +23,7 @@ HELD_ALONE, UNFINISHED = "held alone", "unfinished"
 
 
 class HeldRecords(BusFromWires):
-    """Makes the records of one unit."""
+    """Makes these records for one unit."""
 
     STATE = State("_sum", ticks="_began")
 

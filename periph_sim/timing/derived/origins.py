@@ -1,8 +1,10 @@
-"""The host frame that the bytes of a read come from, and the bytes that would have been right, derived from the bus.
+"""Origins of reads: the host frame whose values a read returned, and the bytes that would have been right.
 
     frames of the host ---------.
     MODEL pin (runs of models) --+--> Origins --of(phase)--> Origin: frame, when it had ended, wanted bytes
     reads of the controller ----'
+
+Firmware answers the reads like sensor chips. A chip shows a frame while its registers contain values of the frame.
 
 If the chips show the values of frames (`FrameOrigins`), a read's bytes are compared with the last 8 frames and with
 every frame since the one that the chip showed last. The measure `age` judges how old the values are.
@@ -40,7 +42,7 @@ class Origin(NamedTuple):
     frame: the number of the frame, the youngest if several fit; None if the bytes are the values of no frame.
     ended: the tick at which the last stop bit of that frame ended.
     wanted: the bytes that would have been right; of several possibilities, the one most similar to the bytes read.
-    judged: False if the bytes may be right or wrong, because not all possible histories were compared with them.
+    judged: False if the bytes may be right or wrong, because not all possible frames or chains were compared with them.
     """
 
     frame: int | None
@@ -66,7 +68,7 @@ class FrameHistory:
         self._numbers: array[int] = array("q")
         self._ended: array[int] = array("q")
         self._values = bytearray()
-        self._format: Struct | None = None  # known from the first frame on
+        self._format: Struct | None = None  # the format of a frame's values; None before the first frame
         self._shown: dict[int, bytearray] = {}  # by address: the bytes that the chip shows for each frame
 
     def add(self, number: int, values: tuple[int, ...], ended: int) -> None:
@@ -104,11 +106,11 @@ class FrameHistory:
         return shown
 
 
-RECENT = 8  # number of frames that the bytes of a read are compared with first
+RECENT = 8  # number of recent frames with which each read is compared
 KEPT = 64  # number of recent frames among which the input of a model run is searched
-COMPLETE = 256  # maximum number of chains of which all are followed
+COMPLETE = 256  # maximum number of chains that are all followed
 PASSED_OVER = 3  # if there are more chains, only those that skip at most this number of frames are followed
-MOST = 64  # maximum number of chains followed in that case: those with the youngest frames
+MOST = 64  # maximum number of these chains; the chains with the youngest frames are followed
 
 
 @final

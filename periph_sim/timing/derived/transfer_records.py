@@ -9,7 +9,7 @@ acknowledge  SCL fall that ends the ACK slot of a read's address        0; for e
 answer    SCL rise of the first data bit of a read                      0
 stretch   START of each acknowledged phase                              longest time others held SCL low, in ticks
 refused   START of a transfer whose address was not acknowledged        number of its phases
-held      release of SCL by the master, if others hold it at the end    ticks up to the end of the run
+held      release of SCL by the master, if others hold it till the end  ticks up to the end of the run
 """
 
 # core: compiled

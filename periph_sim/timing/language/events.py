@@ -38,14 +38,14 @@ from ...devices.sensor_rounds import known_sensors
 from .scope import LINES, RECORDS, BadEvent, Scope, Thing
 from .tokens import Words, name_text
 
-EVERYTHING = -1  # all bits of a value
+EVERYTHING = -1  # the mask of all bits of a value
 CHANGES = ("rise", "fall", "change")
 NOTES = ("duty", "lost", "unknown", "overflow")
 BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost", "stuck", "clear", "NACK")
 OF_AGENT = ("arbitration lost", "clear")  # recorded only by the controller of a case
 OF_PAIRS = ("cut", "collision")
 FRAME_PARTS = ("begin", "end", "error", *OF_PAIRS)
-BEHIND_EVENTS = ("", "to", "from", "or", "of", "at", ",", "in", "next", "last", "same")  # words after an event
+BEHIND_EVENTS = ("", "to", "from", "or", "of", "at", ",", "in", "next", "last", "same")  # can follow an event
 NTH = re.compile(r"(\d+)(st|nd|rd|th)")
 GROUPS = ("transfer", "round", "burst", "interrupt")
 ANY_UNIT = "any"
@@ -58,7 +58,7 @@ class Event(Struct, frozen=True):
     kind: the first word of the event. name: the wire, field, span or other thing that it is about.
     how: the change, or the direction of the access. number: the value; None if none is given.
     others: alternative events, joined by "or". routine: the interrupt whose service routine is the group.
-    nth, group: the event counts only as the nth one in its transfer, round, burst or service routine; -1 is the last.
+    nth, group: only the nth such event in each transfer, round, burst or service routine counts; -1 means the last.
     """
 
     kind: str
@@ -93,7 +93,7 @@ class Matcher(Struct, frozen=True, dict=True):
     mask, want: the bits of the value that are compared, and the value that they must have.
     others: the matchers of alternative events, joined by "or".
     nth, group: which event in the group counts: 1 is the first, -1 the last; 0 if every one counts.
-    thing: what is known about a derived record; None for other records.
+    thing: the properties of a derived record; None for other records.
     """
 
     text: str
@@ -211,7 +211,7 @@ def group_of(event: Event, scope: Scope) -> Group:
 
 
 def stretch_of(name: str, scope: Scope, whose: str, hint: str = "") -> Group:
-    """Return the group for a transfer or a round. Raise BadEvent, which begins with `whose`, if the scene has none."""
+    """Return the group for a transfer or a round. Raise BadEvent, with `whose` as its subject, if there is none."""
     if not (scope.rounds if name == "round" else scope.bus):
         needs = "[controller] or [rounds]" if name == "round" else "SCL and SDA"
         raise BadEvent(f"{whose} needs {needs} in the scene, which has none{hint}")
@@ -294,7 +294,7 @@ def _match_edge(event: Event, scope: Scope) -> Matcher:
 
 
 def _values(event: Event) -> tuple[int, int]:
-    """Return the mask and the wanted value of the records that show the change of an event."""
+    """Return `mask` and `want` of the matcher for the change or the value in an event."""
     if event.how == "change":
         return 0, 0
     return EVERYTHING, {"rise": 1, "fall": 0}.get(event.how, event.number or 0)

@@ -55,7 +55,7 @@ CLAUSES = {
     "for": "for each",  # an event that is an occasion to measure
     "measured": "measured at",  # an event that shows that an occasion was measured, where the values do not show it
     "given": "given",  # an event without which the budget is not judged
-    "unless": "unless",  # an event that cannot be judged
+    "unless": "unless",  # an event that cannot be judged, so the budget is not judged if it happens
     "unfinished": "unfinished",  # an event with a value that the end of the run cuts off
 }
 LEVELS, BUS_STATES, CPU_STATES = ("high", "low"), ("busy", "free"), ("busy", "idle")
@@ -107,8 +107,8 @@ def is_form(text: str) -> bool:
 
 
 def near_form(text: str) -> str:
-    """Return the form whose first word resembles the text's; "" if no form has one."""
-    from difflib import get_close_matches  # only for an error
+    """Return the form whose first word resembles the first word of a text; "" if there is none."""
+    from difflib import get_close_matches  # imported here, because only errors need it
 
     close = get_close_matches(text.split(" ", 1)[0], list(FORMS), 1, 0.75)
     return FORMS[close[0]] if close else ""
@@ -223,7 +223,7 @@ def _share(words: Words) -> Said:
 
 
 def _during(words: Words) -> During:
-    """Read "in" and a state."""
+    """Read the word "in" and the state that follows it."""
     words.one_of(["in"])
     begin = words.place
     if words.next == "cpu" and words.following in CPU_STATES:

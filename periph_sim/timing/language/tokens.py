@@ -54,7 +54,7 @@ class Words:
         return word
 
     def phrase(self, choices: list[str]) -> str:
-        """Read the longest of these names, which may have several words."""
+        """Read and return the longest of these names that comes next. A name may have several words."""
         for name in sorted(choices, key=len, reverse=True):
             count = len(name.split())
             if self._words[self._at : self._at + count] == name.split():

@@ -33,12 +33,12 @@ class BusFromWires(BitParty):
         self.stream = I2cStream()
         self.ours = False  # True if the unit has acknowledged the address
         self.phase_at = NO_TIME  # the tick of the START or repeated START of the present phase; NO_TIME after a STOP
-        # The tick from which the others did not hold SCL in its present or last low phase; NO_TIME while they hold it.
+        # The tick since which no other party has held SCL, in its present or last low phase; NO_TIME while one does.
         self.others_held_until = NO_TIME
         self._unit: str = f"{unit}."
         self._scl_pulling = self._sda_pulling = 0  # masks of the parties that pull: bit i is party i
         self._scl_ours = self._sda_ours = 0  # masks of the unit's own parties
-        self._parties = 0  # number of parties on both wires for which these masks are valid
+        self._parties = 0  # number of parties on both wires when these masks were computed
         self._tick = NO_TIME
         self._settled = True
 

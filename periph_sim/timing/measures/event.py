@@ -1,6 +1,6 @@
 """Measures of events that the text of a measure names: how often they happen, and with which values.
 
-    topic  --tag_of--> events that its records may be, and with which values: determined once
+    topic  --tag_of--> events that its records can be, and the values for that; determined once per topic
     record --on_record--> event that counts immediately --------------.
                    '---> "last ... of transfer": known when that is over -+--in order--> happened(place, tick, value)
                                                                           '--> occasions, things that cannot be judged
@@ -147,7 +147,7 @@ class EventMeasure(Measure):
         self.matchers: tuple[Matcher, ...] = matchers
         order = order or range(self._own)
         matchers = (*matchers, *clauses.matchers)
-        self._seen_places = 0  # mask of the places whose events happened
+        self._seen_places = 0  # mask of the events that happened; bit i is event i of `matchers`
         self.first_seen = 0  # number of occurrences of the first event
         self.spans: set[str] | None = set() if any(m.free for m in matchers) else None  # names of the run's spans
         self._order: Sequence[int] = [*order, *range(self._own, len(matchers))]
@@ -155,12 +155,12 @@ class EventMeasure(Measure):
         self._groups = [None if m.group is None else Groups(m.group, m.nth) for m in matchers]
         self._queue: deque[_Seen] = deque()
         self._queued = False  # True if an event waits in `_queue`
-        self._newest: dict[int, _Seen] = {}  # by place: the last event of its group so far
+        self._newest: dict[int, _Seen] = {}  # by index of an event: the last one in its group so far
         starts = [one for groups in self._groups if groups is not None for one in groups.matchers]
         each = [one for m in (*matchers, *starts) for one in m.each]
         self.kinds = frozenset(one.kind for one in each)
         self._wanted = {(one.kind, one.what) for one in each}
-        self._every: set[Kind] = {one.kind for one in each if one.what == ANYTHING}  # kinds needed with all things
+        self._every: set[Kind] = {one.kind for one in each if one.what == ANYTHING}  # kinds of which all are needed
         if self.spans is not None:  # all spans are needed, so that the right name can be suggested
             self._every.add(Kind.SPAN)
         self._needed: dict[Kind, frozenset[str]] = subjects_of([*matchers, *starts])
@@ -271,7 +271,7 @@ class EventMeasure(Measure):
             self._counts(place, tick, value)
 
     def _settle(self, place: int, counts: int) -> None:
-        """Decide whether the newest event at this place counts (1) or a later one of its group replaces it (0)."""
+        """Decide about the newest event number `place`: it counts (1), or a later one of its group replaces it (0)."""
         newest: _Seen | None = self._newest.pop(place, None)
         if newest is not None:
             newest.counts = counts
@@ -285,7 +285,7 @@ class EventMeasure(Measure):
         self._queued = bool(queue)
 
     def happened(self, place: int, tick: int, value: int) -> None:
-        """Handle an event. Called for each event in order."""
+        """Handle event number `place` of `matchers`. Called for each event in order."""
         if place:
             self._level = value
         elif self.series:
@@ -345,7 +345,7 @@ class EventMeasure(Measure):
         return self.unmatched([m for place, m in enumerate(needed) if not self.seen(place)])
 
     def seen(self, place: int) -> bool:
-        """Return True if the event at a place of `matchers` happened."""
+        """Return True if event number `place` of `matchers` happened."""
         return self._seen_places >> place & 1 == 1
 
     def unmatched(self, never: list[Matcher]) -> str:

@@ -48,10 +48,10 @@ class _Occasion(Struct):
     since: int = NO_TIME
     came: list[int] = field(default_factory=list)
     first: int = NO_TIME  # begin of the first character
-    ended: int = NO_TIME  # end of the last character
+    ended: int = NO_TIME  # end of the last character so far
     wrong_at: int = NO_TIME
     ends: int = NO_TIME  # a wrong character that begins later does not belong to this reply
-    shut: bool = False  # True after such a character
+    shut: bool = False  # True after a wrong character that does not belong to this reply
 
 
 class Reply(Measure):
@@ -97,7 +97,7 @@ class Reply(Measure):
             self._settle()
 
     def others_turn(self, tick: int) -> None:
-        """End wrong replies: another request begins, and later characters belong to it."""
+        """End the wrong replies, because another request begins and later characters belong to it."""
         for one in self._open:
             if one.wrong_at != NO_TIME and (one.ends == NO_TIME or one.ends > tick):
                 one.ends = tick

@@ -30,7 +30,7 @@ from .pair import Between
 from .registry import MEASURES, PHRASES, UNNAMED, Sentence
 from .states import StateEvents, TimeIn
 
-OVERFLOWS = "overflows"  # of fixed-point arithmetic
+OVERFLOWS = "overflows"  # the name of the measure that counts overflows of fixed-point arithmetic
 ROLES = {
     "for each": FOR_EACH,
     "measured at": MEASURED_AT,
@@ -40,7 +40,7 @@ ROLES = {
 }
 JITTER = "jitter of "
 UNSAID = Said("")
-Maker: TypeAlias = Callable[[], Measure]  # shares nothing with a run, so it serves all scenes of a case
+Maker: TypeAlias = Callable[[], Measure]  # a run does not change it, so it serves all scenes of a case
 
 
 def expanded(text: str, sentences: Mapping[str, str]) -> str:
@@ -118,7 +118,7 @@ def _maker_of_events(said: Said, scope: Scope) -> Maker:
     return _MAKERS[said.form](said, scope)
 
 
-WORDS: dict[str, Callable[[Said, Scope], str]] = {  # return parameters of sentences from a parsed text
+WORDS: dict[str, Callable[[Said, Scope], str]] = {  # functions that return the parameters of sentences
     "event": lambda said, scope: said.events[0].text,
     "cpu": lambda said, scope: scope.unit(said.unit),
     "i2c": lambda said, scope: scope.owner(said.unit, "I2C-A"),
@@ -256,7 +256,7 @@ def _of_a_race(said: Said, scope: Scope) -> Maker:
     from .watched import clearing, losing, raced
 
     if said.form == "race":
-        from .race import Race  # imported here, because it imports the modules for recorded runs
+        from .race import Race  # imported here, because it loads modules that other measures do not need
 
         return partial(Race, raced(said.unit, said.name, scope))
     from .modifies import LostFlags

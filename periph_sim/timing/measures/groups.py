@@ -2,7 +2,7 @@
 
 transfer   from its START to the START of the next transfer
 round      from its first START to the first START of the next round (see `timing/rounds.py`)
-burst      UART frames of one wire without a pause between them that is longer than two characters
+burst      UART frames of one wire, with no pause between them that is longer than two characters
 interrupt  from the begin of a service routine to its end
 """
 
@@ -44,7 +44,7 @@ class Groups:
             self._begins_round = scene.rounds_at_start()
 
     def begins(self, tick: int, begin: bool, end: bool) -> bool:
-        """Handle a record, and return True if it begins a group. begin, end: True if it is that event of a group."""
+        """Handle a record and return True if it begins a group. begin, end: True if it is the event for one."""
         first = begin and self._is_first(tick)
         if end:
             self._frame_ended = tick

@@ -18,7 +18,7 @@ from ...core.time import NO_TIME
 from .bus_from_wires import BusFromWires
 from .measure import Delay, Measure, MeasuredScene
 
-WRITE, XRDY = 0, 1  # tags of records
+WRITE, XRDY = 0, 1  # tags of records: writes of I2CDXR, changes of XRDY
 THINGS = {(Kind.ACCESS, "W I2C-A.I2CDXR"), (Kind.FLAG, "I2CSTR.XRDY")}
 
 
@@ -51,8 +51,8 @@ class Margin(Measure):
         super().__init__()
         self._unit = unit
         self.bus = _Reads(unit, self)
-        self._waiting = NO_TIME  # when the byte in I2CDXR was written
-        self._shifting = NO_TIME  # when the byte in I2CXSR was written
+        self._waiting = NO_TIME  # the tick at which the byte in I2CDXR was written
+        self._shifting = NO_TIME  # the tick at which the byte in I2CXSR was written
         self._empty = True  # True if XRDY shows that I2CDXR is empty
 
     @property
@@ -82,7 +82,7 @@ class Margin(Measure):
             self._copied()
 
     def _copied(self) -> None:
-        """Move the write to I2CXSR if XRDY shows that I2CDXR is empty."""
+        """Note that the byte in I2CDXR was copied to I2CXSR, if XRDY shows that I2CDXR is empty."""
         if self._empty and self._waiting != NO_TIME:
             self._shifting, self._waiting = self._waiting, NO_TIME
 

@@ -238,7 +238,7 @@ class Measure(Listener):
 
     @property
     def kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
-        """(values, when each was), both int64[count], in order; None unless `keep` was called."""
+        """(values, their ticks), both int64[count], in order; None unless `keep` was called."""
         if self._kept is None:
             return None
         import numpy as np  # imported here, because most runs do not need it
@@ -268,7 +268,7 @@ class Measure(Listener):
         return self._tally.percentile(per_mille)
 
     def occasion(self, at: int, number: int = 1) -> None:
-        """Count `number` occasions. at: their tick, which is that of the value as given to `take`."""
+        """Count `number` occasions. at: the tick that `take` gets for their value."""
         if at >= self.not_before:
             assert self.occasions is not None
             self.occasions += number - self._uncompared
@@ -309,7 +309,7 @@ class Measure(Listener):
 
 class Delay(Protocol):
     def ticks(self, written: int) -> int:
-        """Return the delay of a write at this tick, with the present settings."""
+        """Return the delay in ticks for a write at the tick `written`, with the module's present settings."""
 
 
 class MeasuredScene(Protocol):
@@ -322,7 +322,7 @@ class MeasuredScene(Protocol):
         """Return the wire watcher with the name of the measure. It passes its results to the measure."""
 
     def rounds_at_start(self) -> Callable[[], bool]:
-        """Return a function that is called at each first START of a transfer; it returns True if a round begins."""
+        """Return a function to call at the first START of each transfer; it returns True if a round begins."""
 
     def began(self) -> int:
         """Return the tick at which the run begins."""

@@ -68,7 +68,7 @@ class Recent:
 class Topic:
     """All records of one kind, place and thing.
 
-    flag: the flag whose changes they are; None for accesses.
+    flag: the flag whose changes are recorded; None for accesses.
     register: the register; None for accesses to registers that are not judged.
     recent: the accesses of the unit in the last cycles.
     """
@@ -105,9 +105,9 @@ class Modifies(RecordSink):
         self._clocks: list[tuple[int, Fraction]] = []  # SYSCLKOUT from each tick on, as far as the run has come
         self._known = 0  # number of entries of `_clocks` that were evaluated
         self._spare: Access | None = None  # the first of a chain of dropped accesses, for reuse
-        self._topics: list[Topic] = []  # by tag
-        self.recent: dict[str, Recent] = {}  # by unit
-        self._registers: dict[tuple[str, str], ClearedRegister] = {}  # by unit and name
+        self._topics: list[Topic] = []  # indexed by tag
+        self.recent: dict[str, Recent] = {}  # indexed by unit
+        self._registers: dict[tuple[str, str], ClearedRegister] = {}  # the judged registers, by unit and name
 
     def clock_is(self, per_second: int, clocks: list[tuple[int, Fraction]]) -> None:
         """Set the clocks. clocks: SYSCLKOUT from each tick on; later changes are appended to this list."""

@@ -27,14 +27,14 @@ from .groups import Groups
 from .measure import MeasuredScene
 
 PAIRINGS = ("in order", "next", "last")
-FIRST, SECOND, START, STOP = range(4)  # places of a pair's events
+FIRST, SECOND, START, STOP = range(4)  # indices in `matchers`: a pair's events, and begin and end of its group
 
 
 class _Waiting:
     """First events whose second event has not come yet: the tick of each, and the number of events counted before it.
 
-    oldest, oldest_counted: both for the event that has waited longest, often the only one; NO_TIME if none waits.
-    since, counted_at: both for the other waiting events, in order.
+    oldest, oldest_counted: tick and number of the event that has waited longest; `oldest` is NO_TIME if none waits.
+    since, counted_at: ticks and numbers of the other waiting events, in order.
     counted: the number of third events since the last time at which no event waited.
     """
 
@@ -111,7 +111,7 @@ class Between(EventMeasure):
         self._unsaid: bool = not pairing
         self._only_last: bool = pairing == "last"
         self._in_order: bool = pairing == "in order"
-        self._waiting = _Waiting()  # with `by_unit`: of the unit of the present record
+        self._waiting = _Waiting()  # with `by_unit`, those of the present record's unit
         self._of_unit: dict[str, _Waiting] = {} if by_unit else {"": self._waiting}
         self._by_unit = by_unit
         self._of_tag: list[_Waiting] = []

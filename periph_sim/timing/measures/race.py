@@ -125,7 +125,7 @@ def lost_flags(table: RecordTable, name: str = "") -> NDArray[np.int64]:
     run, watched = Run(table), losing(unit, text, scope_of_table(table))
     try:
         groups = [group for group, _ in groups_of(run, watched.name)]
-    except NotInRun:  # never accessed
+    except NotInRun:  # the firmware never accessed the register
         groups = []
     lost = sorted(tick for modify in modifies_of(run, groups) for flag in modify.flags for tick in flag.lost)
     return np.array(lost, np.int64)

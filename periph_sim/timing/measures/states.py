@@ -62,14 +62,14 @@ class StateEvents(Struct, frozen=True):
             return scene.level_of(place) == first.want
         if first.kind is Kind.FLAG:
             return first.mask == EVERYTHING and scene.value_of(place, first.what) == first.want
-        return first.kind is Kind.BUS and first.what == "STOP"  # the bus is free, as after a STOP
+        return first.kind is Kind.BUS and first.what == "STOP"  # a bus without any START is free, as after a STOP
 
 
 @final
 class BusiestWindow:
     """Finds the window of a given length in which a state lasts longest.
 
-    It begins when the state begins, or ends when the state ends, so only such windows are evaluated.
+    This window begins when the state begins, or ends when the state ends, so only such windows are evaluated.
     most: the share of the state in this window, in millionths; -1 before a window was over.
     """
 
@@ -143,7 +143,7 @@ class TimeIn(EventMeasure):
         self._nests = bool(state.nests)
         self._is_idle: bool = state.is_idle
         self._under_way: list[int] = []  # waits and service routines, the inner ones last
-        self._enters = len(state.enters)  # number of the first `matchers`, which begin the state
+        self._enters = len(state.enters)  # number of the events that begin the state: the first of `matchers`
         self._since = NO_TIME
         self._whole = False  # True if the state began during the run, not before it
         self._began = 0

@@ -164,34 +164,28 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
     from ..reports.explain.chain import text
     from .result_text import budget_table, legend
 
-    say(f"check: {sum(one.passed for one in checks)} of {len(checks) + len(refused)} as they should be", "bold")
+    say(f"check: {sum(one.passed for one in checks)} of {len(checks) + len(refused)} as they should be", style="bold")
     rows = [*map(_row, checks), *(((case.path.stem, *[""] * 5, "refused"), "red") for case in refused)]
     print_table(TITLES, rows, right=range(1, 5), whole=range(7))
     if checks:
         say(LEGEND)
-    for case in refused:
-        say(f"Error: {case.why}")
+    say(*(f"Error: {case.why}" for case in refused))
     for one in (one for one in checks if not one.passed):
         if set(one.outcome.not_passed) != set(one.outcome.breaks):
-            say(f"{one.outcome.figures.case}: FAIL", "bold")
+            say(f"{one.outcome.figures.case}: FAIL", style="bold")
             budget_table(one.outcome.verdicts)
-            for line in legend(one.outcome.verdicts):
-                say(line)
-        for finding in one.findings:
-            say(f"{one.outcome.path.as_posix()}, line {finding.line}: {finding.text}")
+            say(*legend(one.outcome.verdicts))
+        say(*(f"{one.outcome.path.as_posix()}, line {finding.line}: {finding.text}" for finding in one.findings))
         for chain in one.causes.values():
             click.echo("\n".join(["", *text(chain)]))
     for one in checks:
         notes = [str(change) for change in one.changes if change.note]
         if notes and one.state != "written":
-            changes_text = ", ".join(notes)
-            say(
-                f"note: {one.outcome.figures.case}: {changes_text} (counts of the simulation, which cannot fail)",
-            )
+            about = "counts of the simulation, which cannot fail"
+            say(f"note: {one.outcome.figures.case}: {', '.join(notes)} ({about})")
     for one in checks:
         if one.state == "written":
-            for change in one.changes:
-                say(f"{one.outcome.figures.case}: {change}")
+            say(*(f"{one.outcome.figures.case}: {change}" for change in one.changes))
             click.echo(f"written: {one.baseline.as_posix()}")
             if one.changes:
                 click.echo(one.diff)

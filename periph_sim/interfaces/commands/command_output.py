@@ -23,10 +23,10 @@ UNSEEN = dict.fromkeys((7, 8, 11, 12, 13))  # control codes that are removed fro
 TAB = 8
 
 
-def say(text: str, style: str = "") -> None:
-    """Print text without breaking its lines, so that they can be searched for. style: a key of CODES, or ""."""
+def say(*texts: str, style: str = "") -> None:
+    """Print texts without breaking their lines, so that they can be searched for. style: a key of CODES, or ""."""
     styled = bool(style) and _has_styles()
-    for line in text.split("\n"):
+    for line in (line for text in texts for line in text.split("\n")):
         line = line.translate(UNSEEN).expandtabs(TAB)
         click.echo(f"\x1b[{CODES[style]}m{line}\x1b[0m" if styled and line else line, color=True)
 
@@ -54,10 +54,10 @@ def print_table(
     low_titles = ["\n" * (lowest - title.count("\n")) + title for title in titles]
     cells = [[together(cell) if n in whole else cell for n, cell in enumerate(row)] for row, _ in rows]
     head, *body = table_rows(low_titles, cells, right, max(_columns(), WIDTH))
-    say("\n".join(["", *head[:-1]]), "bold")
+    say("", *head[:-1], style="bold")
     say(head[-1])
     for lines, (_, style) in zip(body, rows, strict=True):
-        say("\n".join(lines), style)
+        say(*lines, style=style)
     say("")
 
 

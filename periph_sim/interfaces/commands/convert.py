@@ -64,9 +64,7 @@ def convert(
             ready = formats.ready_for(out, ready)
             notes = [*ready.notes, *formats.write(ready, out), *_not_kept(ready, out)]
             said = _sizes(ready)
-    click.echo(f"{out}: {said}")
-    for note in notes:
-        click.echo(f"note: {note}")
+    click.echo("\n".join([f"{out}: {said}", *(f"note: {note}" for note in notes)]))
     return 0
 
 

@@ -14,13 +14,12 @@ import click
 from ...core.shorten import shorten
 from ...traces.capture.capture import Capture
 from ...traces.capture.sampling import sample_step
-from ...traces.decode.event_rows import Rows, grouped, merged
+from ...traces.decode.event_rows import grouped, merged
 from ...traces.decode.i2c_table import long_lows
 from . import decode_exports
 from . import decoded_text as event_text
 from .command_output import usage_errors_in_one_sentence
 from .decode_buses import Bus, asked_for
-from .decoded_text import transfer_lines
 from .input_options import RATE, SALVAGE, read_capture
 
 EXPORTS = ("pcapng", "hexdump", "sigrok")
@@ -98,35 +97,30 @@ def decode(
 
 
 def _text(found: list[Bus], capture: Capture, style: str, full: bool, whole: bool, shortest: int) -> Iterator[bytes]:
-    names = [bus.name for bus in found]
+    names, protocols = [bus.name for bus in found], [bus.protocol for bus in found]
     clock = None if capture.rate is None else event_text.Clock.for_rate(capture.rate, 2 * capture.length)
     rows = merged([bus.rows for bus in found])
-    if style in EXPORTS:
-        return _exported(found, rows, capture, clock, style)
-    if whole:
-        rows, first = grouped(rows, [bus.silence for bus in found])
-        if style == "json":
-            lows = [
-                long_lows(capture, bus.lines[0], bus.lines[1], shortest) if bus.protocol == "i2c" else None
-                for bus in found
-            ]
-            return transfer_lines(rows, first, names, [bus.protocol for bus in found], lows, clock)
-        return event_text.transfers(rows, first, names, clock, style, full)
-    return event_text.events(rows, names, clock, style, full)
-
-
-def _exported(
-    found: list[Bus], rows: Rows, capture: Capture, clock: event_text.Clock | None, style: str
-) -> Iterator[bytes]:
-    protocols = [bus.protocol for bus in found]
     if style == "sigrok":
         return decode_exports.in_sigrok(rows, protocols)
+    if not whole and style not in EXPORTS:
+        return event_text.events(rows, names, clock, style, full)
+    rows, first = grouped(rows, [bus.silence for bus in found])
+    if style == "json":
+        lows = [
+            long_lows(capture, bus.lines[0], bus.lines[1], shortest) if bus.protocol == "i2c" else None for bus in found
+        ]
+        return event_text.transfer_lines(rows, first, names, protocols, lows, clock)
+    if style not in EXPORTS:
+        return event_text.transfers(rows, first, names, clock, style, full)
     if clock is None:
         raise click.ClickException(f"--format {style}: {capture.path} states no rate; packets have times, state --rate")
-    rows, first = grouped(rows, [bus.silence for bus in found])
     if style == "pcapng":
-        return decode_exports.in_pcapng(rows, first, [bus.name for bus in found], protocols, clock)
-    return decode_exports.in_hexdump(rows, first, protocols, clock)
+        return decode_exports.in_pcapng(rows, first, names, protocols, clock)
+    if len(set(protocols)) > 1:
+        raise click.ClickException(
+            "a hex dump holds one kind of bus; choose with --i2c, --uart or --spi, or write pcapng"
+        )
+    return decode_exports.in_hexdump(rows, first, clock)
 
 
 def _shortest(text: str, capture: Capture) -> int:

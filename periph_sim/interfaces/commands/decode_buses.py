@@ -94,7 +94,7 @@ def asked_for(
 
 
 def _i2c(capture: Capture, text: str, shortest: int) -> Bus:
-    given = _pairs("--i2c", text, ("scl", "sda"))
+    given = pairs_given("--i2c", text, ("scl", "sda"))
     for name in ("scl", "sda"):
         if name not in given:
             raise click.ClickException(f"--i2c {text}: {name} is missing; expected scl=CHANNEL,sda=CHANNEL")
@@ -118,7 +118,7 @@ def _i2c_of(capture: Capture, scl: Channel, sda: Channel, shortest: int) -> Bus:
 
 
 def _uart(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
-    given = _pairs("--uart", text, (*UART_LINES, "baud", "format", *FLAGS))
+    given = pairs_given("--uart", text, (*UART_LINES, "baud", "format", *FLAGS))
     if not given.keys() & set(UART_LINES):
         raise click.ClickException(f"--uart {text}: rx or tx is missing; expected rx=CHANNEL,baud=RATE")
     for name in FLAGS:
@@ -168,7 +168,7 @@ def _nothing(wire: Channel, note: str) -> Bus:
 
 
 def _spi(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
-    given = _pairs("--spi", text, (*SPI_LINES, *SPI_MODES, "wordsize"))
+    given = pairs_given("--spi", text, (*SPI_LINES, *SPI_MODES, "wordsize"))
     lines: dict[str, Channel] = {}
     for name, line in SPI_LINES.items():
         if name not in given:
@@ -214,7 +214,7 @@ def _spi_format(text: str, given: dict[str, str]) -> spi.SpiFormat:
 # Options -------------------------------------------------------------------------
 
 
-def _pairs(option: str, text: str, known: tuple[str, ...]) -> dict[str, str]:
+def pairs_given(option: str, text: str, known: tuple[str, ...]) -> dict[str, str]:
     """Parse `a=1,b` to a dict; entries without `=` have the value ''."""
     given: dict[str, str] = {}
     for part in text.split(","):

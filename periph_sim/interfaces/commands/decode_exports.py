@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-import click
 import numpy as np
 
 from ...traces.decode.event_rows import (
@@ -28,7 +27,7 @@ from ...traces.decode.event_rows import (
 from ...traces.decode.table_columns import select
 from ...traces.formats import pcapng_writer as pcapng
 from .bulk_text import NONE, Column, Digits, Literal, Numbers, Words, text
-from .decoded_text import Clock, events_column, in_transfer
+from .decoded_text import Clock, events_column, said_in_transfer
 
 AGAIN, DATA = (EVENTS.index(name) for name in ("repeated start", "data"))
 DECIMALS = 9  # number of decimals of a second; Wireshark does not show more
@@ -74,17 +73,9 @@ def in_pcapng(
         yield pcapng.packet(one.bus, one.time, content, one.said)
 
 
-def in_hexdump(rows: Rows, first: Numbers, protocols: Sequence[str], clock: Clock) -> Iterator[bytes]:
+def in_hexdump(rows: Rows, first: Numbers, clock: Clock) -> Iterator[bytes]:
     """Export for `text2pcap -t %s.%f -l 209` (147 for a serial line or SPI), which adds the link type."""
-    if len(set(protocols)) > 1:
-        raise click.ClickException(
-            "a hex dump holds one kind of bus; choose with --i2c, --uart or --spi, or write pcapng"
-        )
-    return _dumped(packets(rows, first, clock))
-
-
-def _dumped(found: Iterator[Packet]) -> Iterator[bytes]:
-    for one in found:
+    for one in packets(rows, first, clock):
         lines = [f"# {one.said}", f"{one.time // 10**DECIMALS}.{one.time % 10**DECIMALS:0{DECIMALS}}"]
         for begin in range(0, len(one.wire), PER_LINE):
             lines.append(f"{begin:06x}  {one.wire[begin : begin + PER_LINE].hex(' ')}")
@@ -152,9 +143,5 @@ def packets(rows: Rows, first: Numbers, clock: Clock) -> Iterator[Packet]:
                 wire += value.to_bytes(-(-bits // 8), "big")
         if wire:
             bus = own[0][0]
-            said = " ".join(_said(*row[1:]) for row in own)
+            said = " ".join(said_in_transfer(*row[1:]) for row in own)
             yield Packet(bus, time, bytes(wire), flags, said)
-
-
-def _said(event: int, value: int, bits: int, detail: int) -> str:
-    return in_transfer(EVENTS[event], None if value < 0 else value, bits, DETAILS[detail])

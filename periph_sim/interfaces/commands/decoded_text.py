@@ -12,6 +12,8 @@ These lines are built as text, because a dense capture has a hundred thousand by
 
 from __future__ import annotations
 
+import csv
+import io
 import json
 from collections.abc import Callable, Iterator, Sequence
 from fractions import Fraction
@@ -68,6 +70,11 @@ class Clock(NamedTuple):
 Shown = Callable[[str, int | None, int, str], str]  # event, value, bits, detail -> text
 
 
+def said_in_transfer(event: int, value: int, bits: int, detail: int) -> str:
+    """Return the text of a row by `in_transfer`, from its cells."""
+    return in_transfer(EVENTS[event], None if value < 0 else value, bits, DETAILS[detail])
+
+
 def in_table(event: str, value: int | None, bits: int, detail: str) -> str:
     return f"{event:<14}{GAP}{_value(event, value, bits):<8}{GAP}{detail}".rstrip()
 
@@ -77,8 +84,6 @@ def in_csv(event: str, value: int | None, bits: int, detail: str) -> str:
 
 
 def in_json(event: str, value: int | None, bits: int, detail: str) -> str:
-    import json
-
     return json.dumps({"event": event, "value": value, "bits": bits, "detail": detail})[1:]
 
 
@@ -109,7 +114,6 @@ def _value(event: str, value: int | None, bits: int) -> str:
 
 SHOWN: dict[str, Shown] = {"table": in_table, "csv": in_csv, "json": in_json}
 TITLES = {"table": f"{'event':<14}{GAP}value\n", "csv": "event,value,bits,detail\n", "json": ""}
-CLOSED = {"table": "\n", "csv": "\n", "json": '"}\n'}  # the end of a transfer's line
 
 
 def events(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, full: bool) -> Iterator[bytes]:
@@ -127,14 +131,13 @@ def events(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, fu
 def transfers(
     rows: Rows, first: Numbers, buses: Sequence[str], clock: Clock | None, style: str, full: bool
 ) -> Iterator[bytes]:
-    """Yield a line for each group of rows. first: the rows with which groups begin. For the others see `events`."""
+    """Yield a line for each group of rows in style table or csv.
+
+    first: the rows with which groups begin. For the others see `events`.
+    """
     ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
     titles, head = _head(select(rows, first)._replace(end=ends), buses, clock, style, full)
-    if style == "json":
-        head.append(Literal('"transfer": "'))
-    else:
-        titles += "transfer\n"
-    yield titles.encode()
+    yield f"{titles}transfer\n".encode()
     spaces = np.ones(len(rows.at), np.int64)
     spaces[first] = 0
     closes = np.zeros(len(rows.at), np.int64)
@@ -144,7 +147,7 @@ def transfers(
         Sparse(head, first),
         Words(spaces, lambda count: " " * count),
         events_column(rows, in_transfer),
-        Words(closes, lambda count: CLOSED[style] * count),
+        Words(closes, lambda count: "\n" * count),
     )
     yield from text(columns, len(rows.at))
 
@@ -169,8 +172,6 @@ def _head(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, ful
             columns += [column, Literal(",")]
         columns += [_buses(rows, [_csv(bus) for bus in buses], NONE), Literal(",")]
         return "".join(f"{name}," for name, _ in when) + "bus,", columns
-    import json
-
     for name, column in when:
         columns += [Literal(f'{", " if columns else "{"}"{name}": '), column]
     columns += [Literal(', "bus": '), _buses(rows, [json.dumps(bus) for bus in buses], NONE), Literal(", ")]
@@ -212,9 +213,6 @@ def events_column(rows: Rows, shown: Shown) -> Words:
 
 
 def _csv(*cells: object) -> str:
-    import csv
-    import io
-
     line = io.StringIO()
     csv.writer(line, lineterminator="").writerow(cells)
     return line.getvalue()
@@ -322,8 +320,7 @@ class _Table:
         """Format the row in the notation of the I2C-bus specification: `S`, `53 W`, `A`."""
         key = self._event[row], self._value[row], self._bits[row], self._detail[row]
         if key not in self._said:
-            event, value, bits, detail = key
-            self._said[key] = in_transfer(EVENTS[event], None if value < 0 else value, bits, DETAILS[detail])
+            self._said[key] = said_in_transfer(*key)
         return self._said[key]
 
     def frames(self, begin: int, end: int) -> str:

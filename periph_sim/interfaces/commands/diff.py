@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,9 +11,7 @@ from .command_output import print_answer
 from .input_options import JSON, SALVAGE, read_capture, time_given
 
 if TYPE_CHECKING:
-    from ...traces.decode.uart import Line
-
-PARITIES = {"n": "none", "o": "odd", "e": "even", "m": "mark", "s": "space"}
+    from ...traces.decode.uart_line import Line
 
 SECTION = "traces"
 EXAMPLE = "periph-sim diff before.sr after.sr --tolerance 1us"
@@ -86,25 +83,13 @@ def diff(
 
 def _line(text: str) -> tuple[str | None, Line]:
     """Parse `rx=CHANNEL,baud=RATE,format=8n1` to (channel, line); baud is mandatory."""
-    from ...core.suggest import did_you_mean
-    from ...traces.decode.uart import Line
+    from ...traces.decode.uart_line import line_of
+    from .decode_buses import pairs_given
 
-    given: dict[str, str] = {}
-    for part in text.split(","):
-        key, equals, value = (piece.strip() for piece in part.partition("="))
-        if not equals or not value:
-            raise click.ClickException(f"--uart {text!r}: expected rx=CHANNEL,baud=RATE,format=8n1")
-        if key not in ("rx", "baud", "format"):
-            raise click.ClickException(
-                f"--uart {text!r}: there is no {key!r}; {did_you_mean(key, ('rx', 'baud', 'format'))}"
-            )
-        given[key] = value
-    frame = re.fullmatch(r"([5-9])([noems])([12])", given.get("format", "8n1").casefold())
-    if frame is None:
-        raise click.ClickException(
-            f"--uart {text!r}: {given['format']!r} is no line format; expected data bits 5 to 9, "
-            "n, o, e, m or s, and 1 or 2 stop bits: 8n1"
-        )
-    if not re.fullmatch(r"0*[1-9]\d{0,11}", given.get("baud", "")):
-        raise click.ClickException(f"--uart {text!r}: expected baud=RATE with a whole number above 0: baud=115200")
-    return given.get("rx"), Line(int(given["baud"]), int(frame[1]), PARITIES[frame[2]], int(frame[3]))
+    given = pairs_given("--uart", text, ("rx", "baud", "format"))
+    if given.get("baud", "auto") == "auto":
+        raise click.ClickException(f"--uart {text}: baud is missing; expected baud=RATE, such as baud=115200")
+    try:
+        return given.get("rx"), line_of(given["baud"], given.get("format", "8n1"))
+    except ValueError as error:
+        raise click.ClickException(f"--uart {text}: {error}") from None

@@ -108,10 +108,7 @@ def new(
                     files = _as_captured(files, given, mapping)
                 following = _replay(recorded, case, mapping, rate)
         write(files)
-    for file in files:
-        click.echo(f"written: {file}")
-    for line in _go_on(files, case, following):
-        click.echo(line)
+    click.echo("\n".join([*(f"written: {file}" for file in files), *_go_on(files, case, following)]))
 
 
 def _kinds() -> list[str]:

@@ -36,42 +36,31 @@ def regs(name: str | None, want_options: bool) -> None:
     if want_options:
         show_options(name)
     elif name is None:
-        show_modules()
+        modules = [((m, f"{base:#06x}", str(len(of.registers)), of.source), "") for m, (base, of) in MAPS.items()]
+        print_table(("module", "base", "registers", "source"), modules)
     else:
-        module, _, register = name.partition(".")
-        if module not in MAPS:
-            raise click.ClickException(f"there is no module {module!r}; {did_you_mean(module, MAPS)}")
-        base, registers = MAPS[module]
-        if not register:
-            show_map(module, base, registers)
-        elif register in registers:
-            show_register(module, base, registers[register])
-        else:
-            hint = did_you_mean(register, (r.name for r in registers))
-            raise click.ClickException(f"{module} has no register {register!r}; {hint}")
+        show_registers(*name.partition(".")[::2])
 
 
-def show_modules() -> None:
-    rows = [
-        ((module, f"{base:#06x}", str(len(registers.registers)), registers.source), "")
-        for module, (base, registers) in MAPS.items()
-    ]
-    print_table(("module", "base", "registers", "source"), rows)
-
-
-def show_map(module: str, base: int, registers: RegisterMap) -> None:
-    say(module, "bold")
-    rows = [((f"{base + r.offset:#06x}", r.name, reset_of(r), r.source), "") for r in registers]
-    print_table(("address", "register", "reset", "source"), rows)
-
-
-def show_register(module: str, base: int, register: Register) -> None:
-    title = f"{module}.{register.name}  {base + register.offset:#06x}  reset {reset_of(register)}  [{register.source}]"
-    say(title)
-    if register.protected:
+def show_registers(module: str, register: str) -> None:
+    """Show one register with its fields, or the registers of a module if no register is named."""
+    if module not in MAPS:
+        raise click.ClickException(f"there is no module {module!r}; {did_you_mean(module, MAPS)}")
+    base, registers = MAPS[module]
+    if not register:
+        say(module, style="bold")
+        rows = [((f"{base + r.offset:#06x}", r.name, reset_of(r), r.source), "") for r in registers]
+        print_table(("address", "register", "reset", "source"), rows)
+        return
+    if register not in registers:
+        hint = did_you_mean(register, (r.name for r in registers))
+        raise click.ClickException(f"{module} has no register {register!r}; {hint}")
+    shown = registers[register]
+    say(f"{module}.{register}  {base + shown.offset:#06x}  reset {reset_of(shown)}  [{shown.source}]")
+    if shown.protected:
         say("writes need EALLOW")
-    rows = [((f.bits, f.name, f.access, number(f.reset), f.doc), "") for f in register.fields]
-    print_table(("bits", "field", "access", "reset", "what it is"), rows)
+    fields = [((f.bits, f.name, f.access, number(f.reset), f.doc), "") for f in shown.fields]
+    print_table(("bits", "field", "access", "reset", "what it is"), fields)
 
 
 def reset_of(register: Register) -> str:
@@ -89,7 +78,5 @@ def show_options(name: str | None) -> None:
                 if "values" not in f.metadata:
                     values = f"{f.default} ({values})"
                 title = f"{group}.{f.name}: {values}"
-                for line in wrap(title, WIDTH, subsequent_indent="    ", break_on_hyphens=False):
-                    say(line)
-                for line in wrap(str(f.metadata["question"]), WIDTH, initial_indent="  ", subsequent_indent="  "):
-                    say(line)
+                say(*wrap(title, WIDTH, subsequent_indent="    ", break_on_hyphens=False))
+                say(*wrap(str(f.metadata["question"]), WIDTH, initial_indent="  ", subsequent_indent="  "))

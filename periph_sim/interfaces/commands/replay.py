@@ -236,18 +236,13 @@ def _address(text: str) -> int:
 def show(report: Report, case: Case, verbose: bool) -> None:
     """Print the report. verbose: list the run's assumptions."""
     say(f"{report.case}, {report.capture}: {headline(report)}", style="bold")
-    for line in ["", *columns(rows(report), indent=" "), ""]:
-        say(line)
+    say("", *columns(rows(report), indent=" "), "")
     if report.budgets:
         budget_table(report.budgets)
-        for line in legend(report.budgets):
-            say(line)
+        say(*legend(report.budgets))
     for divergence in report.divergences:
         show_history(divergence)
-    for line in report.notes:
-        say(f"note: {line}")
-    for line in assumptions(report.unknowns, case, verbose):
-        say(line)
+    say(*(f"note: {line}" for line in report.notes), *assumptions(report.unknowns, case, verbose))
 
 
 def rows(report: Report) -> list[tuple[str, str]]:
@@ -279,26 +274,22 @@ def rows(report: Report) -> list[tuple[str, str]]:
 
 def _times(report: Report) -> list[tuple[str, str]]:
     """Return the lines with the times of an I2C replay, and with the stretches in the capture, if there are any."""
-    captured = [("longest stretch or pause captured", f"{report.captured_stretch_us:.3f} us")]
-    return _replayed_times(report) + (captured if report.captured_stretch_us else [])
-
-
-def _replayed_times(report: Report) -> list[tuple[str, str]]:
+    stretch = f"{report.stretch_worst_us:.3f} us"
     if report.loop == "open":
-        return [
-            ("longest stretch it would make", f"{report.stretch_worst_us:.3f} us"),
+        found = [
+            ("longest stretch it would make", stretch),
             ("answer not ready by, at most", f"{report.late_worst_us:.3f} us"),
         ]
-    largest = [("largest difference in time", f"{report.lag_worst_us:.3f} us")]
-    if report.lag_worst_us:
-        largest.append(("", f"{report.lag_samples:.1f} sample periods of the capture"))
-    if report.role == "master":
-        return largest
-    return [
-        ("longest stretch", f"{report.stretch_worst_us:.3f} us"),
-        ("all stretches", f"{report.stretch_total_us:.3f} us"),
-        *largest,
-    ]
+    else:
+        found = [("largest difference in time", f"{report.lag_worst_us:.3f} us")]
+        if report.lag_worst_us:
+            found.append(("", f"{report.lag_samples:.1f} sample periods of the capture"))
+        if report.role != "master":
+            stretches = ("longest stretch", stretch), ("all stretches", f"{report.stretch_total_us:.3f} us")
+            found = [*stretches, *found]
+    if report.captured_stretch_us:
+        found.append(("longest stretch or pause captured", f"{report.captured_stretch_us:.3f} us"))
+    return found
 
 
 def show_history(divergence: Divergence) -> None:
@@ -308,7 +299,7 @@ def show_history(divergence: Divergence) -> None:
     at = divergence.replay_s if divergence.replay_s is not None else divergence.history[-1].at_s
     before = _polls_as_one([change for change in divergence.history if change.at_s <= at])[-BEFORE:]
     after = _polls_as_one([change for change in divergence.history if change.at_s > at])[:AFTER]
-    say(f"the chip around the {FIRST[divergence.kind]}", "italic")
+    say(f"the chip around the {FIRST[divergence.kind]}", style="italic")
     rows = []
     for change in [*before, *after]:
         access = change.what[:2] in ("R ", "W ")

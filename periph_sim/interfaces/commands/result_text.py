@@ -14,48 +14,28 @@ from .command_output import print_table, say
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
 # The singular of the names of counts that are nouns.
 THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}
+MOST_WRONG = 12  # maximum number of places of wrong bytes that are listed
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 
 
 def show(result: Result, case: Case, verbose: bool = False) -> None:
     """Print a result. verbose: list the run's assumptions and skipped events."""
-    say(f"{result.case}: {title(result)}{estimated(result)}", style="bold")
+    by_estimate = f"; cycles between accesses of {' and '.join(result.estimated)} are estimated"
+    say(f"{result.case}: {title(result)}{by_estimate if result.estimated else ''}", style="bold")
     if result.budgets:
         budget_table(result.budgets)
     else:
         say(f"the case has no budget; put one at its top, for instance:\n{A_BUDGET}")
-    for line in legend(result.budgets):
-        say(line)
-    say(
-        f"{simulated(result.simulated_s)} simulated; "
-        f"{counted(result.wire_bytes, 'I2C byte')}, {_sci_bytes(result)}, "
-        f"{counted(result.events, 'event')}",
-    )
-    for line in _counts(result, verbose):
-        say(line)
-    for line in found_lines(result.budgets):
-        say(line)
+    to_units = counted(result.sci_bytes, "SCI byte")
+    sci_bytes = f"{to_units} to units and {result.sci_bytes_sent} from units" if result.sci_bytes_sent else to_units
+    traffic = f"{counted(result.wire_bytes, 'I2C byte')}, {sci_bytes}, {counted(result.events, 'event')}"
+    say(*legend(result.budgets), f"{simulated(result.simulated_s)} simulated; {traffic}", *_counts(result, verbose))
+    say(*(f"{each.name}: {each.found}" for each in result.budgets if each.found and not each.broken))
     if result.first_wrong:
         say(f"first wrong: {result.first_wrong}")
-    for place, times in list(result.wrong.items())[:12]:
-        say(f"wrong: {place}, {counted(times, 'time')}")
-    for line in result.stuck:
-        say(f"stuck: {line}")
-    for line in result.notes:
-        say(f"note: {line}")
-    for line in assumptions(result.unknowns, case, verbose):
-        say(line)
-
-
-def _sci_bytes(result: Result) -> str:
-    """Format the count of SCI bytes: "3 SCI bytes", or if units sent any, "3 SCI bytes to units and 100 from units"."""
-    to_units = counted(result.sci_bytes, "SCI byte")
-    return f"{to_units} to units and {result.sci_bytes_sent} from units" if result.sci_bytes_sent else to_units
-
-
-def found_lines(budgets: Sequence[Verdict]) -> list[str]:
-    """Return a line for each budget that is not broken and has a finding."""
-    return [f"{each.name}: {each.found}" for each in budgets if each.found and not each.broken]
+    say(*(f"wrong: {place}, {counted(times, 'time')}" for place, times in list(result.wrong.items())[:MOST_WRONG]))
+    say(*(f"stuck: {line}" for line in result.stuck), *(f"note: {line}" for line in result.notes))
+    say(*assumptions(result.unknowns, case, verbose))
 
 
 def _counts(result: Result, verbose: bool) -> list[str]:
@@ -82,11 +62,6 @@ def rounded(count: int) -> str:
 
 def title(result: Result) -> str:
     return "PASS, as seen in this run" if result.verdict == PASS else result.verdict.upper()
-
-
-def estimated(result: Result) -> str:
-    """Return a remark that the times of code which is not the chip's are estimates; "" if there is no such code."""
-    return f"; cycles between accesses of {' and '.join(result.estimated)} are estimated" if result.estimated else ""
 
 
 def budget_table(budgets: Sequence[Verdict]) -> None:

@@ -161,7 +161,7 @@ def _plain(value: Any) -> object:
 def _show(came: Sweep, varied: list[str], stopped: str) -> None:
     verdicts = came.verdict.tolist()
     counts = ", ".join(f"{verdicts.count(word)} {word}" for word in dict.fromkeys(sorted(verdicts, reverse=True)))
-    say("; ".join(filter(None, (f"{came.case}: {len(came)} runs", counts, stopped))), "bold")
+    say("; ".join(filter(None, (f"{came.case}: {len(came)} runs", counts, stopped))), style="bold")
     rows, shown = _rows(came)
     if shown:
         titles = ("budget", "nearest", "limit", "run", "broken", "not\njudged")

@@ -57,19 +57,13 @@ def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome 
     if isinstance(came, RejectedCase):
         say(f"Error: {came.why}")
         return before
-    say(f"{came.figures.case}: {title(came.result)}", "bold")
+    say(f"{came.figures.case}: {title(came.result)}", style="bold")
     if before is None:
         budget_table(came.verdicts)
-    for line in broken_lines(came.verdicts):
-        say(f"  {line}")
-    for line in came.trouble:
-        say(f"  {line}")
+    say(*(f"  {line}" for line in (*broken_lines(came.verdicts), *came.trouble)))
     if before is not None:
-        changed = [change for change in compare(before.figures, came.figures) if not change.note]
-        for change in changed:
-            say(f"  {change}")
-        if not changed:
-            say("  no figure changed")
+        changed = [f"  {change}" for change in compare(before.figures, came.figures) if not change.note]
+        say(*(changed or ["  no figure changed"]))
     try:
         baseline = read(path_for(came.path))
     except BadCheck as error:

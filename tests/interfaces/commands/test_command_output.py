@@ -39,7 +39,7 @@ def styled(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> b
 
 @pytest.mark.parametrize("line", LINES, ids=range(len(LINES)))
 def test_a_line_is_as_rich_writes_it(line: str, styled: bool, capsys: pytest.CaptureFixture[str]) -> None:
-    say(line, "bold")
+    say(line, style="bold")
     assert capsys.readouterr().out == by_rich(styled, (line, "bold"))
 
 
@@ -66,7 +66,7 @@ def test_variables_turn_styles_off(
     name: str, value: str, styled: bool, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setenv(name, value)
-    say("red", "red")
+    say("red", style="red")
     assert capsys.readouterr().out == "red\n"
 
 

@@ -22,7 +22,7 @@ from typing import Any
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.interfaces.reports.baselines.compare import compare
-from periph_sim.interfaces.reports.baselines.digests import BusBytes
+from periph_sim.interfaces.reports.baselines.event_chain import BusBytes
 from periph_sim.interfaces.reports.baselines.files import Baseline
 from periph_sim.interfaces.reports.baselines.outcome import baseline_of
 from periph_sim.scene.case.load import load

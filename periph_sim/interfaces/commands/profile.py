@@ -41,8 +41,7 @@ def profile(
     """
     from ...scene.profiled import profiled
     from ...traces.formats.atomic_write import atomic_write
-    from ..reports.profile import formats
-    from ..reports.profile.lcov import covered_files, tracefile
+    from ..reports import profile as report
 
     apart(speedscope=speedscope, lcov=lcov)
     with running_user_code(), ExitStack() as outputs:
@@ -51,11 +50,11 @@ def profile(
         with progress(case.stem) as on_progress:
             run = profiled(load(case, list(changes)), length, on_progress, lines is not None)
         if flames is not None:
-            stacks = formats.speedscope(run.profiles, run.ticks_per_second, run.name, run.place_of)
+            stacks = report.speedscope(run.profiles, run.ticks_per_second, run.name, run.place_of)
             flames.write_text(json.dumps(stacks), encoding="utf-8")
         if lines is not None:
-            files = covered_files((p.image, p.functions, run.coverage[unit]) for unit, p in run.programs.items())
-            lines.write_text(tracefile(files, run.name), encoding="utf-8")
+            files = report.covered_files((p.image, p.functions, run.coverage[unit]) for unit, p in run.programs.items())
+            lines.write_text(report.tracefile(files, run.name), encoding="utf-8")
     found = run.profiles, run.ticks_per_second, run.place_of
-    print_answer("profile", formats.as_json(*found) if as_json else formats.text(*found, verbose))
+    print_answer("profile", report.as_json(*found) if as_json else report.text(*found, verbose))
     return 0

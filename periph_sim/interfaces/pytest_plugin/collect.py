@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from ...scene.case.discover import is_case
-from .keys import CASES
+from . import CASES
 
 HANGS = "hangs nowhere"
 KNOWN = "known to break"

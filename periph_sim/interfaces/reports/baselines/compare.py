@@ -11,8 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
 
-from .digests import PART
-from .event_chain import EventLine, first_divergence, first_moved
+from .event_chain import PART, EventLine, first_divergence, first_moved
 from .files import Baseline, Figures
 
 NOTES = ("events", "polls_skipped")

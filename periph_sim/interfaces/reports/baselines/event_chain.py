@@ -1,7 +1,12 @@
-"""The chain of events of an occurrence, as "TICKS EVENT" lines, from a short second run.
+"""The events of a run in its baseline: chains of occurrences as "TICKS EVENT" lines, and digests of all events.
 
-    case, wanted instants --> Scene, recorded --> records around each --> chain
+    case, wanted instants --> a short second run, recorded --> records around each --> chain
     chain of the baseline, chain now --> the event that moved most, and the first difference
+    BUS, ACCESS, IRQ, SPAN of a run --> "TICKS EVENT" lines --> BLAKE2b, one digest
+    BUS records of addresses and bytes, with their ACKs --> BLAKE2b, one digest per PART bytes
+
+Runs with the same digest of events have equal chains, so no second run is needed to find the chains. Each digest of
+bytes covers all bytes up to its end, so the first digest that differs shows where two runs begin to differ.
 
 Reads are left out, because it does not matter how often a flag is polled. Values are left out, because a worst case
 that moves to another round has other data.
@@ -14,9 +19,10 @@ from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from hashlib import blake2b
 from typing import NamedTuple
 
-from ....core.records import Kind, Record
+from ....core.records import Kind, Record, Recorder
 from ....processor.user_code import output_muted
 from ....scene.case.model import Case
 from ....scene.scene import Scene
@@ -187,3 +193,51 @@ def _times(chain: list[str]) -> Times:
 
 def _length(cycles: str) -> str:
     return f"{cycles} cycle" if cycles == "1" else f"{cycles} cycles"
+
+
+BYTES = 16
+
+
+class EventDigest:
+    """Calculation of the digest of a run's events. start: the first tick of the run, from which times are counted."""
+
+    def __init__(self, recorder: Recorder, start: int) -> None:
+        self._start = start
+        self._hash = blake2b(digest_size=BYTES)
+        recorder.subscribe(KINDS, self._add)
+
+    def _add(self, record: Record) -> None:
+        if record.kind is not Kind.ACCESS or record.what.startswith("W "):
+            self._hash.update(f"{record.tick - self._start} {description(record)}\n".encode())
+
+    @property
+    def text(self) -> str:
+        """The digest of all events so far, in hexadecimal."""
+        return self._hash.hexdigest()
+
+
+PART = 64  # number of bus bytes after which a digest is stored
+DIGEST = 4  # length of a digest, in bytes
+
+
+class BusBytes:
+    """Calculation of digests of the bytes on the bus. The times of the bytes are not part of the digests."""
+
+    def __init__(self, recorder: Recorder) -> None:
+        self._hash = blake2b(digest_size=DIGEST)
+        self._count = 0
+        self._digests: list[str] = []
+        recorder.subscribe([Kind.BUS], self._add)
+
+    def _add(self, record: Record) -> None:
+        if record.what not in ("address", "byte"):
+            return
+        self._hash.update(f"{record.what} {record.value}\n".encode())
+        self._count += 1
+        if self._count % PART == 0:
+            self._digests.append(self._hash.hexdigest())
+
+    @property
+    def digests(self) -> list[str]:
+        """The digests in hexadecimal: one after every PART bytes, and one after the last byte."""
+        return [*self._digests, self._hash.hexdigest()] if self._count % PART else [*self._digests]

@@ -21,8 +21,7 @@ from ....timing.verdict import Verdict
 from .. import REFUSED
 from ..explain.chain import Chain
 from ..explain.explain import explain
-from .digests import BusBytes, EventDigest
-from .event_chain import EventLine, Wanted, chains
+from .event_chain import BusBytes, EventDigest, EventLine, Wanted, chains
 from .files import BadCheck, Baseline, Figures
 
 

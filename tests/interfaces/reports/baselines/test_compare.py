@@ -7,8 +7,7 @@ from typing import Any
 import pytest
 
 from periph_sim.interfaces.reports.baselines.compare import compare, explain, moved_accesses
-from periph_sim.interfaces.reports.baselines.digests import PART
-from periph_sim.interfaces.reports.baselines.event_chain import EventLine, Wanted
+from periph_sim.interfaces.reports.baselines.event_chain import PART, EventLine, Wanted
 from periph_sim.interfaces.reports.baselines.files import Baseline, Figures
 from periph_sim.interfaces.reports.baselines.outcome import occurrence
 

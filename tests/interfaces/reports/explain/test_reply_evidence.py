@@ -12,7 +12,7 @@ import pytest
 from periph_sim.core.records import Kind
 from periph_sim.interfaces.reports.explain.explain import Explained, explain
 from periph_sim.interfaces.reports.explain.picture import text_picture
-from periph_sim.interfaces.reports.html.failure import failure
+from periph_sim.interfaces.reports.html.gather import failure
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import Verdict

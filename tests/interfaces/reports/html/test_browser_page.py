@@ -7,8 +7,7 @@ from dataclasses import replace
 import pytest
 from playwright.sync_api import Page
 
-from periph_sim.interfaces.reports.html.failure import Failure
-from periph_sim.interfaces.reports.html.gather import BudgetReport, CaseReport
+from periph_sim.interfaces.reports.html.gather import BudgetReport, CaseReport, Failure
 from periph_sim.interfaces.reports.html.protocol import Row
 from periph_sim.interfaces.reports.html.timeline import Timeline
 from tests.interfaces.reports.html.conftest import Open

@@ -9,7 +9,7 @@ import pytest
 
 from periph_sim.core.time import Timebase
 from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Part
-from periph_sim.interfaces.reports.html.failure import Failure, failure
+from periph_sim.interfaces.reports.html.gather import Failure, failure
 from periph_sim.timing.verdict import Verdict
 from tests.interfaces.reports.html.made import US, budget, run_of
 

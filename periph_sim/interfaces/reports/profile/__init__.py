@@ -1,1 +1,0 @@
-"""Profile of an image's program: time by function, flame graph and line coverage (lcov)."""

@@ -25,10 +25,12 @@ IN_FIRMWARE = (Kind.ACCESS, *DOING)  # kinds of records of the firmware's action
 
 @dataclass(frozen=True)
 class Stretch:
-    """The time from tick `begin` to `end` in which an activity is the innermost one.
+    """A service routine, span or wait from tick `begin` to `end`, or a part of it in which it is the innermost one.
 
+    end: of an activity that has not ended, the end of the window.
     where: the place in the firmware; "" if unknown.
     since: the tick at which the activity began, which is `begin` or before.
+    within: the enclosing activities of a whole activity, outermost first.
     """
 
     begin: int
@@ -37,10 +39,14 @@ class Stretch:
     what: str
     where: str
     since: int
+    within: tuple[Record, ...] = ()
 
     @property
     def length(self) -> int:
         return self.end - self.begin
+
+    def __str__(self) -> str:
+        return phrase(self.doing, self.what)
 
 
 def phrase(doing: Doing, what: str) -> str:
@@ -124,41 +130,23 @@ def _top(stack: Sequence[Record], begin: int, end: int, bottom: Doing) -> Stretc
     return Stretch(begin, end, DOING[top.kind], top.what, top.text, top.tick)
 
 
-@dataclass(frozen=True)
-class Episode:
-    """A service routine, span or wait.
-
-    end: None if it had not ended at the end of the window.
-    within: the enclosing activities, outermost first.
-    """
-
-    begin: int
-    end: int | None
-    doing: Doing
-    what: str
-    where: str
-    within: tuple[Record, ...] = ()
-
-    def __str__(self) -> str:
-        return phrase(self.doing, self.what)
-
-
-def all_episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
+def all_episodes(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
     """Return service routines, spans and waits of a unit that overlap the time between two ticks, as they begin.
 
     An activity that ends with one that began before it, as a service routine of an image ends with its function, has
     the enclosing activities of that one.
     """
     stack: list[Record] = []
-    over: list[Episode] = []
+    over: list[tuple[Record, Sequence[Record], int]] = []
     for record in _relevant(window, unit):
-        over += [_episode(ended, stack, record.tick) for ended in _move(stack, record)]
-    over += [_episode(one, stack[:place], None) for place, one in enumerate(stack)]
-    there = (one for one in over if one.begin < end and (one.end is None or one.end > begin))
+        over += [(ended, tuple(stack), record.tick) for ended in _move(stack, record)]
+    over += [(one, stack[:place], window.kept[-1].end) for place, one in enumerate(stack)]
+    found = [Stretch(r.tick, to, DOING[r.kind], r.what, r.text, r.tick, tuple(within)) for r, within, to in over]
+    there = (one for one in found if one.begin < end and one.end > begin)
     return sorted(there, key=lambda one: (one.begin, len(one.within)))
 
 
-def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
+def episodes(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
     """Return the episodes that an explanation names, in the order in which they begin.
 
     Of the spans in progress at the first tick, only the innermost is returned, because each function of an image is a
@@ -171,7 +159,3 @@ def episodes(window: Window, unit: str, begin: int, end: int) -> list[Episode]:
     return [
         one for one in met if id(one) not in around and not (one.doing == "span" and (one.begin, one.where) in routines)
     ]
-
-
-def _episode(record: Record, within: Iterable[Record], end: int | None) -> Episode:
-    return Episode(record.tick, end, DOING[record.kind], record.what, record.text, tuple(within))

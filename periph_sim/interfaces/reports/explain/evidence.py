@@ -20,7 +20,7 @@ from ....records.record_text import BusByte, bus_byte, happened
 from ....scene.case.model import Case
 from ....traces.capture.capture import Channel
 from .chain import Chain, FirmwarePlace, Part, Step, place_of
-from .cpu_activity import CODE, DOING, IN_FIRMWARE, Episode, Stretch, episodes, open_at, phrase, timeline, units
+from .cpu_activity import CODE, DOING, IN_FIRMWARE, Stretch, episodes, open_at, phrase, timeline, units
 from .window import Window
 
 I2C, SCI = I2C_A.name, "SCI-A"
@@ -321,13 +321,13 @@ class Evidence:
         """The maximum error, in ticks, of an instant in a verdict, which is rounded to 0.1 ns."""
         return self.window.timebase.per_second // 10**10 + 1
 
-    def episode_step(self, one: Episode, end: int) -> Step:
+    def episode_step(self, one: Stretch, end: int) -> Step:
         """Convert a service routine, span or wait to a Step, which says so if it has not ended at `end`."""
         what = str(one)
         if one.doing == "interrupt":
             below = f", preempting {_of(one.within[-1])}" if one.within else ""
             what = f"{one.what} entered{below}"
-        if one.end is None or one.end > end:
+        if one.end > end:
             return self.say(one.begin, f"{what}, which goes on", None, place_of(one.where))
         return self.say(one.begin, what, one.end - one.begin, place_of(one.where))
 
@@ -374,8 +374,8 @@ def _of(record: Record) -> str:
     return f"{'the ' if activity.startswith('wait') else ''}{activity}{f' at {place.spot}' if place else ''}"
 
 
-def _inside(one: Episode, begin: int, end: int) -> int:
-    return min(end, end if one.end is None else one.end) - max(begin, one.begin)
+def _inside(one: Stretch, begin: int, end: int) -> int:
+    return min(end, one.end) - max(begin, one.begin)
 
 
 def in_order(*steps: Iterable[Step]) -> tuple[Step, ...]:

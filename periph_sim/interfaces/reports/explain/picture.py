@@ -18,7 +18,7 @@ from ....timing.verdict import in_words
 from ....traces.drawing.capture_lanes import wire_lanes
 from ....traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, timing_diagram
 from ....traces.drawing.text_diagram import text_diagram
-from .cpu_activity import Episode, Stretch, episodes, phrase, timeline, units
+from .cpu_activity import Stretch, episodes, phrase, timeline, units
 from .window import Window, event_of
 
 ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
@@ -75,10 +75,9 @@ def _firmware(window: Window, unit: str, group: str) -> list[Lane]:
     return lanes
 
 
-def _box(window: Window, one: Episode | Stretch) -> Box:
+def _box(window: Window, one: Stretch) -> Box:
     drawn = window.drawn
-    end = drawn.end if one.end is None else min(one.end, drawn.end)
-    begin = max(one.begin, drawn.begin)
+    begin, end = max(one.begin, drawn.begin), min(one.end, drawn.end)
     least = (drawn.end - drawn.begin) // LEAST_BOX
     text = (
         phrase(one.doing, one.what).removeprefix("wait for ").rpartition("I2CSTR.")[2]

@@ -8,8 +8,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
-from typing import Any
+from typing import NamedTuple
 
 from ....core.records import Kind
 from ....traces.decode import i2c
@@ -18,9 +17,8 @@ from ..explain.window import Window
 LONGEST = 24  # maximum number of bytes in a row of characters
 
 
-@dataclass(frozen=True)
-class Row:
-    """A row of the protocol table.
+class Row(NamedTuple):
+    """A row of the protocol table. In JSON, it is a list of these values.
 
     at, end: ticks from the beginning of the run or another origin.
     bus: "I2C", or the wire of SCI characters.
@@ -39,10 +37,6 @@ class Row:
     data: tuple[tuple[str, str], ...]
     stop: bool
 
-    def json(self) -> list[Any]:
-        data = [[byte, ack] for byte, ack in self.data]
-        return [self.at, self.end, self.bus, self.start, self.address, self.way, self.ack, data, int(self.stop)]
-
 
 def rows(window: Window, seen: Callable[[int, int], bool], zero: int) -> list[Row]:
     """Return the rows in order of time.
@@ -54,7 +48,7 @@ def rows(window: Window, seen: Callable[[int, int], bool], zero: int) -> list[Ro
     found = [*_i2c_rows(window)] if {"SCL", "SDA"} <= names else []
     found += _frame_rows(window)
     kept = sorted((row for row in found if seen(row.at, row.end)), key=lambda row: (row.at, row.bus))
-    return [replace(row, at=row.at - zero, end=row.end - zero) for row in kept]
+    return [row._replace(at=row.at - zero, end=row.end - zero) for row in kept]
 
 
 def _i2c_rows(window: Window) -> Iterator[Row]:
@@ -94,7 +88,7 @@ def _frame_rows(window: Window) -> list[Row]:
             byte = (f"{record.value:02X}", "error" if record.what == "error" else "")
             rows = found.setdefault(wire, [])
             if rows and begin - rows[-1].end < record.tick - begin and len(rows[-1].data) < LONGEST:
-                rows[-1] = replace(rows[-1], end=record.tick, data=(*rows[-1].data, byte))
+                rows[-1] = rows[-1]._replace(end=record.tick, data=(*rows[-1].data, byte))
             else:
                 rows.append(Row(begin, record.tick, wire, "", "", "", "", (byte,), False))
     return [row for rows in found.values() for row in rows]
@@ -120,21 +114,17 @@ def bytes_of(transfers: Iterable[i2c.Transfer], end: int) -> Iterator[Box]:
 
 
 def _byte(phase: i2c.Phase, place: int, byte: i2c.Byte, end: int) -> Iterator[Box]:
+    bits = byte.bits if byte.value is None else byte.bits[:8]
+    over = [end if bit.high is None else bit.at + bit.high for bit in byte.bits]
+    until = over[len(bits) - 1]
     if byte.value is None:
-        bits = "".join(str(bit.value) for bit in byte.bits)
-        last = byte.bits[-1]
-        yield byte.at, end if last.high is None else last.at + last.high, bits, f"cut off: bits {bits}"
-        return
-    ninth = byte.bits[8] if len(byte.bits) > 8 else None
-    last = byte.bits[7]
-    until = end if last.high is None else last.at + last.high
-    if place:
+        values = "".join(str(bit.value) for bit in bits)
+        yield byte.at, until, values, f"cut off: bits {values}"
+    elif place:
         who = "from the target" if phase.read else "from the controller"
         yield byte.at, until, f"0x{byte.value:02X}", f"byte {place} = 0x{byte.value:02X}\n{who}"
     else:
-        address = f"0x{byte.value >> 1:02X}"
-        way = "read" if byte.value & 1 else "write"
+        address, way = f"0x{byte.value >> 1:02X}", "read" if byte.value & 1 else "write"
         yield byte.at, until, f"{address} {way[0].upper()}", f"address {address}, {way}"
-    if ninth is not None:
-        over = end if ninth.high is None else ninth.at + ninth.high
-        yield ninth.at, over, "A" if byte.acked else "N", "ACK" if byte.acked else "NACK"
+    if len(byte.bits) > len(bits):
+        yield byte.bits[8].at, over[8], "A" if byte.acked else "N", "ACK" if byte.acked else "NACK"

@@ -117,7 +117,7 @@ class Timeline:
             "kept": self.kept,
             "groups": [{"name": name, "lanes": [lane.json() for lane in lanes]} for name, lanes in self.groups],
             "says": self.says,
-            "rows": [row.json() for row in self.rows],
+            "rows": self.rows,
         }
 
 
@@ -312,7 +312,7 @@ class _Lanes:
         for doing, said in EPISODES:
             found: list[Lane] = []
             for one in (one for one in of_unit if one.doing == doing):
-                end = over if one.end is None else min(one.end, over)
+                end = min(one.end, over)
                 row = next((row for row in found if row.end[-1] <= one.begin - self.zero), None)
                 if row is None:
                     row = Lane("boxes", doing, unit)

@@ -38,6 +38,6 @@ def test_frames_without_a_pause_are_one_row(small: CaseReport, records: list[Rec
     assert 1 <= len(rows) < len(sent) and rows[0].at == sent[0].tick - timeline.origin
 
 
-def test_rows_are_in_order_and_survive_as_json(response) -> None:  # type: ignore[no-untyped-def]
+def test_rows_are_in_order_and_in_the_json(response) -> None:  # type: ignore[no-untyped-def]
     assert [row.at for row in response.rows] == sorted(row.at for row in response.rows)
-    assert response.json()["rows"][0] == response.rows[0].json()
+    assert response.json()["rows"][0] == response.rows[0]

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import gc
 import os
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
@@ -151,25 +151,24 @@ def check(
     """
     files = case_files(paths)
     refused: list[RejectedCase] = []
-    before = {} if update else _baselines(files, refused)
+    before = _baselines(files, None if update else refused)
     ran, stopped = _run_each(
         files, jobs, changes, keep_values, on_progress, keep_finished=on_refused is not None and not update
     )
     refused += [one for one in ran if isinstance(one, RejectedCase)]
-    outcomes = [one for one in ran if isinstance(one, Outcome) and (update or one.path in before)]
+    outcomes = [one for one in ran if isinstance(one, Outcome) and one.path in before]
     wrong = [one for one in refused if on_refused is None or not one.outside]
     if wrong and (update or on_refused is None):
         raise BadCheck("\n".join(one.why for one in wrong))
     if on_refused is not None:
         for one in refused:
             on_refused(one)
-    checks = [] if update else [_compared(outcome, before[outcome.path], tolerance) for outcome in outcomes]
+    checks = [_compared(outcome, before[outcome.path], 0 if update else tolerance) for outcome in outcomes]
     if not stopped:
         with workers(jobs, len(files)) as start:
+            _explain(checks, before, start, None if update else tolerance)
             if update:
-                checks = _updated(outcomes, start)
-            else:
-                _explain(checks, before, start, tolerance)
+                _write(checks)
             _find_causes(checks, start)
     for one_check in checks:
         one_check.findings = judge(one_check)
@@ -208,14 +207,20 @@ def _run_each(
     return [*came.values(), *(RejectedCase(path, f"{path}: {STOPPED}") for path in stopped)], bool(stopped)
 
 
-def _baselines(files: Iterable[Path], refused: list[RejectedCase]) -> dict[Path, Baseline | None]:
-    """Read the baseline of each case. Cases whose baseline cannot be read are added to `refused`."""
+def _baselines(files: Iterable[Path], refused: list[RejectedCase] | None) -> dict[Path, Baseline | None]:
+    """Read the baseline of each case; None if there is none.
+
+    refused: the list to which cases are added whose baseline cannot be read; None to ignore such baselines.
+    """
     found: dict[Path, Baseline | None] = {}
     for path in files:
         try:
             found[path] = read(path_for(path))
         except BadCheck as error:
-            refused.append(RejectedCase(path, str(error)))
+            if refused is None:
+                found[path] = None
+            else:
+                refused.append(RejectedCase(path, str(error)))
     return found
 
 
@@ -237,36 +242,44 @@ class Start(Protocol):
     def __call__(self, work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]: ...
 
 
-def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start, tolerance: int) -> None:
+def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start, tolerance: int | None) -> None:
     """Run cases again to explain changed figures, and to find accesses that moved without changing a figure.
 
     A run ends after the last occurrence whose chain is needed. If the figures and the digest of event times equal those
     of the baseline, nothing can have moved, and the run is skipped.
+
+    tolerance: in cycles; None if the chains are for new baselines, which every budget then needs.
     """
-    known = [(one, old) for one in checks if (old := before[one.outcome.path]) is not None]
-    runs = [_chains(one.outcome, baseline, baseline.budgets, start) for one, baseline in known]
-    for (one, baseline), run in zip(known, runs, strict=True):
+    runs = [_chains(one.outcome, before[one.outcome.path], start, tolerance is None) for one in checks]
+    for one, run in zip(checks, runs, strict=True):
+        baseline = before[one.outcome.path]
+        chains = {} if run is None else run()
         if run is not None:
+            lines = {name: chain.lines for name, chain in chains.items()}
+            one.outcome.figures = one.outcome.figures.with_chains(lines)
+        if run is not None and baseline is not None and tolerance is not None:
             now = one.outcome.figures.budgets
             worse = {c.budget for c in one.changes if c.budget in now and c.figure == now[c.budget].chain_of}
-            chains = run()
-            one.outcome.figures = one.outcome.figures.with_chains(_lines(chains))
-            others = {name: chain for name, chain in chains.items() if name not in worse}
-            moved = [] if worse else moved_accesses(baseline, one.outcome.figures, others, tolerance)
+            moved = [] if worse else moved_accesses(baseline, one.outcome.figures, chains, tolerance)
             one.changes[:0] = moved
             one.state = _state(one.changes)
-        explain(one.changes, baseline, one.outcome.figures, one.outcome.result.first_wrong)
+        if baseline is not None:
+            explain(one.changes, baseline, one.outcome.figures, one.outcome.result.first_wrong)
 
 
 def _chains(
-    outcome: Outcome, baseline: Baseline | None, names: Collection[str], start: Start
+    outcome: Outcome, baseline: Baseline | None, start: Start, every: bool
 ) -> Callable[[], dict[str, EventLine]] | None:
-    """Return the chains of an equal baseline, or start a run that finds the chains of some budgets."""
+    """Return the chains of an equal baseline, or start a run that finds the chains of the budgets of the baseline.
+
+    every: True to find the chains of all budgets.
+    """
     kept = None if baseline is None else outcome.figures.chains_of(baseline)
     if kept is not None:
         outcome.figures = outcome.figures.with_chains(kept)
         return None
-    found = {name: occurrence(figures) for name, figures in outcome.figures.budgets.items() if name in names}
+    known = outcome.figures.budgets if every else {} if baseline is None else baseline.budgets
+    found = {name: occurrence(figures) for name, figures in outcome.figures.budgets.items() if name in known}
     wanted = {name: one for name, one in found.items() if one is not None}
     return start(run_chains, outcome.path, outcome.changes, wanted) if wanted else None
 
@@ -281,42 +294,19 @@ def _find_causes(checks: list[CaseCheck], start: Start) -> None:
         one.causes = run()
 
 
-def _updated(outcomes: list[Outcome], start: Start) -> list[CaseCheck]:
-    """Write new baselines after all of them are complete. Return the checks of the cases."""
-    olds = [_old(path_for(outcome.path)) for outcome in outcomes]
-    runs = [_chains(outcome, old, outcome.figures.budgets, start) for outcome, old in zip(outcomes, olds, strict=True)]
-    checks = []
+def _write(checks: list[CaseCheck]) -> None:
+    """Write the new baselines after all of them are complete. Set the state and the diff of each check."""
     texts: dict[Path, str] = {}
-    for outcome, old, run in zip(outcomes, olds, runs, strict=True):
-        if run is not None:
-            outcome.figures = outcome.figures.with_chains(_lines(run()))
-        path = path_for(outcome.path)
-        text = text_of(outcome.figures)
-        before = path.read_bytes().decode("utf-8", "replace") if path.is_file() else ""
-        one = CaseCheck(outcome, path, "equal" if text == before else "written", [])
+    for one in checks:
+        text = text_of(one.outcome.figures)
+        before = one.baseline.read_bytes().decode("utf-8", "replace") if one.baseline.is_file() else ""
+        one.state = "equal" if text == before else "written"
         if text != before:
-            texts[path] = text
-            name = path.as_posix()
+            texts[one.baseline] = text
+            name = one.baseline.as_posix()
             ours = before.splitlines(), text.splitlines(), name if before else "nothing", name
             one.diff = "\n".join(unified_diff(*ours, lineterm="", n=1))
-            if old is not None:
-                one.changes = compare(old, outcome.figures)
-                explain(one.changes, old, outcome.figures, outcome.result.first_wrong)
-        checks.append(one)
     write_all(texts)
-    return checks
-
-
-def _old(path: Path) -> Baseline | None:
-    """Read the baseline to be replaced; None if it is missing, damaged or of another version."""
-    try:
-        return read(path)
-    except BadCheck:
-        return None
-
-
-def _lines(chains: dict[str, EventLine]) -> dict[str, list[str]]:
-    return {name: chain.lines for name, chain in chains.items()}
 
 
 @contextmanager

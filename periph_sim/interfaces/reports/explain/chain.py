@@ -170,16 +170,20 @@ MOST_PARTS = 6
 
 def text(chain: Chain) -> list[str]:
     """Return the explanation as lines. The first line has the budget, its figure and the instant."""
-    lines = [_head(chain.verdict)]
-    rows = []
-    for step in chain.steps:
-        length = "" if step.length is None else _us(chain, step.length)
-        rows.append((_us(chain, step.at), length, f"{step.what}{_bracketed(step.place)}"))
-    lines += _table(rows) if rows else []
+    show = chain.timebase.show
+
+    def signed(ticks: int) -> str:
+        return f"{'+' * (ticks > 0)}{show(ticks)}"
+
+    rows = [
+        (show(step.at), "" if step.length is None else show(step.length), f"{step.what}{_bracketed(step.place)}")
+        for step in chain.steps
+    ]
+    lines = [_head(chain.verdict), *_table(rows)]
     if chain.parts:
         rows = [
             (
-                _us(chain, part.length),
+                show(part.length),
                 f"{100 * part.length / chain.length:.1f} %",
                 f"{part}{f', {part.count} times' if part.count > 1 else ''}{_bracketed(part.place)}",
             )
@@ -187,9 +191,10 @@ def text(chain: Chain) -> list[str]:
         ]
         lines += ["  made up of", *_table(rows)]
     if chain.more:
-        more = _us(chain, chain.length - (chain.typical or 0), sign=True)
-        rows = [(_us(chain, part.length, sign=True), "", str(part)) for part in largest(chain.more)]
-        lines += [f"  {more} against {_us(chain, chain.typical or 0)}, its least critical occurrence", *_table(rows)]
+        typical = chain.typical or 0
+        rows = [(signed(part.length), "", str(part)) for part in largest(chain.more)]
+        more = signed(chain.length - typical)
+        lines += [f"  {more} against {show(typical)}, its least critical occurrence", *_table(rows)]
     return lines
 
 
@@ -205,12 +210,6 @@ def bound(which: str) -> str:
     """Return the words for the key of a limit: "at most", "p99 at most"."""
     words = {"max": "at most", "min": "at least", "exactly": "exactly"}
     return words.get(which) or f"{percentile(which)} at most"
-
-
-def _us(chain: Chain, ticks: int, sign: bool = False) -> str:
-    value = chain.us(ticks)
-    plus = "+" if sign and ticks > 0 else ""
-    return f"{plus}{float(value):.3f} us" if abs(value) < 10_000 else f"{plus}{float(value / 1000):.3f} ms"
 
 
 def largest(parts: tuple[Part, ...]) -> tuple[Part, ...]:

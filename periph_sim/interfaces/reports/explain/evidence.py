@@ -178,7 +178,7 @@ class Evidence:
             end = records[over].tick if over < len(records) else self.window.kept[-1].end - 1
             found.append(
                 RecordedPhase(
-                    name=self._devices.get(sent.value, records[i].text),
+                    name=self.devices.get(sent.value, records[i].text),
                     begin=records[i].tick,
                     end=end,
                     address=sent.value,
@@ -196,7 +196,7 @@ class Evidence:
         return next((p for p in reversed(self.phases) if p.begin <= tick <= p.end), None)
 
     @cached_property
-    def _devices(self) -> dict[int, str]:
+    def devices(self) -> dict[int, str]:
         """The names of the case's devices, indexed by address.
 
         A memory may have addresses beside the configured one.
@@ -208,10 +208,6 @@ class Evidence:
                 names |= {address: name for address in range(eeprom.FIRST, eeprom.FIRST + 8) if address not in names}
         return names
 
-    def device_at(self, address: int) -> str:
-        """Return the name of the case's device with an address; "" if there is none."""
-        return self._devices.get(address, "")
-
     def holder_at(self, tick: int) -> str:
         """Return the unit or device that holds SCL low at a tick.
 
@@ -222,7 +218,7 @@ class Evidence:
         names = () if row is None else holders(run, row, run.record(row))
         named = [name.partition(".")[0] for name in names if name != "controller"]
         phase = self.phase_at(tick)
-        return named[0] if named else self.unit if phase is None else self._devices.get(phase.address, self.unit)
+        return named[0] if named else self.unit if phase is None else self.devices.get(phase.address, self.unit)
 
     @cached_property
     def low(self) -> int:
@@ -323,10 +319,12 @@ class Evidence:
 
     def episode_step(self, one: Stretch, end: int) -> Step:
         """Convert a service routine, span or wait to a Step, which says so if it has not ended at `end`."""
-        what = str(one)
-        if one.doing == "interrupt":
-            below = f", preempting {_of(one.within[-1])}" if one.within else ""
-            what = f"{one.what} entered{below}"
+        what = f"{one.what} entered" if one.doing == "interrupt" else str(one)
+        if one.doing == "interrupt" and one.within:
+            below = one.within[-1]
+            activity, place = phrase(DOING[below.kind], below.what), place_of(below.text)
+            article = "the " if activity.startswith("wait") else ""
+            what += f", preempting {article}{activity}{f' at {place.spot}' if place else ''}"
         if one.end > end:
             return self.say(one.begin, f"{what}, which goes on", None, place_of(one.where))
         return self.say(one.begin, what, one.end - one.begin, place_of(one.where))
@@ -366,12 +364,6 @@ def in_time(record: Record) -> tuple[int, int]:
 ON_WIRES = (Kind.EDGE, Kind.HOLD, Kind.BUS, Kind.FRAME)
 NO_ADDRESS = BusByte(0, acked=False, read=False)  # for a phase that ended before its address
 ENDS = ("START", "repeated START", "STOP", "arbitration lost")
-
-
-def _of(record: Record) -> str:
-    place = place_of(record.text)
-    activity = phrase(DOING[record.kind], record.what)
-    return f"{'the ' if activity.startswith('wait') else ''}{activity}{f' at {place.spot}' if place else ''}"
 
 
 def _inside(one: Stretch, begin: int, end: int) -> int:

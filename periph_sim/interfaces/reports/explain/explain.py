@@ -136,7 +136,9 @@ def _between(evidence: Evidence, ends: Ends) -> list[Step]:
             listed = record.value == 1 and any((one.at, one.place) == (own.at, own.place) for one in story)
             came = [step for step in evidence.causes(record, begin) if step.at not in {early.at for early in steps}]
             steps += came if listed else [*came, own]
-    return [*steps, *_older(evidence, ends), *story, *_writes(evidence), *_blocked(evidence, ends)]
+    accesses = evidence.window.between(begin, end - 1, Kind.ACCESS)
+    writes = [evidence.step(r) for r in accesses if r.where == evidence.unit and r.what[0] == "W"][:WRITES]
+    return [*steps, *_older(evidence, ends), *story, *writes, *_blocked(evidence, ends)]
 
 
 def _older(evidence: Evidence, ends: Ends) -> list[Step]:
@@ -150,12 +152,6 @@ def _older(evidence: Evidence, ends: Ends) -> list[Step]:
         return []
     older = [p for p in evidence.phases if p.begin < end and p.end > begin and p.read and p.address == read.address]
     return [evidence.say(p.begin, f"{p}, with older data", p.end - p.begin) for p in older]
-
-
-def _writes(evidence: Evidence) -> list[Step]:
-    """Return steps for the first writes of the firmware between both ends."""
-    found = evidence.window.between(evidence.window.begin, evidence.window.end - 1, Kind.ACCESS)
-    return [evidence.step(r) for r in found if r.where == evidence.unit and r.what[0] == "W"][:WRITES]
 
 
 def _blocked(evidence: Evidence, ends: Ends) -> list[Step]:

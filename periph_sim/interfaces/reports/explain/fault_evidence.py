@@ -44,11 +44,14 @@ WAITED = ("SCD", "RRDY", "NACK")  # flags that firmware waits for and that remai
 def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Record, Record | None, str]]:
     """Yield each byte of a read with the write from which it came, if it is known, and a description."""
     writes = evidence.accesses(0, phase.end, f"W {I2C}.I2CDXR")
+    scl = evidence.channel("SCL")
     before = phase.begin if phase.answered is None else phase.answered
     for number, byte in enumerate(phase.data, 1):
         carried = bus_byte(byte)
         value = 0 if carried is None else carried.value
-        begins, before = _first_rise(evidence, before, byte.tick), byte.tick
+        rises = [] if scl is None else scl.edges[(scl.levels == 1) & (scl.edges > before) & (scl.edges < byte.tick)]
+        begins = int(rises[0]) if len(rises) else byte.tick  # SCL rises for the first bit, which must be driven by then
+        before = byte.tick
         write = next((w for w in reversed(writes) if w.tick < begins and w.value & 0xFF == value), None)
         said = f"byte {number}: {carried}"
         if write is None:
@@ -58,15 +61,6 @@ def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Recor
         other = next((p for p in evidence.phases if p.begin <= write.tick <= p.end and p.begin < phase.begin), None)
         where = "" if write.tick >= phase.begin else f", for {other}" if other else ", before the read's START"
         yield byte, write, f"{said}{early}{where}"
-
-
-def _first_rise(evidence: Evidence, after: int, before: int) -> int:
-    """Return the tick at which SCL rises for the first bit of a byte, by which the bit must be driven."""
-    scl = evidence.channel("SCL")
-    if scl is None:
-        return before
-    rises = scl.edges[(scl.levels == 1) & (scl.edges > after) & (scl.edges < before)]
-    return int(rises[0]) if len(rises) else before
 
 
 def missing_condition(evidence: Evidence, tick: int) -> list[Step]:
@@ -180,7 +174,7 @@ def sender(evidence: Evidence, phase: RecordedPhase) -> str:
     """Return the device that sends the bytes of a read to the unit; "" if a unit sends them."""
     if not phase.read or not is_master(evidence, phase.begin) or any(_answers(evidence, phase)):
         return ""
-    return evidence.device_at(phase.address) or phase.name or f"the device at 0x{phase.address:02X}"
+    return evidence.devices.get(phase.address, "") or phase.name or f"the device at 0x{phase.address:02X}"
 
 
 def answering(evidence: Evidence, phase: RecordedPhase) -> Evidence:
@@ -190,7 +184,7 @@ def answering(evidence: Evidence, phase: RecordedPhase) -> Evidence:
 
 def _answers(evidence: Evidence, phase: RecordedPhase) -> Iterator[Evidence]:
     """Yield the other units whose own address is that of a phase, if no device has it."""
-    if evidence.device_at(phase.address):
+    if phase.address in evidence.devices:
         return
     for unit in evidence.case.unit:
         other = evidence.for_unit(unit)
@@ -239,7 +233,7 @@ def note_of_device(evidence: Evidence, phase: RecordedPhase) -> tuple[list[Step]
 
 def _part(evidence: Evidence, phase: RecordedPhase) -> eeprom.Part | None:
     """Return the type of the memory that is read; None for another device."""
-    table = evidence.case.device.get(evidence.device_at(phase.address))
+    table = evidence.case.device.get(evidence.devices.get(phase.address, ""))
     if table is None or table.model not in eeprom.MODELS:
         return None
     part = eeprom.part_of(table.model)
@@ -269,9 +263,9 @@ def _writes(evidence: Evidence, read: RecordedPhase) -> Iterator[tuple[int, Reco
     memory = _part(evidence, read)
     if memory is None:
         return
-    who = evidence.device_at(read.address)
+    who = evidence.devices.get(read.address, "")
     for phase in evidence.phases:
-        ours = phase.end <= read.begin and not phase.read and evidence.device_at(phase.address) == who
+        ours = phase.end <= read.begin and not phase.read and evidence.devices.get(phase.address, "") == who
         if not ours or not phase.acked or len(phase.data) <= memory.word:
             continue
         first = _pointer(memory, phase)

@@ -18,7 +18,7 @@ from ....timing.verdict import in_words
 from ....traces.drawing.capture_lanes import wire_lanes
 from ....traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, timing_diagram
 from ....traces.drawing.text_diagram import text_diagram
-from .cpu_activity import Stretch, episodes, phrase, timeline, units
+from .cpu_activity import Stretch, episodes, timeline, units
 from .window import Window, event_of
 
 ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
@@ -43,7 +43,7 @@ def text_picture(window: Window, width: int) -> list[str]:
     lanes = _lanes(window, width)
     if not lanes:
         return []
-    return text_diagram(lanes, _span(window), _marks(window), _axis(window), width)
+    return text_diagram(lanes, _span(window), _marks(window), f"from {_at(window)} on", width)
 
 
 def svg_picture(window: Window) -> str:
@@ -51,7 +51,7 @@ def svg_picture(window: Window) -> str:
     lanes = _lanes(window, COLUMNS_SVG) or [Lane("nothing", "", GREY)]
     verdict = window.verdict
     title = f"{verdict.name}: worst{'' if verdict.worst is None else ' ' + _figure(window)} at {_at(window)}"
-    return timing_diagram(lanes, _span(window), _marks(window), title, _axis(window))
+    return timing_diagram(lanes, _span(window), _marks(window), title, f"from {_at(window)} on")
 
 
 def _lanes(window: Window, columns: int) -> list[Lane]:
@@ -79,11 +79,7 @@ def _box(window: Window, one: Stretch) -> Box:
     drawn = window.drawn
     begin, end = max(one.begin, drawn.begin), min(one.end, drawn.end)
     least = (drawn.end - drawn.begin) // LEAST_BOX
-    text = (
-        phrase(one.doing, one.what).removeprefix("wait for ").rpartition("I2CSTR.")[2]
-        if one.doing == "wait"
-        else one.what
-    )
+    text = str(one).removeprefix("wait for ").rpartition("I2CSTR.")[2] if one.doing == "wait" else one.what
     return Box(_seconds(window, begin), _seconds(window, max(end, begin + least)), text)
 
 
@@ -163,7 +159,3 @@ def _figure(window: Window) -> str:
 
 def _at(window: Window) -> str:
     return f"{float(window.timebase.seconds(window.begin - window.start)):.6f} s"
-
-
-def _axis(window: Window) -> str:
-    return f"from {_at(window)} on"

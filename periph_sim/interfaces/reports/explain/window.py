@@ -4,12 +4,13 @@
     recorded run, verdicts ------------------------------------------------------^
 
 Runs are deterministic, so the second run has the same occurrences. It ends after the last range. Only the records in
-the ranges are kept, and before each range the last record of each kind, place and thing, which are the state at its
-beginning. So memory does not grow with the length of the run. Edges of wires are kept from a little earlier on.
+the ranges and shortly before them are kept, and before that the last record of each kind, place and thing, which are
+the state at the beginning. So memory does not grow with the length of the run.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -35,7 +36,7 @@ AROUND = Fraction(5, 1000)  # seconds that are kept before and after an interval
 WIDE = Fraction(25, 1000)  # seconds that are kept before and after an instant: a period of rounds
 LATE = ("missed", "stuck")  # records whose instant is the end of a wait that is too long
 LONGEST = Fraction(1, 10)  # seconds that are kept at each end of a long occurrence
-LEAD = Fraction(25, 1000)  # seconds before a range in which edges are kept, so that a transfer in progress is decoded
+LEAD = Fraction(25, 1000)  # seconds that are kept before a range, so that a transfer in progress is decoded
 BITS = 18  # minimum extent of a picture in bits: two bytes with their ACKs
 BIT = Fraction(1, 100_000)  # length of a bit in seconds if there is no SCL
 
@@ -173,13 +174,11 @@ class _Keeper:
         self._timebase = timebase
         self._start, self._end = start, end
         self._wanted = [self._want(verdict, verdict.at_s) for verdict in verdicts if verdict.at_s is not None]
-        self._ranges = _merged([span for one in self._wanted for span in one.kept])
-        self._records: list[list[Record]] = [[] for _ in self._ranges]
-        self._edges: list[Record] = []  # of all ranges, and of the time shortly before each
+        lead = timebase.ticks(LEAD, "nearest")
+        self._ranges = _merged([Span(max(s.begin - lead, start), s.end) for one in self._wanted for s in one.kept])
+        self._records: list[Record] = []
         self._before: list[dict[object, Record]] = []  # for each range that has begun, the last records before it
-        self._place = 0  # index of the current or next range
         self._seen: dict[object, Record] = {}
-        self._lead = timebase.ticks(LEAD, "nearest")
 
     @property
     def ends(self) -> int:
@@ -205,47 +204,33 @@ class _Keeper:
 
     def add(self, record: Record) -> None:
         """Add a record. Records come in order of time, except that a CPU may be ahead by a few cycles."""
-        tick = record.tick
-        while self._place < len(self._ranges) and tick >= self._ranges[self._place].end:
-            self._enter()
-            self._place += 1
-        if self._place < len(self._ranges):
-            begin = self._ranges[self._place].begin
-            if tick >= begin:
-                self._enter()
-                self._records[self._place].append(record)
-            elif len(self._before) > self._place:  # a record from before the range that comes late
-                self._before[self._place][record[2:5]] = record
-            if record.kind is Kind.EDGE and tick >= begin - self._lead:
-                self._edges.append(record)
-        self._seen[record[2:5]] = record
-
-    def _enter(self) -> None:
-        """Store the state at the beginning of a range, unless it has been stored."""
-        if len(self._before) == self._place:
+        tick, thing = record.tick, record[2:5]
+        while len(self._before) < len(self._ranges) and tick >= self._ranges[len(self._before)].begin:
             self._before.append(dict(self._seen))
+        if self._before:
+            begin, end = self._ranges[len(self._before) - 1]
+            if tick < begin:  # a record from before the range that comes late
+                self._before[-1][thing] = record
+            elif tick < end:
+                self._records.append(record)
+        self._seen[thing] = record
 
     def windows(self, name: str, wires: Iterable[str], modules: Mapping[str, tuple[str, ...]]) -> list[Window]:
-        while self._place < len(self._ranges):  # the remaining ranges have no records
-            self._enter()
-            self._place += 1
+        self._before += [self._seen] * (len(self._ranges) - len(self._before))  # the remaining ranges have no records
+        self._records.sort(key=lambda r: r.tick)
         names = list(wires)
         return [_with_stretch(self._window(one, name, names, modules)) for one in self._wanted]
 
+    def _between(self, begin: int, end: int) -> list[Record]:
+        """Return the records from one tick up to, but not including, another."""
+        first, last = (bisect_left(self._records, tick, key=lambda r: r.tick) for tick in (begin, end))
+        return self._records[first:last]
+
     def _window(self, one: _Wanted, name: str, wires: list[str], modules: Mapping[str, tuple[str, ...]]) -> Window:
-        places = [
-            next(i for i, ours in enumerate(self._ranges) if ours.begin <= span.begin and span.end <= ours.end)
-            for span in one.kept
-        ]
-        records: list[Record] = []
-        for place, span in zip(places, one.kept, strict=True):
-            records += [r for r in self._records[place] if span.begin <= r.tick < span.end]
-        records.sort(key=lambda r: r.tick)
-        last = dict(self._before[places[0]])
-        for record in self._records[places[0]]:
-            if record.tick < one.kept[0].begin:
-                last[record[2:5]] = record
-        channels = tuple(self._channel(wire, i, one, places) for i, wire in enumerate(wires))
+        ranges = [max(n for n, ours in enumerate(self._ranges) if ours.begin <= span.begin) for span in one.kept]
+        first = one.kept[0].begin
+        early: dict[object, Record] = {r[2:5]: r for r in self._between(self._ranges[ranges[0]].begin, first)}
+        channels = tuple(self._channel(wire, i, one, ranges) for i, wire in enumerate(wires))
         per_second = Fraction(self._timebase.per_second)
         edges = Capture(Path(name), per_second, one.kept[-1].end, channels, sampled=False)
         return Window(
@@ -254,8 +239,8 @@ class _Keeper:
             end=one.end,
             drawn=self._drawn(one, bit_of(edges, self._timebase.ticks(BIT, "nearest"))),
             kept=one.kept,
-            records=tuple(records),
-            before=tuple(sorted(last.values(), key=lambda r: r.tick)),
+            records=tuple(r for span in one.kept for r in self._between(*span)),
+            before=tuple(sorted({**self._before[ranges[0]], **early}.values(), key=lambda r: r.tick)),
             edges=edges,
             timebase=self._timebase,
             start=self._start,
@@ -277,13 +262,13 @@ class _Keeper:
         last = min(max(end + room, first + least), latest)
         return Span(max(min(first, last - least), earliest), last + 1)
 
-    def _channel(self, wire: str, index: int, one: _Wanted, places: list[int]) -> Channel:
-        """Return the edges of a wire. They are unknown between two ranges, except shortly before the second one."""
+    def _channel(self, wire: str, index: int, one: _Wanted, ranges: list[int]) -> Channel:
+        """Return the edges of a wire. They are unknown between two ranges."""
         states: dict[int, int | None] = {}
         over = one.kept[0].end
-        for place, span in zip(places, one.kept, strict=True):
-            since = max(self._ranges[place].begin - self._lead, self._start)
-            near = [r for r in self._edges if r.where == wire and since < r.tick < self._ranges[place].end]
+        for place, span in zip(ranges, one.kept, strict=True):
+            since, until = self._ranges[place]
+            near = [r for r in self._between(since + 1, until) if r.kind is Kind.EDGE and r.where == wire]
             if not states or since > over:
                 last = self._before[place].get((Kind.EDGE, wire, "level"))
                 states |= {over: None} if states else {}

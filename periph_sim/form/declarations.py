@@ -16,8 +16,8 @@ from .compiled_class import INTEGER, NUMBERS, OBJECT, VOID, Class, Function, Typ
 from .sources import Source, Sources
 
 LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}  # C type -> name in `cython`
-# For each C result type: the value that a function returns to report that it has raised an exception.
-# Without such a value, callers would have to ask Python after each call whether an exception was raised.
+# For each C result type: the error value, which a function returns if it has raised an exception.
+# Without error values, the caller of a C function would have to ask Python after each call if an exception was raised.
 # A C function without a result returns False. If a Python method overrides it, the method's None is converted to False.
 RAISES = {VOID: " except -1", "bint": " except -1", INTEGER: " except? PERIPH_SIM_RAISED"}
 RAISED = '''\
@@ -26,7 +26,7 @@ cdef extern from *:
     #define PERIPH_SIM_RAISED (-0x7EDCBA9876543210LL)
     """
     const long long PERIPH_SIM_RAISED
-'''  # this number is rarely a real result; callers that receive it ask Python whether an exception was raised
+'''  # PERIPH_SIM_RAISED is an improbable result; a caller that receives it asks Python if an exception was raised
 
 
 def declarations(source: Source) -> str:

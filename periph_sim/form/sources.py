@@ -296,7 +296,7 @@ class Source:
 
     @cached_property
     def called_on_others(self) -> set[str]:
-        """The names of methods that the module calls on other objects than `self`."""
+        """The names of methods that the module calls on objects other than `self`."""
         calls = (node.func for node in walked(self.tree) if isinstance(node, ast.Call))
         return {one.attr for one in calls if isinstance(one, ast.Attribute) and ast.unparse(one.value) != "self"}
 

@@ -98,7 +98,7 @@ class Master:
         return self._byte(address << 1 | read)
 
     def write(self, *values: int) -> bool:
-        """Send bytes, and stop after the first NACK. Return True if all bytes were acknowledged."""
+        """Send bytes up to the first that is not acknowledged. Return True if all were acknowledged."""
         if not self.writes:
             raise OutsideError("write: there is no transfer to write in; begin one with start(address)")
         for value in values:

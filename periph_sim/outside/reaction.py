@@ -1,7 +1,7 @@
 """Calculation of the earliest tick at which a case may answer a move of the outside.
 
     events of the kernel                                              --+--> the first tick at which our pins may move
-    edges that were put and not applied yet: at once, or after a filter -'
+    edges from `put`, not applied yet: at once, or after a filter ------'
 
 An I2C module that is not a master receives an edge after its noise filter, and an SCI receives it after its
 synchroniser. An I2C module does not answer in the middle of a byte. It states the number of further SCL edges to which

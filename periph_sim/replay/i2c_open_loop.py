@@ -2,8 +2,8 @@
 
     capture --every edge of SCL and SDA--> input wires, driven by the capture only --> chip
                                            back wires, driven by the chip only     <-- chip
-    bits that the chip must drive:         the back wire has the captured level when SCL rises
-    all other bits:                        the chip does not pull SDA low if the captured bit is 1
+    in bits that the chip must drive:      the back wire must have the captured level when SCL rises
+    in all other bits:                     the chip must not pull SDA low if the captured bit is 1
 
 If the chip still holds SCL low when SCL rises in the capture, its answer is late. Its later data are then not those
 that it would send to a controller that waits. The capture may have low phases that are longer than usual. A note counts

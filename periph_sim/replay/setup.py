@@ -283,8 +283,8 @@ def answering(case: Case, part: Played, given: Sequence[int], lead: Fraction = L
         else the one that was acknowledged most often in the capture. Firmware whose `REPLAY` does not name `address`
         answers all addresses.
 
-    If no addresses are given, the firmware is set not to answer while the captured target sent NACK. Otherwise, the
-    firmware must send these NACKs by itself to agree with the capture.
+    If no addresses are given, the firmware is set not to answer at the times at which the captured target sent NACK.
+    Otherwise, the firmware must send these NACKs by itself to agree with the capture.
     """
     unit = unit_with(case, "I2C-A")
     found = Answering(unit, _addresses(case, unit, part, given))

@@ -167,7 +167,7 @@ class PtyDoor(TerminalDoor):
     """Passes bytes between a pseudo-terminal and a line. Raise OutsideError if `link` exists already.
 
     If a client is a megabyte ahead of the line, its writes wait, as at a port with flow control. When the next client
-    comes, unsent bytes of the previous one are discarded and reported, unless the line can send them in a short time.
+    comes, unsent bytes of the previous one are discarded and reported, unless they take at most a tenth of a second.
 
     link: the path of a symbolic link to the path of the door, or None.
     """

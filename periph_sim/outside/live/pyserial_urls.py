@@ -1,4 +1,4 @@
-"""Registration of `f28335://` URLs with pyserial, which must be installed."""
+"""Registration of `f28335://` URLs with pyserial. This module can be imported only if pyserial is installed."""
 
 from __future__ import annotations
 

@@ -46,7 +46,7 @@ def extremes(
     Shows the deviation of each in the working range, its cost in cycles, and the first input at which it saturates,
     wraps, or becomes NaN. NAME and EXTREME may be given several times.
     """
-    from ...traces.formats.atomic_write import atomic_write
+    from ...traces.formats import atomic_write
     from ..extremes import USUAL, report
     from ..extremes.plot import picture
     from ..extremes.text_report import as_json as as_dict

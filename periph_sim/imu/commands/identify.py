@@ -70,7 +70,7 @@ def identify(
                 f"identify needs {error.name}, which is not installed: pip install 'periph-sim[sensors]'"
             ) from None
         from ...core.input_files import note_input
-        from ...traces.formats.atomic_write import atomic_write
+        from ...traces.formats import atomic_write
 
         for given in (file, undisturbed):
             if given is not None:

@@ -44,7 +44,7 @@ def imu_table(samples: int, seed: int, parameters: str | None, turn: bool, csv: 
     with usage_errors_in_one_sentence(), ExitStack() as outputs:
         unfinished = None
         if csv is not None:
-            from ...traces.formats.atomic_write import atomic_write
+            from ...traces.formats import atomic_write
 
             unfinished = outputs.enter_context(atomic_write(csv))
         if turn:

@@ -63,7 +63,7 @@ def _pictures(folder: Path) -> Iterator[list[Path]]:
 
     Both are moved to the folder, which is created, if the block succeeds.
     """
-    from ...traces.formats.atomic_write import atomic_write
+    from ...traces.formats import atomic_write
 
     try:
         import matplotlib  # noqa: F401

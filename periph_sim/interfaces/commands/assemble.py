@@ -22,7 +22,7 @@ def assemble(source: Path, file: Path) -> None:
     C28x and its FPU is known. docs/images.md has the directives.
     """
     from ...processor.image_files.assemble import assemble_file
-    from ...traces.formats.atomic_write import atomic_write
+    from ...traces.formats import atomic_write
 
     with usage_errors_in_one_sentence():
         image, data = assemble_file(source)

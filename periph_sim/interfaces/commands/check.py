@@ -11,7 +11,7 @@ import msgspec
 
 from ...scene.project import project_of
 from ...timing.verdict import BROKEN, NOT_JUDGED, SEEN
-from ...traces.formats.atomic_write import atomic_write
+from ...traces.formats import atomic_write
 from ..reports.baselines.check import CaseCheck
 from ..reports.baselines.check import check as checked
 from ..reports.baselines.outcome import RejectedCase

@@ -40,7 +40,7 @@ def profile(
     editors. Exit status 0, regardless of budgets: `run` judges them.
     """
     from ...scene.profiled import profiled
-    from ...traces.formats.atomic_write import atomic_write
+    from ...traces.formats import atomic_write
     from ..reports import profile as report
 
     apart(speedscope=speedscope, lcov=lcov)

@@ -22,7 +22,7 @@ from ...replay.uart import UartReplay, line_format
 from ...scene.case.load import load
 from ...scene.case.model import Case
 from ...traces.capture.capture import Capture
-from ...traces.formats.atomic_write import atomic_write
+from ...traces.formats import atomic_write
 from .command_output import print_json, print_table, progress, running_user_code, say
 from .input_options import CHANGES, JSON, RATE, SALVAGE, read_capture, time_given
 from .result_text import assumptions, budget_table, legend

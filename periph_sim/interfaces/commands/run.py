@@ -62,7 +62,7 @@ def run(
         loaded = load(case, list(changes))
         unfinished = None
         if html is not None:
-            from ...traces.formats.atomic_write import atomic_write
+            from ...traces.formats import atomic_write
 
             unfinished = outputs.enter_context(atomic_write(html))
         subscribe, ended_at = outputs.enter_context(recording(record, loaded.recorded_modules))

@@ -53,7 +53,7 @@ def sweep(
     Ctrl-C or SIGTERM stopped the sweep (the finished runs are shown).
     """
     from ...scene.case.model import BadCase
-    from ...traces.formats.atomic_write import atomic_write
+    from ...traces.formats import atomic_write
     from ..reports.sweep.sweep import SweepStopped
     from ..reports.sweep.sweep import sweep as swept
     from .watched_files import note_inputs

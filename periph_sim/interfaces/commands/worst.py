@@ -92,7 +92,7 @@ def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
 
 def _write(folder: Path, found: dict[str, Explained]) -> None:
     """Write a file for each budget. Raise BadCapture, and write none, if one of them cannot be written."""
-    from ...traces.formats.atomic_write import atomic_write
+    from ...traces.formats import atomic_write
     from ..reports.explain.picture import svg_picture
 
     names: dict[str, str] = {}

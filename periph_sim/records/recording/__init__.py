@@ -130,7 +130,7 @@ def _close(writer: RecordingWriter, tick: int, clocks: Clocks) -> None:
 def _opened(path: Path) -> Iterator[tuple[type[RecordingWriter], IO[Any]]]:
     """Yield the format and the open file, which appears at `path` only if no error occurs."""
     from ...traces.capture.capture import BadCapture
-    from ...traces.formats.atomic_write import atomic_write
+    from ...traces.formats import atomic_write
 
     chosen = format_of(path)
     if chosen is None:

@@ -212,8 +212,13 @@ def decimals_for(capture: Capture, least: int, rounded_to: int, otherwise: str =
     for decimals in able:
         if 10**decimals >= rounded_to * rate:
             return decimals, False
-    most = f"up to {10**FINEST // rounded_to // 10**9} GHz{otherwise}"
-    raise BadCapture(capture.path, "its rate", rate_text(rate), most, "write .psr")
+    raise BadCapture(
+        capture.path,
+        "its rate",
+        rate_text(rate),
+        f"up to {10**FINEST // rounded_to // 10**9} GHz{otherwise}",
+        "write .psr",
+    )
 
 
 def nearest(times: Positions, ratio: Fraction) -> Positions:
@@ -256,6 +261,11 @@ def on_grid(
     try:
         samples = quantized(moments, per_second, rate)
     except OffGrid as off:
-        found, expected = said.format(moments[off.which]), f"times on the grid of {rate} Hz"
-        raise BadCapture(path, "its times", found, expected, "state the right rate or none") from off
+        raise BadCapture(
+            path,
+            "its times",
+            said.format(moments[off.which]),
+            f"times on the grid of {rate} Hz",
+            "state the right rate or none",
+        ) from off
     return [samples[np.searchsorted(moments, at)] for at in lines], int(samples[-1])

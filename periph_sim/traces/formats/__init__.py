@@ -22,20 +22,24 @@ notes of the Capture say what was left out.
 
 from __future__ import annotations
 
+import errno
 import importlib
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
 from fractions import Fraction
 from functools import cache
-from os.path import isdir  # for a name that is too long, it returns False and does not raise
+from os.path import isdir
 from pathlib import Path
 from typing import Protocol, cast
 
 from ...core.discover import has_plugins, modules_with
-from ...core.input_files import note_input, open_regular
+from ...core.input_files import is_input, note_input, open_regular
 from ...core.registered import registered
 from ...core.suggest import did_you_mean
+from ...supervisor import remove_unless_complete
 from ..capture.capture import BadCapture, Capture, Channel, Span, rate_of
 from ..capture.sampling import on_samples, resampled
-from .atomic_write import atomic_write
 
 __all__ = ["BadCapture", "Capture", "Channel", "Format", "Span", "formats", "rate_of", "read", "whole", "write"]
 
@@ -158,8 +162,9 @@ def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -
                 raise BadCapture(path, error.place, error.found, error.expected, error.way_out) from None
             raise
         except OSError as error:
-            found = (error.strerror or "an error").lower()
-            raise BadCapture(path, "writing", found, "room for the file", "give another path") from error
+            raise BadCapture(
+                path, "writing", (error.strerror or "an error").lower(), "room for the file", "give another path"
+            ) from error
     return (*ready.notes[len(capture.notes) :], *(lost or ()))
 
 
@@ -195,3 +200,78 @@ def _head(path: Path) -> bytes:
 
 def _known() -> str:
     return ", ".join(f.NAME for f in readers().values())
+
+
+NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
+
+
+@contextmanager
+def atomic_write(path: Path) -> Iterator[Path]:
+    """Yield a temporary path with the same suffix. Its file replaces `path` when the block ends without an error.
+
+    Links are followed. A device or pipe, such as /dev/stdout, is never replaced: the bytes are copied to it when the
+    block ends. If the block raises, the temporary file is removed and the file at `path` is unchanged.
+
+    Raise BadCapture if no file can be created, if the disk is full, or if the present command has read the file at
+    `path`, because an output never replaces an input.
+    """
+    import shutil
+    import tempfile  # imported here because only writing needs it
+
+    whole = Path(os.path.realpath(path)) if path.is_symlink() else path
+    replaced = whole.is_file() or not path.exists()
+    if path.is_dir():
+        raise _refused(path, IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR)))
+    _refuse_input(whole)
+    try:
+        folder = whole.parent if replaced else None
+        handle, name = tempfile.mkstemp(dir=folder, prefix=f".{path.stem}.", suffix=path.suffix)
+    except OSError as error:
+        raise _refused(path, error) from None
+    os.close(handle)
+    remove_unless_complete(name)
+    try:
+        try:
+            yield Path(name)
+        except OSError as error:
+            if error.errno in NO_ROOM:
+                raise _refused(path, error) from None
+            raise
+        _refuse_input(whole)
+        try:
+            if replaced:
+                os.chmod(name, 0o666 & ~_umask())
+                os.replace(name, whole)
+            else:
+                with open(name, "rb") as source, open(path, "wb") as target:
+                    shutil.copyfileobj(source, target)
+                os.unlink(name)
+        except BrokenPipeError:
+            raise
+        except OSError as error:
+            raise _refused(path, error) from None
+    except BaseException:
+        os.unlink(name)
+        raise
+
+
+def _refuse_input(path: Path) -> None:
+    if is_input(path):
+        raise BadCapture(
+            path,
+            "its place",
+            "a file that this command reads",
+            "a file that is no input",
+            "give the output another path",
+        )
+
+
+def _refused(path: Path, error: OSError) -> BadCapture:
+    found = (error.strerror or "an error").lower()
+    return BadCapture(path, "its place", found, "a place that can be written to", "give another path")
+
+
+def _umask() -> int:
+    mask = os.umask(0)
+    os.umask(mask)
+    return mask

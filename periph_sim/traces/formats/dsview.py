@@ -20,8 +20,7 @@ import numpy as np
 
 from ..capture import size_limits as limits
 from ..capture.capture import BadCapture, Capture, Channel, Span
-from .packed_samples import Scan, scanned
-from .zip_member import Archive, ini_keys, samplerate_of
+from .session_archive import Archive, Scan, ini_keys, samplerate_of, scanned
 
 NAME = "DSView session (.dsl)"
 SUFFIXES = (".dsl",)
@@ -70,10 +69,10 @@ class Folder(NamedTuple):
 def _scanned(archive: Archive, folder: Folder, salvage: bool, notes: list[str]) -> Scan:
     scan = Scan(archive.path, 1, {0: ""})
     for block in range(folder.blocks):
-        before = scan.mark()
+        before = scan.length, scan.rest
         if damage := scanned(archive, f"L-{folder.number}/{block}", scan, salvage, _samples):
             if not damage.cut:
-                scan.back(before)
+                scan.cut(*before)
             notes.append(f"{damage.member} holds {damage.found}: its channel is dropped from sample {scan.length} on")
             break
     return scan
@@ -101,8 +100,13 @@ def _folders(path: Path, archive: Archive, probes: dict[int, str], keys: dict[st
             sizes[int(match[1])] = sizes.get(int(match[1]), 0) + (member.size or 0)
             blocks = max(blocks, int(match[2]) + 1)
     if not sizes or not probes:
-        missing = "no block L-0/0" if probes else "no probe0"
-        raise BadCapture(path, "the archive", missing, "logic samples", "export .sr or VCD from DSView")
+        raise BadCapture(
+            path,
+            "the archive",
+            ("no block L-0/0" if probes else "no probe0"),
+            "logic samples",
+            "export .sr or VCD from DSView",
+        )
     total = sum(sizes.values())
     if total > limits.MOST_BYTES:
         raise BadCapture(path, "its blocks", f"{total} bytes", f"at most {limits.MOST_BYTES}", "cut the capture")
@@ -121,8 +125,13 @@ def _count(keys: dict[str, str], key: str) -> int | None:
 def _header(path: Path, text: str) -> dict[str, str]:
     keys, version = ini_keys(text, "[header]"), ini_keys(text, "[version]").get("version", "")
     if version not in ("2", "3"):
-        found = f"version {version[:20]!r}" if version else "no version"
-        raise BadCapture(path, "header", found, "version 2 or 3", "export .sr or VCD from DSView")
+        raise BadCapture(
+            path,
+            "header",
+            (f"version {version[:20]!r}" if version else "no version"),
+            "version 2 or 3",
+            "export .sr or VCD from DSView",
+        )
     if keys.get("device mode", "0") != "0":
         raise BadCapture(path, "header, device mode", keys["device mode"][:20], "0, logic", "capture logic channels")
     return keys

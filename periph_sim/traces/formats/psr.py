@@ -359,8 +359,13 @@ def _at_rate(capture: Capture, rate: Fraction) -> Capture:
         lines = [c.edges, np.array(c.unknown, np.int64).reshape(-1)]
         (edges, bounds), _ = on_grid(capture.path, lines, 0, ratio, rate, said)
         if (np.diff(edges, prepend=0) <= 0).any():
-            found = f"two edges of {c.name} in one sample of {rate} Hz"
-            raise BadCapture(capture.path, "its times", found, "one", "state the right rate or none")
+            raise BadCapture(
+                capture.path,
+                "its times",
+                f"two edges of {c.name} in one sample of {rate} Hz",
+                "one",
+                "state the right rate or none",
+            )
         length = max([length, *(edges[-1:] + 1).tolist()])
         unknown = tuple(Span(*span) for span in bounds.reshape(-1, 2).tolist())
         channels.append(Channel(c.name, c.index, c.initial, edges, unknown))

@@ -113,8 +113,9 @@ def _read(path: Path, file: IO[str], rate: Fraction | None, salvage: bool) -> Ca
 def _lines(path: Path, file: IO[str]) -> Iterator[str]:
     for line in iter(partial(file.readline, limits.MOST_METADATA), ""):
         if len(line) == limits.MOST_METADATA:
-            found, most = f"a line of over {limits.MOST_METADATA} bytes", "lines of text"
-            raise BadCapture(path, "the file", found, most, "export it again")
+            raise BadCapture(
+                path, "the file", f"a line of over {limits.MOST_METADATA} bytes", "lines of text", "export it again"
+            )
         yield line
 
 
@@ -151,8 +152,7 @@ def _comment(path: Path, head: Head, number: int, line: str) -> None:
         try:
             head.rate = rate_of(match[1]) or None
         except ValueError:
-            place = f"line {number}"
-            raise BadCapture(path, place, repr(match[1][:80]), "a rate such as 4 MHz", "mend it") from None
+            raise BadCapture(path, f"line {number}", repr(match[1][:80]), "a rate such as 4 MHz", "mend it") from None
 
 
 def _header(path: Path, head: Head, number: int, line: str) -> bool:
@@ -176,8 +176,7 @@ def _header(path: Path, head: Head, number: int, line: str) -> bool:
         raise BadCapture(path, f"line {number}", "no column of levels", "a column a channel", "export it again")
     if head.names and len(columns) != len(head.names):
         found = f"{len(columns)} columns"
-        place, expected = f"line {number}", f"{len(head.names)} as the comment says"
-        raise BadCapture(path, place, found, expected, "export it again")
+        raise BadCapture(path, f"line {number}", found, f"{len(head.names)} as the comment says", "export it again")
     if {column.casefold() for column in columns} != {"logic"}:
         head.names = columns
     elif not head.names:

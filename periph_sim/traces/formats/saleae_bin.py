@@ -101,8 +101,13 @@ class _Grid:
         near = np.rint(exact)
         off = np.abs(exact - near) > OFF_GRID
         if self._strict and off.any():
-            found = f"a change at {times[off][0]} s"
-            raise BadCapture(path, "its times", found, f"the grid of {self._rate:g} Hz", "state the right rate")
+            raise BadCapture(
+                path,
+                "its times",
+                f"a change at {times[off][0]} s",
+                f"the grid of {self._rate:g} Hz",
+                "state the right rate",
+            )
         return near.astype(np.int64)
 
     def nearest(self, path: Path, time: float) -> int:
@@ -208,8 +213,13 @@ def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
             if not chunks:
                 raise
             if notes is None:
-                way_out = error.way_out.removesuffix(OR_SALVAGE) + OR_SALVAGE
-                raise BadCapture(path, error.place, error.found, error.expected, way_out) from None
+                raise BadCapture(
+                    path,
+                    error.place,
+                    error.found,
+                    error.expected,
+                    (error.way_out.removesuffix(OR_SALVAGE) + OR_SALVAGE),
+                ) from None
             notes.append(f"{error.place} of {path.name} has {error.found}: the rest is dropped")
             return chunks
     if len(chunks) < count or not chunks:
@@ -227,8 +237,9 @@ def _chunk(cursor: _Cursor, version: int, notes: list[str] | None) -> Chunk:
     if rate is not None and not 0 < rate < float("inf"):
         raise BadCapture(cursor.path, f"byte {place}", f"sample rate {rate}", "more than 0", "export it again")
     if not float("-inf") < begin <= end < float("inf"):
-        expected = "begin, rising times, end"
-        raise BadCapture(cursor.path, f"byte {place}", "times out of order", expected, "export it again")
+        raise BadCapture(
+            cursor.path, f"byte {place}", "times out of order", "begin, rising times, end", "export it again"
+        )
     at = cursor.at
     if notes is not None and 8 * count > cursor.left:
         whole = cursor.left // 8
@@ -260,6 +271,11 @@ class _Cursor:
 
     def skip(self, size: int, more: str = "") -> None:
         if size > self.left:
-            way_out = f"the file was cut, export it again{more}"
-            raise BadCapture(self.path, f"byte {self.at}", f"{self.left} bytes more", f"{size}", way_out)
+            raise BadCapture(
+                self.path,
+                f"byte {self.at}",
+                f"{self.left} bytes more",
+                f"{size}",
+                f"the file was cut, export it again{more}",
+            )
         self.at += size

@@ -88,8 +88,9 @@ def _positions(rows: Rows, rate: Fraction | None) -> tuple[Positions, Fraction]:
     try:
         at = (times if rate is None else quantized(times, per_second, rate)).astype(np.int64)
     except OffGrid as off:
-        line, grid = rows.line_of(off.which), f"the grid of {rate} Hz"
-        raise rows.bad(line, "a time between two samples", grid, "state the right rate") from off
+        raise rows.bad(
+            rows.line_of(off.which), "a time between two samples", f"the grid of {rate} Hz", "state the right rate"
+        ) from off
     except OverflowError:
         raise too_late from None
     if at[-1] > MOST_INT64:
@@ -107,8 +108,7 @@ def _read(path: Path, table: Iterator[tuple[int, list[str]]], rate: Fraction | N
     try:
         for line, row in table:
             if len(row) != len(header):
-                columns, expected = f"{len(row)} columns", f"{len(header)} as in line 1"
-                raise rows.bad(line, columns, expected, "export it again")
+                raise rows.bad(line, f"{len(row)} columns", f"{len(header)} as in line 1", "export it again")
             rows.add(line, ",".join(row))
     except BadCapture as error:
         if not salvage or not rows.count:

@@ -28,8 +28,7 @@ from ..capture import size_limits as limits
 from ..capture.capture import MOST_DIGITS, BadCapture, Capture
 from ..capture.channel_names import channels_named
 from ..capture.sampling import rate_text
-from .packed_samples import Scan, scanned
-from .zip_member import Archive, ini_keys, samplerate_of
+from .session_archive import Archive, Scan, ini_keys, samplerate_of, scanned
 
 NAME = "sigrok session (.sr)"
 SUFFIXES = (".sr",)
@@ -81,14 +80,14 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 
 def _scanned(archive: Archive, member: str, scan: Scan, salvage: bool, notes: list[str]) -> bool:
     """Scan the samples of a member. Return True if all are intact."""
-    before = scan.mark()
+    before = scan.length, scan.rest
     damage = scanned(archive, member, scan, salvage)
     if damage is None:
         return True
     if damage.cut:
         notes.append(f"{member} holds {damage.found}: all samples after {scan.length} are dropped")
-    elif before.length:
-        scan.back(before)
+    elif before[0]:
+        scan.cut(*before)
         notes.append(f"{member} holds {damage.found}: it and all samples after {scan.length} are dropped")
     else:
         notes.append(f"{member} holds {damage.found}: its samples are read up to {scan.length}, some may be wrong")
@@ -111,8 +110,13 @@ def _sample_members(path: Path, archive: Archive, capturefile: str, notes: list[
         if missing is not None:
             expected = f"chunks 1 to {max(numbered)}"
             if notes is None or missing == 1:
-                way_out = "save it again" if missing == 1 else f"save it again, or {SALVAGE}"
-                raise BadCapture(path, "the archive", f"no chunk {capturefile}-{missing}", expected, way_out)
+                raise BadCapture(
+                    path,
+                    "the archive",
+                    f"no chunk {capturefile}-{missing}",
+                    expected,
+                    ("save it again" if missing == 1 else f"save it again, or {SALVAGE}"),
+                )
             notes.append(f"{capturefile}-{missing} is missing: it and the rest are dropped")
             members = members[: missing - 1]
     size = sum(archive.members[name].size or 0 for name in members)
@@ -132,8 +136,13 @@ def _metadata(path: Path, text: str) -> Metadata:
         if (match := re.fullmatch(r"probe(\d+)", key)) and value:
             bit = int(match[1][:MOST_DIGITS]) - 1
             if not 0 <= bit < 8 * unitsize:
-                fit = f"probe1 to probe{8 * unitsize}"
-                raise BadCapture(path, f"metadata, {key}", f"unitsize {unitsize}", fit, "mend the metadata")
+                raise BadCapture(
+                    path,
+                    f"metadata, {key}",
+                    f"unitsize {unitsize}",
+                    f"probe1 to probe{8 * unitsize}",
+                    "mend the metadata",
+                )
             probes[bit] = value
     if not probes:
         total = _number(path, keys, "total probes", 1, 8 * unitsize)
@@ -193,8 +202,13 @@ def _check_writable(capture: Capture, path: Path) -> None:
     if len(expected) > len(options):
         options.append(f"--sample '{_possible_rate(capture)}'")
     if found:
-        way_out = f"convert with {' '.join(options)}, or write .vcd"
-        raise BadCapture(path, "what it would hold", " and ".join(found), " and ".join(expected), way_out)
+        raise BadCapture(
+            path,
+            "what it would hold",
+            " and ".join(found),
+            " and ".join(expected),
+            f"convert with {' '.join(options)}, or write .vcd",
+        )
 
 
 def _few_names(capture: Capture) -> list[str]:

@@ -63,8 +63,9 @@ def write_to(file: IO[str], capture: Capture, scope: tuple[str, ...] = (SCOPE,))
     first = len(names)
     times = nearest(np.append(at, capture.length), per_second / (capture.rate or per_second)).tolist()
     if times[-1] > MOST_TICKS:
-        found, most = f"{times[-1]} ticks of {scale}", f"at most {MOST_TICKS}"
-        raise BadCapture(Path(file.name), "its length", found, most, "cut a window")
+        raise BadCapture(
+            Path(file.name), "its length", f"{times[-1]} ticks of {scale}", f"at most {MOST_TICKS}", "cut a window"
+        )
     with VCDWriter(file, timescale=scale, date="", version=OURS) as writer:
         lines = [
             writer.register_var((*scope, *scopes), name, "wire", size=1, init=LETTERS[state])

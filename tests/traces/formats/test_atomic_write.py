@@ -8,8 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.traces.formats import BadCapture
-from periph_sim.traces.formats.atomic_write import atomic_write
+from periph_sim.traces.formats import BadCapture, atomic_write
 
 
 def test_it_appears_when_the_block_ends(tmp_path: Path):

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from periph_sim.traces import formats
 from periph_sim.traces.capture import size_limits as limits
-from periph_sim.traces.formats import BadCapture, Capture, Span, packed_samples
+from periph_sim.traces.formats import BadCapture, Capture, Span, session_archive
 from tests.profiles import examples
 from tests.traces.formats.looks import edges, facts
 from tests.traces.formats.writers import dsl_bytes, zip_bytes
@@ -47,7 +47,7 @@ def test_channels_in_blocks(tmp_path: Path, version: int):
 @settings(max_examples=examples(40), deadline=None)
 def test_any_samples_come_back(tmp_path_factory: pytest.TempPathFactory, levels: list[int], block: int, piece: int):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(packed_samples, "BLOCK", piece)
+        patch.setattr(session_archive, "BLOCK", piece)
         capture = read(tmp_path_factory.mktemp("dsl"), dsl_bytes({"a": levels}, "1 MHz", block))
     assert (edges(capture), capture.length) == ({"a": changes(levels)}, len(levels))
 

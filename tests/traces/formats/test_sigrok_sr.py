@@ -19,7 +19,7 @@ from hypothesis import strategies as st
 from periph_sim.traces import formats
 from periph_sim.traces.capture import size_limits as limits
 from periph_sim.traces.capture.capture import Channel
-from periph_sim.traces.formats import BadCapture, Capture, Span, packed_samples, sigrok_sr
+from periph_sim.traces.formats import BadCapture, Capture, Span, session_archive, sigrok_sr
 from tests.profiles import examples
 from tests.traces.formats.looks import edges, facts
 from tests.traces.formats.make_traces import FOLDER
@@ -96,7 +96,7 @@ def test_any_samples_come_back(tmp_path_factory: pytest.TempPathFactory, samples
     content = b"".join(sample.to_bytes(3, "little") for sample in samples)
     cut = len(content) // 2
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(packed_samples, "BLOCK", block)
+        patch.setattr(session_archive, "BLOCK", block)
         capture = read(
             tmp_path_factory.mktemp("sr"),
             sr_bytes([f"p{n}" for n in range(24)], "1 MHz", content[:cut], content[cut:], unitsize=3),
@@ -263,7 +263,7 @@ def test_a_zip_that_unpacks_to_too_much_is_refused_unopened(tmp_path: Path, monk
 
 def test_a_zip_that_changes_too_often_is_refused_at_that_sample(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(limits, "MOST_EDGES", 5000)
-    monkeypatch.setattr(packed_samples, "BLOCK", 1000)
+    monkeypatch.setattr(session_archive, "BLOCK", 1000)
     assert refusal(tmp_path, packed(b"\0\1" * 50_000)) == (
         "sample 6000: found over 5000 edges, expected fewer; cut the capture or drop its busy channels"
     )

@@ -25,7 +25,7 @@ from ....core.table import Table
 from ....scene.case.error_text import complaint
 from ....scene.project import project_of
 from ....traces.capture.capture import BadCapture
-from ....traces.formats.atomic_write import atomic_write
+from ....traces.formats import atomic_write
 
 SCHEMA: Literal[1] = 1  # version of the file format; other versions are refused
 

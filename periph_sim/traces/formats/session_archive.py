@@ -1,11 +1,15 @@
-"""Reader of zip archives of session formats. Members are read in blocks that fit into the cache of a processor.
+"""Reader of packed samples in zip archives, in blocks that fit into the cache of a processor.
 
     central directory, or local headers if it is broken --> Archive.members --> blocks of unpacked bytes
+    block --> words --> words that differ from the one before --> their changed bits --> edges per channel
 
 Sizes, CRC-32 and the end of the deflate stream are checked while blocks are read. A mismatch raises `Damage`. The
 caller makes it an error or uses the data before it. The directory is read by `zipfile`, but members are not: it would
 discard the last data before damage, and take 18 times as long. In a broken archive, a member whose sizes follow its
 data is read up to the end of its deflate stream, without a CRC-32.
+
+Only the edges of each channel are kept. The comparison of words runs at about the speed of memory, and a channel takes
+time only where a word changed. So memory and nearly all of the time grow with the number of edges, which is limited.
 
 Source: APPNOTE 6.3 (PKWARE), sections 4.3 and 4.5.
 """
@@ -14,7 +18,9 @@ from __future__ import annotations
 
 import struct
 import zipfile
-from collections.abc import Iterator
+from array import array
+from bisect import bisect_left
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from fractions import Fraction
 from mmap import ACCESS_READ, mmap
@@ -22,10 +28,12 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self, cast
 
+import numpy as np
+from numpy.typing import NDArray
 from zlib_ng import zlib_ng
 
-from ..capture.capture import BadCapture, rate_of
-from ..capture.size_limits import MOST_DIRECTORY, MOST_METADATA
+from ..capture import size_limits as limits
+from ..capture.capture import BadCapture, Channel, rate_of
 
 STORED, DEFLATED = 0, 8
 ENCRYPTED, SIZES_BEHIND = 1 << 0, 1 << 3  # flag bits of a header; SIZES_BEHIND: the sizes follow the data
@@ -96,16 +104,16 @@ class Archive:
         if name not in self.members:
             raise BadCapture(self.path, "the archive", f"no member {name!r}", f"a {self.what}", "save it again")
         size = self.members[name].size or 0
-        blocks = self.blocks(name, MOST_METADATA)
+        blocks = self.blocks(name, limits.MOST_METADATA)
         content = b""
         try:
-            while size <= MOST_METADATA and (block := next(blocks, b"")):
+            while size <= limits.MOST_METADATA and (block := next(blocks, b"")):
                 content += block
                 size = max(size, len(content))
         except Damage as damage:
             raise BadCapture(self.path, name, damage.found, f"a whole {self.what}", "copy or save it again") from None
-        if size > MOST_METADATA:
-            raise BadCapture(self.path, name, f"{size} bytes", f"at most {MOST_METADATA}", "save it again")
+        if size > limits.MOST_METADATA:
+            raise BadCapture(self.path, name, f"{size} bytes", f"at most {limits.MOST_METADATA}", "save it again")
         return content.decode("utf-8", "replace")
 
     def blocks(self, name: str, most: int) -> Iterator[bytes]:
@@ -178,8 +186,8 @@ class Archive:
         place = tail.rfind(END_MARK)
         if 0 <= place <= len(tail) - 16:
             (size,) = struct.unpack_from("<I", tail, place + 12)
-            if size > MOST_DIRECTORY:
-                raise zipfile.BadZipFile(f"a directory of {size} bytes, expected at most {MOST_DIRECTORY}")
+            if size > limits.MOST_DIRECTORY:
+                raise zipfile.BadZipFile(f"a directory of {size} bytes, expected at most {limits.MOST_DIRECTORY}")
 
     def _starts_as_zip(self) -> bool:
         self._file.seek(0)
@@ -254,3 +262,116 @@ def samplerate_of(path: Path, place: str, text: str | None, rate: Fraction | Non
     if not stated:
         notes.append("the file states no samplerate, so positions have no time")
     return stated or None
+
+
+BLOCK = (
+    1 << 16
+)  # bytes that are scanned at once; they fit into the caches of a processor, also with a byte for each bit
+
+Words = NDArray[np.unsignedinteger]
+
+
+class Scan:
+    """Scanner of blocks of little-endian samples.
+
+    unitsize: the number of bytes of a sample.
+    channels: the names of the channels, indexed by their bits in a sample.
+    length: the number of complete samples so far.
+    rest: the bytes of an incomplete sample.
+    """
+
+    def __init__(self, path: Path, unitsize: int, channels: dict[int, str]) -> None:
+        self.length = 0
+        self.rest = b""
+        self._path = path
+        self._unitsize = unitsize
+        self._names = channels
+        self._edges = {bit: array("q") for bit in channels}
+        self._first = 0
+        self._last = 0
+
+    def feed(self, block: bytes) -> None:
+        """Scan a block of any size. Raise BadCapture if there are more edges than `limits` allows."""
+        if self.rest:
+            block = self.rest + block
+        whole = len(block) - len(block) % self._unitsize
+        self.rest = block[whole:]
+        if whole:
+            self._compare(_words(memoryview(block)[:whole], self._unitsize))
+
+    def cut(self, length: int, rest: bytes) -> None:
+        """Discard all samples from number `length` on. rest: `rest` at that sample. No block may be fed afterwards."""
+        self.length, self.rest = length, rest
+        for edges in self._edges.values():
+            del edges[bisect_left(edges, length) :]
+
+    def channels(self) -> tuple[Channel, ...]:
+        """Return all channels in the given order. No block may be fed afterwards."""
+        return tuple(
+            Channel(self._names[bit], bit, self._first >> bit & 1, np.frombuffer(edges, np.int64))
+            for bit, edges in self._edges.items()
+        )
+
+    def _compare(self, words: Words) -> None:
+        if self.length == 0:
+            self._first = self._last = int(words[0])
+        at = _changes(words, self._last)
+        if len(at):
+            now = words[at]  # the changed words, whose values hold up to the next change
+            flips = now.copy()
+            flips[1:] ^= now[:-1]
+            flips[0] ^= words.dtype.type(self._last)
+            for bit, edges in self._edges.items():
+                edges.frombytes((at[(flips & words.dtype.type(1 << bit)) != 0] + self.length).tobytes())
+            if sum(len(edges) for edges in self._edges.values()) > limits.MOST_EDGES:
+                place, most = f"sample {self.length + len(words)}", limits.MOST_EDGES
+                raise BadCapture(
+                    self._path, place, f"over {most} edges", "fewer", "cut the capture or drop its busy channels"
+                )
+        self._last = int(words[-1])
+        self.length += len(words)
+
+
+def scanned(
+    archive: Archive, member: str, scan: Scan, salvage: bool, unpacked: Callable[[bytes], bytes] = bytes
+) -> Damage | None:
+    """Scan the samples of a member. Return its damage, of which the samples before it are scanned; None if it is whole.
+
+    unpacked: a function that converts a block to samples.
+
+    Raise BadCapture for damage unless `salvage` is True.
+    """
+    try:
+        if member not in archive.members:
+            raise Damage(member, "nothing")
+        for block in archive.blocks(member, BLOCK):
+            scan.feed(unpacked(block))
+    except Damage as damage:
+        if not salvage:
+            raise BadCapture(
+                archive.path,
+                member,
+                damage.found,
+                f"a whole {archive.what}",
+                "copy or save it again, or read the intact part with --salvage",
+            ) from None
+        scan.rest = b""
+        return damage
+    return None
+
+
+def _changes(words: Words, last: int) -> NDArray[np.int64]:
+    """Return the places of the words that differ from the word before. last: the word before the first one."""
+    differs = np.empty(len(words), np.bool_)
+    differs[0] = int(words[0]) != last
+    np.not_equal(words[1:], words[:-1], out=differs[1:])
+    return np.flatnonzero(differs)
+
+
+def _words(block: memoryview, unitsize: int) -> Words:
+    """Return little-endian samples of 1 to 8 bytes as an array of the next wider machine word."""
+    if unitsize in (1, 2, 4, 8):
+        return np.frombuffer(block, f"<u{unitsize}")
+    wide = np.zeros((len(block) // unitsize, 4 if unitsize == 3 else 8), np.uint8)
+    wide[:, :unitsize] = np.frombuffer(block, np.uint8).reshape(-1, unitsize)
+    return wide.view(f"<u{wide.shape[1]}")[:, 0]

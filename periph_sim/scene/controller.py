@@ -164,7 +164,7 @@ def _transfers(requests: list[Request], by_stop: bool) -> tuple[Transfer, ...]:
 
 
 def _sensors(case: Case, table: Controller | RoundsTable) -> Mapping[str, ChipData]:
-    """Return the known sensors. They include the sensors of installed plugins if the table names one."""
+    """Return the known sensors. They include those of installed plugins if the table names a sensor not yet known."""
     names = [*table.order, *(request.chip for request in table.request if request.chip is not None)]
     return sensors_of(case, names)
 

@@ -236,7 +236,10 @@ def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
 
 
 def filled(kind: type[T], given: dict[str, object], who: str) -> T:
-    """Return a dataclass object with the given values. who: its owner. Raise BadSetting for a wrong value."""
+    """Return an object of the dataclass `kind` with the given values. Raise BadSetting for a wrong value.
+
+    who: what the settings belong to, such as "firmware imu_hil", for messages.
+    """
     try:
         return convert(kind, given)
     except BadTable as error:
@@ -253,7 +256,7 @@ _shared: dict[tuple[type, str], object] = {}
 
 
 def shared(kind: type[T], given: dict[str, object], who: str) -> T:
-    """Return a dataclass object as `filled` does. If its class is frozen, all scenes with these values share it."""
+    """Return an object as `filled` does. If the dataclass is frozen, all scenes with these values share one object."""
     if not cast(Any, kind).__dataclass_params__.frozen:
         return filled(kind, given, who)
     key = kind, repr(given)

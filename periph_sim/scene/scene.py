@@ -317,11 +317,13 @@ class Scene:
     def restore(self, snapshot: Snapshot) -> None:
         """Continue from a snapshot of a scene with equal case, programs and records. This scene must not have run.
 
-        If all units run images, budgets begin anew. Otherwise the scene runs from its start to the snapshot's time,
-        since the stack of Python firmware or C sources cannot be restored. If both scenes are `restorable`, C sources
-        are re-executed from their log, the scene runs only from shortly before the snapshot, and budgets begin there.
-        Raise NotRestorable, with nothing changed, for a snapshot of another scene, and if C sources deviate from their
-        log. Raise it also after such a run, if the run ends in another state.
+        If all units run images, the state is assigned, and budgets begin anew. Otherwise, the scene runs from its start
+        to the time of the snapshot, because stacks of Python firmware and C sources cannot be restored. If both scenes
+        are `restorable`, C sources are first re-executed from their log. The scene then runs only from shortly before
+        the snapshot, and budgets begin there.
+
+        Raise NotRestorable, with nothing changed, for a snapshot of another scene, or if C sources deviate from their
+        log. Raise it also if the scene was run and its state differs from the snapshot.
         """
         parts.state.restore_scene(self, snapshot)
 

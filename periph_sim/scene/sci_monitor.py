@@ -30,7 +30,7 @@ RXRDY, OE = SCI_MAP["SCIRXST"]["RXRDY"].mask, SCI_MAP["SCIRXST"]["OE"].mask
 
 
 class SciMonitor(ChipObserver):
-    """Observer of an SCI that reads the registers of its receiver after each input, and makes the records."""
+    """Observer of an SCI. After each input of the chip, it reads the receiver's registers and makes the records."""
 
     STATE = State("_words _waiting _overrun")
 

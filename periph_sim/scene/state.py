@@ -46,12 +46,12 @@ def state_of_scene(scene: Scene) -> Snapshot:
 
 
 def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
-    """Give a scene that has not run the state of a snapshot.
+    """Bring a scene that has not run into the state of a snapshot.
 
-    If all units run images, the state is assigned; otherwise the scene is run up to the time of the snapshot.
+    If all units run images, the state is assigned. Otherwise, the scene is run up to the time of the snapshot.
 
-    Raise NotRestorable, with nothing changed, for a snapshot of another scene, and if C sources deviate from their log.
-    Raise it also after the run, if the run ends in another state.
+    Raise NotRestorable, with nothing changed, for a snapshot of another scene, or if C sources deviate from their log.
+    Raise it also if the scene was run and its state differs from the snapshot.
     """
     if scene.kernel.events or scene.kernel.now != scene.start:
         raise NotRestorable("the scene has run already; restore the snapshot into one that has just been built")

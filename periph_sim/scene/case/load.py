@@ -212,7 +212,7 @@ class CaseFile:
         return _loaded(self.path, self._text, self.changes)[0]
 
     def changed(self, changes: Sequence[str]) -> Case:
-        """Return the case with the changes of `CaseFile` and then these applied. Raise BadCase as `load` does."""
+        """Return the case with `self.changes` and then these changes applied. Raise BadCase as `load` does."""
         if not changes:
             return self.case
         try:

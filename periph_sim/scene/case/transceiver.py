@@ -1,8 +1,8 @@
 """RS-485 transceivers of a case: which SCI is on which pair, and which pin enables its driver.
 
-    TX ---> DI  driver ----.
-    GPIO -> DE             +== pair
-    RX <--- RO  receiver --'
+TX ---> DI  driver ----.
+GPIO -> DE             +== pair
+RX <--- RO  receiver --'
 """
 
 from __future__ import annotations

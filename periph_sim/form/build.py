@@ -93,7 +93,7 @@ HARD = Kind(
     ),
     (SANITIZERS,),
 )
-# Tracebacks are built by a `cold` function, so that the compiler separates error handling from frequently run code.
+# The function that builds tracebacks becomes `cold`. The compiler then separates error handling from other code.
 PROTOTYPE, COLD = re.compile(r"^static void __Pyx_AddTraceback\b", re.MULTILINE), r"__attribute__((cold)) \g<0>"
 # Matches a method of a compiled class that is converted to a Python object, for example to pass it as a callback.
 PASSED_ON = re.compile(r"__Pyx_CFunc_\w+_to_py_\w*\([^;\n]*->(?:__pyx_base\.)*(\w+)\);")

@@ -108,7 +108,7 @@ class Class:
         found: dict[str, Type] = {}
         self.__dict__["known"] = found  # set before it is complete, because values may refer to other attributes
         for target, annotation in self._annotated():
-            if target.isupper():  # a constant that subclasses set
+            if target.isupper():  # uppercase names are constants that subclasses set
                 continue
             kind = self.source.type_of(annotation)
             if found.setdefault(target, kind).c != kind.c:

@@ -15,7 +15,8 @@ from collections.abc import Iterator
 from .compiled_class import INTEGER, NUMBERS, OBJECT, VOID, Class, Function, Type
 from .sources import Source, Sources
 
-LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}  # C type -> name in `cython`
+# For each C type: its name in the module `cython`.
+LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}
 # For each C result type: the error value, which a function returns if it has raised an exception.
 # Without error values, the caller of a C function would have to ask Python after each call if an exception was raised.
 # A C function without a result returns False. If a Python method overrides it, the method's None is converted to False.

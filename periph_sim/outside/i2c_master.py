@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .session import Session
 
 LINES = ("SDA", "SCL")
-HOLD = Fraction(300, 10**9)  # hold time of SDA that a controller must provide: UM10204 Table 10, note 3
+HOLD = Fraction(300, 10**9)  # hold time of SDA in seconds that a controller must provide: UM10204 Table 10, note 3
 FASTEST = 5_000_000  # maximum rate in Hz, that of Ultra Fast-mode
 PATIENCE = Fraction(25, 1000)  # maximum time in seconds for which others may hold a line: SMBus section 3.1.1.3
 

@@ -22,7 +22,7 @@ def replay(
     subscribe: Subscribe | None = None,
     programs: Mapping[str, Firmware] | None = None,
 ) -> Result:
-    """Run the case with the logged moves. Raise OutsideError if the log is damaged or its ticks have another length."""
+    """Run the case with the moves of a log. Raise OutsideError if the log is damaged or has ticks of another length."""
     case = case if isinstance(case, Case) else load(Path(case))
     try:
         reader = LogReader(Path(log))

@@ -125,7 +125,7 @@ class _Settling:
         )
 
     def _until_agreed(self, item: int, word: int) -> tuple[int, int]:
-        """Return how many items and words to skip at an unsure start, so that those after them agree best.
+        """Return how many items and words to skip at an uncertain start bit, so that those after them agree best.
 
         Of equally good choices, take those with the fewest items. Of these, take the one that is nearest to one word
         per item.
@@ -146,7 +146,7 @@ class _Settling:
     def _agreeing(self, item: int, word: int) -> int:
         """Return how many of the next words fit the next items, at most AHEAD.
 
-        Also return AHEAD if items and words end together, or if all words up to the next unsure start fit.
+        Also return AHEAD if items and words end together, or if all words up to the next uncertain start bit fit.
         """
         items, found = self._items[item : item + AHEAD], self._found[word : word + AHEAD]
         for number, event in enumerate(items):

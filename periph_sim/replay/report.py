@@ -36,7 +36,7 @@ class Report:
         UART, it is the largest time from a word's start bit to the firmware's read of the word.
     lag_samples: `lag_worst_us` in sample periods of the capture.
     late_worst_us: open loop: the longest time for which the chip holds SCL low after SCL rises in the capture.
-    wall_s: the real time of the run alone, in seconds.
+    wall_s: the duration of the run in seconds of real time, without preparation and comparison.
     """
 
     case: str

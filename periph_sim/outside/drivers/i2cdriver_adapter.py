@@ -3,7 +3,8 @@
     client --'s' 0xD0, 0xC0 0x00, 'p' ...--> I2cDriver --start, write, stop--> Master --> SDA, SCL
            <--report: '0' | lost, timeout, ACK----
 
-The I2CDriver is an adapter with a serial port for a PC (i2cdriver.com). Its programs run unmodified.
+The I2CDriver is an adapter with a serial port for a PC (i2cdriver.com). Its programs run unmodified. Its commands, and
+their effects or answers:
 
     s ADDRESS+R/W    START: report              e BYTE    the same byte             ?   status, 80 characters
     0xC0+n-1 DATA    n bytes written: report    1, 4      100, 400 kHz              J   introspection, 80 characters

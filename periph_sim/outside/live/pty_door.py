@@ -120,7 +120,7 @@ class PseudoTerminal:
         os.close(self.kept)
 
     def clients(self) -> tuple[bool, bool]:
-        """Return (left, came) for the time since the last call: the last client left, and a first client came."""
+        """Return (left, came) for the time since the last call, as `Openings.passed` does."""
         return self._openings.passed()
 
     def read(self) -> bytes:

@@ -118,7 +118,7 @@ def _in_short(one: Mistake) -> str:
     return ": ".join(filter(None, [".".join(map(str, one.place)), what]))
 
 
-Converter = Callable[[Any, Place, list[Mistake]], Any]  # valid if it adds no mistake
+Converter = Callable[[Any, Place, list[Mistake]], Any]  # its result is valid if it adds no mistake to the list
 
 
 def convert(kind: type[T], tree: object) -> T:

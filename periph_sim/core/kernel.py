@@ -47,7 +47,7 @@ STORM = 100_000  # maximum number of events in one tick; more are an endless loo
 
 
 class SimulationStuck(Exception):
-    """Events kept causing events without time passing."""
+    """Events caused further events in the same tick without end."""
 
 
 @final

@@ -73,7 +73,7 @@ class Sampler(SampledParty):
         self._seen = levels
 
     def listen(self, line: int, wire: Wire) -> None:
-        """Make this line a wire. Raise ValueError if the number is too large."""
+        """Connect this line to a wire. Raise ValueError if the number of the line is too large."""
         if line >= MAX_PARTIES:
             raise ValueError(f"wire {wire.name} would be line {line}; a sampler has lines 0 to {MAX_PARTIES - 1}")
         self._leave(line).wire = wire

@@ -107,7 +107,7 @@ class Snapshot(NamedTuple):
     cycles: the present cycle of each module; 0 for one without a clock.
     values: the value of each collected attribute and item, by its name.
     logs: the logs with which programs that have a stack can be executed again, indexed by unit.
-    base: an earlier snapshot with logs, from which a run leads to this one; None if there is none.
+    base: an earlier snapshot with logs; a run that starts from it leads to this snapshot. None if there is none.
     """
 
     identity: tuple[tuple[str, str], ...]

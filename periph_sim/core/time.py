@@ -174,7 +174,7 @@ class Clock:
         period = self.timebase.per_second / hz
         self._exact = period.numerator, period.denominator
         self._wide = period < 1 or period.numerator * period.denominator > MOST
-        self._near = MOST // max(self._exact)  # a smaller number, times `_num` or `_den`, fits 64 bits
+        self._near = MOST // max(self._exact)  # any number below this, times `_num` or `_den`, fits 64 bits
         return (0, 0) if self._wide else self._exact
 
     def tick(self, cycle: int) -> int:

@@ -215,13 +215,14 @@ class BudgetJudge:
 
 
 def combine(measures: list[Measure]) -> list[int]:
-    """Drop the values of occurrences that the first measure does not have. All measures must store their values.
+    """Drop, in the other measures, the values of occurrences that the first measure does not have.
 
         age            a   b       c    d            the first measure determines which occurrences count
         value error    a   b   x        d   y        it has no value for c, so nothing is proven
 
-    Occurrences are the same if they begin at the same tick. Return for each measure the number of occurrences of the
-    first measure for which it has no value. If there are any, all its values are dropped.
+    Occurrences are the same if they begin at the same tick. All measures must store their values (`Measure.keep`).
+    Return, for each measure, the number of occurrences of the first measure for which it has no value. If there are
+    any, all its values are dropped.
     """
     import numpy as np  # imported here, because only joined conditions need it
 

@@ -76,7 +76,7 @@ class ByPlan:
     def missed_by(self, now: int, over: int | None) -> list[int]:
         """Return the due times of the rounds missed since the last one, when the run ends at `now`.
 
-        over: the end of the last round; None if it is not over.
+        over: the tick at which the last round ended; None if a round or the set-up is in progress.
         """
         missed = []
         while self._due() <= now and self._next != self._asked.rounds:
@@ -117,7 +117,7 @@ class ByRoundBefore:
         return missed
 
     def _plan(self, due: int) -> None:
-        """Set the due time of the next round, unless the one that was begun or missed is the last."""
+        """Set the due time of the next round, unless the round that was just begun or missed is the last one."""
         if self._left is not None:
             self._left -= 1
         self._next = NO_TIME if self._left is not None and self._left <= 0 else due

@@ -180,7 +180,7 @@ class UartCounter(Agent):
         self._lasted = self._taken = 0
         self._begun_at = NO_TIME
         self._over_at = 0  # the tick at which the last stop bit of the last character ends
-        self._free_at = 0  # the middle of this stop bit, in ticks: a fall from then on is a start bit
+        self._free_at = 0  # the tick in the middle of the last stop bit; a later fall is a start bit
         watch([wire], self)
 
     def sampled(self, now: int, levels: int) -> None:

@@ -107,10 +107,10 @@ class FrameHistory:
 
 
 RECENT = 8  # number of recent frames with which each read is compared
-KEPT = 64  # number of recent frames among which the input of a model run is searched
+KEPT = 64  # number of recent frames from which a model run may have taken its input
 COMPLETE = 256  # maximum number of chains that are all followed
-PASSED_OVER = 3  # if there are more chains, only those that skip at most this number of frames are followed
-MOST = 64  # maximum number of these chains; the chains with the youngest frames are followed
+PASSED_OVER = 3  # if there are more than COMPLETE chains, only those that skip up to this number of frames are followed
+MOST = 64  # in that case, the maximum number of chains; those with the youngest frames are followed
 
 
 @final

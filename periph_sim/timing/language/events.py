@@ -211,7 +211,7 @@ def group_of(event: Event, scope: Scope) -> Group:
 
 
 def stretch_of(name: str, scope: Scope, whose: str, hint: str = "") -> Group:
-    """Return the group for a transfer or a round. Raise BadEvent, with `whose` as its subject, if there is none."""
+    """Return the group for a transfer or a round. Raise BadEvent, whose text begins with `whose`, if there is none."""
     if not (scope.rounds if name == "round" else scope.bus):
         needs = "[controller] or [rounds]" if name == "round" else "SCL and SDA"
         raise BadEvent(f"{whose} needs {needs} in the scene, which has none{hint}")

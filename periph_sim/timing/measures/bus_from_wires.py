@@ -38,7 +38,7 @@ class BusFromWires(BitParty):
         self._unit: str = f"{unit}."
         self._scl_pulling = self._sda_pulling = 0  # masks of the parties that pull: bit i is party i
         self._scl_ours = self._sda_ours = 0  # masks of the unit's own parties
-        self._parties = 0  # number of parties on both wires when these masks were computed
+        self._parties = 0  # number of parties on both wires when the masks of the unit were computed
         self._tick = NO_TIME
         self._settled = True
 

@@ -155,12 +155,12 @@ class EventMeasure(Measure):
         self._groups = [None if m.group is None else Groups(m.group, m.nth) for m in matchers]
         self._queue: deque[_Seen] = deque()
         self._queued = False  # True if an event waits in `_queue`
-        self._newest: dict[int, _Seen] = {}  # by index of an event: the last one in its group so far
+        self._newest: dict[int, _Seen] = {}  # by index of an event: its last occurrence in the group so far
         starts = [one for groups in self._groups if groups is not None for one in groups.matchers]
         each = [one for m in (*matchers, *starts) for one in m.each]
         self.kinds = frozenset(one.kind for one in each)
         self._wanted = {(one.kind, one.what) for one in each}
-        self._every: set[Kind] = {one.kind for one in each if one.what == ANYTHING}  # kinds of which all are needed
+        self._every: set[Kind] = {one.kind for one in each if one.what == ANYTHING}  # kinds needed with any `what`
         if self.spans is not None:  # all spans are needed, so that the right name can be suggested
             self._every.add(Kind.SPAN)
         self._needed: dict[Kind, frozenset[str]] = subjects_of([*matchers, *starts])

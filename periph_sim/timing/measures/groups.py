@@ -44,7 +44,10 @@ class Groups:
             self._begins_round = scene.rounds_at_start()
 
     def begins(self, tick: int, begin: bool, end: bool) -> bool:
-        """Handle a record and return True if it begins a group. begin, end: True if it is the event for one."""
+        """Handle a record and return True if it begins a group.
+
+        begin, end: True if the record is an event of the kind that begins, or ends, a group.
+        """
         first = begin and self._is_first(tick)
         if end:
             self._frame_ended = tick

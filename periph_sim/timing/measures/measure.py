@@ -255,7 +255,7 @@ class Measure(Listener):
         """Drop all stored values except those at these indices."""
         values, at = (column[places].tolist() for column in self.all_kept())
         self.count = self.cut_off = 0
-        self.occasions = None  # they are counted by the measure to which this one is joined
+        self.occasions = None  # the measure to which this one is joined counts the occasions
         self.keep()
         if self._tally is not None:
             self.tally()

@@ -4,9 +4,9 @@
           '---'      in between?
                 F    the write clears a flag: was that intended? had the firmware read the flag since it rose?
 
-A read-modify-write is judged when its read is too old for any other write, because all earlier reads are known by then.
-The flags that firmware intends to clear at a place in its code are known at the end of the run. Reads without a write
-are dropped, and flags that may have been lost are counted by place, so memory does not grow with the run.
+A read-modify-write is judged as soon as its read is so old that no later write can belong to the read. The flags that
+firmware intends to clear at a place in its code are known at the end of the run. Reads without a write are dropped, and
+flags that may have been lost are counted by place, so memory does not grow with the run.
 
 Reads and writes are matched as `records/read_modify_write.py` matches them in a recording of a whole run. Both modules
 use `records/cleared_flags.py` to judge the cleared flags.

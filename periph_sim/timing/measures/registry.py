@@ -7,7 +7,7 @@ classes instead, because no sentence can express them:
 
     Margin       depends on the parties that pull the wires and on the module's own delay, which no record contains
     Race         reconstructs the polls that were skipped, for which it needs all records of a register
-    LostFlags    depends on the flags that firmware means to clear at a place, which are known after its last write
+    LostFlags    depends on the flags that firmware means to clear at a place, which are known at the end of the run
     Reply        compares a reply with the characters that a case expects, and quotes the characters that came
     WatchedWire  gets the expected time of an edge from a watcher, which may be the user's own
 """
@@ -25,7 +25,7 @@ class Sentence(Struct, frozen=True):
     looks_back: as in `Measure`; it includes the records from which `timing/derived` makes the records in the text.
     asked: the name of its occasions, the events of its clause `for each`, in the plural.
     nothing: a phrase that says why nothing was measured; None if the measure finds the reason itself.
-    unproven: the same if no event of its clause `given` happened.
+    unproven: a phrase that says why nothing is proven if no event of its clause `given` happened.
     cut_off: a phrase that names the event of its clause `unfinished`.
     unknown: for each clause `unless`, a thing and a reason, such as "read" and "may carry other frames".
     """

@@ -1,10 +1,10 @@
 """Measures of the time in a state: each time, the sum of all, or their share of the run or of its busiest window.
 
     wire SCL low   ──┐______┌──────┐___┌──     each: 6 and 3      time in: 9
-                       |--- W ---|             share of any W: that of the busiest window of length W
+                       |--- W ---|             share of any W: the share in the busiest window W
 
-The time of a state that holds when the run begins is part of the sum. It is not a value of "each time", because its
-begin is not known, unless the state lasts to the end of the run.
+The time of a state that already holds when the run begins is part of the sum. Its begin is not known, so it is a value
+of "each time" only if the state lasts to the end of the run.
 """
 
 # core: compiled

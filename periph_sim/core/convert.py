@@ -109,7 +109,7 @@ class BadTable(ValueError):
 
     @property
     def first(self) -> Mistake:
-        """The mistake to report first: an unknown key if there is one, since it is often a misspelled required key."""
+        """The mistake to report first: an unknown key if there is one, which is often a misspelled required key."""
         return next((one for one in self.mistakes if one.known is not None), self.mistakes[0])
 
 

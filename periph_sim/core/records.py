@@ -28,8 +28,8 @@ from .state import State
 
 
 class Kind(Enum):
-    EDGE = "edge"  # a wire changed: what = level, text = the pulling parties
-    ACCESS = "access"  # a CPU access: what = R or W and the register, value
+    EDGE = "edge"  # a wire changed: value = its level, text = the pulling parties
+    ACCESS = "access"  # a CPU access: what = R or W with the register, value = the word
     FLAG = "flag"  # hardware or an access changed a register field
     IRQ = "irq"  # an interrupt is requested, entered or left
     SPAN = "span"  # a span of firmware begins (value 1) or ends (value 0)

@@ -11,8 +11,8 @@ from importlib import import_module
 from types import ModuleType
 
 HOMES = {
-    "firmware model": "periph_sim.imu.firmware_model",  # what it defines is described by `scene.unit.FirmwareModel`
-    "host frames": "periph_sim.imu.host_frames",  # what it defines is described in `devices.host_frames`
+    "firmware model": "periph_sim.imu.firmware_model",  # implements `scene.unit.FirmwareModel`
+    "host frames": "periph_sim.imu.host_frames",  # implements `devices.host_frames.HostFrames`
     "plugins": "periph_sim.scene.plugins",  # defines `known_formats`, the capture formats of plugins
     "sensors": "periph_sim.imu.sensors",  # defines `SENSORS`, the sensors that the key `order` may list, by name
 }

@@ -119,7 +119,7 @@ class Sampler(SampledParty):
             self.request_sample()
 
     def _moved_under(self, moved: int) -> int:
-        """Return the number of the record that caused the change of the first of these lines."""
+        """Return the number of the record that caused the change of the lowest line in the mask `moved`."""
         line: _Line
         for line in self._lines:
             if moved & line.bit:

@@ -18,5 +18,5 @@ def shorten(text: str, most: int = MAX_LENGTH) -> str:
 
 
 def one_line(text: str) -> str:
-    """Return the text with each character that is not printable, such as a newline, as its escape."""
+    """Return the text with unprintable characters, such as newlines, replaced by escape sequences."""
     return text if text.isprintable() else "".join(c if c.isprintable() else repr(c)[1:-1] for c in text)

@@ -46,7 +46,7 @@ class FilteredBus:
         self._lines = IDLE
         self._scl_seen = SCL  # the level of SCL before its last change, without spikes
         self._sda_moved = -filter
-        self._sda_event = NOTHING  # what the last change of SDA is: START, STOP or NOTHING
+        self._sda_event = NOTHING  # the last change of SDA, classified as START, STOP or NOTHING
         self._sda_seen = 1  # the level of SDA after the filter
 
     def sampled(self, now: int, levels: int) -> None:

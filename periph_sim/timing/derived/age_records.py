@@ -41,7 +41,7 @@ MODEL = "model"  # the span in which firmware computes sensor models
 
 
 class ChipTopics:
-    """The topics of one chip. shown: the tick at which the frame ended that the chip showed last."""
+    """The topics of one chip. shown: the end, in ticks, of the frame that the chip showed last."""
 
     __slots__ = ("age", "model_age", "read", "shown", "unknown")
 
@@ -63,10 +63,10 @@ class AgeRecords(Listener):
         self.origins: read_origins.Origins | None = origins
         self._chips = {chip.address: ChipTopics(recorder, name) for name, chip in known_sensors().items()}
         self._model_run: Topic = recorder.topic(Kind.DATA, MODEL, "model run")
-        self._first_ended = NO_TIME  # the tick at which the first frame ended
-        self._last_ended = NO_TIME  # the tick at which the last frame ended
-        self._taken = NO_TIME  # the tick at which the frame ended that the present model run uses
-        self._made = NO_TIME  # the tick at which the frame ended that the last complete model run used
+        self._first_ended = NO_TIME  # the end of the first frame, in ticks
+        self._last_ended = NO_TIME  # the end of the last frame, in ticks
+        self._taken = NO_TIME  # the end of the frame that the present model run uses, in ticks
+        self._made = NO_TIME  # the end of the frame that the last complete model run used, in ticks
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         """Note a host frame that ended at `tick`."""

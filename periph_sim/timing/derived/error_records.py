@@ -34,7 +34,7 @@ BYTES = 6  # length of a read that carries a whole sample
 
 
 class _Chip:
-    """The state and the records of one chip. fitted: the due time of the frame that fitted the chip's last read."""
+    """The state and the records of one chip. fitted: the due tick of the frame that fitted its last read."""
 
     def __init__(self, recorder: Recorder, name: str, data: ChipData) -> None:
         self.name = name
@@ -47,7 +47,7 @@ class _Chip:
 
 
 class ErrorRecords:
-    """Makes the records of the errors of the values that the controller reads from sensors.
+    """Makes the error records for the values that the controller reads from sensors.
 
     truth_at: returns the true values of each chip at a tick.
     frame_due: returns the tick at which a host frame is due.

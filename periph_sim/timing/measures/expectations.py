@@ -22,7 +22,7 @@ from .measure import Measure, MeasuredScene
 if TYPE_CHECKING:
     from ...devices.watchers import WireWatcher
 
-BAD = 0x100  # added to a character with a wrong parity or without a stop bit
+BAD = 0x100  # is added to the value of a character with a wrong parity or without a stop bit
 
 
 class Expected(Struct, frozen=True):

@@ -77,7 +77,7 @@ class Tally:
                 cell.value, cell.at = value, at
 
     def percentile(self, per_mille: int) -> tuple[int, int]:
-        """Return (value, first tick) of the least value that `per_mille` of the values do not exceed (nearest rank)."""
+        """Return a percentile by nearest rank: the value and its first tick. per_mille: 950 for 95 % of the values."""
         rank, passed = -(-per_mille * sum(cell.count for cell in self._cells.values()) // 1000), 0
         for _, cell in sorted(self._cells.items()):
             passed += cell.count
@@ -117,7 +117,7 @@ class Measure(Listener):
     series: True if the measure takes a series of values, which has percentiles; False if it is one number a run.
     occurrence: the kind of thing that has a value, such as READ; measures of the same kind can be joined.
     asked: the name of the occasions, in the plural.
-    looks_back: how far back the records are on which the next value depends, one of LOOKS_BACK. STATE lists what the
+    looks_back: the range of past records on which the next value can depend; one of LOOKS_BACK. STATE lists what the
         measure remembers of these records. Values that were taken are results, not state.
     is_jitter: True if it takes the difference between each value and the one before (cycle-to-cycle jitter).
     """
@@ -263,7 +263,7 @@ class Measure(Listener):
             self.take(value, when)
 
     def percentile(self, per_mille: int) -> tuple[int, int]:
-        """Return (value, first tick) of the least value that `per_mille` of the values do not exceed (nearest rank)."""
+        """Return a percentile by nearest rank: the value and its first tick. per_mille: 950 for 95 % of the values."""
         assert self._tally is not None
         return self._tally.percentile(per_mille)
 
@@ -299,7 +299,7 @@ class Measure(Listener):
             self._tally.add(value, at)
 
     def take_unfinished(self, value: int, at: int) -> None:
-        """Take the value of an unfinished occurrence, which exceeds all before."""
+        """Take the value of an unfinished occurrence, which exceeds all earlier values."""
         least, least_at, alone = self.least, self.least_at, not self.count
         self.take(value, at)
         self.cut_off += 1
@@ -313,7 +313,7 @@ class Delay(Protocol):
 
 
 class MeasuredScene(Protocol):
-    """Interface from which measures get what they need of a scene."""
+    """Interface of a scene for measures. It provides what records do not show."""
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
         """Subscribe `reply`. Return the expected reply, and a function that returns why it was never requested."""

@@ -102,7 +102,7 @@ class Modifies(RecordSink):
         self._is_about = is_about
         self._longest = 0  # maximum number of ticks from a read to the write that belongs to it
         self._per_second: Fraction = Fraction(1)
-        self._clocks: list[tuple[int, Fraction]] = []  # SYSCLKOUT from each tick on, as far as the run has come
+        self._clocks: list[tuple[int, Fraction]] = []  # pairs (tick, SYSCLKOUT in Hz from then on) up to now
         self._known = 0  # number of entries of `_clocks` that were evaluated
         self._spare: Access | None = None  # the first of a chain of dropped accesses, for reuse
         self._topics: list[Topic] = []  # indexed by tag
@@ -110,7 +110,7 @@ class Modifies(RecordSink):
         self._registers: dict[tuple[str, str], ClearedRegister] = {}  # the judged registers, by unit and name
 
     def clock_is(self, per_second: int, clocks: list[tuple[int, Fraction]]) -> None:
-        """Set the clocks. clocks: SYSCLKOUT from each tick on; later changes are appended to this list."""
+        """Set the clocks: pairs (tick, SYSCLKOUT in Hz from then on). Later changes are appended to this list."""
         self._per_second, self._clocks = Fraction(per_second), clocks
         self._retuned()
 

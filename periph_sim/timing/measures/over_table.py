@@ -94,7 +94,7 @@ def _named(table: RecordTable, column: str, names: frozenset[str] | None) -> NDA
 
 
 def _rules(rule: str) -> tuple[str, str]:
-    """Return (pairing, group) of a rule; "" for each that the rule does not contain."""
+    """Return (pairing, group) of a rule. Each of them is "" if the rule does not contain it."""
     pairing = group = ""
     for word in filter(None, (part.strip() for part in rule.split(","))):
         if word in PAIRINGS and not pairing:

@@ -37,7 +37,7 @@ class Kept(Columns):
 
 
 class Race(Measure):
-    """Distance of each CPU read of a status register to the nearest change of what was read, in cycles of SYSCLKOUT.
+    """Distance, in SYSCLKOUT cycles, of each CPU read of a status register to the nearest change of the bits read.
 
     All records of the register are stored, and evaluated after the run like a recorded run.
     Nothing is proven if a wait was skipped and its polls near a change cannot be reconstructed.

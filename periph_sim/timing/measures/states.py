@@ -232,7 +232,7 @@ class TimeIn(EventMeasure):
             self._be_share(_millionths(self._lasted, whole) if whole else -1, now)
 
     def _be_share(self, share: int, at: int) -> None:
-        """Take the only value. share: -1 if there is none. A span that was never entered has none either."""
+        """Take the share as the only value; -1 for none. A span that was never entered has no value either."""
         self.count = int(share >= 0 and (self._entered or not self.state.free))
         self.worst = self.least = max(0, share)
         self.worst_at = self.least_at = at

@@ -28,7 +28,7 @@ class Watched(Struct, frozen=True):
 
     @property
     def name(self) -> str | None:
-        """The register's name as `records` uses it; None for all registers."""
+        """The name of the register or field as `periph_sim.records` uses it; None for all registers."""
         return ".".join(filter(None, (self.unit, self.module, self.register, self.field))) or None
 
     def shows(self, record: Record) -> bool:

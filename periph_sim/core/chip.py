@@ -80,7 +80,7 @@ class Chip:
         self.next_wake = NEVER  # no output or readable value changes by itself before this cycle
         self.out = 0  # bit i: level at OUTPUTS[i], of up to 62; for an open-drain pin 1 means released
         self.requests = 0  # bit i: interrupt i was requested since the owner last cleared it
-        self.held = 0  # bit i: the line of interrupt i is held asserted (requests again as soon as it was served)
+        self.held = 0  # bit i: the line of interrupt i is held asserted, so it requests again when it was served
         self.filter_width = 0  # cycles from an input's change to its first effect
         self.notes: list[Note] = []  # the notes since the owner last cleared the list
         self.loaded = 0  # bit i: the data register at offset i took a value since the owner last cleared it

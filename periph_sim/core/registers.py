@@ -60,7 +60,7 @@ class Yields(Enum):
     TIME = "a free-running count; its changes are not events"
 
 
-# Abbreviations of the manual for the access rights, the effect of a read and the effect of a write of a field.
+# The manual's abbreviations for a field's access rights, with the effects of a read and of a write.
 ACCESS: dict[str, tuple[Cpu, OnRead, OnWrite]] = {
     "R/W": (Cpu.RW, OnRead.KEEP, OnWrite.STORE),
     "R": (Cpu.R, OnRead.KEEP, OnWrite.NOTHING),

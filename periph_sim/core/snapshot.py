@@ -234,8 +234,8 @@ class _Collector:
     def _object(self, name: str, value: Any, time: Time) -> None:
         """Collect an object that has just been named.
 
-        An object is stored as `Foreign` and loses its name if it has no declared state, or if it is in a chain and its
-        declared state is not complete, because its place in the chain can change.
+        In two cases it is stored as `Foreign` and loses its name: if it has no declared state, or if it is in a chain
+        and its declared state is not complete. (It could not be found again, because places in a chain change.)
         """
         kind = type(value)
         state = state_of(kind)

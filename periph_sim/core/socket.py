@@ -23,8 +23,8 @@ from .time import Clock
 from .wire import BITS, MAX_PARTIES, Pin
 
 # Tags of events. WAKE is the chip's wake-up; LOOK is the sampling of its inputs. Other tags are changes of an output.
-# The bits below bit RECORD of the tag for a change of an output are the number 2 * (output + 1) + level.
-# The bits from bit RECORD up of the tag for a change of an output are the number of the record that caused it.
+# In the tag of an output's change, the bits below bit RECORD are the number 2 * (output + 1) + level.
+# In the tag of an output's change, the bits from bit RECORD up are the number of the record that caused it.
 WAKE, LOOK = 0, 1
 RECORD = 16
 MOVE = (1 << RECORD) - 1
@@ -302,7 +302,7 @@ class Socket(Agent):
         tick = self._clock.tick(cycle + self.out_delay)
         if tick <= self._kernel.now:
             self._set_pins(index, level)
-        else:  # also without a delay, after an input edge between two cycles: the output changes as a cycle begins
+        else:  # the pins change later: after the delay, or as the cycle begins if the input's edge was before it
             self._kernel.schedule(tick, self, self._recorder.cause << RECORD | (index + 1) << 1 | level)
 
     def _set_pins(self, index: int, level: int) -> None:

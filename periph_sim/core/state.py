@@ -3,8 +3,8 @@
     class Receiver:
         STATE = State("word level", cycles="_start due")
 
-An attribute that is not in the list is wiring, which the construction of the scene makes, a cache, or history that only
-reports read. Snapshots (`core.snapshot`), their comparison and restoring (`core.restore`) are based on these lists.
+Attributes that are not in the list are wiring (made when the scene is built), caches, or history (read only by
+reports). Snapshots (`core.snapshot`), their comparison and restoring (`core.restore`) are based on these lists.
 """
 
 from __future__ import annotations

@@ -44,7 +44,7 @@ def table_rows(
     width: int = WIDTH,
     names: Collection[int] = (),
 ) -> list[list[str]]:
-    """Return the lines of a table by rows: those of the titles and the rule, then those of each row."""
+    """Return the lines of a table in groups: first the titles and the rule, then one group for each row."""
     widths = _fitted([titles, *rows], titles, right, width, names)
     head, *body = [_lines(row, widths, right, " ") for row in (titles, *rows)]
     longest = max(len(line) for row in (head, *body) for line in row)

@@ -203,7 +203,7 @@ class Wire(Settleable):
         self._queued = False
 
     def quiet(self) -> bool:
-        """Return True if no pull is unsettled."""
+        """Return True if all pulls have settled."""
         return self._pulling == self.pulling
 
     def listeners(self) -> list[SampledParty | PullWatch]:

@@ -1,4 +1,4 @@
-"""Skipping of the first seven bits of an I2C byte, in which only the lines change, in one step.
+"""Skipping of the first seven bits of an I2C byte in one step, because only the lines change in these bits.
 
     SCL  _|~|_|~|_|~|_|~|_|~|_|~|_|~|_|~|_|~|_       each edge is an event
     SCL  ____________________________|~|_|~|_        the same byte, the same ticks, the same states before and after

@@ -32,9 +32,13 @@ from .transfer import BusTiming, Phase, Transfer
 # Purposes of the controller's events, which are the tags of the events.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 
-OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that only the agent can report: the wires do not show them
-ADDRESS = -1  # in place of the number of a data byte: the byte is an address
-NO_BYTE = 1 << 30  # in place of the number of a data byte: STOP or repeated START is next
+OF_AGENT = (
+    "arbitration lost",
+    "clear",
+    "stuck",
+)  # events that only the agent can report, because the wires do not show them
+ADDRESS = -1  # in place of a data byte's number, if the byte is an address
+NO_BYTE = 1 << 30  # in place of a data byte's number, if a STOP or repeated START is next
 
 
 class I2cController(BitParty):
@@ -139,7 +143,7 @@ class I2cController(BitParty):
         self._sda_level = 1
         self._rising = False  # SCL is released and has not risen yet
         self._high = timing.high  # the next high time of SCL
-        self._high_end = BIT_END  # the purpose of the event at the end of the next high time of SCL
+        self._high_end = BIT_END  # the tag of the event that ends the next high time of SCL
         self._let_go_at = 0
         self._transfer = Transfer("", [])
         self._done: Callable[[Transfer], None] = lambda transfer: None

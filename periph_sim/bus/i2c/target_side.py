@@ -93,7 +93,7 @@ class TargetSide(BitParty):
         self._bit = 0  # number of rises of SCL in this byte so far
         self._in = 0
         self._out = 0xFF
-        self._byte = 0  # number of the data byte
+        self._byte = 0  # number of the present data byte
         self._refused = False  # True if the controller's last acknowledge in a read was a NACK
         self._level = 1  # the next level of SDA
         self._on_end = on_end
@@ -138,7 +138,7 @@ class TargetSide(BitParty):
             self._stretch()
 
     def _stretch(self) -> None:
-        """Hold SCL after its fall, if the reply stretches before the next bit."""
+        """Hold SCL low after its fall, if the reply has a stretch before the next bit."""
         byte = -1 if self._does == RECEIVES_ADDRESS else self._byte
         ticks = self._stretches.pop((byte, self._bit), 0)
         if ticks:

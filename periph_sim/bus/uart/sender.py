@@ -142,7 +142,7 @@ class UartSender(EdgeSender):
             return
         self._measure(len(data), gap)
         edges = []
-        first = 0  # the number in the burst of the frame's first bit
+        first = 0  # the index of the frame's first bit among all bits of the burst
         byte: int
         for byte in data:
             if self._recorder is not None:

@@ -57,7 +57,7 @@ class Origin(NamedTuple):
 
 
 class FrameHistory:
-    """All frames that a host has sent, which can be searched for the youngest frame that shows given bytes.
+    """All frames that a host has sent. `youngest` searches them for the youngest frame with given bytes.
 
     A frame takes 28 bytes of memory, and 6 more for each chip that was read: an hour of 50 frames a second takes 5 MB.
     data: called with a chip's address and a frame's values; returns the bytes with which the chip shows the values.

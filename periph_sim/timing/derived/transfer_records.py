@@ -1,4 +1,4 @@
-"""Records of I2C transfers and of the rounds that consist of them, as values that budgets measure.
+"""Records of I2C transfers and of rounds, as values that budgets measure.
 
 The records of a transfer and its phases are made when the transfer is over:
 

@@ -43,8 +43,8 @@ def between(
     within a transfer or round, which lasts from its START to the START of the next one; or both: "last, same transfer".
     transfers_in_round: the number of transfers in a round; needed for "same round", because no record contains it.
 
-    Raise BadEvent if a text names no event, or an event that this run cannot contain, or if a second `begin` comes
-    before the `end` of the first and no rule says which of them the `end` belongs to.
+    Raise BadEvent if a text names no event, or an event that this run cannot contain. Raise it also if a second `begin`
+    comes before the `end` of the first one and no rule says which of them the `end` belongs to.
     """
     pairing, group = _rules(rule)
     scope = scope_of_table(table)

@@ -1,4 +1,4 @@
-; A LED on GPIO31 that timer 0 toggles, every 500 us here; the CPU sleeps in between. 150 MHz from a crystal of 30 MHz.
+; Timer 0 toggles an LED on GPIO31 every 500 us. In between, the CPU sleeps. SYSCLKOUT: 150 MHz, crystal: 30 MHz.
 
           .include "f28335.inc"
 

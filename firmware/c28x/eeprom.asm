@@ -1,5 +1,5 @@
-; An I2C master that stores eight bytes in an EEPROM with two-byte addresses, asks until they are stored, and reads them
-; back. 150 MHz from a crystal of 30 MHz, SCL 100 kHz. The program ends at ESTOP0.
+; An I2C master that stores eight bytes in an EEPROM with two-byte addresses, polls until they are stored, and reads them
+; back. SYSCLKOUT: 150 MHz, crystal: 30 MHz, SCL: 100 kHz. The program ends at ESTOP0.
 
           .include "f28335.inc"
 
@@ -26,7 +26,7 @@ _c_int00: MOV   @SP,#0x400
           MOVB  XAR0,#2 + COUNT
           LCR   #_send
           OR    @I2CMDR,#1 << STP
-stored:   MOVL  XAR4,#_record     ; while the EEPROM stores it does not acknowledge its address
+stored:   MOVL  XAR4,#_record     ; the EEPROM does not acknowledge its address while it stores data
           MOVB  XAR0,#2
           LCR   #_send
           SB    stored,TC

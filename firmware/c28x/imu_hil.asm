@@ -1,33 +1,33 @@
-; The IMU emulator of firmware/python/imu_hil.py in machine code: host frames in over SCI, three sensor chips out over I2C.
+; The IMU emulator of firmware/python/imu_hil.py in assembly: it receives host frames by SCI and emulates three chips on I2C.
 ;
 ;   SCI FIFO interrupt --> frame --> models (GPIO34 high to low) --> bytes of three chips
 ;   request of the sensor head --> own address, pointer byte, SDIR, I2CDXR/XRDY, SCD
 ;
-; The chips show the values of the frame: its twin's arithmetic = "bytes". A frame is six signed 16-bit values, low byte
-; first; the gyroscope shows the angles, high byte first, the accelerometer the accelerations, low byte first, the
-; magnetometer the angles, high byte first, z before y. 150 MHz from a crystal of 30 MHz; code and data in RAM.
+; The chips show the values of the frame, as imu_hil.py with arithmetic = "bytes". A frame has six signed 16-bit values,
+; low byte first. The gyroscope shows the angles, high byte first; the accelerometer the accelerations, low byte first; the
+; magnetometer the angles, high byte first, z before y. 150 MHz from a crystal of 30 MHz; code and data are in RAM.
 
           .include "f28335.inc"
 
-GYROSCOPE     .set 0x68           ; addresses, in the order in which they are asked
+GYROSCOPE     .set 0x68           ; addresses, in the order in which they are read
 ACCELEROMETER .set 0x53
 MAGNETOMETER  .set 0x1E
-COUNT         .set 6              ; bytes that a read has
+COUNT         .set 6              ; number of bytes in a read
 FRAME_BYTES   .set 12
-BRR           .set 40             ; 37.5 MHz / 8 / 115200 - 1, to the nearest
+BRR           .set 40             ; 37.5 MHz / 8 / 115200 - 1, rounded
 MODEL_PIN     .set 1 << 34 - 32   ; of port B
 
           .global _frame, _taken, _gyroscope, _accelerometer, _magnetometer, _order
           .reserve ".stack", 0x400, 0x300
           .sect ".ebss", 0x8000
-_frame:   .space FRAME_BYTES      ; the last one, a byte a word
-_taken:   .space FRAME_BYTES      ; the one that the models work with
-_gyroscope:     .space 8          ; what each chip sends, and zeros behind it
+_frame:   .space FRAME_BYTES      ; the last frame, one byte in each word
+_taken:   .space FRAME_BYTES      ; the frame with which the models work
+_gyroscope:     .space 8          ; the bytes that each chip sends, followed by zeros
 _accelerometer: .space 8
 _magnetometer:  .space 8
 
           .sect ".econst", 0x8040
-_order:   .word 1, 0, 3, 2, 5, 4  ; which byte of the frame is each of the gyroscope's,
+_order:   .word 1, 0, 3, 2, 5, 4  ; index in the frame of each byte of the gyroscope,
           .word 6, 7, 8, 9, 10, 11  ; of the accelerometer's
           .word 1, 0, 5, 4, 3, 2    ; and of the magnetometer's
 
@@ -53,7 +53,7 @@ _main:    LCR   #_model
           LCR   #_serve
           SB    _main,UNC
 
-; One read of the sensor head: AL is the chip's address, XAR4 where its bytes are. I2C_SLAVE_CONFIG and i2cBatchRead
+; Serves one read of the sensor head. AL: the chip's address. XAR4: its bytes. As I2C_SLAVE_CONFIG and i2cBatchRead
 ; (Figs. A.2 and A.4), field by field: each assignment to a field is a read and a write of the whole register.
 _serve:   MOVW  DP,#I2CMDR >> 6
           AND   @I2CMDR,#~(1 << IRS)
@@ -68,7 +68,7 @@ pointer:  TBIT  @I2CSTR,#RRDY
           OR    @I2CMDR,#1 << TRX
           MOV   @I2CCNT,#COUNT
           OR    @I2CSTR,#1 << SCD
-read:     TBIT  @I2CSTR,#SDIR     ; the workaround: no byte before the module is slave-transmitter
+read:     TBIT  @I2CSTR,#SDIR     ; workaround: no byte is written before the module is slave-transmitter
           SB    read,NTC
 next:     MOV   AL,*XAR4++
           MOV   @I2CDXR,AL
@@ -79,7 +79,7 @@ wanted:   TBIT  @I2CSTR,#XRDY
           OR    @I2CMDR,#1 << IRS
           LRETR
 
-; The models: the bytes of the last frame in each chip's order. RPT is not interrupted, so the frame is a whole one.
+; The models: put the bytes of the last frame in each chip's order. RPT is not interrupted, so the frame is consistent.
 _model:   MOVW  DP,#GPBSET >> 6
           MOV   @GPBSET,#MODEL_PIN
           MOVL  XAR7,#_frame
@@ -105,7 +105,7 @@ each:     MOVZ  AR0,*XAR5++
           BANZ  each,AR7--
           LRETR
 
-; SCIRXINTA: the FIFO holds a whole frame.
+; SCIRXINTA: the FIFO holds a complete frame.
 _sci_received:
           ASP
           PUSH  XAR4
@@ -124,7 +124,7 @@ take:     MOV   AL,@SCIRXBUF
           NASP
           IRET
 
-_start_pin:                       ; GPIO34: an output, low
+_start_pin:                       ; makes GPIO34 an output at level 0
           MOVW  DP,#GPBCLEAR >> 6
           MOV   @GPBCLEAR,#MODEL_PIN
           EALLOW
@@ -133,7 +133,7 @@ _start_pin:                       ; GPIO34: an output, low
           EDIS
           LRETR
 
-_start_sci:                       ; GPIO28 and 29; receive FIFO, an interrupt at a whole frame
+_start_sci:                       ; GPIO28 and 29; receive FIFO with an interrupt at a complete frame
           EALLOW
           MOVW  DP,#GPAMUX2 >> 6
           OR    @GPAQSEL2+1,#0x300
@@ -146,9 +146,9 @@ _start_sci:                       ; GPIO28 and 29; receive FIFO, an interrupt at
           MOV   @SCIHBAUD,#BRR >> 8
           MOV   @SCILBAUD,#BRR & 0xFF
           MOV   @SCIFFTX,#0xC000  ; SCIRST, SCIFFENA
-          MOV   @SCIFFRX,#0       ; the FIFO held in reset
+          MOV   @SCIFFRX,#0       ; FIFO held in reset
           MOV   @SCIFFRX,#0x6060 | FRAME_BYTES
-          MOV   @SCICTL1,#0x23    ; out of SW RESET
+          MOV   @SCICTL1,#0x23    ; SW RESET released
           LRETR
 
 _start_pie:

@@ -1,11 +1,11 @@
-; A slave with registers, as firmware/python/register_slave.py, by interrupts: what is written goes into them, what is
-; read comes out of them.
+; An interrupt-driven slave with registers, like firmware/python/register_slave.py: a master writes and reads them through
+; a pointer.
 ;
-;   S addr W  pointer  [data ...] P             writes from the pointer on
-;   S addr W  pointer  Sr addr R  data ... N P  reads from it on
-;   S addr R  data ... N P                      reads on behind the last byte that went over the bus
+;   S addr W  pointer  [data ...] P             writes registers, beginning at the pointer
+;   S addr W  pointer  Sr addr R  data ... N P  reads registers, beginning at the pointer
+;   S addr R  data ... N P                      reads registers, beginning after the last one transferred
 ;
-; 256 registers, a byte a word; 150 MHz from a crystal of 30 MHz.
+; There are 256 registers, one byte in each word. 150 MHz from a crystal of 30 MHz.
 
           .include "f28335.inc"
 
@@ -21,8 +21,8 @@ AAS_CODE  .set  7
           .sect ".ebss", 0x8000
 _registers:     .word 0x10, 0x11, 0x12, 0x13
                 .space 252
-_pointer:       .word 0           ; the register that goes over the bus next
-_pointer_comes: .word 0           ; 1: with the next byte that is received
+_pointer:       .word 0           ; the register that is transferred next
+_pointer_comes: .word 0           ; 1: the next received byte is the pointer
 _for_all:       .word 0           ; not 0: the present transfer is a general call
 
           .sect ".text", 0x9000
@@ -38,7 +38,7 @@ _c_int00: MOV   @SP,#0x400
 sleep:    IDLE
           SB    sleep,UNC
 
-; I2CINT1A: one code after the other until none is left. DP stays at the module's page.
+; I2CINT1A: handles interrupt codes until none is left. DP stays at the module's page.
 _i2c_int1a:
           ASP
           PUSH  XAR4
@@ -86,7 +86,7 @@ wanted:   LCR   #_step
           SB    another,UNC
 
 came:     MOV   AL,@I2CDRR
-          MOV   AH,*+XAR5[2]      ; a general call is acknowledged, and dropped
+          MOV   AH,*+XAR5[2]      ; the bytes of a general call are acknowledged, and ignored
           SB    another,NEQ
           MOV   AH,*+XAR5[1]
           SB    data,EQ
@@ -106,14 +106,14 @@ over:     MOVW  DP,#PIEACK >> 6
           NASP
           IRET
 
-; The register that the pointer names goes to I2CDXR.
+; Writes the register at the pointer to I2CDXR.
 _send:    MOVL  XAR4,#_registers
           MOVZ  AR0,*+XAR5[0]
           MOV   AL,*+XAR4[AR0]
           MOV   @I2CDXR,AL
           LRETR
 
-; The next register, the first one behind the last.
+; Advances the pointer; the first register follows the last one.
 _step:    MOV   AL,*+XAR5[0]
           ADDB  AL,#1
           ANDB  AL,#0xFF

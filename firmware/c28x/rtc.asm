@@ -1,5 +1,5 @@
-; An I2C master that sets a clock with two-byte register addresses, 0x6F as the ISL12026 has it, and reads it back:
-; the status register's write enable bits, the eight registers of the time, then all of them. SCL 100 kHz.
+; An I2C master that sets a real-time clock like the ISL12026 (address 0x6F, two-byte register addresses): it sets the
+; write enable bits of the status register, writes the eight time registers, and reads them back. SCL: 100 kHz.
 
           .include "f28335.inc"
 
@@ -11,8 +11,8 @@ COUNT     .set  8
           .sect ".econst", 0x8000
 _enable:  .word 0x00, 0x3F, 0x02  ; WEL
 _unlock:  .word 0x00, 0x3F, 0x06  ; RWEL and WEL
-_time:    .word 0x00, 0x30        ; from the seconds on
-          .word 0x50, 0x39, 0x95, 0x01, 0x03, 0x12, 0x06, 0x20  ; 15:39:50 of 24 hours, 2012-03-01, the 6th day
+_time:    .word 0x00, 0x30        ; from the register of the seconds on
+          .word 0x50, 0x39, 0x95, 0x01, 0x03, 0x12, 0x06, 0x20  ; 15:39:50 in 24-hour format, 2012-03-01, day 6
           .sect ".ebss", 0x8040
 _got:     .space COUNT
 
@@ -42,7 +42,7 @@ _c_int00: MOV   @SP,#0x400
           LCR   #_idle_bus
           ESTOP0
 
-; AR0 bytes from XAR4 on, and a STOP.
+; Sends AR0 bytes from XAR4 on, and a STOP.
 _write:   LCR   #_send
           OR    @I2CMDR,#1 << STP
           LRETR

@@ -1,4 +1,4 @@
-; SCI-A echo: what comes in on GPIO28 goes out on GPIO29. 115200 8N1 from a crystal of 30 MHz, at 150 MHz.
+; SCI-A echo: each character received on GPIO28 is sent on GPIO29. 115200 8N1; SYSCLKOUT: 150 MHz, crystal: 30 MHz.
 ; periph-sim assemble firmware/c28x/sci_echo.asm sci_echo.out
 
 PLLSTS    .set  0x7011            ; system control: page 0x7000
@@ -21,7 +21,7 @@ PLLLOCKS  .set  0                 ; bits
 RXRDY     .set  6
 TXRDY     .set  7
 
-BRR       .set  40                ; 37.5 MHz / 8 / 115200 - 1, to the nearest
+BRR       .set  40                ; 37.5 MHz / 8 / 115200 - 1, rounded
 
           .global _start_sci, _echo
           .sect ".text", 0x9000
@@ -30,7 +30,7 @@ BRR       .set  40                ; 37.5 MHz / 8 / 115200 - 1, to the nearest
 _c_int00: MOV   @SP,#0x400
           EALLOW
           MOVW  DP,#WDCR >> 6
-          MOV   @WDCR,#0x68       ; the watchdog off
+          MOV   @WDCR,#0x68       ; watchdog off
           AND   @PLLSTS,#0xFE7F   ; DIVSEL = 0 before PLLCR changes
           OR    @PLLSTS,#0x40     ; MCLKOFF
           MOV   @PLLCR,#10
@@ -62,5 +62,5 @@ _start_sci:
           MOV   @SCICTL2,#0
           MOV   @SCIHBAUD,#BRR >> 8
           MOV   @SCILBAUD,#BRR & 0xFF
-          MOV   @SCICTL1,#0x23    ; out of SW RESET
+          MOV   @SCICTL1,#0x23    ; SW RESET released
           LRETR

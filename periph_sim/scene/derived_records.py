@@ -153,5 +153,5 @@ def _origins_of(scene: Scene) -> Origins:
 
 
 def _mistake(case: Case, what: str) -> BadCase:
-    """Return an error about the key `check` of [rounds] or [controller], the table that defines the rounds."""
+    """Return an error about the key `check` of the table that defines the rounds: [rounds] or [controller]."""
     return case.mistake(what, "rounds" if case.line("rounds") else "controller", "check")

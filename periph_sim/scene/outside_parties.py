@@ -37,7 +37,7 @@ def drives_bus(outside: OutsideTable) -> bool:
 def as_driven(case: Case) -> Case:
     """Return a case without the parties that its [outside] replaces. Its `replaced` has a sentence for each of them.
 
-    Budgets that need such a party are left out, and the sentence names them. Raise BadCase, with its line, for a budget
+    Budgets that need a replaced party are left out; the sentence names them. Raise BadCase, with its line, for a budget
     that would also be wrong without [outside].
     """
     outside, controller = case.outside, case.controller

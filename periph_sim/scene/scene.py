@@ -170,7 +170,7 @@ class Scene:
         if case.fault:
             self.faults = parts.faults.build_faults(context, self.wires, self.units)
         self.uart = UartSide(context, self.wires, self.units, self.host_agent, serial, self.measured)
-        self._there = {  # by the name of a part in measures: True if this scene has the part
+        self._there = {  # for each part that measures may need: True if this scene has it
             "": True,
             "controller": self.head is not None,
             "rounds": self.bus.asked is not None,

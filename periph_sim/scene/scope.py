@@ -51,8 +51,8 @@ def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
 def _own_measures(case: Case) -> dict[str, str]:
     """Return the user's own measures: sentences by name, checked as far as this is possible without a scene.
 
-    They are in [measures] of the case and in the file of `measures_from`, as `"late rounds" = "count of record round
-    missed"`. Raise BadCase, with file and line, for an invalid measure.
+    They are in [measures] of the case and in the file of `measures_from`. Example: `"late rounds" = "count of record
+    round missed"`. Raise BadCase, with file and line, for an invalid measure.
     """
     from ..timing.measures.factory import check_measure
     from .case.toml_file import read

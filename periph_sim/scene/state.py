@@ -199,7 +199,7 @@ def _operation_key(cpu: ImageCpu, operation: Operation) -> tuple[object, ...] | 
 
 
 def finds_of(scene: Scene) -> dict[str, Finds]:
-    """Return, by module and class, the function that finds an object of the scene by its key."""
+    """Return, by module and class, the function that finds the object of the scene for a key in a snapshot."""
     samplers = _samplers(scene)
     found: dict[str, Finds] = {}
     for module in modules_of(scene):

@@ -25,7 +25,7 @@ from .toml_file import copied, text_of, tree_of
 WIDEST = 2**63 - 1  # largest integer: the limit of TOML and of compiled code
 
 
-NAMES = {"name", "measure", "chip", "model", "pair", "breaks", "order"}  # keys whose texts are names
+NAMES = {"name", "measure", "chip", "model", "pair", "breaks", "order"}  # keys whose values are names
 
 
 class UnknownKey(BadCase):

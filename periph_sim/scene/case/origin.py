@@ -39,7 +39,7 @@ class Source(Struct, frozen=True):
 
 
 def key_of(place: Place, tree: object) -> str:
-    """Return a place in the form that `--set` uses, such as "budget.response.max". tree: the case, for entry names."""
+    """Return a place in the form that `--set` uses, such as "budget.response.max". tree: the case, with entry names."""
     parts = []
     for part in place:
         entries = tree

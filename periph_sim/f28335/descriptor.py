@@ -1,11 +1,11 @@
-"""Descriptors of the chip's modules, from which the rest of the package learns about them.
+"""Descriptors of the chip's modules, which describe them to the rest of the package.
 
     i2c/descriptor.py: I2C_A --+
     sci/descriptor.py: SCIS  --+--> parts/f28335.py: Part --> addresses, clocks, interrupts, pins, wires, options
 
 Units, wiring, the event language, `why`, `regs` and the schema of cases read descriptors. A new module consists of a
 folder with a descriptor, a register map and a chip, and an entry in the data of the part. The folders without a
-descriptor are no modules: `cpu`, `memory` and `parts`.
+descriptor (`cpu`, `memory` and `parts`) are no modules.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from .gpio.pin_mux_table import FUNCTIONS
 from .pie.register_map import VECTORS
 from .system_control.register_map import PCLKCR0, PCLKCR3
 
-ARGUMENTS = frozenset(("name", "number", "options"))  # arguments that the class of a chip may have
+ARGUMENTS = frozenset(("name", "number", "options"))  # arguments that the class of a chip can have
 CLOCKS = ("SYSCLKOUT", "LSPCLK")
 FLASH = range(0x30_0000, 0x34_0000)  # addresses of flash in the F28335, the part with the most flash
 
@@ -63,17 +63,18 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     header: the structure that TI's C headers place at `base`, or several structures with their offsets.
     chip: the class of its chip, as "i2c.module.I2c" in this package; empty for modules that every unit has.
     takes: arguments of that class: "name", "number" (the end of the name) and "options".
-    options, options_class: the group of options that it uses, and their class, written like `chip`.
+    options: the group of options that it uses.
+    options_class: the class of these options, written like `chip`.
     gate: the field of PCLKCR0 or PCLKCR3 that switches its clock; empty if there is none.
     input_gate: the field that switches the clock of its input paths only.
     clock: the clock that it runs on, "SYSCLKOUT" or "LSPCLK".
-    interrupts: in the order of the bits of the chip's `requests`.
+    interrupts: its interrupts, in the order of the bits of the chip's `requests`.
     inputs, outputs: signals of the multiplexer's table, in the order of the chip's pins. inputs is None if any pin can
-        be an input of the module.
+    be an input of the module.
     pins: the GPIO numbers to which TI's start-up code assigns its signals.
-    wires: the names of its signals in a case.
+    wires: its signals, by the names that a case uses.
     bus: True if all modules of this kind are on the same wires.
-    plain: True if its wires have these names without the module's name before them.
+    plain: True if the names in `wires` are used without the module's name before them.
     """
 
     name: str
@@ -132,7 +133,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
         return tuple(dict.fromkeys((*(self.inputs or ()), *self.outputs)))
 
     def build(self, options: Mapping[str, Answers]) -> Chip:
-        """Return a new chip. options: answers of a unit by group; defaults where a group is missing."""
+        """Return a new chip. options: answers of a unit by group; a missing group has the defaults."""
         given = options.get(self.options)
         values: dict[str, Callable[[], object]] = {
             "name": lambda: self.name,
@@ -156,7 +157,8 @@ class Part(Struct, frozen=True, dict=True):
     """A chip of the family.
 
     modules: in the order in which they are listed to users.
-    flash: its addresses. Parts with less flash than the F28335 lack the low addresses; they have no other differences.
+    flash: the addresses of its flash. A part with less flash than the F28335 lacks the low addresses, and has no other
+    differences.
     part_id: the value of PARTID.
     """
 
@@ -214,5 +216,5 @@ class Part(Struct, frozen=True, dict=True):
         return {group: named_class(name) for group, name in self.options_groups.items()}
 
     def requesters(self, vector: str) -> dict[str, Interrupt]:
-        """Return the names of the modules that can request an interrupt, each with its description of it."""
+        """Return the modules that can request an interrupt, by name, each with its `Interrupt`."""
         return {one.name: found for one in self.modules for found in one.interrupts if found.vector == vector}

@@ -4,8 +4,8 @@
                |                     SCIFFRX, SPIFFRX, I2CFFRX: RXFFINT when RXFFST >= RXFFIL
                +--> level, flag --enable--> request
 
-The FIFOs of all serial modules have these fields at the same bits. Each module decides when the level is watched and
-whether an enable that is set later requests, and does the rest: resets, FIFO mode, and a word that finds the FIFO full.
+The FIFOs of all serial modules have these fields at the same bits. Each module decides when the level is watched, and
+whether setting the enable later requests. It also handles resets, FIFO mode, and a word that finds the FIFO full.
 
 Source: SPRUFZ5A tables 2-9, 2-10; SPRUEU3 section 2.1.9; SPRUG03B sections 5.11 and 5.12.
 """
@@ -21,9 +21,9 @@ from ..core.state import State
 DEPTH = 16
 
 # Bits of the six registers.
-OVERFLOW = 1 << 15  # RXFFOVF; I2CFFRX has none
+OVERFLOW = 1 << 15  # RXFFOVF, which I2CFFRX does not have
 OVERFLOW_CLEAR = 1 << 14  # RXFFOVRCLR
-RELEASE = 1 << 13  # TXFIFOXRESET, RXFIFORESET, TXFFRST, ...: 0 holds the FIFO empty
+RELEASE = 1 << 13  # TXFIFOXRESET, RXFIFORESET, TXFFRST and so on: 0 holds the FIFO empty
 STATUS = 8  # lowest bit of TXFFST, RXFFST
 FLAG = 1 << 7  # TXFFINT, RXFFINT
 FLAG_CLEAR = 1 << 6  # TXFFINTCLR, RXFFINTCLR
@@ -34,7 +34,7 @@ LEVEL = 0x1F  # TXFFIL, RXFFIL
 class InterruptFifo:
     """FIFO with its register.
 
-    register: SCIFFTX, SCIFFRX or that of another module.
+    register: SCIFFTX, SCIFFRX or the same register of another module.
     receives: True if the flag is set from the level upwards, False if from the level downwards.
     mode: the module's option `fifo_int_mode`.
     words: oldest first.
@@ -61,7 +61,7 @@ class InterruptFifo:
         return len(self.words)
 
     def push(self, word: int) -> bool:
-        """Append a word and return True. Return False, with nothing changed, if the FIFO is full."""
+        """Append a word and return True. If the FIFO is full, return False and change nothing."""
         if len(self.words) == DEPTH:
             return False
         self.words.append(word)
@@ -80,10 +80,7 @@ class InterruptFifo:
         return self.control & FLAG > 0 and self.control & ENABLE > 0
 
     def watch(self, on: bool) -> bool:
-        """Set the flag if the level has been reached, and return True if that is a request.
-
-        on: the level is watched.
-        """
+        """Set the flag if the level has been reached. Return True if that is a request. on: the level is watched."""
         waiting, level = len(self.words), self.control & LEVEL
         reached = on and (waiting >= level if self.receives else waiting <= level)
         requests = False

@@ -23,8 +23,8 @@ Number = TypeVar("Number", np.int64, np.bool_)
 
 SHORTEST_PASS, LONGEST_PASS = 4, 400  # minimum and maximum cycles of a pass of a polling loop
 MOST_READS = 3  # maximum number of reads of one register in a pass
-# PASSES_AGREE: share of passes that must be a multiple of the most frequent length, with one read in a pass;
-# MORE_AGREE: the same with more reads. GAPS_AGREE: share of the changes in gaps whose gap must fit the grid.
+# Shares that must fit: passes of one read, passes of more reads (both: multiples of the most frequent length), and
+# gaps.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
 FEW_GAPS = 3  # with this number of gaps or more, their greatest common divisor can be taken as the length of a pass
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 from msgspec import Struct
 
-# Loads, stores, arithmetic, tests: MOV, MOVW DP, AND, OR, ADD, CMP, TBIT, ADDB SP, SUBB SP, NOP.
+# Cycles of MOV, MOVW DP, AND, OR, ADD, CMP, TBIT, ADDB SP, SUBB SP and NOP.
 SIMPLE = 1
 
 SB_NOT_TAKEN = 4
@@ -39,8 +39,8 @@ class CodeCosts(Struct, frozen=True):
 
     between_accesses: code before an access: addresses, data, tests, branches.
     poll_pass: one pass of a loop that polls a register of peripheral frame 2.
-    isr_prologue, isr_epilogue: saving and restoring in a service routine beyond the 14 words that the CPU saves by
-        itself, without IRET.
+    isr_prologue: saving of registers in a service routine, beyond the 14 words that the CPU saves by itself.
+    isr_epilogue: restoring of these registers, without IRET.
     """
 
     between_accesses: int = 5  # quartiles 1 and 15; 0 for stores in a row
@@ -49,4 +49,5 @@ class CodeCosts(Struct, frozen=True):
     isr_epilogue: int = 13  # 3 to 18
 
 
-BARE = CodeCosts(between_accesses=0, isr_prologue=0, isr_epilogue=0)  # accesses and computations only
+# costs of code that consists of accesses and computations only
+BARE = CodeCosts(between_accesses=0, isr_prologue=0, isr_epilogue=0)

@@ -4,24 +4,24 @@
                                                    ^              |
                                   instruction boundary        context saved; iret takes it back
 
-This class executes no instructions and keeps no context: the processor stores the result of `enter` in memory and
-passes the words that it finds there to `iret`. It calls a method at the cycle at which the instruction begins, and
-`next_taken` at each boundary between two instructions (RPT loops contain none; an instruction that has reached D2
-completes). If an interrupt is taken at the boundary in cycle b:
+This class executes no instructions and stores no context. The processor stores the result of `enter` in memory, and
+passes the words that it finds there to `iret`. The processor calls the method of an instruction at the cycle at which
+the instruction begins, and `next_taken` at each boundary between two instructions. There is no boundary inside an RPT
+loop, and an instruction that has reached stage D2 completes. If an interrupt is taken at the boundary in cycle b:
 
     b                        enter(b, number): IFR bit falls, context saved, IER bit falls, ST1 changes
     b + vector_delay         get the vector from the PIE
     b + entry_cycles         first instruction of the service routine
 
-With the default latency and an interruptible CPU, a request in cycle t is latched at
-t + 4, its vector is chosen at t + 5, and its first instruction begins at t + 14.
+With the default latency and an interruptible CPU, a request in cycle t is latched at t + 4, its vector is chosen at t +
+5, and its first instruction begins at t + 14.
 
 Source: SPRU430F chapter 3 and the instructions' pages; SPRUFB0D section 8; SPRZ272N sections 3.1.1, 3.1.2.
 
 Chosen:
-- Every request reaches the IFR after IFR_DELAY: from the PIE, from PIEACK opening a group,
-  from timers 1 and 2.
-- INTM changes at the start of CLRC/SETC INTM; no interrupt is taken during its 2 cycles.
+- Every request reaches the IFR after IFR_DELAY, whether it comes from the PIE, from a write of PIEACK that opens a
+  group, or from timers 1 and 2.
+- INTM changes at the start of CLRC INTM and SETC INTM. No interrupt is taken during the 2 cycles of these instructions.
 - An interrupt that is already flagged and enabled in IER wakes the CPU from IDLE like a new one.
 - Real-time emulation mode is not modelled.
 """
@@ -51,7 +51,7 @@ M0M1MAP = 1 << 11
 
 ST1_RESET = INTM | DBGM | VMAP | M0M1MAP
 SP_RESET = 0x400
-NOT_RESTORED = LOOP | IDLESTAT | M0M1MAP  # by IRET
+NOT_RESTORED = LOOP | IDLESTAT | M0M1MAP  # bits of ST1 that IRET does not restore
 
 # Interrupt numbers are vector numbers (SPRUFB0D Table 112); 1 to 14 are INT1 to INT14.
 DLOGINT, RTOSINT, EMUINT, NMI = range(15, 19)
@@ -59,22 +59,26 @@ MASKABLE = 16  # numbers 1 to 16 have a bit, number - 1, in IFR and IER
 
 # The context: ST0, T, AL, AH, PL, PH, AR0, AR1, ST1, DP, IER, DBGSTAT, PC low, PC high (SPRU430F Table 3-4).
 CONTEXT_WORDS = 14
-CONTEXT_SP = 1 + CONTEXT_WORDS  # the increment of SP
-ST1_WORD, IER_WORD = 8, 10  # their indices among these words
+CONTEXT_SP = 1 + CONTEXT_WORDS  # amount by which the saving of the context raises SP
+ST1_WORD, IER_WORD = 8, 10  # indices of ST1 and IER among the words of the context
 
 
 def frame_of(sp: int) -> int:
-    """Return the address of the first word: SP rises by 1, and 32-bit stores go to even addresses."""
+    """Return the address of the first word of the context. SP first rises by 1; 32-bit stores go to even addresses."""
     return sp + 1 & 0xFFFE
 
 
 def int13_source(xnmicr: int) -> str:
-    """Return the source of INT13 for this XNMICR: "TINT1", or "XNMI_XINT13" with SELECT (bit 1) set (Table 123)."""
+    """Return the source of INT13: "XNMI_XINT13" if SELECT (bit 1) of XNMICR is set, else "TINT1" (Table 123)."""
     return "XNMI_XINT13" if xnmicr & 2 else "TINT1"
 
 
 class Context(NamedTuple):
-    """Context that is saved when an interrupt is taken. sp, st1, ier: their values before it."""
+    """Context that is saved when an interrupt is taken.
+
+    number: the number of the interrupt.
+    sp, st1, ier: the values of these registers before it was taken.
+    """
 
     number: int
     sp: int
@@ -83,7 +87,7 @@ class Context(NamedTuple):
 
 
 class CpuInterrupts:
-    """Interrupt logic of the CPU. Times are SYSCLKOUT cycles and never decrease from call to call."""
+    """Interrupt logic of the CPU. Times are SYSCLKOUT cycles, and must not decrease from call to call."""
 
     STATE = State(
         "ifr ier st1 sp nested owes_instruction _latched _nonmaskable",
@@ -92,16 +96,17 @@ class CpuInterrupts:
 
     def __init__(self, options: SystemOptions) -> None:
         latency = options.int_latency.unrecorded() - IFR_DELAY
-        # of TRAP and INTR, in addition to their cycles
+        # Cycles that the vector fetch adds to those of TRAP and INTR.
         self.vector_waits: int = options.vector_fetch_waits.unrecorded()
-        self.entry_cycles: int = latency + self.vector_waits  # boundary to first ISR instruction
-        self.vector_delay: int = latency - VECTOR_AND_SAVE  # boundary to vector fetch
+        # cycles from the boundary to the first instruction of the service routine
+        self.entry_cycles: int = latency + self.vector_waits
+        self.vector_delay: int = latency - VECTOR_AND_SAVE  # cycles from the boundary to the fetch of the vector
         self.notes: list[Note] = []
         self.touched: set[str] = set()
         self._options = options
         self._coming: deque[tuple[int, int]] = deque()  # (cycle, IFR bit) of requests in transit
         self._latched_at = -1
-        self._returned_at = -1  # end of the latest IRET
+        self._returned_at = -1  # cycle at which the latest IRET ends
         self.reset(0)
 
     def reset(self, now: int) -> None:
@@ -109,14 +114,15 @@ class CpuInterrupts:
         self.ifr = self.ier = 0
         self.st1 = ST1_RESET
         self.sp = SP_RESET
-        self.nested = 0  # routines entered that have not returned
+        self.nested = 0  # number of routines that were entered and have not returned
         self.ready = now  # no interrupt is taken before this cycle
-        self.owes_instruction = False  # after IRET: the owner sets this to False when one instruction is over
-        self.next_wake = NEVER  # when the next request reaches the IFR
+        # one instruction must follow an IRET first; the owner sets this to False after it
+        self.owes_instruction = False
+        self.next_wake = NEVER  # cycle at which the next request reaches the IFR
         self._coming.clear()
         self._latched = 0  # IFR bits that hardware set in the cycle `_latched_at`
         self._nonmaskable = 0  # bit 0 EMUINT, bit 1 NMI: in order of priority
-        self._pieack_end = -1  # end of the latest instruction that wrote PIEACK
+        self._pieack_end = -1  # cycle at which the latest instruction that wrote PIEACK ends
 
     # Status -------------------------------------------------------------------
 
@@ -146,7 +152,7 @@ class CpuInterrupts:
             self.next_wake = self._coming[0][0]
 
     def wrote_pieack(self, now: int) -> None:
-        """Record that the instruction begun now writes PIEACK, for the usage note in `clrc_intm`."""
+        """Record that the instruction that begins now writes PIEACK. `clrc_intm` needs this for a note."""
         self._pieack_end = now + cpu_costs.SIMPLE
 
     # Entry and exit ---------------------------------------------------------------
@@ -168,7 +174,7 @@ class CpuInterrupts:
     def earliest(self) -> int:
         """Return the first cycle at which the present masks and requests allow an interrupt, or NEVER.
 
-        An instruction owed after IRET counts as one cycle, its minimum.
+        If one more instruction must be executed after an IRET, it is counted as one cycle, the minimum.
         """
         ready = self.ready + self.owes_instruction
         if self._nonmaskable:
@@ -184,7 +190,10 @@ class CpuInterrupts:
         return NEVER
 
     def enter(self, now: int, number: int) -> Context:
-        """Take this interrupt at boundary `now` and return the saved context. ValueError unless `next_taken` agrees."""
+        """Take this interrupt at boundary `now` and return the saved context.
+
+        Raise ValueError if `next_taken` returns another number.
+        """
         if self.next_taken(now) != number:
             raise ValueError(
                 f"interrupt {number} cannot be taken at cycle {now}; next_taken returns {self.next_taken(now)}"
@@ -201,7 +210,7 @@ class CpuInterrupts:
         return context
 
     def trap(self, now: int, number: int) -> Context:
-        """TRAP #number, 0 to 31: enter its routine regardless of the masks; IFR and IER keep their values."""
+        """Execute TRAP #number, 0 to 31: enter its routine regardless of the masks. IFR and IER keep their values."""
         self.wake(now)
         if not 0 <= number < 32:
             raise ValueError(f"there is no TRAP #{number}; expected 0 to 31")
@@ -209,11 +218,11 @@ class CpuInterrupts:
 
     @property
     def returning_sp(self) -> int:
-        """SP after an IRET at this point; `frame_of` of it is the address of the context."""
+        """The value of SP after an IRET at this point. `frame_of` of this value is the address of the context."""
         return self.sp - CONTEXT_SP & 0xFFFF
 
     def iret(self, now: int, st1: int, ier: int) -> None:
-        """IRET. st1, ier: the values that it pops from the stack, where firmware may have changed them."""
+        """Execute IRET. st1, ier: the values that it pops from the stack, where firmware may have changed them."""
         self.wake(now)
         if not self.st1 & INTM:
             self.notes.append(
@@ -237,7 +246,7 @@ class CpuInterrupts:
     # Instructions -------------------------------------------------------------------
 
     def clrc_intm(self, now: int) -> None:
-        """CLRC INTM, EINT."""
+        """Execute CLRC INTM, which is the same instruction as EINT."""
         self.wake(now)
         self.st1 &= ~INTM
         self._next_boundary(now + cpu_costs.CLRC_INTM)
@@ -253,19 +262,19 @@ class CpuInterrupts:
             )
 
     def setc_intm(self, now: int) -> None:
-        """SETC INTM, DINT."""
+        """Execute SETC INTM, which is the same instruction as DINT."""
         self.wake(now)
         self.st1 |= INTM
         self._next_boundary(now + cpu_costs.SETC_INTM)
 
     def set_eallow(self, now: int, on: bool) -> None:
-        """EALLOW or EDIS."""
+        """Execute EALLOW if `on`, else EDIS."""
         self.wake(now)
         self.st1 = self.st1 & ~EALLOW | (EALLOW if on else 0)
         self._next_boundary(now + cpu_costs.EALLOW)
 
     def and_ifr(self, now: int, mask: int) -> None:
-        """AND IFR, #mask. A bit that hardware sets in this cycle stays set."""
+        """Execute AND IFR, #mask. A bit that hardware sets in this cycle stays set."""
         self.wake(now)
         self.ifr = self.ifr & mask | (self._latched if self._latched_at == now else 0)
         self._next_boundary(now + cpu_costs.AND_IFR)
@@ -281,7 +290,7 @@ class CpuInterrupts:
         self._next_boundary(now + cpu_costs.OR_IER)
 
     def idle(self, now: int) -> None:
-        """IDLE: from now + cpu_costs.IDLE on, the processor calls `idle_ends` after each possible change."""
+        """Execute IDLE. From now + cpu_costs.IDLE on, the processor calls `idle_ends` after each possible change."""
         self.wake(now)
         self.st1 |= IDLESTAT
         self._next_boundary(now + cpu_costs.IDLE)
@@ -289,7 +298,8 @@ class CpuInterrupts:
     def idle_ends(self, now: int) -> bool:
         """Leave IDLE and return True if an interrupt wakes the CPU now.
 
-        At `ready`, the service routine (`next_taken`) or the next instruction follows.
+        The CPU continues at cycle `ready`, with the service routine that `next_taken` returns or with the next
+        instruction.
         """
         self.wake(now)
         if now < self.ready or not (self.ifr & self.ier or self._nonmaskable):

@@ -50,12 +50,12 @@ class CpuTimer(Chip):
         self.reset(0)
 
     def reset(self, now: int) -> None:
-        """Reset by XRS: the count is 0, the period the longest of 16 bits, and the timer runs."""
+        """Reset by XRS: the count becomes 0 and the period 0xFFFF, and the timer runs."""
         self._clocked = True  # PCLKCR3 resets with the timers' clocks on
         self._tcr: int = TCR.reset
         self._prd: int = PRDH.reset << 16 | PRD.reset  # PRDH:PRD
         self._tddr = 0  # TDDRH:TDDR
-        self._since = now  # the cycle for which _tim and _psc hold
+        self._since = now  # cycle for which `_tim` and `_psc` hold
         self._tim = 0
         self._psc = 0
         self.requests = 0
@@ -69,7 +69,7 @@ class CpuTimer(Chip):
         return ANY_CHANGED
 
     def peek(self, now: int, offset: int) -> int:
-        """Return the register's value; 0 where there is none. No register here has a read effect."""
+        """Return the register's value; 0 if there is no register. No register here has a read effect."""
         self._sync(now)
         self._schedule()
         if offset == AT_TCR:
@@ -160,7 +160,7 @@ class CpuTimer(Chip):
             self._event_at = self.next_wake = NEVER
             return
         steps = self._tim + 1 if self._on_reload else self._tim or self._prd + 1
-        # the next cycle at which TIF is set, visible or not
+        # The next cycle at which TIF is set, visible or not.
         self._event_at = self._since + self._psc + 1 + (steps - 1) * (self._tddr + 1)
         visible = self._tcr & TIE or not self._tcr & TIF
         self.next_wake = self._event_at if visible else NEVER

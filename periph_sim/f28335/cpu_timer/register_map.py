@@ -1,6 +1,6 @@
 """Table of the CPU timer registers. Source: SPRUFB0D section 5.5, Tables 31 to 38. None is EALLOW-protected.
 
-TIM with TIMH and PRD with PRDH are one 32-bit `all` in C2000Ware's DSP2833x_CpuTimers.h.
+C2000Ware's DSP2833x_CpuTimers.h has TIMH:TIM and PRDH:PRD each as one 32-bit field `all`.
 """
 
 from __future__ import annotations

@@ -1,25 +1,25 @@
-"""The way from GPIO pads to the levels inside the chip: synchroniser, qualifiers, XINT lines.
+"""Input paths from the GPIO pads to the levels inside the chip: synchroniser, qualifiers, XINT lines.
 
     pad --> synchroniser --> qualifier --+--> peripheral input (source, seen_at, changed)
                                          +--> XINT line (changed)
                                          +--> GPxDAT read
 
-An edge between two SYSCLKOUT edges is reported with the later of them as `now` and
-exact=False; one that falls on a SYSCLKOUT edge with exact=True. A synchronised pin shows
-it at the first SYSCLKOUT edge strictly after it, an asynchronous one at the first edge at
-or after it: `seen_at` returns that cycle. So a pin that is synchronised or asynchronous
-needs no wake-up to feed a peripheral; a sampled pin reports in `changed`, as does every
-input signal whose level changes with a route or mode.
+An edge that falls on a SYSCLKOUT edge is reported with exact=True and the cycle of this edge as `now`. An edge between
+two SYSCLKOUT edges is reported with exact=False and the cycle of the later one.
+
+A synchronised pin shows an edge at the first SYSCLKOUT edge strictly after it, and an asynchronous pin at the first one
+at or after it. `seen_at` returns that cycle, so these pins feed a peripheral without a wake-up. The changes of a
+sampled pin are reported in `changed`. So are level changes of an input signal that a new route or mode causes.
 
 Source: SPRUFB0D section 6, PCLKCR3 in section 5.1.
 
 Chosen:
-- The qualifiers' prescalers count from reset, one per eight pins; a change of CTRL restarts
-  those of the port.
-- A pin's sampler starts when its QSEL selects one, from the level shown until then.
-- With QSEL = 3 on a peripheral's pin, GPxDAT and XINT also see the pad's level.
-- GPIOINENCLK = 0: an output pin of port A or B (not GPIO32, 33) reads 0, as do XINT lines
-  on it; when switched on again, it shows the pad at once, and a sampler starts from 0.
+- Each group of eight pins has a prescaler for its qualifiers, which counts from reset. A change of CTRL restarts the
+  prescalers of its port.
+- When QSEL selects sampling for a pin, the qualifier starts with the level that the pin has shown until then.
+- If a peripheral's pin has QSEL = 3, GPxDAT and XINT also show the level of the pad without synchronisation.
+- With GPIOINENCLK = 0 an output pin of port A or B (except GPIO32 and 33) reads 0, as do XINT lines on it. When
+  GPIOINENCLK is set again, the pin shows the pad at once, and a qualifier starts from 0.
 """
 
 # core: compiled
@@ -48,19 +48,18 @@ class Qualifier:
                               level    ___/~~~~~~~~~
                               qualified_________/~~~
 
-    Evaluation is lazy: samples are not taken one by one; a call counts those that fall into
-    the time since the last one. `due` is the cycle at which the output will change if the
-    level stays.
+    Evaluation is lazy: samples are not taken one by one. Each call counts the samples since the previous call. `due` is
+    the cycle at which the output will change if the level stays.
 
-    Silicon simply counts equal samples, and the erratum's pulse follows from that: a pulse of
-    n·(m - 1) + 1 cycles passes in one of n phases, although n·m was intended.
+    The qualifier only counts equal samples, as silicon does, so it has the erratum: with period n and m samples, a
+    pulse of n·(m - 1) + 1 cycles passes in one of n phases, although n·m cycles were intended.
 
     Source: SPRUFB0D section 6.4.3, Tables 42 to 45, Figure 46; SPRZ272N section 3.2.
 
     Chosen:
     - The output changes in the cycle of the last of the equal samples.
-    - A change of the sampling period restarts the prescaler; a change between three and six
-      samples keeps the samples already taken.
+    - A change of the sampling period restarts the prescaler; a change between three and six samples keeps the samples
+      already taken.
 
     level: the initial level, as if sampled for a long time.
     origin: a cycle in which the prescaler sampled.
@@ -69,18 +68,18 @@ class Qualifier:
     STATE = State("level qualified _period _samples _sampled _run", cycles="due _origin _done", made=True)
 
     def __init__(self, now: int, level: int, period: int, samples: int, origin: int) -> None:
-        self.level = level  # from the synchroniser
+        self.level = level  # synchronised level
         self.qualified = level
-        self.due = NEVER  # when `qualified` will change if the level stays
+        self.due = NEVER  # cycle at which `qualified` will change if the level stays
         self._period = period
         self._samples = samples
         self._origin = origin
         self._sampled = level  # the last sample
-        self._run = DEPTH  # the number of equal samples at the end
-        self._done = now  # samples up to and including this cycle are taken
+        self._run = DEPTH  # number of equal samples in a row up to the last sample
+        self._done = now  # cycle up to which, inclusive, samples have been taken
 
     def edge(self, now: int, level: int) -> None:
-        """Set the synchronised level from cycle `now` on (a sample in that cycle sees it)."""
+        """Set the synchronised level from cycle `now` on. A sample in that cycle takes this level."""
         self.advance(now - 1)
         self.level = level
         self._plan()
@@ -118,7 +117,7 @@ class Qualifier:
 
 
 NOT_GATED = 0b11 << 32 | ALL >> 64 << 64  # GPIOINENCLK does not act on the I2C pins and port C
-WORDS = range(0, 32 * (at.SELECT - at.DATA) // at.DATA_WORDS, 16)  # the lowest pins of the words of GPxDAT
+WORDS = range(0, 32 * (at.SELECT - at.DATA) // at.DATA_WORDS, 16)  # number of the lowest pin in each word of GPxDAT
 
 
 class GpioInputs(GpioSettings):
@@ -141,30 +140,31 @@ class GpioInputs(GpioSettings):
         super().__init__()
         self.changed: list[tuple[str, int]] = []
         self.pads: BigInt = ALL & ~at.GPIO["GPAPUD"].reset  # initially the pull-ups
-        self._edge_at = -1  # the cycle of the last exact edges
-        self._before: BigInt = 0  # the pads before those edges
+        self._edge_at = -1  # cycle of the last edges that were exactly on a SYSCLKOUT edge
+        self._before: BigInt = 0  # levels of the pads before these edges
         self._qualifiers: dict[int, Qualifier] = {}
-        self._qualified: BigInt = 0  # mask: output of the qualifiers
+        self._qualified: BigInt = 0  # mask: outputs of the qualifiers
         self._asynchronous: BigInt = 0
         self._sampled: BigInt = 0
         self._dead: BigInt = 0  # mask: pins whose input path is switched off
-        self._last_words: list[int] = []  # the last value of the data registers
-        self._last_level: int | None = None  # the levels that it was computed from; None after a change of paths
+        self._last_words: list[int] = []  # words of GPxDAT as computed last
+        # synchronised levels from which they were computed; None after a change of paths
+        self._last_level: int | None = None
         self._last_pads = self._last_qualified = 0
         self.reset_inputs()
 
     def reset_inputs(self) -> None:
         """Reset by XRS: every input path is on, without qualifiers and watched XINT lines."""
         self._watching = 0  # mask: XINT lines that the owner watches
-        self._xints = 0  # mask: their levels as last reported
+        self._xints = 0  # mask: levels of the XINT lines as last reported
         self._input_clock = True  # PCLKCR3.GPIOINENCLK
         self._qualifiers.clear()
-        self._settle_at = NEVER  # when a synchronised level that can be read changes
+        self._settle_at = NEVER  # cycle at which the synchronised level of a pin, as GPxDAT shows it, changes next
 
     # Queries of the owner -----------------------------------------------------
 
     def moved_before(self, pads: BigInt) -> None:
-        """Change the levels of pads whose edges were not reported, as of a cycle before the present one."""
+        """Toggle these pads, whose edges were not reported, as if they had changed before the present cycle."""
         self.pads ^= pads
         self._before ^= pads
 
@@ -187,7 +187,7 @@ class GpioInputs(GpioSettings):
 
     def _flip(self, now: int, bits: BigInt, exact: bool) -> None:
         """Toggle the pads in `bits`."""
-        settling = self._settle_at <= now  # an edge of the previous cycle, on any pin, shows now
+        settling = self._settle_at <= now  # an edge of any pin in the previous cycle becomes visible now
         if not exact and self._edge_at == now:
             raise ValueError(f"an edge before cycle {now} was reported after one exactly on it; report edges in order")
         if exact and self._edge_at != now:
@@ -216,7 +216,9 @@ class GpioInputs(GpioSettings):
         return (level & ~self._sampled | self._qualified & self._sampled) & ~self._dead
 
     def _words(self, now: int) -> list[int]:
-        """Return these levels as the words of GPxDAT, 16 per word; recomputed only after a change."""
+        """Return the levels of all pins in cycle `now` as the words of GPxDAT. They are computed again only after a
+        change.
+        """
         level, pads, qualified = self._synchronised(now), self.pads, self._qualified
         if level is not self._last_level or pads is not self._last_pads or qualified is not self._last_qualified:
             self._last_level, self._last_pads, self._last_qualified = level, pads, qualified
@@ -225,7 +227,10 @@ class GpioInputs(GpioSettings):
         return self._last_words
 
     def _report_signals(self, now: int, routes: Routes, shown: BigInt) -> None:
-        """Report in `changed` the inputs that differ from those of these routes with these levels at their pins."""
+        """Report in `changed` each input signal whose level differs from the one with the old routes and pin levels.
+
+        routes, shown: the old routes and levels of the pins after synchroniser and qualifier.
+        """
         shown_now = self._shown(now)
         if routes is self._routes and shown == shown_now:
             return
@@ -256,7 +261,7 @@ class GpioInputs(GpioSettings):
         """Compute the masks of directions and input paths; create and delete samplers."""
         shown = self._shown(now)
         self._pull_ups: BigInt = ALL & ~self._ports(PULL_UPS)  # mask: pins whose pull-up is on
-        self._outputs: BigInt = self._ports(DIRECTIONS) & self._routes.gpio  # general-purpose ones
+        self._outputs: BigInt = self._ports(DIRECTIONS) & self._routes.gpio  # mask: general-purpose outputs
         self._dead = 0 if self._input_clock else (self._outputs | self._routes.outputs) & ~NOT_GATED
         self._asynchronous = self._settings.asynchronous & ~self._routes.gpio
         self._last_level = None
@@ -277,8 +282,9 @@ class GpioInputs(GpioSettings):
         for line in range(len(at.XINT_SELECTS)):
             if self._watching >> line & 1:
                 self.watched |= BIT[self._xint_pin(line)]
-        forwarded = self._routes.inputs & ~self.watched  # the owner itself passes their edges to the peripheral
-        # An exact edge on these pins needs a wake-up.
+        # mask: pins whose edges the owner itself passes to the peripheral
+        forwarded = self._routes.inputs & ~self.watched
+        # Mask: pins for which an exact edge needs a wake-up.
         self._settles: BigInt = ALL & ~self._asynchronous & ~self._sampled & ~self._dead & ~forwarded
         if self._edge_at == now and (self.pads ^ self._before) & self._settles:
             self._settle_at = now + 1

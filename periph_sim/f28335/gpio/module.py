@@ -5,18 +5,17 @@
      |                                   +--> GPxDAT read
      +-- out_delay <-- latch, DIR, MUX
 
-The owner connects wires and peripherals to this chip. `edges` sets the levels of the pads that were
-passed to `wire`; every other pad takes the level that this chip drives on it, or its pull-up.
+The owner connects wires and peripherals to this chip. `edges` sets the levels of the pads that were passed to `wire`.
+Every other pad takes the level that this chip drives on it, or the level of its pull-up.
 
-`inputs` has the way from the pads to the levels inside the chip. A peripheral's output
-reaches the pads in `sink` `gpio_out_delay` cycles after the output, or its route, has changed.
+`inputs` has the paths from the pads to the levels inside the chip. A peripheral's output reaches its pads (`sink`)
+`gpio_out_delay` cycles after a change of the output or of its route.
 
 Source: SPRUFB0D section 6, PCLKCR3 in section 5.1; SPRZ272N section 3.2 (qualifier).
 
 Chosen:
-- MUX, QSEL and CTRL take effect 2 cycles after the write (the manual says "such as");
-  DIR, PUD, the interrupt selects and the latches take effect at once. All outputs then
-  reach the pad after `gpio_out_delay`.
+- MUX, QSEL and CTRL take effect 2 cycles after the write (the manual says "such as"). DIR, PUD, the interrupt selects
+  and the latches take effect at once. All outputs then reach the pad after `gpio_out_delay`.
 - Bits of GPIO without a pin, and words between registers, read 0.
 - GPIOLPMSEL and GPIOXNMISEL are only stored.
 """
@@ -58,16 +57,17 @@ class Gpio(GpioInputs):
 
     def __init__(self, options: SystemOptions) -> None:
         super().__init__()
-        # `out` cannot hold 88 pins: the router reads these
+        # The router reads the next two masks, because `out` cannot hold 88 pins.
         self.driven_high: BigInt = 0  # mask: levels of the pins in `driven`; 0 elsewhere
         self.driven: BigInt = 0  # mask: pads that this chip drives as general-purpose outputs
         self.out_version = 0  # counts changes of `driven_high` and `driven`
-        # cycles from a latch or a peripheral's output to the pad
+        # Cycles from a change of a latch or of a peripheral's output to the pad.
         self.gpio_out_delay: IntOption = options.gpio_out_delay
         self.routes_version = 0  # number of times that MUX, QSEL or CTRL settings took effect
         self._wired: BigInt = 0  # mask: pads whose level the owner reports
-        self._waiting: list[tuple[int, int, int]] = []  # (when, register offset, value)
-        self._outs: list[tuple[int, int, int]] = []  # (when, driven, out)
+        # settings that take effect later: (cycle, register offset, value)
+        self._waiting: list[tuple[int, int, int]] = []
+        self._outs: list[tuple[int, int, int]] = []  # outputs that take effect later: (cycle, driven, driven_high)
         self.reset(0)
 
     # Pads and peripherals ----------------------------------------------------
@@ -79,7 +79,10 @@ class Gpio(GpioInputs):
         self._wired |= pads
 
     def edges(self, now: int, levels: BigInt, exact: bool = True) -> None:
-        """Set the levels of all wired pads, in place of `pins`. exact: they changed on the SYSCLKOUT edge."""
+        """Set the levels of all wired pads. The owner calls this instead of `pins`.
+
+        exact: they changed on the SYSCLKOUT edge of cycle `now`.
+        """
         if self.next_wake < now:
             self._advance(now - 1)
         moved = (levels ^ self.pads) & self._wired
@@ -254,7 +257,7 @@ class Gpio(GpioInputs):
             return
         delay = self.gpio_out_delay.assume(self.touched)
         when = now + delay
-        if self._outs and last[0] == when:  # the other half of the same access
+        if self._outs and last[0] == when:  # replaces the change that the other half of the same access scheduled
             self._outs.pop()
         self._outs.append((when, driven, out))
         if not delay:
@@ -264,7 +267,7 @@ class Gpio(GpioInputs):
             self._follow_drive(now)
 
     def _follow_drive(self, now: int) -> None:
-        """Set pads that are not wired to the level that this chip drives on them, or to their pull-up."""
+        """Set each pad that is not wired to the level that this chip drives on it, or to the level of its pull-up."""
 
         level = self.driven_high & self.driven | self._pull_ups & ~self.driven
         moved = (level ^ self.pads) & ~self._wired

@@ -1,11 +1,11 @@
 """Table of the GPIO registers as in the manual, 0x6F80 to 0x6FFF.
 
-Ports A (GPIO0-31), B (32-63) and C (64-87). Control registers are 32 bits wide and
-EALLOW-protected, data registers 32 bits wide and unprotected; the interrupt selects are
-16 bits wide. The bus accesses a 32-bit register as two words, the low one at the even offset.
+The ports are A (GPIO0-31), B (32-63) and C (64-87). Control registers are 32 bits wide and EALLOW-protected, data
+registers 32 bits wide and unprotected; the interrupt selects are 16 bits wide. The bus accesses a 32-bit register as
+two words, the low word at the even offset.
 
-Names are those of C2000Ware's DSP2833x_Gpio.h. Source: SPRUFB0D sections 6.2, 6.3
-and 6.6 (Tables 39 to 41, Figures 47 to 72).
+Names are those of C2000Ware's DSP2833x_Gpio.h. Source: SPRUFB0D sections 6.2, 6.3 and 6.6 (Tables 39 to 41, Figures 47
+to 72).
 """
 
 from __future__ import annotations
@@ -14,26 +14,26 @@ from ...core.registers import Field, Register, RegisterMap, field
 
 BASE = 0x6F80
 PINS = 88  # GPIO0 to GPIO87
-BIT = tuple(1 << pin for pin in range(PINS))  # masks of one pin each; they need more than the 64 bits of a C integer
+BIT = tuple(1 << pin for pin in range(PINS))  # one mask for each pin; the 64 bits of a C integer do not suffice
 PORT_OF = {"A": range(32), "B": range(32, 64), "C": range(64, 88)}
 
-# Word offsets from the port's own control block (16 words) and data block (8 words).
+# Word offsets in a port's control block (16 words) and data block (8 words).
 CTRL, QSEL1, QSEL2, MUX1, MUX2, DIR, PUD = 0x0, 0x2, 0x4, 0x6, 0x8, 0xA, 0xC
 DAT, SET, CLEAR, TOGGLE = 0x0, 0x2, 0x4, 0x6
 CONTROL_WORDS, DATA_WORDS = 0x10, 0x08
-DATA = 0x40  # the offset of port A's data block
+DATA = 0x40  # offset of port A's data block
 SELECT = 0x60  # GPIOXINT1SEL
 XINT_SELECTS = (0x60, 0x61, 0x63, 0x64, 0x65, 0x66, 0x67)  # GPIOXINT1SEL ... GPIOXINT7SEL
-XINT_FIRST_PIN = (0, 0, 32, 32, 32, 32, 32)  # the pin that a select of 0 means for XINT1 ... XINT7
+XINT_FIRST_PIN = (0, 0, 32, 32, 32, 32, 32)  # number of the pin that the value 0 of each select means
 
 
 def _bits(pins: range, access: str = "R/W", reset: int = 0) -> tuple[Field, ...]:
-    """Return one bit per pin, from bit 0 on; `reset` is the value of the whole register."""
+    """Return the fields of a register with one bit per pin. reset: the reset value of the whole register."""
     return tuple(field(f"GPIO{pin}", f"{i}", access, reset >> i & 1) for i, pin in enumerate(pins))
 
 
 def _pairs(pins: range) -> tuple[Field, ...]:
-    """Return two bits per pin, from bits 1:0 on."""
+    """Return the fields of a register with two bits per pin."""
     return tuple(field(f"GPIO{pin}", f"{2 * i + 1}:{2 * i}") for i, pin in enumerate(pins))
 
 
@@ -46,7 +46,7 @@ def _control(port: str) -> tuple[Register, ...]:
         return Register(f"GP{port}{name}", base + at, f"SPRUFB0D {source}", fields, protected=True, width=32)
 
     qualification: tuple[Register, ...] = ()
-    if port != "C":  # port C is synchronised only
+    if port != "C":  # port C has no qualification
         periods = tuple(
             field(f"QUALPRD{i}", f"{8 * i + 7}:{8 * i}", doc="Sampling period: 0 is 1 SYSCLKOUT, else twice the value.")
             for i in range(4)
@@ -101,5 +101,5 @@ GPIO = RegisterMap(
 
 
 def control_register(what: str, pin: int) -> str:
-    """Return the name of the register with a pin's field of this kind: "GPBMUX1" for "MUX" and GPIO32."""
+    """Return the name of the register that has the field of this kind for a pin: "GPBMUX1" for "MUX" and GPIO32."""
     return next(one.name for one in GPIO if one.name[3:].rstrip("12") == what and f"GPIO{pin}" in one)

@@ -63,7 +63,7 @@ class Routes:  # core: python
         for signal in OUTPUTS:
             self.sink[signal] = tuple(given.get(signal, ()))
         self.inputs = sum(BIT[pin] for pin in self.signal_at)  # mask: pins that feed a modelled input
-        self.outputs = sum(BIT[pin] for pins in self.sink.values() for pin in pins)  # mask: pins a module drives
+        self.outputs = sum(BIT[pin] for pins in self.sink.values() for pin in pins)  # mask: pins that a module drives
 
     def level(self, signal: str, shown: int) -> int:
         """Return the level of an input signal for these levels of the pins, after their qualifiers."""
@@ -103,7 +103,7 @@ DIRECTIONS = tuple(at.GPIO[f"GP{port}DIR"].offset for port in "ABC")
 PULL_UPS = tuple(at.GPIO[f"GP{port}PUD"].offset for port in "ABC")
 CONTROLS = tuple(at.GPIO[f"GP{port}CTRL"].offset for port in "AB")
 
-STEADY = tuple(  # all but GPxDAT, which shows the pads
+STEADY = tuple(  # word offsets of all registers but GPxDAT, which shows the pads
     register.offset + word
     for register in at.GPIO
     for word in range(register.width // 16)
@@ -120,9 +120,9 @@ def _pairs(name: str, pins: int) -> tuple[tuple[int, int], ...]:
 
 MUX = _pairs("MUX", PINS)
 SELECT = _pairs("QSEL", SYNCHRONISED_ONLY)
-CONFIGURED = tuple(dict.fromkeys(offset for offset, _ in MUX + SELECT))  # the registers of both
-SAMPLES = {1: 3, 2: 6}  # QSEL: the required number of equal samples
-ASYNCHRONOUS = 3  # QSEL
+CONFIGURED = tuple(dict.fromkeys(offset for offset, _ in MUX + SELECT))  # offsets of all MUX and QSEL registers
+SAMPLES = {1: 3, 2: 6}  # required number of equal samples, by value of QSEL
+ASYNCHRONOUS = 3  # value of QSEL
 AT_RESET = {register.offset: register.reset for register in at.GPIO}
 
 
@@ -147,12 +147,12 @@ class PinSettings:  # core: python
 
 @lru_cache(maxsize=256)  # firmware sets its pins in the same steps in each scene
 def pin_settings_of(values: tuple[int, ...]) -> PinSettings:
-    """Return the settings for these register values, which units and scenes share."""
+    """Return the settings for these register values. Units and scenes share the result."""
     return PinSettings(values)
 
 
 class GpioSettings(Chip):
-    """Registers by their offsets: their stored values and the values in effect."""
+    """Settings registers of the GPIO module: their stored values and the values in effect, by offset."""
 
     STATE = State("_stored _active _periods", cycles="_origins")
     MAP = at.GPIO
@@ -164,12 +164,13 @@ class GpioSettings(Chip):
         self._routes: Routes = self._settings.routes
 
     def reset_settings(self, now: int) -> None:
-        """Set all registers to their reset values, which `activate` puts into effect, and sample in every cycle."""
+        """Set all registers to their reset values, and all sampling periods to one cycle. Call `activate` after it."""
         self.writes += 1
         self._stored = dict(AT_RESET)  # the values that a read returns
         self._active = dict(AT_RESET)  # the values in effect, for registers that act with a delay
         self._periods: list[int] = [1] * GROUPS  # sampling period of each group of eight pins
-        self._origins: list[int] = [now] * GROUPS  # and a cycle in which the group was sampled
+        # a cycle in which each group was sampled, from which its sampling grid counts
+        self._origins: list[int] = [now] * GROUPS
 
     def restored(self) -> None:
         """Derive the settings from the restored registers."""

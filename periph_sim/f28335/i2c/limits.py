@@ -1,8 +1,9 @@
 """TI's requirements on the I2C module's settings, with a "duty" note for each violation.
 
-Each limit is checked where it begins to apply: clock and own address when IRS rises, the rate of SCL and the sent
-address at each START. Times are computed from the SYSCLKOUT that the owner sets. Source: SPRUG03B sections 1.1, 1.4,
-5.7, 5.8, 5.9; SPRS439M Table 6-31.
+Each limit is checked where it begins to apply: the clock and the own address when IRS rises, the rate of SCL and the
+sent address at each START. Times are computed from the SYSCLKOUT that the owner sets.
+
+Source: SPRUG03B sections 1.1, 1.4, 5.7, 5.8, 5.9; SPRS439M Table 6-31.
 """
 
 # core: compiled
@@ -25,17 +26,18 @@ BYTE_ENABLES = I2C_MAP["I2CIER"]["XRDY"].mask | I2C_MAP["I2CIER"]["RRDY"].mask
 
 @final
 class I2cLimits:
-    """Checks of the settings. sysclk_hz: SYSCLKOUT."""
+    """Checks of the settings. sysclk_hz: the frequency of SYSCLKOUT."""
 
     STATE = State("sysclk_hz _clock_within_tm _clock_within_hz _within")
 
     def __init__(self, state: I2cRegisters) -> None:
         self.sysclk_hz: Fraction = Fraction(150_000_000)
         self._state = state
-        # The last settings without a violation:
-        self._clock_within_tm = 0  # I2CPSC + 1
-        self._clock_within_hz: Fraction = self.sysclk_hz  # SYSCLKOUT with that prescaler
-        self._within = (0, 0, self.sysclk_hz)  # low and high cycles of SCL, and the SYSCLKOUT that they count
+        # The last settings that had no violation are not checked again.
+        self._clock_within_tm = 0  # last I2CPSC + 1 without a violation
+        self._clock_within_hz: Fraction = self.sysclk_hz  # frequency of SYSCLKOUT with that prescaler
+        # last low and high cycles of SCL without a violation, and the frequency of SYSCLKOUT
+        self._within = (0, 0, self.sysclk_hz)
 
     def module_clock(self) -> None:
         tm = self._state.tm
@@ -82,7 +84,7 @@ class I2cLimits:
             self._within = given
 
     def start_commanded(self, bus_busy: bool) -> None:
-        """Check BB when STT is set. bus_busy: the value of BB if the module had monitored the bus all the time."""
+        """Check BB when STT is set. bus_busy: the value that BB would have if the module had been on all the time."""
         shown = bool(self._state.str & STR_BB)
         if shown != bus_busy:
             self._state.duty(

@@ -1,4 +1,5 @@
-"""The I2C module between its lines SCL and SDA and the requests I2CINT1A and I2CINT2A, with clock and scheduling.
+"""Line side of the I2C module: events on SCL and SDA, the levels that it drives, clock gate, debugger halts,
+scheduling.
 
     SCL, SDA --noise filter--> START, STOP, rise, fall --> I2cSlave, I2cMaster --> pulls --> SCL, SDA
 
@@ -52,15 +53,15 @@ class I2cLines(Chip):
         self.target = I2cSlave(self.state)
         self.limits = I2cLimits(self.state)
         self.master = I2cMaster(self.state, self.limits)
-        self._timer = NEVER  # the first of all internal timers, as of the last input
+        self._timer = NEVER  # cycle of the next internal timer, as computed after the last input
         self.out = self._pins = BOTH
         self.notes, self.touched = self.state.notes, self.state.touched
         self._clocked = self._suspended = False
         self._lines = I2cNoiseFilter(options.unequal_arrival.matches("one_sample"), self.touched)
         self.filter_width = self.state.filter_width
-        self._bus_busy = False  # between a START and a STOP, including those while IRS was 0
-        self._frozen_pull = 0  # lines that a halted slave pulls until the CPU resumes
-        self._readable = -1  # `readable` after the last edge or timer; -1 after any other input
+        self._bus_busy = False  # between a START and a STOP, even if they came while IRS was 0
+        self._frozen_pull = 0  # mask of the lines that a halted slave pulls until the CPU resumes
+        self._readable = -1  # result of `readable` after the last edge or timer; -1 after any other input
 
     # Pins ------------------------------------------------------------------------
 
@@ -84,7 +85,7 @@ class I2cLines(Chip):
         return WAKE_CHANGED
 
     def _update_lines(self, now: int, levels: int) -> None:
-        """Apply the levels of the bus, or in loopback our own outputs."""
+        """Apply the levels of the bus, or in loopback the module's own outputs."""
         lines, master = self._lines, self.master
         if master.active:
             master.lines_changed(now, levels)
@@ -136,13 +137,15 @@ class I2cLines(Chip):
         return self._visible_changes()
 
     def _visible_changes(self) -> int:
-        """Return the kind of change by edges and timers; most of them change no readable register."""
+        """Return the kind of change that edges and timers have made. Most of them change no readable register."""
 
         before, self._readable = self._readable, self.state.readable()
         return PINS_CHANGED if before == self._readable and not self.notes else ANY_CHANGED
 
     def _advance(self, now: int) -> None:
-        """Process everything due by `now`, in order of time; filtered edges before timers."""
+        """Process everything due by `now`, in order of time. If an edge and a timer are due in one cycle, the edge is
+        first.
+        """
         lines = self._lines
         if self._timer > now and lines.due > now:
             return
@@ -174,9 +177,11 @@ class I2cLines(Chip):
         return min(self._timer, self._lines.visible_due(self.silent_edges(behind_filter=True)))
 
     def silent_edges(self, behind_filter: bool = False) -> int:
-        """Return the number of SCL edges that change no line and no readable register; -1 if any edge may do so.
+        """Return how many of the next SCL edges change no line and no readable register; -1 if any edge may do so.
 
-        The edges are further apart than the filter width. Edges of SDA while SCL is low do not change anything either.
+        The edges must be further apart than the filter width. Edges of SDA while SCL is low do not change anything
+        either.
+        behind_filter: count edges at the output of the noise filter, else edges at the pins.
         """
         if self.state.mdr & MDR_DLB or self._suspended or self.master.answers_edges():
             return -1
@@ -190,9 +195,10 @@ class I2cLines(Chip):
     # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------
 
     def waits_for_byte(self, clocks: bool) -> bool:
-        """Return True if the module waits for the first bit of a byte, and nothing but SDA changes before the eighth.
+        """Return True if the module waits for the first bit of a byte, and nothing but SDA changes before the eighth
+        bit.
 
-        clocks: the module is the one that clocks this byte.
+        clocks: True if this module generates the clock of the byte.
         """
         state, lines, master = self.state, self._lines, self.master
         if (not clocks) if master.active else master.due != NEVER:
@@ -204,17 +210,17 @@ class I2cLines(Chip):
         return not self.target.follows() or (self._clocked and self.target.waits_for_byte())
 
     def only_clocks_byte(self) -> bool:
-        """Return True if the module, as the master, does nothing but clock a byte of eight bits."""
+        """Return True if the module, as the master, does nothing but transfer a byte of eight bits."""
         if not self._clocked or self.state.mdr & (MDR_DLB | MDR_FDF):
             return False
         return self.target.is_not_addressed() and self.master.only_clocks()
 
     def byte_on_sda(self) -> int:
-        """Return the byte that the module shifts out; 0xFF where it leaves SDA released."""
+        """Return the byte that the module shifts out; 0xFF if it leaves SDA released."""
         return self.master.byte() if self.master.active else self.target.byte()
 
     def set_bit_position(self, shown: int, bit: int) -> None:
-        """Take the state in which `bit` bits, 0 or 7, of the byte `shown` have passed on the lines."""
+        """Set the state that the module has after `bit` bits, 0 or 7, of the byte `shown`."""
         self._pins = self.master.lines = SDA if shown >> (7 - bit) & 1 else 0
         self._lines.settle(self._pins)
         self.target.set_bit_position(shown, bit)
@@ -264,7 +270,7 @@ class I2cLines(Chip):
     # Clock, debugger, reset ----------------------------------------------------------------
 
     def set_sysclk(self, now: int, hz: Fraction) -> bool:
-        """Set SYSCLKOUT from `now` on, for the limits in seconds; all else is in cycles."""
+        """Set the frequency of SYSCLKOUT from `now` on. Only the limits that are given in seconds depend on it."""
         self._advance(now)
         changed, self.limits.sysclk_hz = hz != self.limits.sysclk_hz, hz
         if changed and self.state.mdr & MDR_IRS:
@@ -283,7 +289,7 @@ class I2cLines(Chip):
         self._plan()
 
     def suspend(self, now: int, on: bool) -> None:
-        """Halt at a breakpoint (True), or resume."""
+        """Halt at a breakpoint (on = True), or resume."""
         self._advance(now)
         self._suspended = on and not self.state.mdr & MDR_FREE
         if self._suspended:

@@ -2,8 +2,10 @@
 
     STT --> START --> [START byte] --> address --> data --> hold, repeated START, or STOP
 
-`I2cMasterLines` generates SCL, START and STOP; `I2cMasterData` handles bytes.
-Bits are sampled after the noise filter (`rise`). Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
+`I2cMasterLines` generates SCL, START and STOP; `I2cMasterData` handles bytes. Bits are sampled after the noise filter
+(`rise`).
+
+Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
 
 Chosen:
 - SDA changes one module clock after SCL fell.
@@ -53,8 +55,8 @@ from .register_map import (
 )
 from .registers import I2cRegisters
 
-FIRST_BYTE = 0x01  # the START byte
-SKIPPED_BITS = 7  # number of skipped bits in a byte; the eighth decides
+FIRST_BYTE = 0x01  # value of the START byte
+SKIPPED_BITS = 7  # number of bits of a byte that can be skipped; the eighth is always simulated
 NO_BIT = -1
 ONES = 0xFF
 
@@ -65,8 +67,8 @@ class I2cMaster(I2cMasterData):
 
     active: this module owns the bus.
     sees_idle: both lines are high after the filter.
-    skip_release: the cycle in which SCL was released for the first bit.
-    skip_fell: the cycle in which the output SCL fell before it.
+    skip_release: the cycle in which SCL was released for the first bit of a byte.
+    skip_fell: the cycle in which the module pulled SCL low before that.
     skip_low: the low time of SCL in skipped bits, in cycles.
     skip_high: the time from a release of SCL to the next fall of the output, in cycles.
     """
@@ -83,15 +85,15 @@ class I2cMaster(I2cMasterData):
         self.release_lines()
         self.reset_conditions()
         self.reset_bytes()
-        self.skip_low = self.skip_high = self._skip_delay = 0  # cycles
+        self.skip_low = self.skip_high = self._skip_delay = 0  # all in cycles
         self._in_before = self._sampled_before = self.skip_fell = self._rose_before = self.skip_release = 0
         self._waits_for_bus = False
-        self._free_from = 0  # from this cycle on, the bus has been free long enough for a START
+        self._free_from = 0  # cycle from which on the bus has been free long enough for a START
 
     # Steps --------------------------------------------------------------------------
 
     def timer(self, now: int) -> None:
-        """Process `due` or `deliver_at`."""
+        """Process the event that is due at `due` or `deliver_at`."""
         if self.deliver_at <= now:
             self.deliver_at = NEVER
             self._store_byte(now, self._deliver, 8)
@@ -118,7 +120,7 @@ class I2cMaster(I2cMasterData):
             self._begin_start(now)
 
     def answers_edges(self) -> bool:
-        """Return True if an edge can move a line, or start a timer that does."""
+        """Return True if an edge may make the master change a line, at once or after a timer."""
         return self.active or self._waits_for_bus
 
     # Commands -----------------------------------------------------------------------
@@ -130,7 +132,7 @@ class I2cMaster(I2cMasterData):
         if not mdr & MDR_MST or not written & (MDR_STT | MDR_STP):
             return
         if mdr & MDR_RM and mdr & MDR_STT and mdr & MDR_STP:
-            return  # reserved: no activity (Table 6)
+            return  # reserved combination: no activity (Table 6)
         if not self.active:
             if mdr & MDR_STT:
                 self._request_bus(now)
@@ -188,15 +190,20 @@ class I2cMaster(I2cMasterData):
             self._meets_foreign_condition(now)
 
     def _meets_foreign_condition(self, now: int) -> None:
-        """Process a START or STOP of others in our transfer; arbitration does not cover them (section 2.8)."""
+        """Process a START or STOP that another device makes in our transfer. Arbitration does not cover it (section
+        2.8).
+        """
         if self.state.options.foreign_start_stop.assume(self.state.touched) == "loses_arbitration":
             self.lose(now)
 
     def _start(self, now: int) -> None:
-        """Begin the START, unless the bus is taken. A START of others still in the filter is unseen; both continue."""
+        """Begin the START, unless the bus is taken.
+
+        A START of another master that is still in the filter is not seen, so both masters continue.
+        """
         state = self.state
         if state.str & STR_BB and state.options.stt_while_busy.assume(state.touched) != "always_repeated_start":
-            self._request_bus(now)  # another master was earlier
+            self._request_bus(now)  # another master was faster
             return
         if not self.sees_idle:
             self._at(now + self.low(), START)
@@ -245,10 +252,10 @@ class I2cMaster(I2cMasterData):
         self._release_after_low(now)
 
     def fell(self, now: int) -> None:
-        """Process a fall of SCL after the filter. A fall that another party causes in our high phase ends the phase."""
+        """Process a fall of SCL after the filter. If another device causes it in our high phase, it ends the phase."""
         if not self.active or self.lines & SCL:
             return
-        if self._step == STARTED:  # while our START was still held
+        if self._step == STARTED:  # our START was not over yet
             self._started(now)
         elif self._high_phase and self._after_high == FALL:
             self._fall(now)
@@ -338,21 +345,16 @@ class I2cMaster(I2cMasterData):
         state.wanted = False
         state.set(now, STR_AL)
 
-    # Skipped bits ---------------------------------------------------------------------
-    #
-    # SCL, released at the output  __|~~|__|~~|_ ... _|~~|_      cycles: `skip_release` + n (low + high)
-    #                                ^ bit position 0      ^ 7: the module wakes to release SCL for the eighth bit
-    #
-    # `bus.i2c.bit_skip` describes when bits are skipped, and why that is unobservable.
+    # Skipped bits (see `bus.i2c.bit_skip`) --------------------------------------------
 
     def released_bit(self) -> int:
-        """Return the number of the bit, 0 to 8, for which SCL has just been released; NO_BIT for a condition."""
+        """Return the number, 0 to 8, of the bit for which SCL has just been released; NO_BIT for a START or STOP."""
         if not self._waits_for_rise or self._after_high != FALL or self._kind == NO_BYTE:
             return NO_BIT
         return self._bit
 
     def only_clocks(self) -> bool:
-        """Return True if only the bits of a byte of eight are in progress."""
+        """Return True if the master does nothing but transfer the bits of a byte of eight bits."""
         return not (self.frozen or self.halting) and self._n == SKIPPED_BITS + 1 and self.due == NEVER
 
     def byte(self) -> int:
@@ -364,14 +366,18 @@ class I2cMaster(I2cMasterData):
         return self._kind == RECEIVE or shown == self._byte
 
     def begin_skip(self, delay: int) -> None:
-        """Remember the state in which SCL was just released for the first bit. delay: cycles from output to pin."""
+        """Remember the state in which SCL was just released for the first bit. delay: cycles from output to pin.
+
+        output SCL  __|~~|__|~~|_ ... _|~~|_      bit n is released at `skip_release` + n (low + high)
+                      ^ bit position 0      ^ 7: the module wakes to release SCL for the eighth bit
+        """
         late = self.state.options.scl_sync_cycles.assume(self.state.touched) * self.state.tm if delay else 0
         self.skip_low, self.skip_high, self._skip_delay = self.low(), delay + late + self.high(), delay
         self._in_before, self._sampled_before = self._in, self._sampled
         self.skip_fell, self._rose_before, self.skip_release = self._low_from, self._rose_at, self._released_at
 
     def set_bit_position(self, shown: int, bit: int) -> None:
-        """Take the state in which `bit` bits, 0 or 7, of the byte `shown` have passed."""
+        """Set the state that the master has after `bit` bits, 0 or 7, of the byte `shown`."""
         period = self.skip_low + self.skip_high
         self._bit = bit
         self._drive(self.byte() >> (SKIPPED_BITS - bit) & 1)

@@ -3,8 +3,9 @@
     I2CDXR --> I2CXSR --> bits --ACK--> next byte, hold until one is written, repeated START, STOP
     bits --> answer ACK or NACK --> I2CDRR, or I2CRSR if that is unread --> next byte, hold, repeated START, STOP
 
-In loopback the sent byte is received a fixed time later. `master` executes commands, and samples the bits. Source:
-SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
+In loopback the sent byte is received a fixed time later. `master` executes commands, and samples the bits.
+
+Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
 """
 
 # core: compiled
@@ -38,14 +39,15 @@ from .register_map import (
     STR_XSMT,
 )
 
-# The byte in progress.
+# Kinds of the byte in progress.
 NO_BYTE, START_BYTE, ADDRESS, SEND, RECEIVE = range(5)
 
 
 class I2cMasterData(I2cMasterLines):
-    """Adds bytes to the conditions.
+    """Sending and receiving of bytes by the master.
 
-    deliver_at: the cycle at which a byte returns in loopback, 8 module clocks after it was sent or written; or NEVER.
+    deliver_at: the cycle at which a byte is received in loopback, 8 module clocks after it was sent or written; or
+    NEVER.
     """
 
     STATE = State(
@@ -136,7 +138,7 @@ class I2cMasterData(I2cMasterLines):
     # Sending --------------------------------------------------------------------------
 
     def _begin_byte(self, now: int, byte: int, n: int) -> None:
-        """Begin a byte of n bits: schedule its first bit on SDA."""
+        """Begin a byte of `n` bits: schedule the output of its first bit on SDA."""
         self._byte, self._n, self._bit = byte, n, 0
         self._answer_nack = self._nack_armed = False
         self._holds = HELD_FOR_NOTHING

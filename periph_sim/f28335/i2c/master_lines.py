@@ -3,10 +3,10 @@
     SCL low --low()--> released --others may hold it--> rises --high()--> `_after_high`: the next fall, or a condition
     SDA falls while SCL is high: START      SDA rises while SCL is high: STOP
 
-The next action is a step with its cycle. `master` decides when conditions are due.
+START, repeated START and STOP are called conditions; `master` decides when they are made. The next action is stored as
+a step and its cycle. If another device lengthens a low phase, our high phase begins later. If another device begins a
+low phase, ours begins at once (`I2cMaster.fell`).
 
-A low phase that others lengthen delays the high phase; one that others begin starts ours at once (`fell`, in the
-master).
 Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6, 15.
 
 Chosen:
@@ -23,21 +23,19 @@ from .limits import I2cLimits
 from .register_map import MDR_DLB, MDR_FDF, MDR_TRX, MDR_XA, SCL, SDA, STR_ARDY
 from .registers import I2cRegisters
 
-# Steps: nothing; release SCL; set SDA for the next condition, or for a bit; SCL falls; a START and its end; a STOP; a
-# repeated START.
+# Steps: none, release SCL, set SDA for a condition or a bit, pull SCL low, START and its end, STOP, repeated START.
 NO_STEP, RELEASE, CONDITION, SET_SDA, FALL, START, STARTED, STOP, RESTART = range(9)
 
-# Reasons to hold SCL low: none; waits for a command, a byte to send, or room for a received byte. After a NACK, SCL may
-# instead be left high until a command.
+# Reasons to wait: none; with SCL low for a command, data or room for a byte; with SCL high for a command.
 HELD_FOR_NOTHING, HELD_FOR_COMMAND, HELD_FOR_DATA, HELD_FOR_ROOM, LEFT_HIGH = range(5)
 
 
 class I2cMasterLines:
     """Clock generator and conditions of the master.
 
-    counter: bytes left of the transfer.
+    counter: number of bytes left in the transfer.
     pulls: mask of the lines held low.
-    due: the cycle of `_step`, or NEVER.
+    due: the cycle of the next step, or NEVER.
     lines: levels before the filter.
     """
 
@@ -69,7 +67,7 @@ class I2cMasterLines:
         self._driven = 1
 
     def _d(self) -> int:
-        return max(5, 8 - self.state.tm)  # Table 15: 7, 6, 5 for IPSC 0, 1, more
+        return max(5, 8 - self.state.tm)  # Table 15: d is 7, 6 or 5 for IPSC = 0, 1 or more
 
     def low(self) -> int:
         """Return the SCL low time in cycles."""
@@ -114,7 +112,7 @@ class I2cMasterLines:
             if self._waits_for_rise:
                 self._rose(now)
         elif self._high_phase and now - self._rose_at < self.state.filter_width:
-            self._high_phase = False  # that rise was a spike
+            self._high_phase = False  # the rise was a spike that the filter removes
             self._waits_for_rise = True
             self.due = NEVER
 
@@ -135,7 +133,9 @@ class I2cMasterLines:
             self.halting, self.frozen = False, True
 
     def _begin_condition(self, now: int, sda: int, then: int) -> None:
-        """Prepare a condition while SCL is low: set SDA, release SCL, and do `then` one high time after its rise."""
+        """Prepare a condition while SCL is low: set SDA and release SCL. The step `then` follows one high time after
+        SCL rises.
+        """
         self._holds = HELD_FOR_NOTHING
         self._after_high = then
         self._condition_sda = sda

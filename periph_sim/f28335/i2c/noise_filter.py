@@ -1,11 +1,11 @@
-"""The noise filter of SCL and SDA, which removes pulses shorter than its width.
+r"""The noise filter of SCL and SDA, which removes pulses shorter than its width.
 
-    pins     SCL ~~~\\_____________      SDA ~~~~~~\\_/~~~~~~
-    levels   SCL ~~~~~~~~\\________      SDA ~~~~~~~~~~~~~~~      width = 5 cycles
+    pins     SCL ~~~\_____________      SDA ~~~~~~\_/~~~~~~
+    levels   SCL ~~~~~~~~\________      SDA ~~~~~~~~~~~~~~~      width = 5 cycles
 
-A level passes once it has lasted for the filter's width; a shorter pulse has no effect. Edges of both lines that
-arrive in one cycle leave in one cycle, as one change. TI does not document how the filter works: options
-`noise_filter_cycles` and `unequal_arrival`.
+A level passes once it has lasted for the filter's width; a shorter pulse has no effect. Edges of both lines that arrive
+in one cycle leave in one cycle, as one change. TI does not document how the filter works, so the options
+`noise_filter_cycles` and `unequal_arrival` set it.
 """
 
 # core: compiled
@@ -26,7 +26,8 @@ class I2cNoiseFilter:
 
     levels: SCL and SDA after the filter, as bits.
     due: the cycle of their next change, or NEVER.
-    unequal_arrival: edges of the two lines less than a module clock apart leave as one change, with the later one.
+    unequal_arrival: option with which edges of the two lines less than a module clock apart leave as one change, at the
+    time of the later one.
     """
 
     STATE = State("levels", cycles="due _scl_due _sda_due _cycle _scl_was _sda_was")
@@ -37,11 +38,15 @@ class I2cNoiseFilter:
         self.unequal_arrival = unequal_arrival
         self._touched = touched
         self._scl_due = self._sda_due = NEVER
-        self._cycle = -1  # of the last sample
-        self._scl_was = self._sda_was = NEVER  # the due cycles before that sample
+        self._cycle = -1  # cycle of the last sample
+        self._scl_was = self._sda_was = NEVER  # values of `_scl_due` and `_sda_due` before that sample
 
     def sample(self, now: int, pins: int, width: int, module_clock: int) -> None:
-        """Set the levels at the pins in cycle `now`, replacing earlier ones of the same cycle. Times in cycles."""
+        """Set the levels at the pins in cycle `now`. Of several calls in one cycle the last one counts.
+
+        width: the filter's width in cycles.
+        module_clock: the period of the module clock in cycles.
+        """
         if now != self._cycle:
             self._cycle, self._scl_was, self._sda_was = now, self._scl_due, self._sda_due
         moved = pins ^ self.levels
@@ -74,14 +79,14 @@ class I2cNoiseFilter:
     def visible_due(self, silent: int) -> int:
         """Return the cycle of the first pending change with an observable effect, or NEVER.
 
-        silent: the number of SCL edges without an effect; edges of SDA while SCL is low have none then, either. With
-        -1, any edge may have an effect.
+        silent: number of the next SCL edges that have no effect, like edges of SDA while SCL is low. If it is -1, any
+        edge may have an effect.
         """
         scl, sda = self._scl_due, self._sda_due
         if silent < 0:
             return self.due
         first = NEVER if silent else scl
-        high = bool(self.levels & SCL) != (scl < sda)  # SCL, as SDA moves
+        high = bool(self.levels & SCL) != (scl < sda)  # level of SCL when SDA changes
         return min(first, sda) if high and scl != sda else first
 
     def settle(self, pins: int) -> None:

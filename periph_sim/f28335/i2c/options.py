@@ -1,13 +1,12 @@
-"""Undocumented behaviours of the I2C module as named options: the default first, with the question that each answers.
+"""Undocumented behaviours of the I2C module as named options. The default is first, then the other values and the
+question.
 
-The project's list of open questions has the questions, their sources and the experiment
-that would decide each. Times are in module clocks (IPSC + 1 cycles of SYSCLKOUT) or
-SYSCLKOUT cycles, according to the unit.
+The project's list of open questions has the questions, their sources and the experiment that would decide each. Times
+are in module clocks (IPSC + 1 cycles of SYSCLKOUT) or SYSCLKOUT cycles, according to the unit.
 
-`dxr_to_xsr_copy_point` and silicon: on real chips a routine that waits for SDIR before its
-first I2CDXR write sent every byte correctly; the same routine without the wait did not. The
-default `any_ack_fall9` reproduces both with the default `rrdy_point`, as does
-`eager_reloaded_at_address`; the other values do not.
+The default of `dxr_to_xsr_copy_point` agrees with an observation on silicon: a routine that waits for SDIR before its
+first I2CDXR write sent every byte correctly, and the same routine without the wait did not. With the default
+`rrdy_point`, only `any_ack_fall9` (the default) and `eager_reloaded_at_address` reproduce both results.
 """
 
 from __future__ import annotations

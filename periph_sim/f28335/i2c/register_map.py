@@ -1,8 +1,9 @@
 """Table of the F28335's I2C registers, with the masks and offsets that the model uses.
 
-Names as in TI's C header for the F2833x. Offsets are 16-bit words from BASE. Source:
-TI SPRUG03B, tables 4 to 22; I2CEMDR also in the C header, but not in the data manual
-(option `emdr_present`).
+Names are as in TI's C header for the F2833x. Offsets are 16-bit words from BASE.
+
+Source: TI SPRUG03B, tables 4 to 22. I2CEMDR is also in the C header, but not in the data manual (option
+`emdr_present`).
 """
 
 from __future__ import annotations
@@ -171,8 +172,7 @@ I2C_MAP = RegisterMap(
 OAR, IER, STR, CLKL, CLKH, CNT, DRR, SAR, DXR, MDR, ISRC, EMDR, PSC = range(0x0D)
 FFTX, FFRX = 0x20, 0x21
 
-# Masks of all fields, in the order of the table.
-# I2CSTR; I2CIER has the enables of the lower seven sources, except AAS, in the same positions.
+# Masks of the fields of I2CSTR. I2CIER has the enables of AL to SCD in the same positions.
 (
     STR_SDIR,
     STR_NACKSNT,
@@ -189,9 +189,9 @@ FFTX, FFRX = 0x20, 0x21
     STR_AL,
 ) = (f.mask for f in I2CSTR.fields)
 STR_RESET = I2CSTR.reset
-STR_CLEARS = I2CSTR.mask(OnWrite.ONE_CLEARS)  # a write has no other effect
+STR_CLEARS = I2CSTR.mask(OnWrite.ONE_CLEARS)  # bits that a write of 1 clears; a write has no other effect
 
-# I2CMDR
+# Masks of the fields of I2CMDR.
 (
     MDR_NACKMOD,
     MDR_FREE,
@@ -208,5 +208,5 @@ STR_CLEARS = I2CSTR.mask(OnWrite.ONE_CLEARS)  # a write has no other effect
     MDR_BC,
 ) = (f.mask for f in I2CMDR.fields)
 
-# Bits of the pin masks: `out`, and what each side pulls low.
+# Bits of `out`, and of the masks of lines that master and slave pull low.
 SCL, SDA = 1, 2

@@ -3,8 +3,10 @@
     I2CDXR or TX FIFO --> I2CXSR --> the bit engines        bit engines --> I2CRSR --> I2CDRR or RX FIFO
     flags and I2CIER --> arbiter --> I2CISRC, I2CINT1A      FIFO levels --> I2CINT2A
 
-This side does not see edges: the bit engines (`slave`, `master`) report events with their
-times, as could a coarser model of the lines. Source: SPRUG03B sections 4 (reset), 5.
+This side does not depend on edges. The bit engines (`slave`, `master`) report events with their times, and a coarser
+model of the lines could do the same.
+
+Source: SPRUG03B sections 4 (reset), 5.
 """
 
 # core: compiled
@@ -42,7 +44,7 @@ RECEIVED, SENDING = 1 << i2c_map.DRR, 1 << i2c_map.DXR  # bits of `loaded`
 
 @final
 class I2cRegisters(I2cRequests):
-    """State of the module apart from the bits on wires. Times are SYSCLKOUT cycles."""
+    """Registers, flags and data path of the module, without the state of SCL and SDA. Times are SYSCLKOUT cycles."""
 
     STATE = State(
         "bcm clkh clkl cnt drr drr_unread dxr dxr_behind dxr_full emdr_written filter_width loaded "
@@ -52,7 +54,7 @@ class I2cRegisters(I2cRequests):
 
     def __init__(self, options: I2cOptions) -> None:
         super().__init__(options)
-        self.loaded = 0  # `Chip.loaded`, for I2CDRR and I2CDXR
+        self.loaded = 0  # as `Chip.loaded`, for I2CDRR and I2CDXR
         self.reset()
 
     def reset(self) -> None:
@@ -62,12 +64,12 @@ class I2cRegisters(I2cRequests):
         self.sar: int = I2C_MAP["I2CSAR"].reset
         self.bcm = self.options.bcm_reset.unrecorded() if self.options.emdr_present.unrecorded() else 1
         self.emdr_written = False
-        self.tm = 1  # module clock in cycles, as latched when IRS last rose
+        self.tm = 1  # period of the module clock in cycles, as latched when IRS last rose
         self.filter_width: int = self.options.noise_filter_cycles.unrecorded()  # cycles that a level must last at a pin
         self.dxr = self.xsr = self.drr = self.rsr = 0
         self.dxr_full = self.drr_unread = False
         self.nack_since = 0  # while I2CSTR.NACK = 1: the cycle at which it rose
-        self.nack_of: str = ""  # the byte that was refused then
+        self.nack_of: str = ""  # description of the byte that was refused at `nack_since`
         self.dxr_behind: list[int] = []  # bytes queued after a full I2CDXR (dxr_write_while_full)
 
     def latch_module_clock(self) -> None:
@@ -175,11 +177,11 @@ class I2cRegisters(I2cRequests):
         return self.drr_unread
 
     def rrdy_rises_at(self, edge: str) -> bool:
-        """Return True if I2CRSR is copied to I2CDRR at this edge of a data byte for this module."""
+        """Return True if I2CRSR is copied to I2CDRR at this edge of a data byte: "fall8", "rise9" or "fall9"."""
         return self.options.rrdy_point.assume(self.touched) == edge
 
     def store(self, now: int, shifted: int, bits: int) -> bool:
-        """Copy a received byte to I2CDRR; if that is unread, keep it in I2CRSR and return True. bits: those of it."""
+        """Copy a received byte of `bits` bits to I2CDRR. If that is unread, keep the byte in I2CRSR and return True."""
         value = shifted & 0xFF
         if bits < 8 and self.options.bc_less_than_8_upper_bits.assume(self.touched) == "zeros":
             value = shifted & (1 << bits) - 1
@@ -271,7 +273,7 @@ class I2cRegisters(I2cRequests):
         return self.psc if offset == i2c_map.PSC else 0
 
     def readable(self) -> int:
-        """Return everything that edges and timers can change and the CPU can read, as a number of 63 bits."""
+        """Return a number of 63 bits with everything that edges and timers can change and that the CPU can read."""
         registers = self.dxr << 44 | self.code << 40 | self.drr << 32 | self.mdr << 16 | self.str
         if not self.fifo:
             return registers
@@ -286,7 +288,7 @@ class I2cRegisters(I2cRequests):
         return bool(self.mdr & MDR_TRX)
 
     def setup(self) -> int:
-        """Return the cycles from a bit on SDA to the release of SCL; never 0, to avoid a START or STOP."""
+        """Return the cycles from a bit on SDA to the release of SCL; at least 1, so that these differ."""
         return max(1, self.options.sda_setup_before_scl_release.assume(self.touched) * self.tm)
 
     def nack_received(self, now: int, as_slave: bool, refused: Text) -> None:

@@ -23,7 +23,8 @@ from .options import I2cOptions
 from .register_map import I2C_MAP, MDR_IRS, STR_AAS, STR_XRDY
 
 SRC_AL, SRC_NACK, SRC_ARDY, SRC_RRDY, SRC_XRDY, SRC_SCD, SRC_AAS = (1 << n for n in range(7))
-CODE_CLEARS = {1: SRC_AL, 2: SRC_NACK, 6: SRC_SCD}  # I2CISRC code -> flag that its read clears (Table 11)
+# by code in I2CISRC: the flag that a read of I2CISRC clears (Table 11)
+CODE_CLEARS = {1: SRC_AL, 2: SRC_NACK, 6: SRC_SCD}
 INT1, INT2 = 1, 2
 FFEN = I2C_MAP["I2CFFTX"]["I2CFFEN"].mask
 
@@ -32,9 +33,9 @@ class I2cRequests:
     """Flags, interrupt arbiter, and FIFOs of both directions.
 
     str: I2CSTR.
-    fifo: both FIFOs are on.
-    requests: lines requested since the owner last set this to 0.
-    code_at: the cycle at which a code is loaded.
+    fifo: FIFO mode is on.
+    requests: mask of the lines requested since the owner last set this to 0.
+    code_at: the cycle at which a code is loaded into INTCODE, or NEVER.
     """
 
     STATE = State(
@@ -53,7 +54,7 @@ class I2cRequests:
         """Reset by XRS."""
         self.str: int = I2C_MAP["I2CSTR"].reset
         self.ier = self.isrc_high = self.requests = self.held = 0
-        self.wanted = False  # a transmitter is in a transfer and can need data
+        self.wanted = False  # the module is transmitter in a transfer, so it can need data
         self.nack_as_slave = False
         self.code = 0
         self.code_at = NEVER
@@ -123,19 +124,19 @@ class I2cRequests:
         return code if self.options.int_priority.assume(self.touched) == "ascending" else -code
 
     def _first(self) -> int:
-        """Return the code that goes first among the pending requests, or 0."""
+        """Return the code of the pending request that goes first, or 0."""
         codes = [bit + 1 for bit in range(7) if self._pending >> bit & 1]
         if len(codes) > 1:
             return min(codes, key=self._rank)
         return codes[0] if codes else 0
 
     def load_code(self, now: int) -> None:
-        """Load INTCODE with the pending request of highest rank, after the arbiter's delay."""
+        """Load INTCODE with the pending request that goes first. Call after the arbiter's delay."""
         self.code_at = NEVER
         code = self._first()
         if not code or (self.code and not self._outranks()):
             return
-        if self.code:  # replaced before it was read: it is pending again
+        if self.code:  # the replaced code was not read, so it is pending again
             self._pending |= 1 << (self.code - 1)
         else:
             self.requests |= INT1

@@ -6,9 +6,10 @@
     7-bit     AAAAAAA r/w
     10-bit    11110AA w   AAAAAAAA   [Sr  11110AA r]
 
-A byte is n bits (8 for addresses, BC for data). `bit` counts the rises of the present
-byte; "rise 8" and "fall 8" are those of its n-th pulse, "rise 9", "fall 9" of the
-acknowledge. Source: SPRUG03B sections 2, 3 and 5.8, Table 1, Table 10, Figure 17.
+A byte has n bits: 8 in an address, BC in data. `bit` counts the rises of SCL in the present byte. "Rise 8" and "fall 8"
+are the edges of its n-th pulse, "rise 9" and "fall 9" those of the acknowledge.
+
+Source: SPRUG03B sections 2, 3 and 5.8, Table 1, Table 10, Figure 17.
 
 Chosen:
 - A slave that has sent a NACK continues to receive until the START or STOP.
@@ -42,7 +43,7 @@ from .slave_data import ADDRESS, ADDRESS_LOW, IGNORE, LISTENS, OFF, RECEIVE, TRA
 
 GENERAL_CALL, START_BYTE = 0, 1
 TEN_BIT = 0b11110
-MANY = 1 << 30  # edges, for a bus whose bytes are for others
+MANY = 1 << 30  # number of edges that are silent if the bytes on the bus are for other devices
 
 
 @final
@@ -58,7 +59,7 @@ class I2cSlave(I2cSlaveData):
         return self.phase >= LISTENS
 
     def silent_edges(self, high: bool) -> int:
-        """Return the number of next SCL edges that only shift a bit. high: SCL is high before the first of them."""
+        """Return how many of the next SCL edges only shift a bit. high: SCL is high before the first of them."""
         phase, bit, n = self.phase, self.bit, self._n
         if phase < LISTENS:
             return MANY
@@ -66,7 +67,7 @@ class I2cSlave(I2cSlaveData):
             return 0
         if bit == n:
             return 0 if high else self._silent_answer()
-        loud = n  # the bit whose fall or rise has an effect
+        loud = n  # number of the bit whose fall or rise has an effect
         if phase == TRANSMIT:
             if not self._shifting or (high and not bit):
                 return 0
@@ -92,7 +93,9 @@ class I2cSlave(I2cSlaveData):
     # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------------
 
     def waits_for_byte(self) -> bool:
-        """Return True if SCL is low before the first bit of a byte of eight, which needs nothing but its clocks."""
+        """Return True if SCL is low before the first bit of a byte of eight bits that needs nothing but its clock
+        edges.
+        """
         if self.bit or self._n != 8 or self.due != NEVER or self.pulls & SCL:
             return False
         return self.phase != TRANSMIT or self._shifting
@@ -102,11 +105,11 @@ class I2cSlave(I2cSlaveData):
         return self.phase in (ADDRESS, IGNORE, OFF)
 
     def byte(self) -> int:
-        """Return the byte that is shifted out; 0xFF in every other phase."""
+        """Return the byte that is shifted out; 0xFF if the module does not transmit."""
         return self.state.xsr & 0xFF if self.phase == TRANSMIT else 0xFF
 
     def set_bit_position(self, shown: int, bit: int) -> None:
-        """Take the state in which `bit` bits, 0 or 7, of the byte `shown` have passed."""
+        """Set the state that the slave has after `bit` bits, 0 or 7, of the byte `shown`."""
         if self.phase == TRANSMIT:
             self.bit = bit
             self._drive(self.state.xsr >> (7 - bit) & 1)
@@ -194,7 +197,7 @@ class I2cSlave(I2cSlaveData):
     # Address ------------------------------------------------------------------------
 
     def _is_ours(self) -> bool:
-        """Return True if the byte addresses this module; set `_read`."""
+        """Return True if the received byte addresses this module. This also sets `_read`."""
         state, options = self.state, self.state.options
         byte, second = self._shift & 0xFF, self.phase == ADDRESS_LOW
         if self.muted:  # the module sent this byte itself
@@ -229,7 +232,7 @@ class I2cSlave(I2cSlaveData):
         if self.phase == RECEIVE:
             return
         if (
-            state.options.aas_sdir_point.unrecorded() == "rise8"  # fall 8 records it
+            state.options.aas_sdir_point.unrecorded() == "rise8"  # the use of this option is recorded at fall 8
             and not self.muted
             and self._is_ours()
         ):
@@ -266,7 +269,7 @@ class I2cSlave(I2cSlaveData):
     def _address_flags(self, now: int) -> None:
         state = self.state
         whole = self.phase == ADDRESS_LOW or self._read or self._shift & 0xFF == GENERAL_CALL
-        if state.mdr & MDR_XA and not whole:  # the first byte of a 10-bit address
+        if state.mdr & MDR_XA and not whole:  # after the first byte of a 10-bit address
             return
         flags = STR_AAS
         if self._read:
@@ -281,7 +284,7 @@ class I2cSlave(I2cSlaveData):
     # The acknowledge slot -----------------------------------------------------------
 
     def _ack_rise(self, now: int) -> None:
-        """Process rise 9 of a byte that we acknowledge."""
+        """Process rise 9 of a byte that this module acknowledges."""
         if self.phase == RECEIVE and not self._rsr_waits and self.state.rrdy_rises_at("rise9"):
             self._store_byte(now)
         if self._read and self.phase == ADDRESS:
@@ -327,7 +330,7 @@ class I2cSlave(I2cSlaveData):
             self._shift = 0
 
     def release_bus(self) -> None:
-        """End a stretch, for a write of IRS = 1 over 1 that does so."""
+        """End a stretch of SCL. A write of IRS = 1 while IRS = 1 does so with the option `irs_write1_releases_bus`."""
         self.pulls &= ~SCL
         self._waits_for_data = self._waits_for_room = False
         self._copy_at = self._release_at = self.due = NEVER

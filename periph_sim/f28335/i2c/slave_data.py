@@ -1,14 +1,16 @@
-"""The data bytes of the I2C slave: sends I2CXSR, answers and stores received bytes, and stretches.
+"""The data bytes of the I2C slave: sends I2CXSR, answers and stores received bytes, and stretches SCL.
 
     I2CDXR --copy--> I2CXSR --_send--> bit after bit --> answer of the master --> next byte, or NACK
                         +--empty--> underflow: SCL held until I2CDXR is written (BCM = 1)
     bits --> answer ACK or NACK --> I2CDRR, or I2CRSR if that is unread: SCL held until I2CDRR is read
 
-`slave` handles addresses and enters these states. Source: SPRUG03B sections 2 and 3, Tables 1, 8, 10, Figure 17.
+`slave` handles START, STOP and addresses, and calls these methods for data bytes.
+
+Source: SPRUG03B sections 2 and 3, Tables 1, 8, 10, Figure 17.
 
 Chosen:
 - In free data format a transmitter is loaded at the fall after START.
-- BCM = 0: the copy follows one module clock after the write, the release of SCL after the setup time.
+- With BCM = 0 the copy follows one module clock after the write of I2CDXR, and SCL is released after the setup time.
 """
 
 # core: compiled
@@ -42,11 +44,11 @@ class I2cSlaveData:
     def __init__(self, state: I2cRegisters) -> None:
         self.state = state
         self._copy_point: TextOption = state.options.dxr_to_xsr_copy_point
-        self.muted = False  # this module is master now: it receives, but does not answer
+        self.muted = False  # this module is master now, so its slave receives but does not answer
         self._n = 8
         self._shift = self._sent = 0
         self._nack_armed = self._first_byte = False
-        self._read = False  # the last byte compared with the own address requests data from this module
+        self._read = False  # the last byte that was compared with the own address requests data from this module
         self._latched = 0  # I2COAR, for the values of `oar_latch` other than "live"
         self.reset()
 
@@ -106,7 +108,7 @@ class I2cSlaveData:
         self.due = min(self._release_at, self._copy_at)
 
     def timer(self, now: int) -> None:
-        """Process `due`."""
+        """Process the event that is due at `due`."""
         if self._copy_at <= now:
             self._copy_at = NEVER
             self._waits_for_data = False
@@ -178,7 +180,7 @@ class I2cSlaveData:
             self.pulls |= SDA
 
     def _answered(self, now: int, sda: int) -> None:
-        """Process rise 9 of a byte that we sent."""
+        """Process rise 9 of a byte that this module has sent."""
         state, options = self.state, self.state.options
         if sda == 0:
             state.clear(now, STR_NACK)
@@ -205,14 +207,14 @@ class I2cSlaveData:
     # Receiving ----------------------------------------------------------------------
 
     def _policy(self) -> str:
-        """Return the policy for a byte without room: "stretch", "nack" or "overwrite"."""
+        """Return what to do with a received byte that cannot be stored: "stretch", "nack" or "overwrite"."""
         state = self.state
         if state.fifo:
             return state.options.fifo_17th_byte.assume(state.touched)
         return state.options.rx_overrun_policy.assume(state.touched).partition("_")[0]
 
     def _stretches(self, point: str) -> bool:
-        """Return True if the module begins to stretch here for a byte without room."""
+        """Return True if SCL is held from this point on, "before_ack" or "after_fall9", if a byte cannot be stored."""
         return self.state.options.rsfull_stretch_point.assume(self.state.touched) == point
 
     def _data_complete(self, now: int) -> None:
@@ -238,12 +240,12 @@ class I2cSlaveData:
             self._store_byte(now)
 
     def _store_byte(self, now: int) -> None:
-        """Copy the complete I2CRSR, or let it wait for room."""
+        """Copy the complete byte to I2CDRR, or keep it in I2CRSR until there is room."""
         if self.state.store(now, self._shift, self._n):
             self._rsr_waits = True
 
     def drr_read(self, now: int) -> None:
-        """Copy a waiting byte and end a stretch after the CPU has read I2CDRR."""
+        """Copy a byte that waits in I2CRSR, and end a stretch of SCL, after the CPU has read I2CDRR."""
         if not self._rsr_waits or self.state.rx_blocked():
             return
         self._rsr_waits = False

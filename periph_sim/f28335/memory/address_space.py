@@ -1,10 +1,10 @@
-"""Contents of the address space: for each address memory that may hold code or data, or a register with its name.
+"""Contents of the address space: the kind of memory, or the name of the register, at each address.
 
 This is the whole space of the chip; `memory_map` has only the modules that a scene names. Parts of the family with less
 flash than the F28335 have nothing at the low addresses of flash. Words have 16 bits.
 
-Registers of modelled modules have names such as "I2C-A.I2CMDR", as do those that firmware polls or uses to set up the
-chip; for the others, only the module and the offset in it are known, such as "ADC + 0x01".
+Registers of modelled modules have names such as "I2C-A.I2CMDR", as do registers that firmware polls or uses to set up
+the chip. Of other registers only the module and the offset are known, such as "ADC + 0x01".
 
 Source: SPRS439M Figure 3-2, Tables 3-1, 3-5, 3-8 to 3-11, SPRUFB0D Tables 86 to 96; the bases of the linker command
 files that TI ships.
@@ -69,7 +69,7 @@ AREAS = tuple(
 )
 _BASES = [area.base for area in AREAS]
 
-OTHER_PARTS = (  # memory of other C28x parts where the F28335 has nothing
+OTHER_PARTS = (  # memory of other C28x parts at addresses where the F28335 has nothing
     (range(0x01_0000, 0x02_0000), "an F2806x and an F2837x have memory there"),
     (range(0x08_0000, 0x10_0000), "an F2837x has its flash there"),
     (range(0x3D_8000, 0x3F_8000), "an F281x, F280x, F2803x or F2806x has its flash there"),
@@ -78,7 +78,7 @@ LOADABLE = frozenset((Content.RAM, Content.FLASH, Content.OTP, Content.EXTERNAL)
 
 
 def area_at(address: int) -> Area | None:
-    """Return the area that contains an address of the F28335; None where the chip has nothing."""
+    """Return the area that contains an address of the F28335; None if the chip has nothing there."""
     at = bisect_right(_BASES, address) - 1
     return AREAS[at] if at >= 0 and address < AREAS[at].end else None
 
@@ -130,7 +130,8 @@ NAMES = {
     0x0A86: "FBANKWAIT", 0x0A87: "FOTPWAIT", 0x0AEF: "CSMSCR",
     0x7100: "ADCTRL1", 0x7101: "ADCTRL2", 0x7118: "ADCTRL3", 0x7119: "ADCST",
 }  # fmt: skip
-PROTECTED_MODULES = frozenset(("device emulation", "flash control", "CSM", "XINTF", "DMA"))  # as a whole
+# modules of which every register is EALLOW-protected
+PROTECTED_MODULES = frozenset(("device emulation", "flash control", "CSM", "XINTF", "DMA"))
 
 MODULES: tuple[ModuleDescriptor | Module, ...] = (*PART.modules, *NOT_MODELLED)
 VECTORS = "PIE vectors"

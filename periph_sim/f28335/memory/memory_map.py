@@ -1,7 +1,7 @@
 """The peripheral frames: the module, register and wait states at an address.
 
-Source: SPRS439M Table 3-5 (wait states), SPRUFB0D section 7.2 and Tables 86-96 (frames,
-EALLOW), section 7.4 (block protection).
+Source: SPRS439M Table 3-5 (wait states), SPRUFB0D section 7.2 and Tables 86-96 (frames, EALLOW), section 7.4 (block
+protection).
 """
 
 from __future__ import annotations
@@ -16,10 +16,10 @@ from ..system_options import SystemOptions
 
 # A read in this range waits for a write in this range to complete (PROTSTART, PROTRANGE as set by the boot ROM).
 PROTECTED_BLOCK = range(0x4000, 0x8000)
-WRITE_TO_READ = 3  # cycles of that wait, less the cycles in between
+WRITE_TO_READ = 3  # cycles of that wait, from which the cycles between write and read are subtracted
 
 LOW, HIGH, BOTH = 0b01, 0b10, 0b11  # 16-bit words of a register that an access transfers
-WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # their bits in the register's value
+WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # by mask of transferred words: their bits in the register's value
 
 
 class ModuleRange(Struct, frozen=True):
@@ -33,7 +33,7 @@ class ModuleRange(Struct, frozen=True):
 
 
 class WaitStates:
-    """Extra cycles of one access, by frame. Where TI is unclear, options set them, which `Bus` records."""
+    """Extra cycles of an access, by frame. Where TI is unclear, options set them; `Bus` records their use."""
 
     def __init__(self, options: SystemOptions) -> None:
         self.read = (1, 2, options.pf2_read_ws.unrecorded())
@@ -41,11 +41,11 @@ class WaitStates:
 
 
 class NoSuchAddress(ValueError):
-    """No module of this scene has an address, or no register is there."""
+    """Error: no module of this scene has the address, or there is no register at it."""
 
 
 class AddressMap:
-    """Modules of one F28335 that the scene names."""
+    """The modules of one F28335 that the scene names, with their addresses."""
 
     def __init__(self) -> None:
         self.places: dict[str, ModuleRange] = {}
@@ -57,7 +57,7 @@ class AddressMap:
         self.places[place.name] = place
 
     def at(self, address: int) -> tuple[ModuleRange, Register, int] | None:
-        """Return (module, register, which 16-bit half of it) at an address; None if no register is there."""
+        """Return (module, register, which 16-bit half of it) at an address; None if there is no register."""
         place = self._place(address)
         if place is not None:
             offset = address - place.base
@@ -71,7 +71,7 @@ class AddressMap:
         return next((place for place in self.places.values() if 0 <= address - place.base < place.size), None)
 
     def find(self, address: int) -> tuple[ModuleRange, Register, int]:
-        """Return the result of `at`. NoSuchAddress if no register is there."""
+        """Return the result of `at`. Raise NoSuchAddress if there is no register."""
         found = self.at(address)
         if found is None:
             raise self.refusal(address)
@@ -90,7 +90,9 @@ class AddressMap:
         )
 
     def named(self, text: str) -> tuple[ModuleRange, Register]:
-        """Return the register of a name like "I2C-A.I2CSTR". NoSuchAddress, with the nearest name, if none has it."""
+        """Return the register with a name like "I2C-A.I2CSTR". If there is none, raise NoSuchAddress with the nearest
+        name.
+        """
         module, _, name = text.partition(".")
         if module not in self.places:
             raise NoSuchAddress(f"there is no module {module!r} in this scene; {did_you_mean(module, self.places)}")
@@ -103,6 +105,6 @@ class AddressMap:
 
 
 def nearest(place: ModuleRange, offset: int) -> str:
-    """Return the registers nearest to a hole, with their addresses, as text."""
+    """Return as text the registers, with their addresses, that are nearest to an offset without a register."""
     by_distance = sorted(place.socket.chip.MAP, key=lambda r: (abs(r.offset - offset), r.offset))[:2]
     return " and ".join(f"{r.name} {place.base + r.offset:#06x}" for r in sorted(by_distance, key=lambda r: r.offset))

@@ -1,7 +1,7 @@
-"""The memory of one F28335 that holds no registers: 16-bit words and their wait states.
+"""The memory of one F28335 that has no registers: 16-bit words and their wait states.
 
-Words that were never written read 0. L0 to L7 are created by the first write to them.
-Flash, OTP and boot ROM are not included; programs that are images have them in `processor.image.elsewhere`.
+Words that were never written read 0. L0 to L7 are created by the first write to them. Flash, OTP and boot ROM are not
+included; `processor.image.elsewhere` has them for programs that are images.
 
 Source: SPRS439M Figure 3-2 (map), Table 3-5 (wait states); SPRUFB0D Tables 86 (EALLOW), 112 (vectors).
 """
@@ -17,16 +17,16 @@ from ...core.state import State
 from ...form.c_types import UInt16
 from ..pie.register_map import VECTOR_TABLE
 
-MEMORY = "memory"  # in records, in place of a module's name
-PAGE = 8  # bits of an address within a page
+MEMORY = "memory"  # in records: used in place of a module's name
+PAGE = 8  # number of address bits within a page
 IN_PAGE = (1 << PAGE) - 1
-END = 0x1_0000  # of the addresses mapped here
+END = 0x1_0000  # end of the addresses mapped here
 LOW_WORDS = 0x1000  # M0, M1 and the vectors are below this address
 HIGH, HIGH_WORDS = 0x8000, 0x8000  # L0 to L7
 
 
 class RamBlock(NamedTuple):
-    """Block of memory. base, size: in words. protected: a write needs EALLOW."""
+    """Block of memory. base, size: in words. protected: a write of it needs EALLOW."""
 
     name: str
     base: int
@@ -105,7 +105,7 @@ class Ram:
             self.put(address + offset, value)
 
     def word32(self, address: int) -> int:
-        """Return 32 bits, the low word first; an odd address is that of the high word."""
+        """Return 32 bits, with the low word at the even address. An odd address means the same two words."""
         low = address & ~1
         return self.word(low) | self.word(low + 1) << 16
 

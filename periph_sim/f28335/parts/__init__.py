@@ -1,4 +1,4 @@
-"""The chips of the family, one file each, named as the chip: `PART` is its data."""
+"""The chips of the family. Each chip has a file with its name, in which `PART` describes it."""
 
 from __future__ import annotations
 
@@ -17,6 +17,6 @@ def part_names() -> tuple[str, ...]:
 
 @cache
 def part_named(name: str) -> Part | None:
-    """Return the part of that name; None if there is none. The files of other parts are not imported."""
+    """Return the part of that name; None if there is none. Only the file of this part is imported."""
     module = module_with("PART", __name__, __path__, name.lower()) if name.isupper() else None
     return None if module is None else cast(Part, module.PART)

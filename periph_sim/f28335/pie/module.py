@@ -4,16 +4,15 @@
                                ^
     vector(group) -------------+-- lowest line flagged and enabled now; its PIEIFR bit falls
 
-The PIE has no clock of its own here: everything happens in the cycle of the input that
-causes it. `CpuInterrupts` models the delay from a request to the CPU's IFR.
+This model of the PIE has no clock: everything happens in the cycle of the input that causes it. `CpuInterrupts` models
+the delay from a request to the CPU's IFR.
 
 Source: SPRUFB0D sections 8.1 to 8.5.
 
 Chosen:
-- ENPIE = 0 changes the vectors only (Table 114): requests are still flagged and pulsed. A
-  vector from boot ROM does not clear a PIEIFR bit or change PIEVECT.
-- If no flagged line is enabled at the vector fetch, the CPU takes line 1, whose PIEIFR bit
-  is cleared if it was set.
+- ENPIE = 0 changes only the vectors (Table 114): requests are still flagged and pulsed. A vector from boot ROM does not
+  clear a PIEIFR bit or change PIEVECT.
+- If no flagged line is enabled at the vector fetch, the CPU takes line 1, whose PIEIFR bit is cleared if it was set.
 - TRAP and INTR use the vector of line 1 and clear no PIEIFR bit.
 - A request in the cycle of the vector fetch precedes it.
 """
@@ -62,26 +61,29 @@ class Pie(Chip):
     def reset(self, now: int) -> None:
         self._piectrl: int = PIECTRL.reset
         self._pieack: int = self._options.pieack_reset.unrecorded()
-        self._as_reset: int = PIEACK["PIEACK"].mask  # the groups whose PIEACK bit is unchanged since reset
-        self._noted_blocked = 0  # of these, the groups whose blocked request was noted
+        self._as_reset: int = PIEACK["PIEACK"].mask  # mask: groups whose PIEACK bit is unchanged since reset
+        self._noted_blocked = 0  # mask: groups in `_as_reset` for which a note about a blocked request was added
         self._pieier: list[int] = [register.reset for register in PIEIER]
         self._pieifr: list[int] = [register.reset for register in PIEIFR]
         self._lines_held: list[int] = [0] * GROUPS
-        self._set_at: list[int] = [-1] * GROUPS  # cycle of the latest requests of a group
-        self._set_now: list[int] = [0] * GROUPS  # the lines that requested in that cycle
+        self._set_at: list[int] = [-1] * GROUPS  # cycle of the latest requests of each group
+        self._set_now: list[int] = [0] * GROUPS  # lines of each group that requested in the cycle `_set_at`
         self._seen: list[int] = [0] * GROUPS  # PIEIFR as the CPU last read it
         self.pulses = 0  # bit x - 1: INTx was pulsed since the owner last set this to 0
 
     # Inputs from peripherals and CPU -----------------------------------------
 
     def request(self, now: int, group: int, line: int) -> None:
-        """Latch a single request of a peripheral."""
+        """Latch a single request of a peripheral, which does not hold its line."""
         self._check(group, line)
         self._latch(now, group - 1, 1 << line - 1)
         self._send(group - 1)
 
     def hold(self, now: int, group: int, line: int, on: bool) -> None:
-        """Assert or release a peripheral's line. Asserting requests once; `pie_held_line` says when it repeats."""
+        """Assert or release a peripheral's line. Asserting it requests once.
+
+        The option `pie_held_line` determines when a line that is still asserted requests again.
+        """
         self._check(group, line)
         bit = 1 << line - 1
         rose = on and not self._lines_held[group - 1] & bit
@@ -95,7 +97,7 @@ class Pie(Chip):
         return self._pieifr[group - 1] & self._pieier[group - 1] != 0
 
     def vector(self, now: int, group: int) -> tuple[int, int]:
-        """Return (line, address) for INTx now; the line is 0 if the vector comes from boot ROM.
+        """Return (line, address) for INTx now. The line is 0 if the vector comes from boot ROM.
 
         Call once, at the vector fetch: the call clears the PIEIFR bit of the line.
         """
@@ -113,7 +115,9 @@ class Pie(Chip):
         return line, line_vector(group, line)
 
     def cpu_vector(self, number: int) -> int:
-        """Return the address for INT13, INT14 and up, TRAP #number or INTR: for 1 to 12, that of the group's line 1."""
+        """Return the address of a vector for INT13 and above, TRAP #number or INTR. For 1 to 12 it is line 1 of the
+        group.
+        """
         if not 0 <= number < 32:
             raise ValueError(f"there is no vector {number}; expected 0 to 31")
         if not self._piectrl & ENPIE or number == CPU_VECTORS["RESET"]:
@@ -174,7 +178,7 @@ class Pie(Chip):
         self._set_now[g] |= bits
 
     def _send(self, g: int) -> None:
-        """Pulse the group's CPU line if a flagged line is enabled and the group is open."""
+        """Pulse the group's CPU line if a flagged line is enabled and PIEACK does not block the group."""
         if not self.has_request(g + 1):
             return
         if self._as_reset >> g & 1:

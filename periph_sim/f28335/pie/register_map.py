@@ -1,7 +1,7 @@
 """Tables of PIE registers, vectors and line names.
 
-Source: SPRUFB0D section 8, Tables 111 to 117. The PIE control registers are not
-EALLOW-protected (Table 94); the vector table is (Table 86).
+Source: SPRUFB0D section 8, Tables 111 to 117. The PIE control registers are not EALLOW-protected (Table 94); the vector
+table is protected (Table 86).
 """
 
 from __future__ import annotations

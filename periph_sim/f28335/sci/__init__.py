@@ -1,1 +1,1 @@
-"""The SCI module (SPRUFZ5A), a file a chapter."""
+"""The SCI module (SPRUFZ5A)."""

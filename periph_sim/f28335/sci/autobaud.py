@@ -3,11 +3,12 @@
     'A' = 0x41    start 1 0 0 0 0 0 1 0 stop      edges at bits 0 1 2 7 8 9
     'a' = 0x61    start 1 0 0 0 0 1 1 0 stop      edges at bits 0 1 2 6 8 9
 
-Chosen, where the manual is silent: the nine bits from the first fall to the rise of the
-stop bit are measured in LSPCLK periods; each edge between must be within an eighth of a
-bit of its nominal position; the character is accepted when RXD has been high for 7/8 of
-its stop bit. During a measurement the normal receiver is off, because it would see the
-same edges at a wrong rate, as breaks and errors. Any other character is lost.
+Chosen, where the manual is silent:
+- The nine bits from the first fall to the rise of the stop bit are measured in LSPCLK periods. Each edge in between
+  must be within an eighth of a bit of its nominal position.
+- The character is accepted when RXD has been high for 7/8 of its stop bit. Any other character is lost.
+- During a measurement the normal receiver is off, because it would receive the edges at a wrong rate, as breaks and
+  errors.
 
 Source: TI SPRUFZ5A section 1.2.10.3, table 2-11.
 """
@@ -34,8 +35,8 @@ class SciAutobaud:
         self.armed = False
         self.due = NEVER
         self.character = 0
-        self.nine_bits = 0  # cycles from the first fall to the stop bit
-        self._edges: list[int] = []  # falls and rises, beginning with a fall
+        self.nine_bits = 0  # cycles from the first fall to the begin of the stop bit
+        self._edges: list[int] = []  # cycles of falls and rises, beginning with a fall
 
     def arm(self, on: bool) -> None:
         if on != self.armed:
@@ -44,7 +45,7 @@ class SciAutobaud:
             self._edges.clear()
 
     def edge(self, now: int, level: int) -> None:
-        """Set the level of RXD from cycle `now` on; a second edge in one cycle cancels the first."""
+        """Set the level of RXD from cycle `now` on. A second edge in one cycle cancels the first."""
         edges = self._edges
         self.due = NEVER
         if edges and edges[-1] == now:
@@ -57,7 +58,7 @@ class SciAutobaud:
             self._compare(edges[-6:])
 
     def brr(self, divider: int, phase: int, nearest: bool) -> int:
-        """Return the baud divider for the measured length, 1 to 65535."""
+        """Return the baud divider for the measured length, 1 to 65535. nearest: round it, else truncate."""
         last = self._edges[-1]
         first = last - self.nine_bits
         lspclks = (last - phase) // divider - (first - phase) // divider

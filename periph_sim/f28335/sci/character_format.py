@@ -2,8 +2,7 @@
 
     start  data LSB first  [address]  [parity]  stop [stop]
 
-Source: TI SPRUFZ5A sections 1.2.3 and 1.2.6, table 2-3; SPRZ272N figure 3-1 for the
-erratum's early search.
+Source: TI SPRUFZ5A sections 1.2.3 and 1.2.6, table 2-3; SPRZ272N figure 3-1 for the erratum's early search.
 """
 
 # core: compiled
@@ -16,7 +15,7 @@ from ...core.state import State
 from .options import SciOptions
 from .register_map import ADDRIDLE_MODE, PARITY, PARITYENA, SCICHAR, STOPBITS
 
-DUE = {"seven_eighths": 7, "drawing": 6, "stop_end": 8}  # SCICLK periods into the stop bit
+DUE = {"seven_eighths": 7, "drawing": 6, "stop_end": 8}  # number of SCICLK periods after the begin of the stop bit
 BREAK_TICKS = {"10": 80, "9.625": 77}
 
 
@@ -24,7 +23,8 @@ BREAK_TICKS = {"10": 80, "9.625": 77}
 class SciFormat:
     """Character format. Bits are numbered from the start bit, 0; ticks are counted from its first low sample.
 
-    Options set the positions of search, votes and break; the receiver records them when a frame depends on them.
+    Options determine the positions of search, votes and break. The receiver records the use of an option when a frame
+    depends on it.
     """
 
     STATE = State(
@@ -48,14 +48,14 @@ class SciFormat:
         self.due: int = stop + DUE[options.rxrdy_point.unrecorded()]
         self.end: int = 8 * self.bits
         self.hunt: int = stop + options.start_hunt_point.unrecorded() - 1
-        if self.address:  # erratum: sub-sample 6 of the address bit
+        if self.address:  # erratum: the search begins at sub-sample 6 of the address bit
             bit_later = self.parity and options.addrbit_hunt_with_parity.unrecorded() == "parity_bit"
             self.hunt = 8 * (1 + self.data_bits + bit_later) + 5
         counted_from = self.voted_at if options.break_count_from.unrecorded() == "last_stop_sample" else stop + 7
         self.break_at: int = counted_from + BREAK_TICKS[options.break_bits.unrecorded()]
 
     def parity_bit(self, word: int, address: int) -> int:
-        """Return the parity bit: the ones in `word`, the address bit and it are even (or odd) in number."""
+        """Return the parity bit. It makes the number of ones in `word`, address bit and parity bit even (or odd)."""
         ones = word.bit_count() + (address if self.address else 0)
         return ones & 1 if self.even else ones & 1 ^ 1
 

@@ -2,13 +2,13 @@
 
     SYSCLKOUT --/divider--> LSPCLK --/(BRR + 1)--> SCICLK: tick n, n + 1, n + 2 ...
 
-Receiver and transmitter count in ticks, so a change of the rate or a stopped clock
-does not affect them: only this mapping changes. Ticks fall on LSPCLK edges, which are at
-cycles = phase mod divider. Each half of an SCI has its own clock; both are the same unless
-the transmitter's is restarted or a debugger lets one half finish.
+Receiver and transmitter count in ticks, so a change of the rate or a stopped clock does not affect them; it changes
+only this mapping. Ticks fall on LSPCLK edges, which are at cycles = phase mod divider. Receiver and transmitter each
+have a clock. The two clocks are equal unless the transmitter's clock is restarted, or a debugger stop lets only one of
+the two finish.
 
-Chosen: the divider runs whenever the module has a clock; SW RESET does not affect it. A
-change of LSPCLK keeps the number of LSPCLK edges left to the next tick.
+Chosen: the divider runs whenever the module has a clock; SW RESET does not affect it. A change of LSPCLK keeps the
+number of LSPCLK edges left to the next tick.
 
 Source: TI SPRUFZ5A sections 1.2.7 and 2.4; SPRUFB0D section 5.1.
 """
@@ -25,19 +25,19 @@ from ...core.state import State
 
 @final
 class SciClock:
-    """Clock of one half, initially stopped. period: one SCICLK in cycles."""
+    """Clock of the receiver or of the transmitter, initially stopped. period: cycles of one SCICLK."""
 
     STATE = State("running divider phase brr period _tick _left", cycles="_cycle")
 
     def __init__(self) -> None:
         self.running = False
-        self.divider = 4  # LSPCLK in SYSCLKOUT cycles
+        self.divider = 4  # period of LSPCLK in SYSCLKOUT cycles
         self.phase = 0
         self.brr = 0
         self.period = 8
         self._tick = 0  # the first tick of the mapping
-        self._cycle = NEVER  # the cycle of that tick
-        self._left = 2  # while stopped: LSPCLK edges to tick _tick
+        self._cycle = NEVER  # cycle of tick `_tick`
+        self._left = 2  # while stopped: number of LSPCLK edges up to tick `_tick`
 
     def passed(self, now: int) -> int:
         """Return the last tick at or before `now`."""
@@ -61,7 +61,7 @@ class SciClock:
         return now + self.divider - (now - self.phase) % self.divider
 
     def set_brr(self, now: int, brr: int, at_once: bool) -> None:
-        """Set the baud divider from the next tick on, or restart the divider at the next LSPCLK edge."""
+        """Set the baud divider from the next tick on. at_once: restart the divider at the next LSPCLK edge instead."""
         self._rebase(now)
         self.brr = brr
         steps = brr + 1 if brr else 2
@@ -73,7 +73,7 @@ class SciClock:
                 self._left = steps
 
     def set_lspclk(self, now: int, divider: int, phase: int) -> None:
-        """Set the LSPCLK edges to cycles = phase mod divider."""
+        """Set the period of LSPCLK to `divider` cycles, with edges at cycles = phase mod divider."""
         was_running = self.running
         self.stop(now)
         self.divider = divider
@@ -103,7 +103,7 @@ class SciClock:
             self._left = 1
 
     def reset(self, now: int) -> None:
-        """Stop and load divider 0; LSPCLK is unchanged."""
+        """Stop, and set the baud divider to 0. LSPCLK does not change."""
         self.stop(now)
         self.brr = 0
         self.period = 2 * self.divider

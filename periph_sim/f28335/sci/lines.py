@@ -1,18 +1,18 @@
-"""The SCI module between its lines RXD, TXD, RXINT and TXINT, with clocks, debugger stops and scheduling.
+"""Line side of the SCI module: RXD and TXD, the requests RXINT and TXINT, clocks, debugger stops and scheduling.
 
     RXD --> SciRxBits --deliver--> SciRx --> RXINT
                  ^ loop-back
     TXD <-- SciTxBits <--words---- SciTx --> TXINT
 
-The CPU's side, which configures the two halves, is in `module`.
+The CPU's side in `module` configures receiver and transmitter.
 
 Chosen, where the manual is silent:
-- Loop-back passes the receiver's synchroniser like the pin, and TXD also shows the frames.
-- rx_int_extra delays every receive request that the line causes (including break and
-  errors); a request that a CPU write causes is immediate.
-- A debugger stop with SOFT = 1 lets a frame whose start bit was accepted finish; then
-  the clock of that half stops. With SOFT = 0 both clocks stop at once.
-- Autobaud: the character, ABD and the new divider take effect together, 7/8 into the stop bit.
+- In loop-back the level passes the receiver's synchroniser as from the pin, and TXD also shows the frames.
+- rx_int_extra delays every receive request that the line causes (including break and errors); a request that a CPU
+  write causes is immediate.
+- A debugger stop with SOFT = 1 lets a frame whose start bit was accepted finish; then the clock of the receiver or
+  transmitter stops. With SOFT = 0 both clocks stop at once.
+- Autobaud: the character, ABD and the new divider take effect together, after 7/8 of the stop bit.
 
 Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
 """
@@ -63,10 +63,10 @@ class SciLines(Chip):
         self._rx = SciRx(options, self.touched)
         self._tx = SciTx(options, self._tx_clock, self._layout, self.touched)
         self._autobaud = SciAutobaud()
-        self.filter_width = self._sync = options.rx_sync_stages.unrecorded()  # each frame records it
+        self.filter_width = self._sync = options.rx_sync_stages.unrecorded()  # its use is recorded with each frame
         self._rxd = 1
         self._listening = False  # the bit receiver follows the line
-        self._rx_at = self._tx_at = NEVER  # the next event of each half, in cycles
+        self._rx_at = self._tx_at = NEVER  # cycles of the next events of receiver and transmitter
         self.reset(0)
 
     def reset(self, now: int) -> None:
@@ -91,7 +91,7 @@ class SciLines(Chip):
 
     @property
     def marks(self) -> SciTx:
-        """The keeper of each word's mark from its write to its last bit on TXD."""
+        """The transmitter, which keeps the mark of each word from its write to its last bit on TXD."""
         return self._tx
 
     # Inputs: pin, time, clock, debugger -------------------------------------
@@ -108,7 +108,7 @@ class SciLines(Chip):
             self._line(now, level)
         if now > planned:
             return ANY_CHANGED
-        return PINS_CHANGED if self.next_wake != planned else NO_CHANGE  # effects of an edge show with a wake-up
+        return PINS_CHANGED if self.next_wake != planned else NO_CHANGE  # an edge takes effect later, with a wake-up
 
     def wake(self, now: int) -> int:
         self._run(now)
@@ -189,7 +189,7 @@ class SciLines(Chip):
         self.next_wake = due
 
     def _replan(self) -> None:
-        """Reschedule after a change of the clocks or of the next events of the halves."""
+        """Reschedule after a change of the clocks, or of the next events of receiver and transmitter."""
         self._plan_tx()
         self._rx_at = self._rx_clock.at(self._bits.next_tick)
         self._schedule()
@@ -241,7 +241,7 @@ class SciLines(Chip):
         self._rx_at = self._rx_clock.at(bits.next_tick)
 
     def _move(self, now: int, word: int, address: int) -> None:
-        """Move a character out of RXSHF."""
+        """Move a character from RXSHF to SCIRXBUF or the FIFO."""
         rx = self._rx
         rx.deliver(word, address, bool(word & FE) and self._is_break_like(word, address))
         self._load_received()
@@ -249,13 +249,13 @@ class SciLines(Chip):
             self._request_rx(now)
 
     def _load_received(self) -> None:
-        """Update `loaded` if SCIRXBUF shows a new word, possibly an equal one."""
+        """Update `loaded` if SCIRXBUF shows a new word, even one equal to the old word."""
         if self._rx.loaded:
             self._rx.loaded = False
             self.loaded |= RECEIVED
 
     def _is_break_like(self, word: int, address: int) -> bool:
-        """Return True if every bit of the frame was 0; the value of the parity bit follows from PE."""
+        """Return True if every bit of the frame was 0. The value of the parity bit is derived from PE."""
         if word & ~PE != FE or (address and self._layout.address):
             return False
         return not self._layout.parity or bool(word & PE) != self._layout.even
@@ -276,7 +276,7 @@ class SciLines(Chip):
             self.requests |= RXINT
 
     def _watch_idle(self, now: int) -> None:
-        """Watch for the tenth idle bit only if its effect can be seen."""
+        """Let the bit receiver report the tenth idle bit only if it has a visible effect."""
         rx = self._rx
         watch = rx.enabled and not rx.status & ST_RXWAKE and not self._layout.address
         if watch != self._bits.watch_idle:
@@ -304,7 +304,7 @@ class SciLines(Chip):
             self.requests |= TXINT
 
     def _arm_receiver(self, now: int) -> None:
-        """Connect RXD to autobaud while it waits, else to the bit receiver; to neither in reset."""
+        """Connect RXD to autobaud while that waits for a character, else to the bit receiver; to neither in reset."""
         listening = self._tx.running
         waits = listening and self._ffct & (CDC | ABD) == CDC
         was_listening = self._listening

@@ -159,7 +159,7 @@ class Sci(SciLines):
             raise ValueError(f"{self.name} has offsets 0 to 0xF, not {offset:#x}")
 
     def _no_clock(self, what: str) -> bool:
-        """Note an access without a clock; return True if it has no effect."""
+        """Add a note about an access without a clock. Return True if the access has no effect."""
         self._note("duty", f"was {what} while its PCLKCR0 bit is 0; turn its clock on first", "SPRUFB0D §5.1.1")
         return self.options.clock_gate_access.assume(self.touched) == "reads_0"
 
@@ -216,7 +216,7 @@ class Sci(SciLines):
             self._set_running(now)
 
     def _set_running(self, now: int) -> None:
-        """Start or stop the halves after a change of SW RESET or SCIRST."""
+        """Start or stop receiver and transmitter after a change of SW RESET or SCIRST."""
         if self._ctl1 & SWRESET and self._tx.fifo.control & SCIRST:
             self._tx.release(now)
         self._arm_receiver(now)

@@ -1,8 +1,8 @@
 """Undocumented behaviours of the SCI: one field per question, the default first.
 
-`SciOptions` is built from a dict of a scene file (`core.options.options_from`) or keyword
-arguments, and holds the answers for one `Sci`. All but the last three are section 3 of the
-open questions; the last three arose while the model was written.
+`SciOptions` is built from a dict of a scene file (`core.options.options_from`) or from keyword arguments, and has the
+answers for one `Sci`. All questions but the last three are in section 3 of the open questions. The last three arose
+while the model was written.
 """
 
 from __future__ import annotations
@@ -11,7 +11,9 @@ from ...core.options import Answers, BoolOption, IntOption, TextOption, choice, 
 
 
 class SciOptions(Answers):
-    """Answers for one SCI. Facts, contradictions and deciding measurements: docs, open questions of the SCI."""
+    """Answers for one SCI. The open questions of the SCI in docs have the facts, contradictions and deciding
+    measurements.
+    """
 
     # Receiver, line side.
     rxrdy_point: TextOption = choice(
@@ -142,7 +144,7 @@ class SciOptions(Answers):
         "next_character", "at_once", question="What a SCICCR write does to a character under way."
     )
 
-    # Questions that arose while writing the model.
+    # Questions that arose while the model was written.
     clock_gate_access: TextOption = choice(
         "reads_0", "accessible", question="What a CPU access does while the module's clock is off."
     )

@@ -45,7 +45,7 @@ class SciRx:
     def __init__(self, options: SciOptions, touched: set[str]) -> None:
         self.options = options
         self.touched = touched
-        self.loaded = False  # SCIRXBUF shows a new word, possibly an equal one, since the owner last set this to False
+        self.loaded = False  # SCIRXBUF has shown a new word, even an equal one, since the owner set this to False
         self.fifo = InterruptFifo(SCI_MAP["SCIFFRX"], True, options.fifo_int_mode, touched)
         self.reset()
 
@@ -57,7 +57,7 @@ class SciRx:
         # Enables and modes, copied here from the registers of the whole module.
         self.enabled = self.sleep = self.bk_enabled = self.error_enabled = self.fifo_mode = self.parity = False
         # The receiver's own state.
-        self.status = 0  # BRKDT, FE, OE, PE, RXWAKE, RXRDY in their SCIRXST places
+        self.status = 0  # BRKDT, FE, OE, PE, RXWAKE, RXRDY in their positions in SCIRXST
         self.rxbuf = 0
         self.fifo.reset()
 
@@ -120,7 +120,7 @@ class SciRx:
         self.request = requested
 
     def _to_fifo(self, word: int) -> int:
-        """Add a word; return the mask of OE if that is an overrun, else 0."""
+        """Add a word to the FIFO. Return the mask of OE if that is an overrun, else 0."""
         waiting = len(self.fifo)
         overrun = 0
         if waiting and self.options.oe_in_fifo_mode.assume(self.touched) == "per_unread_word":
@@ -141,7 +141,7 @@ class SciRx:
         return ST_OE
 
     def _set_errors(self, errors: int, keep: bool = False) -> None:
-        """Set the error flags of one event. keep: flags of earlier characters stay in any case."""
+        """Set the error flags of one event. keep: do not clear flags of earlier characters."""
         was_error = self.status & (CHARACTER_ERRORS | ST_BRKDT)
         if was_error & CHARACTER_ERRORS and not keep and not self.options.error_flags_sticky.assume(self.touched):
             self.status &= ~CHARACTER_ERRORS
@@ -199,7 +199,7 @@ class SciRx:
         self._watch_level()
 
     def set_enables(self, bk_enabled: bool, error_enabled: bool) -> None:
-        """Set RXBKINTENA and RXERRINTENA; an enable that is set while its flag is set requests at once."""
+        """Set RXBKINTENA and RXERRINTENA. An enable that is set while its flag is set requests at once."""
         if bk_enabled and not self.bk_enabled and not self.fifo_mode and self.status & (ST_RXRDY | ST_BRKDT):
             self.request = True
         if error_enabled and not self.error_enabled and self.show_status() & ST_RXERROR:

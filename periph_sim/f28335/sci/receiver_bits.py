@@ -2,23 +2,21 @@
 
     toggle(tick, level) --> [ticks at which the sampled level changed] --step--> FRAME, BREAK, IDLE
 
-Evaluation is lazy: an edge is only recorded. Start bits, votes, breaks and idle times are
-computed from the recorded edges when one of them is due (`next_tick`), with the same result
-as sampling at every SCICLK. A tick is a sample; changes between two samples are not seen.
+Evaluation is lazy: an edge is only recorded. Start bits, votes, breaks and idle times are computed from the recorded
+edges when one of them is due (`next_tick`), with the same result as sampling at every SCICLK. A tick is a sample;
+changes between two samples are not seen.
 
-Rules: four low samples in a row are a start bit, the first of them is sub-sample 1;
-every bit is the majority of its sub-samples 4, 5, 6; the search for the next start bit
-opens inside the stop bit, in address-bit mode (erratum) inside the address bit.
+Rules: Four low samples in a row are a start bit; the first of them is sub-sample 1. Every bit is the majority of its
+sub-samples 4, 5, 6. The search for the next start bit begins inside the stop bit, or in address-bit mode inside the
+address bit (erratum).
 
 Chosen, where the manual is silent:
-- After a missing stop bit the line must have been sampled high before a low counts as a
-  start bit, except for a start bit that the erratum's early search accepted before. A
-  break thus yields one character, and a high sample in it restarts the ten bits after the
-  next missing stop bit.
-- Idle bits are counted from the end of the last programmed stop bit; any low sample
-  restarts the count, even if it is not part of a start bit. With exactly 80 high samples
-  the line is idle.
-- When SW RESET is released on a low line, four low samples are a start bit as usual.
+- After a missing stop bit, a low level counts as a start bit only if a high level was sampled before it. An exception
+  is a start bit that the erratum's early search has already accepted. A break thus yields one character. If a high
+  level is sampled during a break, its ten bits are counted again from the next missing stop bit.
+- Idle bits are counted from the end of the last programmed stop bit. Any low sample restarts the count, even if it is
+  not part of a start bit. With exactly 80 high samples the line is idle.
+- If SW RESET is released while the line is low, four low samples are a start bit as usual.
 
 Source: TI SPRUFZ5A sections 1.2.5 to 1.2.8, table 2-7; SPRZ272N figure 3-1.
 """
@@ -37,18 +35,19 @@ FAR = 2**62  # a tick that no run reaches
 
 NOTHING, FRAME, BREAK, IDLE = range(4)
 
-FE = 1 << 15  # framing error, where SCIRXBUF shows it
-PE = 1 << 14  # parity error
+FE = 1 << 15  # framing error, at its position in SCIRXBUF
+PE = 1 << 14  # parity error, at its position in SCIRXBUF
 
 IDLE_TICKS = 80  # ten bits
-VOTE = 0b11101000  # bit n: the majority of the three samples that are the bits of n
+VOTE = 0b11101000  # bit n: the majority of three samples, which are the bits of the number n
 
 
 @final
 class SciRxBits:
-    """Line side of the receiver.
+    """Line side of the receiver. A run is a series of equal samples.
 
-    word, address: after `step` returned FRAME, the word with FE and PE, and 1 for an address frame.
+    word: after `step` returned FRAME, the received word with FE and PE.
+    address: after `step` returned FRAME, 1 for an address frame, else 0.
     framed: a start bit was accepted and its frame is not complete.
     """
 
@@ -62,24 +61,24 @@ class SciRxBits:
         self.word = 0
         self.address = 0
         self.watch_idle = False  # an idle line produces an event
-        self._layout = layout  # of the next frame
+        self._layout = layout  # format of the next frame
         self._options = options
         self._touched = touched
         self._open = False
-        self._line = 1  # the level last toggled to
-        self._toggles: list[int] = []  # ticks at which the sampled level changes, after the present run
-        self._level = 1  # of the present run
+        self._line = 1  # level set by the last `toggle`
+        self._toggles: list[int] = []  # ticks after the present run at which the sampled level changes
+        self._level = 1  # level of the present run
         self._low_from = FAR  # first sample of a low run that may be a start bit; FAR if this run cannot be one
-        self._high_from = FAR  # the start of the count of ten idle bits in a high run
+        self._high_from = FAR  # tick from which the ten idle bits of a high run are counted
         self._idle_base = FAR  # no idle bit is counted before this tick
-        self._idle = False  # the line was idle since the last frame
-        self._idle_unreported = False  # the idle line has not been reported yet
+        self._idle = False  # the line has been idle since the last frame
+        self._idle_unreported = False  # an idle line was detected, and `step` has not returned IDLE for it yet
         self.framed = False
         self._start = 0  # first low sample of the accepted start bit
         self._frame = layout  # the format of the present frame
         self._missing_stop = 0  # last sample of the stop bit that armed the break
         self._break_at = FAR
-        self._sure = True  # no later edge can move next_tick
+        self._sure = True  # no later edge can change `next_tick`
 
     # Inputs -----------------------------------------------------------------
 
@@ -101,7 +100,9 @@ class SciRxBits:
         return True
 
     def set_layout(self, tick: int, layout: SciFormat, at_once: bool) -> None:
-        """Set the format from the next start bit on, or also of the present frame. tick: the last past one."""
+        """Set the format of the next frames and, with `at_once`, of the present frame. tick: the last tick that has
+        passed.
+        """
         self.settle(tick)
         self._layout = layout
         if at_once:
@@ -110,14 +111,14 @@ class SciRxBits:
         self.next_tick = max(self.next_tick, tick + 1)
 
     def set_watch(self, tick: int, watch: bool) -> None:
-        """Report tenth idle bits, or stop reporting them. tick: the last past one."""
+        """Report the tenth idle bit as IDLE, or stop reporting it. tick: the last tick that has passed."""
         self.settle(tick)
-        self._idle_unreported = False  # an idle line up to now is not reported
+        self._idle_unreported = False  # IDLE is not returned for an idle line detected before
         self.watch_idle = watch
         self._plan()
 
     def settle(self, tick: int) -> None:
-        """Accept a start bit up to `tick`."""
+        """Process the samples up to `tick`, which may accept a start bit."""
         if self._break_at != FAR:
             self._end_break_on_high(tick)
         if self._open and not self.framed:
@@ -143,7 +144,9 @@ class SciRxBits:
     # Events -----------------------------------------------------------------
 
     def step(self, tick: int) -> int:
-        """Return the first event up to `tick`; NOTHING after the last, when `next_tick` is the tick of the next."""
+        """Return the next event up to `tick`. If there is none, return NOTHING; `next_tick` is then the tick of the
+        next event.
+        """
         if self._open:
             if self._break_at != FAR:
                 self._end_break_on_high(tick)
@@ -164,7 +167,7 @@ class SciRxBits:
         return NOTHING
 
     def _hunt(self, tick: int) -> None:
-        """Go through the runs up to `tick` until a start bit is accepted."""
+        """Process the runs up to `tick` until a start bit is accepted."""
         toggles = self._toggles
         while True:
             end: int = toggles[0] if toggles else FAR
@@ -289,13 +292,13 @@ class SciRxBits:
             self._level ^= passed & 1
 
     def _resume(self, tick: int) -> None:
-        """Search from sample `tick` on."""
+        """Search for a start bit from sample `tick` on."""
         self._drop(tick)
         self._high_from = self._idle_base
         self._low_from = tick
 
     def _plan(self) -> None:
-        """Compute `next_tick` from all known edges, and `_sure`: no later edge can change it."""
+        """Compute `next_tick` from all known edges, and set `_sure` if no later edge can change it."""
         self._sure = True
         if not self._open:
             self.next_tick = FAR

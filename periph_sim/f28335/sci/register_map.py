@@ -1,7 +1,7 @@
 """Table of the SCI's registers: names as in C2000Ware's DSP2833x_Sci.h, offsets in words from the module's base.
 
-All three modules (0x7050, 0x7750, 0x7770) have this map. An 8-bit register reads 0 in
-its high byte and drops what is written there.
+All three modules (0x7050, 0x7750, 0x7770) have this map. An 8-bit register reads 0 in its high byte, and ignores writes
+of it.
 
 Source: TI SPRUFZ5A chapter 2.
 """

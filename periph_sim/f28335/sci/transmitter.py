@@ -4,14 +4,13 @@
                                   |
                                   +--> TXRDY, TXFFST, TXFFINT --> request
 
-Times are SCICLK ticks. With the default options a word is loaded into TXSHF at the tick of
-its start bit.
+Times are SCICLK ticks. With the default options a word is loaded into TXSHF at the tick of its start bit.
 
 Chosen, where the manual is silent:
 - TXWAKE works in FIFO mode as in standard mode: it applies to the next word loaded.
-- A word written less than FFTXDLY after the end of the previous one waits for the rest.
+- A word that is written less than FFTXDLY after the end of the previous word waits for the rest of FFTXDLY.
 - SCITXBUF and FIFO keep their words when SCIFFENA changes; only the selected one is sent.
-- Words written to the FIFO while SW RESET = 0 or SCIRST = 0 with scope "shifters" wait.
+- Words written to the FIFO while SW RESET = 0 wait. So do words written while SCIRST = 0, if scirst_scope = "shifters".
 - If SW RESET sets TXRDY to 1, there is no request.
 - TXFIFOXRESET = 0 does not stop TXFFINT, since an empty FIFO has reached any level.
 
@@ -65,7 +64,7 @@ class SciTx:
         self._txshf = 0
         self._txbuf_mark = 0
         self._txshf_mark = 0
-        self._began = 0  # first tick of the frame or idle time
+        self._began = 0  # first tick of the frame or idle time that is being sent
         self.reset()
 
     # Resets -----------------------------------------------------------------
@@ -88,23 +87,23 @@ class SciTx:
 
     def halt(self) -> None:
         """Reset the state machines: the words in SCITXBUF and TXSHF are lost, TXD goes to 1."""
-        self.running = False  # neither SWRESET nor SCIRST holds it
+        self.running = False  # neither SW RESET nor SCIRST holds the transmitter in reset
         self.active = False  # a frame or an idle time is being sent
         self.wut = False
         self._waiting = False  # SCITXBUF holds a character
-        self._drain = 0  # words that TXENA = 0 does not hold back
+        self._drain = 0  # number of words that are still sent although TXENA = 0
         self._loaded = False  # TXSHF holds a word whose start bit has not begun
         self._data_frame = False  # a frame is being sent, not an idle time
-        self._end = FAR  # end of the frame or idle time
+        self._end = FAR  # tick at which the frame or idle time ends
         self._start_at = FAR  # tick of the next start bit
         self._load_at = FAR  # tick of the next load
         self._load_cycle = NEVER  # cycle of the next load, if it is not at a tick
         self._last_end = -FAR
-        self._empty_until = 0  # TXEMPTY still reads 1 before this cycle
+        self._empty_until = 0  # cycle up to which TXEMPTY still reads 1
         self.bits.stop()
         self.out_mark = 0
         self.next_tick = FAR
-        self.next_cycle = NEVER  # of events between ticks
+        self.next_cycle = NEVER  # cycle of the next event that is not at a tick
 
     def release(self, now: int) -> None:
         """Release the transmitter from reset."""
@@ -141,7 +140,7 @@ class SciTx:
         self._set_next(now)
 
     def resume(self, now: int) -> None:
-        """Continue after a start or stop of the clock; events of past ticks move to the next one."""
+        """Continue after a start or stop of the clock. Events of past ticks move to the next tick."""
         self.stopping = False
         coming = self._clock.passed(now) + 1
         self._start_at = max(self._start_at, coming)
@@ -177,7 +176,7 @@ class SciTx:
             self._load_at = max(stop, self._clock.passed(now) + 1)
 
     def _plan_from_idle(self, now: int) -> None:
-        """Schedule the next word of an idle transmitter, from the phase of the divider."""
+        """Schedule the next word of an idle transmitter; the option `tx_phase` determines its start."""
         clock = self._clock
         phase = self.options.tx_phase.assume(self.touched)
         if phase == "restart":
@@ -343,7 +342,7 @@ class SciTx:
         self.int_enabled = on
 
     def set_layout(self, now: int, layout: SciFormat, at_once: bool) -> None:
-        """Set the format from the next frame on, or also of the present frame."""
+        """Set the format of the next frames and, with `at_once`, of the present frame."""
         self._layout = layout
         if at_once and self.active and self._data_frame:
             done = (self._clock.passed(now) - self._began) // 8 + 1

@@ -28,7 +28,7 @@ class SciTxBits:
     def __init__(self) -> None:
         self.level = 1
         self.next_tick = FAR
-        self._edges: list[int] = []  # future ticks, last first
+        self._edges: list[int] = []  # ticks of the coming edges, the last one first
 
     def send(self, tick: int, levels: int, bits: int) -> None:
         """Send a frame of `bits` bits from `tick` on, bit 0 of `levels` first. The line must be at 1."""
@@ -38,7 +38,7 @@ class SciTxBits:
         self.next_tick = edges[-1] if edges else FAR
 
     def resend(self, tick: int, levels: int, bits: int, done: int) -> None:
-        """Change the levels of the frame begun at `tick` from its bit `done` on."""
+        """Replace the levels of the frame that began at `tick`, from its bit `done` on."""
         self.send(tick, levels & -(1 << done) | (-self.level & (1 << done) - 1), bits)
         while self._edges and self._edges[-1] < tick + 8 * done:
             self._edges.pop()

@@ -14,8 +14,8 @@ from ...core.state import State
 class LspclkTimer:
     """Timer that counts LSPCLK edges to one event. Initially stopped.
 
-    at: cycle of the event; NEVER without one, and while the clock is stopped.
-    divider: one LSPCLK cycle in SYSCLKOUT cycles.
+    at: cycle of the event; NEVER without an event, and while the clock is stopped.
+    divider: period of LSPCLK in SYSCLKOUT cycles.
     """
 
     STATE = State("running divider _phase _left", cycles="at")
@@ -25,7 +25,7 @@ class LspclkTimer:
         self.at = NEVER
         self.divider = 4
         self._phase = 0
-        self._left = 0  # while stopped: LSPCLK edges to the event; 0 without one
+        self._left = 0  # while stopped: number of LSPCLK edges to the event; 0 without an event
 
     def plan(self, now: int, edges: int) -> None:
         """Schedule the event for the `edges`-th LSPCLK edge after `now`."""
@@ -38,7 +38,7 @@ class LspclkTimer:
         self.at = NEVER
 
     def edges_to_multiple(self, now: int, edges: int) -> int:
-        """Return the number of LSPCLK edges to the next one whose number is a multiple of `edges`."""
+        """Return how many LSPCLK edges from now the next edge is whose number is a multiple of `edges`."""
         return edges - (now - self._phase) // self.divider % edges
 
     def stop(self, now: int) -> None:

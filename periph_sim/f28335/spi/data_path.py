@@ -1,4 +1,4 @@
-"""The way of a word through the SPI: SPITXBUF, SPIDAT, SPIRXBUF, the FIFOs, and their flags.
+"""The path of a word through the SPI: SPITXBUF, SPIDAT, SPIRXBUF, the FIFOs, and their flags.
 
     write --> SPITXBUF or transmit FIFO --pop--> SPIDAT --deliver--> SPIRXBUF or receive FIFO --read-->
                   |                                         |
@@ -16,7 +16,7 @@ Chosen, where the manual is silent:
 - A word read from the receive FIFO stays in SPIRXBUF.
 - A FIFO that a reset holds empty does not set its interrupt flag; the flag stays as it is.
 - Setting an enable while its flag is set requests at once.
-- Each overflow requests RXINT, if RXFFOVF requests it at all.
+- If RXFFOVF requests RXINT at all, each overflow requests it.
 
 Source: TI SPRUEU3 sections 1.3.2, 1.4, 1.5, 2.1.3, 2.1.6 to 2.1.8 and 2.1.9 (SPIFFTX and SPIFFRX).
 """
@@ -31,9 +31,9 @@ from .register_map import BUFFULL_FLAG, INT_FLAG, OVERRUN_FLAG, SPI_MAP
 
 
 class SpiFifo(InterruptFifo):
-    """FIFO of one direction, and SPIRST, which holds it empty.
+    """FIFO of one direction, which SPIRST can hold empty.
 
-    on: FIFO mode.
+    on: FIFO mode is on.
     request: the FIFO's interrupt was requested since the owner last set this to False.
     """
 
@@ -48,7 +48,7 @@ class SpiFifo(InterruptFifo):
         super().reset()
         self.on = False
         self.request = False
-        self._held = False  # by SPIRST
+        self._held = False  # SPIRST = 0 holds the FIFO empty
 
     @property
     def accepts(self) -> bool:
@@ -62,7 +62,7 @@ class SpiFifo(InterruptFifo):
         return added
 
     def add_received(self, word: int) -> bool:
-        """Add a word, replacing the oldest if the FIFO is full. Return True if the head changed."""
+        """Add a word, in place of the oldest one if the FIFO is full. Return True if the oldest word is now another."""
         if not self.accepts or self.add(word):
             return len(self) == 1
         self.pop()
@@ -104,11 +104,11 @@ class SpiFifo(InterruptFifo):
 
 
 class TransmitBuffer:
-    """Transmit side.
+    """Transmit side of the SPI.
 
     txbuf: SPITXBUF.
-    full: SPITXBUF holds a waiting character.
-    lost: texts of notes, which the owner clears.
+    full: SPITXBUF has a waiting character.
+    lost: texts of notes about lost words, which the owner clears.
     """
 
     STATE = State("txbuf full fifo lost")
@@ -132,7 +132,7 @@ class TransmitBuffer:
         return bool(self.fifo.words) if self.fifo.on else self.full
 
     def write(self, value: int, enabled: bool) -> None:
-        """Write SPITXBUF. enabled: neither SW RESET nor SPIRST is 0."""
+        """Write SPITXBUF. enabled: neither SW RESET nor SPIRST holds the SPI in reset."""
         before, self.txbuf = self.txbuf, value
         if self.fifo.on:
             self._write_fifo(value)
@@ -168,12 +168,12 @@ class TransmitBuffer:
 
 
 class ReceiveBuffer:
-    """Receive side.
+    """Receive side of the SPI.
 
     status: INT_FLAG and OVERRUN_FLAG in their positions in SPISTS.
     enables: the flags of `status` that request RXINT.
     request: RXINT was requested by these flags since the owner last set this to False.
-    loaded: SPIRXBUF received a word, possibly an equal one, since the owner last set this to False.
+    loaded: SPIRXBUF received a word, even an equal one, since the owner last set this to False.
     """
 
     STATE = State("rxbuf enables loaded request status fifo")
@@ -239,9 +239,9 @@ class SpiShifter:
     """Shift register of both directions.
 
     dat: SPIDAT.
-    level: the serial data output.
+    level: level of the serial data output.
     bits: number of latched bits of the present character.
-    loaded: SPIDAT holds a character to send.
+    loaded: SPIDAT has a character to send.
     length: number of bits of a character.
     delayed: CLK_PHASE.
     """
@@ -274,7 +274,7 @@ class SpiShifter:
             self.level = self.dat >> 15
 
     def edge(self, leading: bool, data: int) -> None:
-        """Shift at an edge of SPICLK, with the level at the data input."""
+        """Shift at an edge of SPICLK. data: the level at the data input."""
         if leading == self.delayed:
             self.dat = (self.dat << 1 | data) & 0xFFFF
             self.bits += 1

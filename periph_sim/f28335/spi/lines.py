@@ -1,4 +1,4 @@
-"""The SPI module between its pins, with clocks, debugger stops, requests and scheduling.
+"""Line side of the SPI module: its pins, clocks, debugger stops, requests and scheduling.
 
     master, CLKPOLARITY = 0, two bits; h: second half of a bit, the longer one where SPIBRR + 1 is odd
 
@@ -10,21 +10,21 @@
 A master counts LSPCLK edges from one edge of SPICLK to the next (`LspclkTimer`); a slave follows the pins. The CPU's
 side is in `module`.
 
-`out` is 1 for a pin that the module does not drive: outputs joined on a wired-AND wire then behave like push-pull
-outputs with enables. `driven` is the mask of the driven pins.
+`driven` is the mask of the pins that the module drives. `out` is 1 for the other pins, so that outputs joined on a
+wired-AND wire behave like push-pull outputs with enables.
 
 Chosen, where the manual is silent:
-- Words follow each other without a gap; a word that is written too late for that begins as after idle.
+- Words follow each other without a gap. A word that is written too late for that begins as after idle.
 - A slave loads the next word at the last edge of the previous one; TXDLY is for masters only.
-- An edge of SPICLK in the cycle in which SPISTE rises counts; one in the cycle in which it falls does not.
+- An edge of SPICLK in the cycle in which SPISTE rises counts; an edge in the cycle in which it falls does not.
 - SIMO and SOMI keep their last output level, which is 0 after reset.
 - A change between master and slave drops the character.
-- SOFT = 1: a stop waits for all written words, if SPICLK has already made its first edge; a slave's character begins
-  with its first latched bit.
+- With SOFT = 1 a debugger stop waits for all written words, if SPICLK has already made its first edge. A slave's
+  character begins with its first latched bit.
 - Loop-back also shows on the pins, and has no effect on a slave.
 
-Source: TI SPRUEU3 sections 1.3.2, 1.4.3, 1.5, 2.1.9 and 2.1.10; SPRS439M, SPI timing, for SPISTE of a master;
-SPRUFB0D section 5.1 for the clock gate.
+Source: TI SPRUEU3 sections 1.3.2, 1.4.3, 1.5, 2.1.9 and 2.1.10; SPRS439M, SPI timing, for SPISTE of a master; SPRUFB0D
+section 5.1 for the clock gate.
 """
 
 from __future__ import annotations
@@ -48,8 +48,7 @@ PINS = ("SIMO", "SOMI", "CLK", "STE")
 RECEIVED = 1 << SPI_MAP["SPIRXBUF"].offset | 1 << SPI_MAP["SPIRXEMU"].offset
 
 
-# Events for which the timer of a master waits: none; the LSPCLK edge with which a transfer begins; the two edges of
-# SPICLK; the end of TXDLY; the rise of SPISTE.
+# What the master's timer waits for: nothing, the begin of a transfer, an edge of SPICLK, the end of TXDLY, SPISTE = 1.
 IDLE, BEGIN, LEADING, TRAILING, DELAY, RELEASE = range(6)
 
 
@@ -74,14 +73,14 @@ class SpiLines(Chip):
         super().__init__()
         self.name = name
         self.options = options
-        self.filter_width = self._latency = options.input_latency.unrecorded()  # each edge records it
+        self.filter_width = self._latency = options.input_latency.unrecorded()  # its use is recorded at each edge
         self._shifter = SpiShifter()
         self._tx = TransmitBuffer(options, self.touched)
         self._rx = ReceiveBuffer(options, self.touched)
         self._timer = LspclkTimer()
-        self._levels = SIMO | SOMI | CLK | STE  # of the pins, `_latency` ago
-        self._inputs: list[tuple[int, int]] = []  # future (cycle, levels)
-        self._last_leading = -NEVER  # leading edge of SPICLK at a slave
+        self._levels = SIMO | SOMI | CLK | STE  # levels of the pins `_latency` cycles ago
+        self._inputs: list[tuple[int, int]] = []  # levels of the pins that take effect later: (cycle, levels)
+        self._last_leading = -NEVER  # cycle of the last leading edge of SPICLK at a slave
         self.reset(0)
 
     def reset(self, now: int) -> None:
@@ -89,7 +88,7 @@ class SpiLines(Chip):
         self._ccr = self._ctl = self._brr = self._ffct = self._pri = 0
         self._gated = True  # the clock gate is off
         self._suspended = False
-        self._finishing = False  # suspended, but still sending
+        self._finishing = False  # the debugger has stopped the module, but it still sends
         self._halt()
         self._shifter = SpiShifter()
         self._tx.reset()
@@ -108,8 +107,8 @@ class SpiLines(Chip):
 
     def _release(self) -> None:
         """End the transfer of a master."""
-        self._begun = False  # a master has made the first edge of SPICLK and not yet released SPISTE
-        self._ste = STE  # of a master
+        self._begun = False  # a master has made the first edge of SPICLK and has not released SPISTE yet
+        self._ste = STE  # level that a master drives on SPISTE
 
     # State ------------------------------------------------------------------
 
@@ -124,7 +123,7 @@ class SpiLines(Chip):
 
     @property
     def _halves(self) -> tuple[int, int]:
-        """LSPCLK cycles for which SPICLK is at its active and at its idle level."""
+        """LSPCLK cycles for which SPICLK is at its active level, and for which it is at its idle level."""
         period = self._brr + 1 if self._brr >= 3 else 4
         return period // 2, period - period // 2
 
@@ -251,7 +250,7 @@ class SpiLines(Chip):
         self._show(now)
 
     def _cuts(self, option: TextOption, answer: str) -> bool:
-        """Return True if this answer cuts off a character in progress."""
+        """Return True if a character is in progress and the option has this answer, which cuts the character off."""
         return self._shifter.bits > 0 and option.assume(self.touched) == answer
 
     # Both ---------------------------------------------------------------------
@@ -288,7 +287,7 @@ class SpiLines(Chip):
         self._timer.plan(now, edges)
 
     def _fill(self, now: int) -> None:
-        """Load a waiting word into SPIDAT if it is free; a master also begins a transfer."""
+        """Load a waiting word into SPIDAT if that is free; a master also begins a transfer."""
         if not self._enabled or self._shifter.busy or not self._tx.waiting or self._step == DELAY:
             return
         if not self._is_master:

@@ -1,6 +1,6 @@
 """Open questions about the SPI: one field for each, the default first.
 
-`SpiOptions` is built from a dict of a scene file (`core.options.options_from`) or keyword arguments, and holds the
+`SpiOptions` is built from a dict of a scene file (`core.options.options_from`) or from keyword arguments, and has the
 answers for one `Spi`.
 """
 
@@ -10,7 +10,7 @@ from ...core.options import Answers, BoolOption, IntOption, TextOption, choice, 
 
 
 class SpiOptions(Answers):
-    """Gaps and contradictions of SPRUEU3 and of the data sheet SPRS439."""
+    """Answers to questions that SPRUEU3 and the data sheet SPRS439 leave open or answer in two ways."""
 
     # Transfers of a master.
     start_point: TextOption = choice(

@@ -1,7 +1,7 @@
 """Table of the SPI's registers: names as in C2000Ware's DSP2833x_Spi.h, offsets in words from the module's base.
 
-An 8-bit register reads 0 in its high byte and drops what is written there. SPIPRI of the 2833x has only the two bits
-for debugger stops: TRIWIRE and STEINV are bits of later devices.
+An 8-bit register reads 0 in its high byte, and ignores writes of it. SPIPRI of the 2833x has only the two bits for
+debugger stops; TRIWIRE and STEINV are bits of later devices.
 
 Source: TI SPRUEU3 chapter 2. Its sections are numbered like those of SPRUG72, the guide for the 280x.
 """

@@ -5,25 +5,24 @@
     PCLKCR0/1/3    -->  gates, enabled()                        (2 cycles after the write)
     SCSR, WDCR, .. -->  reset_requested, WAKEINT in `requests`
 
-Times are SYSCLKOUT cycles as for every chip, but this chip sets the length of a cycle. The
-owner compares the ratio after every input: cycles from that input's `now` on have the
-new length. OSCCLK counts (PLL lock, watchdog) continue exactly through such a change.
+Times are SYSCLKOUT cycles as for every chip, but this chip sets the length of a cycle. The owner compares the ratio
+after every input. If it changed, cycles from that input's `now` on have the new length. OSCCLK counts (PLL lock,
+watchdog) continue exactly through such a change.
 
-After `reset_requested` the owner resets every chip, including this one, and starts the CPU
-WDRST_CYCLES later: the watchdog holds XRS low for that time.
+After `reset_requested` the owner resets every chip, including this one, and starts the CPU WDRST_CYCLES later, because
+the watchdog holds XRS low for that time.
 
 Source: SPRUFB0D section 5; lock time SPRS439M Table 6-9; boot ROM SPRS439M Table 3-17.
 
 Chosen:
-- Every write of PLLCR starts a lock, even with the same value or 0 (Table 22 refers to the
-  write, not to a change).
+- Every write of PLLCR starts a lock, even with the same value or 0 (Table 22 refers to the write, not to a change).
 - While the PLL locks, a DIVSEL other than 0 (which the manual forbids) divides the bypass clock.
-- A reserved PLLCR value acts as bypass; DIVSEL = 3 with the PLL on divides by 1.
+- A reserved PLLCR value acts as bypass. DIVSEL = 3 with the PLL on divides by 1.
 - New prescaler values take effect at once.
-- A read where there is no register returns 0, a write there has no effect.
+- If there is no register at an address, a read returns 0 and a write has no effect.
 
-Not modelled: missing-clock detection and limp mode, STANDBY and HALT; their bits are
-stored, and a note is added when firmware selects one of them.
+Not modelled are missing-clock detection and limp mode, STANDBY and HALT. Their bits are stored, and a note is added
+when firmware selects one of them.
 """
 
 from __future__ import annotations
@@ -53,23 +52,23 @@ from .watchdog import WDFLAG, WDINT_OSCCLKS, Watchdog
 
 PLL_LOCK_OSCCLKS = 131072  # SPRS439M Table 6-9
 VCO_MAX_HZ = 300_000_000  # section 5.2.1
-GATE_DELAY = 2  # SYSCLKOUT from a PCLKCR write to its effect, section 5.1.1
-WDINTS_DELAY = 2  # SYSCLKOUT from WDINT to SCSR.WDINTS, Table 27
-WDRST_CYCLES = WDINT_OSCCLKS // 4  # duration of a watchdog reset, at the reset's OSCCLK/4
-WDFLAG_DELAY = WDRST_CYCLES + 8192  # SYSCLKOUT from a watchdog reset to WDFLAG, notes below Table 30
+GATE_DELAY = 2  # SYSCLKOUT cycles from a PCLKCR write to its effect, section 5.1.1
+WDINTS_DELAY = 2  # SYSCLKOUT cycles from WDINT to SCSR.WDINTS, Table 27
+WDRST_CYCLES = WDINT_OSCCLKS // 4  # duration of a watchdog reset, in cycles of OSCCLK/4, the clock after reset
+WDFLAG_DELAY = WDRST_CYCLES + 8192  # SYSCLKOUT cycles from a watchdog reset to WDFLAG, notes below Table 30
 
-DIVIDE = (4, 4, 2, 1)  # by DIVSEL
+DIVIDE = (4, 4, 2, 1)  # divider from the PLL's output to SYSCLKOUT, by DIVSEL
 DIVSEL = PLLSTS["DIVSEL"]
 PLLLOCKS, PLLOFF, OSCOFF, MCLKOFF = (PLLSTS[name].mask for name in ("PLLLOCKS", "PLLOFF", "OSCOFF", "MCLKOFF"))
 WDINTS = SCSR["WDINTS"].mask
 LPM = LPMCR0["LPM"]
 
 GATES: tuple[str, ...] = tuple(one.name for register in (PCLKCR0, PCLKCR3) for one in register.fields)
-GATE_BIT = {name: 1 << index for index, name in enumerate(GATES)}  # in `gates`
-ENABLES = tuple(  # bit of `gates`, bit of the register, and its offset
+GATE_BIT = {name: 1 << index for index, name in enumerate(GATES)}  # bit of each gate in `gates`
+ENABLES = tuple(  # bit of `gates`, bit of the register, and offset of the register
     (GATE_BIT[one.name], one.mask, register.offset) for register in (PCLKCR0, PCLKCR3) for one in register.fields
 )
-STORED = (HISPCP, LOSPCP, PCLKCR0, PCLKCR1, PCLKCR3, LPMCR0)  # which only software changes
+STORED = (HISPCP, LOSPCP, PCLKCR0, PCLKCR1, PCLKCR3, LPMCR0)  # registers that only software changes
 
 
 def prescale(code: int) -> int:
@@ -97,21 +96,23 @@ class SystemControl(Chip):
             raise ValueError(f"OSCCLK is {oscclk_hz} Hz; expected a positive number")
         super().__init__()
         self.oscclk_hz = oscclk_hz
-        self.reset_requested = False  # by the watchdog; cleared by `reset`
+        self.reset_requested = False  # the watchdog requests a reset; `reset` clears this
         self._options = options
         self._clock = OscClock()
         self._watchdog = Watchdog(options, self.touched)
-        self.sysclk_hz = Fraction(oscclk_hz)  # in bypass
-        self._gates_to_come: list[tuple[int, int]] = []  # (cycle, gates)
-        self._wdints_to_come: list[tuple[int, int]] = []  # (cycle, level)
+        self.sysclk_hz = Fraction(oscclk_hz)  # frequency in bypass
+        self._gates_to_come: list[tuple[int, int]] = []  # gates that take effect later: (cycle, gates)
+        self._wdints_to_come: list[tuple[int, int]] = []  # changes of WDINTS that take effect later: (cycle, level)
         self.reset(0)
 
     def reset(self, now: int) -> None:
-        """Reset by XRS, or by the watchdog if `reset_requested`; WDFLAG then follows WDFLAG_DELAY cycles later."""
+        """Reset by XRS, or by the watchdog if `reset_requested`. After the watchdog's reset WDFLAG is set WDFLAG_DELAY
+        later.
+        """
         by_watchdog = self.reset_requested
         self._pllcr = PLLCR.reset
         self._pllsts = PLLSTS.reset
-        self._locked_at = NEVER  # OSCCLK position
+        self._locked_at = NEVER  # OSCCLK position at which the PLL is locked
         self._stored = {register.offset: register.reset for register in STORED}
         self.hspclk_divider = prescale(HISPCP.reset)
         self.lspclk_divider = prescale(LOSPCP.reset)
@@ -121,7 +122,7 @@ class SystemControl(Chip):
         self._watchdog.reset(self._clock.at(now))
         self.requests = 0
         self.reset_requested = False
-        self._wdint = 1  # WDINT as it was last seen
+        self._wdint = 1  # level of WDINT at the last update
         self._wdints = 1
         self._wdints_to_come.clear()
         self._wdflag_at = now + WDFLAG_DELAY if by_watchdog else NEVER
@@ -140,7 +141,7 @@ class SystemControl(Chip):
         return bool(self.gates & GATE_BIT[gate])
 
     def watchdog_rounds(self, since: int, now: int) -> int:
-        """Return the overflows of the watchdog between these cycles, if nothing restarts it or changes SYSCLKOUT."""
+        """Return how often the watchdog overflows between two cycles, if nothing restarts it or changes SYSCLKOUT."""
         return self._watchdog.rounds(self._clock.at(now) - self._clock.at(since))
 
     # Inputs -----------------------------------------------------------------

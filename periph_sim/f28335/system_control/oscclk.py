@@ -4,17 +4,16 @@
     at      :  SYSCLKOUT cycle  -->  OSCCLK position
     cycle_at:  OSCCLK position  -->  SYSCLKOUT cycle
 
-The watchdog and the PLL's lock counter run on OSCCLK, but every input of a chip has a
-SYSCLKOUT cycle. A position is counted in parts of an OSCCLK period that are so small that
-every SYSCLKOUT of the PLL is a whole number of them: only the cycle in which an event
-becomes visible is ever rounded.
+The watchdog and the PLL's lock counter run on OSCCLK, but every input of a chip has a SYSCLKOUT cycle. A position is
+counted in parts of an OSCCLK period. The parts are so small that a cycle is a whole number of parts for every ratio of
+the PLL. Therefore only the cycle in which an event becomes visible is rounded.
 """
 
 from __future__ import annotations
 
 from ...core.state import State
 
-PARTS = 2520  # of one OSCCLK period; the least common multiple of the PLL's ratios, 1 to 10
+PARTS = 2520  # parts of one OSCCLK period: the least common multiple of the PLL's ratios, 1 to 10
 
 
 class OscClock:
@@ -23,12 +22,14 @@ class OscClock:
     STATE = State("_position _step", cycles="_cycle")
 
     def __init__(self) -> None:
-        self._cycle = 0  # of the last retuning
+        self._cycle = 0  # cycle of the last change of the ratio
         self._position = 0
         self._step = 4 * PARTS  # parts per SYSCLKOUT cycle
 
     def at(self, cycle: int) -> int:
-        """Return the OSCCLK position, in parts, at which a cycle begins. Not for cycles before the last retuning."""
+        """Return the OSCCLK position, in parts, at which a cycle begins. The cycle must not be before the last
+        `retune`.
+        """
         return self._position + (cycle - self._cycle) * self._step
 
     def cycle_at(self, position: int) -> int:
@@ -36,7 +37,9 @@ class OscClock:
         return self._cycle - (self._position - position) // self._step
 
     def retune(self, cycle: int, numerator: int, denominator: int) -> None:
-        """Set SYSCLKOUT = OSCCLK * numerator / denominator from `cycle` on. ValueError if the PLL lacks that ratio."""
+        """Set SYSCLKOUT = OSCCLK * numerator / denominator from `cycle` on. Raise ValueError if the PLL lacks that
+        ratio.
+        """
         if numerator < 1 or PARTS * denominator % numerator:
             raise ValueError(f"SYSCLKOUT = OSCCLK * {numerator}/{denominator} is not a ratio of the PLL")
         self._position = self.at(cycle)

@@ -1,8 +1,7 @@
 """Table of the system control registers: PLL, clock prescalers and gates, low-power mode, watchdog.
 
-Source: SPRUFB0D section 5, Table 14. All of them are EALLOW-protected. PCLKCR1 and the
-parts of PCLKCR0 and PCLKCR3 that gate modules the simulator does not have are kept,
-so that firmware reads back what it wrote.
+Source: SPRUFB0D section 5, Table 14. All of them are EALLOW-protected. Gates of modules that are not simulated are
+stored, so that firmware reads back what it wrote to PCLKCR0, PCLKCR1 and PCLKCR3.
 """
 
 from __future__ import annotations
@@ -92,8 +91,7 @@ LPMCR0 = Register(
     "SPRUFB0D Figure 25, Table 25",
     (
         field("WDINTE", "15", doc="1: the watchdog may wake the device from STANDBY"),
-        # Figure 25 shows a single 1 for the six bits, Table 25 gives zero as the default; the figure is followed,
-        # read as "all bits 1" as in other registers that are drawn like this.
+        # The reset value follows Figure 25, which draws one 1 for all six bits. Table 25 gives 0 as the default.
         field("QUALSTDBY", "7:2", "R/W", 0x3F, doc="OSCCLK periods to qualify the pin that wakes from STANDBY"),
         field("LPM", "1:0", doc="mode that IDLE enters: 0 IDLE, 1 STANDBY, 2 and 3 HALT"),
     ),

@@ -5,17 +5,16 @@
     WDKEY 0x55, 0xAA --------------+                                ^
     WDCR.WDCHK other than 5 ----------------------------------------+
 
-It is part of `SystemControl`, which converts between SYSCLKOUT cycles and OSCCLK positions
-(`oscclk`), delays WDINTS and WDFLAG, and owns the registers' addresses.
+It is part of `SystemControl`, which converts between SYSCLKOUT cycles and OSCCLK positions (`oscclk`), delays WDINTS
+and WDFLAG, and owns the registers' addresses.
 
 Source: SPRUFB0D section 5.4, Tables 26 to 30; SPRZ272N section 3.1.3.
 
 Chosen:
 - Disabling holds the count; enabling continues from it.
-- A wrong WDCHK takes effect if the same write leaves the watchdog enabled. The rest of
-  that write also takes effect.
-- With wd_bad_key = reset the write resets at once. This leaves no time for the errata's
-  "a good key after it prevents the reset", which is not modelled.
+- A wrong WDCHK takes effect if the same write leaves the watchdog enabled. The rest of that write also takes effect.
+- With wd_bad_key = reset the write resets at once. The errata also say that a good key after it prevents the reset.
+  This is not modelled.
 - A new prescale takes effect at once; the divider is one chain whose taps WDPS selects.
 """
 
@@ -40,7 +39,7 @@ PRESCALE = (1, 1, 2, 4, 8, 16, 32, 64)
 
 
 class Watchdog:
-    """Watchdog. All times are OSCCLK positions in `oscclk.PARTS`. touched: receives the names of consulted options."""
+    """Watchdog. All times are OSCCLK positions in `oscclk.PARTS`. touched: receives the names of the options used."""
 
     STATE = State("wdcr scsr wdint interrupt reset_requested next_due _armed _origin _since _count _low_until")
 
@@ -54,10 +53,10 @@ class Watchdog:
         self.wdcr = WDCR.reset
         self.scsr = SCSR.reset
         self.wdint = 1  # level of WDINT
-        self.interrupt = False  # WDINT fell; the owner sets this to False
+        self.interrupt = False  # WDINT has fallen since the owner last set this to False
         self.reset_requested = False
         self._armed = False  # 0x55 was the last key
-        self._origin = position  # an edge of the divider chain; all its taps step at multiples from here
+        self._origin = position  # position of an edge of the divider chain, from which its taps step at multiples
         self._since = position  # position at which the count was `_count`
         self._count = 0
         self._low_until = NEVER

@@ -4,21 +4,20 @@
                               |
                               +--> XINTnCTR = 0, then +1 each SYSCLKOUT (XINT1, XINT2)
 
-Levels come from `Gpio` (GPIOXINTnSEL selects the pin). To avoid processing edges of lines
-that are not enabled, the owner brackets each write to this module:
+Levels come from `Gpio` (GPIOXINTnSEL selects the pin). To avoid processing edges of lines that are not enabled, the
+owner makes these calls around each write to this module:
 
     xint.settle(now, gpio.xint_levels(now))
     xint.write(now, offset, value)
     gpio.watch_xints(now, xint.enabled)
 
-The counters change in every cycle, so they are computed when read and `next_wake` does
-not include them.
+The counters change in every cycle, so they are computed when they are read, and `next_wake` does not include them.
 
 Source: SPRUFB0D section 8.6, Figures 91 to 95, Tables 121 to 126.
 
 Chosen:
 - A counter runs from the moment its line is enabled, even before the first edge.
-- XNMI is not modelled: XNMICR is stored (SELECT is for the driver of INT13), XNMICTR reads 0.
+- XNMI is not modelled: XNMICR is stored (the driver of INT13 uses SELECT), and XNMICTR reads 0.
 """
 
 from __future__ import annotations
@@ -31,8 +30,8 @@ LINES = 7
 XNMICR = XINT["XNMICR"].offset
 ENABLE = XINT["XINT1CR"]["ENABLE"]
 POLARITY = XINT["XINT1CR"]["POLARITY"]
-COUNTERS = {XINT["XINT1CTR"].offset: 0, XINT["XINT2CTR"].offset: 1}  # offset -> line
-RISING, BOTH = 1, 3  # polarity; 0 and 2 are falling
+COUNTERS = {XINT["XINT1CTR"].offset: 0, XINT["XINT2CTR"].offset: 1}  # line by offset of its counter
+RISING, BOTH = 1, 3  # values of POLARITY; 0 and 2 mean falling
 
 
 class Xint(Chip):
@@ -43,22 +42,22 @@ class Xint(Chip):
     def __init__(self) -> None:
         super().__init__()
         self._level = 0
-        self._since = [0, 0]  # cycle at which XINT1CTR, XINT2CTR were, or would have been, 0, when running
+        self._since = [0, 0]  # cycle at which each running counter, XINT1CTR and XINT2CTR, was 0 or would have been 0
         self.reset(0)
 
     def reset(self, now: int) -> None:
         """Reset by XRS: all lines disabled, counters at 0. The lines keep their levels."""
         self.requests = 0
-        self.enabled = 0  # mask: lines whose edges matter
+        self.enabled = 0  # mask: lines that are enabled, so that their edges request
         self._control = [0] * (LINES + 1)  # XINT1CR ... XINT7CR, XNMICR
-        self._count = [0, 0]  # of XINT1CTR, XINT2CTR when stopped
+        self._count = [0, 0]  # value of each stopped counter, XINT1CTR and XINT2CTR
 
     def settle(self, now: int, levels: int) -> None:
         """Set the levels of the lines that are not enabled (bit 0: XINT1), without edges."""
         self._level = self._level & self.enabled | levels & ~self.enabled
 
     def pins(self, now: int, levels: int) -> int:
-        """Set the levels on INPUTS; only those of enabled lines have an effect."""
+        """Set the levels on INPUTS. Only levels of enabled lines have an effect."""
         moved, self._level = (levels ^ self._level) & self.enabled, levels
         if not moved:
             return NO_CHANGE

@@ -130,14 +130,14 @@ def _of_party(run: Run, row: int, record: Record) -> list[Link]:
 
 
 # Parties that pull a wire low --------------------------------------------------
-#
-#     EDGE fell "controller"   HOLD "controller, dsp.SCLA"   HOLD "dsp.SCLA"   EDGE rose
-#     the controller pulls     the unit pulls it low, too    the unit alone still pulls
 
 
 def holders(run: Run, row: int, record: Record) -> tuple[str, ...]:
     """Return the parties that pull the wire low after this record; for a rising edge, those that pulled it low until
     then.
+
+        EDGE fell "controller"   HOLD "controller, dsp.SCLA"   HOLD "dsp.SCLA"   EDGE rose
+        the controller pulls     the unit pulls it low, too    the unit alone still pulls
     """
     before = _before(run, row, record)
     return _named(record.text) if not record.value else () if before is None else _named(before.text)

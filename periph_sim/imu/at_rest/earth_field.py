@@ -35,44 +35,37 @@ YAWS = (270, 180, 90, 0)  # yaws of the turn in degrees, in the order of Figure 
 
 
 @dataclass(frozen=True)
-class Candidate:
-    """One interpretation of the mean in Table 5.1.
-
-    disturbed: True if the mean includes the hard iron.
-    field: the field H_rt that follows, in gauss.
-    """
-
-    disturbed: bool
-    field: Vector
-
-    @property
-    def off_north(self) -> float:
-        """The angle in degrees from the body's x axis, when this points north, to the horizontal field."""
-        return degrees(atan2(self.field[1], self.field[0]))
-
-
-@dataclass(frozen=True)
 class Fit:
-    """Both interpretations of the mean, and the d of each statement of section 5.2 by least squares.
+    """The two interpretations of the mean, and the d of each statement of section 5.2 by least squares.
 
-    candidates: the undisturbed and the disturbed interpretation.
+    fields: the field H_rt in gauss if the mean is undisturbed (d = 0), and if it includes the hard iron (d = 1).
     """
 
     along_y: float
     along_z: float
-    candidates: tuple[Candidate, Candidate]
+    fields: tuple[Vector, Vector]
 
     @property
-    def taken(self) -> Candidate:
-        """The interpretation that is nearest to both statements."""
-        return self.candidates[self.along_y + self.along_z > 1]
+    def disturbed(self) -> bool:
+        """True if d = 1 is nearer to both statements."""
+        return self.along_y + self.along_z > 1
+
+    @property
+    def field(self) -> Vector:
+        """The field of the interpretation that is nearer to both statements."""
+        return self.fields[self.disturbed]
+
+
+def off_north(field: Vector) -> float:
+    """Return the angle in degrees from the body's x axis, when this points north, to the horizontal field."""
+    return degrees(atan2(field[1], field[0]))
 
 
 def fit(mean: Vector = MEAN, hard_iron: Vector = HARD_IRON) -> Fit:
     """Determine the earth field from the mean at rest and the hard iron, which are x, y, z in gauss."""
     along_y, along_z = (mean[axis] / hard_iron[axis] for axis in (1, 2))
     x, y, z = (m - v for m, v in zip(mean, hard_iron, strict=True))
-    return Fit(along_y, along_z, (Candidate(False, mean), Candidate(True, (x, y, z))))
+    return Fit(along_y, along_z, (mean, (x, y, z)))
 
 
 def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
@@ -86,27 +79,12 @@ def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
 
 def text(imu: ImuParameters, found: Fit) -> str:
     """Format the fit, and the turn of Figure 5.1 with this set of parameters."""
-    undisturbed, disturbed = found.candidates
-    x, y, z = found.taken.field
+    x, y, z = found.field
+    ys, zs = ([f"{abs(field[axis]):.4f}" for field in found.fields] for axis in (1, 2))
     says = [
-        (
-            "y at 0 and 180 is about the bias: |Hy|",
-            f"{abs(undisturbed.field[1]):.4f}",
-            f"{abs(disturbed.field[1]):.4f}",
-            f"d = {found.along_y:.2f}",
-        ),
-        (
-            "the field is nearly horizontal: |Hz|",
-            f"{abs(undisturbed.field[2]):.4f}",
-            f"{abs(disturbed.field[2]):.4f}",
-            f"d = {found.along_z:.2f}",
-        ),
-        (
-            "x points north: degrees between x and H",
-            f"{abs(undisturbed.off_north):.1f}",
-            f"{abs(disturbed.off_north):.1f}",
-            "",
-        ),
+        ("y at 0 and 180 is about the bias: |Hy|", *ys, f"d = {found.along_y:.2f}"),
+        ("the field is nearly horizontal: |Hz|", *zs, f"d = {found.along_z:.2f}"),
+        ("x points north: degrees between x and H", *(f"{abs(off_north(field)):.1f}" for field in found.fields), ""),
     ]
     turned = [
         (str(yaw), *(f"{value:.4f}" for value in row), f"{row[1] - imu.magnetometer.hard_iron[1]:.4f}")
@@ -118,7 +96,7 @@ def text(imu: ImuParameters, found: Fit) -> str:
         "",
         *text_table(("section 5.2 says", "d = 0", "d = 1", "least squares"), says, range(1, 4)),
         "",
-        f"result: d = {int(found.taken.disturbed)}, H = ({x:.4f}, {y:.4f}, {z:.4f}) gauss",
+        f"result: d = {int(found.disturbed)}, H = ({x:.4f}, {y:.4f}, {z:.4f}) gauss",
         "",
         f"Turn about z as in Figure 5.1, with hard iron {_three(imu.magnetometer.hard_iron)} gauss",
         "",

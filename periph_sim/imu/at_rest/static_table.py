@@ -10,7 +10,7 @@ reading adds one effect to the previous one. The last but one is the shipped set
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import hypot, sqrt
 from typing import Any, NamedTuple
@@ -20,6 +20,7 @@ from msgspec.structs import replace
 from ...core.text_table import text_table
 from ..models.parameters import NONE, ImuParameters
 from ..noise import AXES
+from ..parameter_sets import named
 from .rest import SENSORS, UNITS, Expected, Floats, expected_at_rest, variances_before_rounding
 
 Three = tuple[float, float, float]  # values on x, y, z
@@ -130,8 +131,20 @@ class Reading:
 
 
 def readings() -> list[Reading]:
-    """Return all readings, each with its differences from the published means."""
-    return [Reading(says, _off(expected_at_rest(imu()))) for says, imu in READINGS]
+    """Return all readings, each with its differences from the published means.
+
+    `table_5_1` has the biases of Table 4.1, which have two decimals, to four decimals, from the means of the real IMU in
+    Table 5.1. It has no hard iron, since Table 5.1 was measured away from iron (section 5.2).
+    """
+    table_4_1, table_5_1 = _each(ImuParameters(), ("magnetometer",), hard_iron=NONE), named("table_5_1")
+    sets = {
+        "bias of Table 4.1 alone": _each(table_4_1, cross_axis=0.0),
+        "and cross-axis sensitivity": table_4_1,
+        "and bias to four decimals": _each(table_5_1, rounding="nearest"),
+        "and floor for two: table_5_1": table_5_1,
+        "and floor for the gyroscope": _each(table_5_1, rounding="floor"),
+    }
+    return [Reading(says, _off(expected_at_rest(imu))) for says, imu in sets.items()]
 
 
 def _off(expected: Mapping[str, Sequence[Expected]]) -> dict[str, tuple[float, ...]]:
@@ -148,39 +161,6 @@ def _off(expected: Mapping[str, Sequence[Expected]]) -> dict[str, tuple[float, .
 def _each(imu: ImuParameters, sensors: Sequence[str] = SENSORS, **changes: Any) -> ImuParameters:
     changed: dict[str, Any] = {sensor: replace(getattr(imu, sensor), **changes) for sensor in sensors}
     return replace(imu, **changed)
-
-
-def table_4_1() -> ImuParameters:
-    """Return the set of Table 4.1 without hard iron, since Table 5.1 was measured away from iron (section 5.2)."""
-    return _each(ImuParameters(), ("magnetometer",), hard_iron=NONE)
-
-
-def with_printed_means() -> ImuParameters:
-    """Return the same set with biases of four decimals, from the means of the real IMU in Table 5.1.
-
-    Table 4.1 has biases of two decimals.
-    """
-    imu = table_4_1()
-    x, y, z = REAL["accelerometer"].mean
-    return replace(
-        imu,
-        accelerometer=replace(imu.accelerometer, bias=(x, y, round(z + 1.0, 4))),
-        gyroscope=replace(imu.gyroscope, bias=REAL["gyroscope"].mean),
-    )
-
-
-def with_floor() -> ImuParameters:
-    """Return the same set with codes of accelerometer and magnetometer that are rounded down, as by a shift."""
-    return _each(with_printed_means(), ("accelerometer", "magnetometer"), rounding="floor")
-
-
-READINGS: list[tuple[str, Callable[[], ImuParameters]]] = [
-    ("bias of Table 4.1 alone", lambda: _each(table_4_1(), cross_axis=0.0)),
-    ("and cross-axis sensitivity", table_4_1),
-    ("and bias to four decimals", with_printed_means),
-    ("and floor for two: table_5_1", with_floor),
-    ("and floor for the gyroscope", lambda: _each(with_printed_means(), rounding="floor")),
-]
 
 
 COLUMNS = ("", "real IMU", "emulator", "ours", "expected", "ours off", "emulator off")
@@ -209,12 +189,11 @@ def _block(title: str, name: str, form: str, rows: Sequence[AxisRow]) -> list[st
     cells = []
     for row in rows:
         figure: Figure = getattr(row, name)
-        printed = form if name != "variance" else ".4f"
         cells.append(
             (
                 f"{row.sensor} {row.axis}, {_unit(row.sensor, name)}",
-                f"{figure.real:{printed}}",
-                f"{figure.emulator:{printed}}",
+                f"{figure.real:.4f}",
+                f"{figure.emulator:.4f}",
                 f"{figure.ours:{form}}",
                 f"{figure.expected:{form}}",
                 "-" if figure.ours_off is None else f"{figure.ours_off:+.1f}",

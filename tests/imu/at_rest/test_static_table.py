@@ -7,17 +7,19 @@ from math import sqrt
 from pathlib import Path
 
 import pytest
+from msgspec.structs import replace
 
 from periph_sim.imu.at_rest.rest import SENSORS, at_rest, expected_at_rest
 from periph_sim.imu.at_rest.static_table import (
     EMULATOR,
+    REAL,
     Reading,
     readings,
     static_table,
     text,
-    with_floor,
 )
 from periph_sim.imu.models.parameters import (
+    NONE,
     AccelerometerParameters,
     GyroscopeParameters,
     ImuParameters,
@@ -51,8 +53,18 @@ def test_codes_rounded_down_explain_most_of_accelerometer_and_magnetometer_but_n
     assert told["two floors"].rms("gyroscope") < 1 and told["floors"].rms("gyroscope") > 50
 
 
-def test_the_shipped_set_is_the_last_reading_but_one():
-    assert with_floor() == PUBLISHED
+def test_the_shipped_set_has_the_printed_means_and_floors_for_two():
+    x, y, z = REAL["accelerometer"].mean
+    imu = ImuParameters()
+    assert (
+        replace(
+            imu,
+            accelerometer=replace(imu.accelerometer, bias=(x, y, round(z + 1.0, 4)), rounding="floor"),
+            gyroscope=replace(imu.gyroscope, bias=REAL["gyroscope"].mean),
+            magnetometer=replace(imu.magnetometer, hard_iron=NONE, rounding="floor"),
+        )
+        == PUBLISHED
+    )
 
 
 def test_gyroscope_variances_are_shown_with_what_rounding_adds():

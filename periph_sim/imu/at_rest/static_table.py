@@ -133,8 +133,8 @@ class Reading:
 def readings() -> list[Reading]:
     """Return all readings, each with its differences from the published means.
 
-    `table_5_1` has the biases of Table 4.1, which have two decimals, to four decimals, from the means of the real IMU in
-    Table 5.1. It has no hard iron, since Table 5.1 was measured away from iron (section 5.2).
+    `table_5_1` has the biases of Table 4.1, which have two decimals, to four decimals, from the means of the real IMU
+    in Table 5.1. It has no hard iron, since Table 5.1 was measured away from iron (section 5.2).
     """
     table_4_1, table_5_1 = _each(ImuParameters(), ("magnetometer",), hard_iron=NONE), named("table_5_1")
     sets = {
@@ -173,19 +173,15 @@ def text(imu: ImuParameters, rows: Sequence[AxisRow], found: Sequence[Reading], 
         "off: difference to the expectation, in standard errors, of figures with four",
         "decimals where printed.",
     ]
-    for title, name, form in (
-        ("mean", "mean", ".4f"),
-        ("3 sigma", "three_sigma", ".4f"),
-        ("variance", "variance", ".2e"),
-    ):
-        lines += ["", *_block(title, name, form, rows)]
+    for name, form in (("mean", ".4f"), ("three_sigma", ".4f"), ("variance", ".2e")):
+        lines += ["", *_block(name, form, rows)]
     lines += ["", *_gyroscope_variances(imu, rows)]
     if found:
         lines += ["", *_explained(found)]
     return "\n".join(lines)
 
 
-def _block(title: str, name: str, form: str, rows: Sequence[AxisRow]) -> list[str]:
+def _block(name: str, form: str, rows: Sequence[AxisRow]) -> list[str]:
     cells = []
     for row in rows:
         figure: Figure = getattr(row, name)
@@ -200,7 +196,7 @@ def _block(title: str, name: str, form: str, rows: Sequence[AxisRow]) -> list[st
                 f"{figure.emulator_off:+.1f}" if figure.emulator else "-",
             )
         )
-    return text_table((title, *COLUMNS[1:]), cells, range(1, len(COLUMNS)))
+    return text_table((name.replace("three_", "3 "), *COLUMNS[1:]), cells, range(1, len(COLUMNS)))
 
 
 def _explained(found: Sequence[Reading]) -> Iterator[str]:

@@ -107,17 +107,10 @@ class MotionTruth:
 
         It is built at its first use, since few runs need it.
         """
-        import numpy as np
-
         from .models.sensed_motion import SensedMotion  # imported here, because it imports numpy
 
         felt = SensedMotion(self._imu, self._motion)
-
-        def at(seconds: Fraction) -> Mapping[str, Axes]:
-            values = felt.lsb(np.array([float(self._first + seconds)]))
-            return {chip: tuple(axes[0].tolist()) for chip, axes in values.items()}
-
-        return lru_cache(self.KEPT)(at)
+        return lru_cache(self.KEPT)(lambda seconds: felt.at(float(self._first + seconds)))
 
 
 def resting_attitude(

@@ -1,4 +1,4 @@
-"""`make bench`, sensor models: samples a second over arrays and one by one, in each arithmetic. Nothing is asserted.
+"""`make bench`, sensor models: samples a second in each arithmetic. Nothing is asserted.
 
 A sample is one time step of all nine axes; three axes of one chip are a triplet, so a sample is three of those. One
 core; the best of many short runs, since others share the machine.
@@ -14,9 +14,7 @@ import numpy as np
 
 from firmware.python.imu_models import Models
 from periph_sim.imu.host_frame import ACCELERATION, ANGLE
-from periph_sim.imu.models.arrays import codes_of
-from periph_sim.imu.models.imu import Noise
-from periph_sim.imu.models.parameters import ImuParameters, MagnetometerParameters
+from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.numeric import arithmetic_names as named
 
 from .timed import Seconds, timed
@@ -24,24 +22,12 @@ from .timed import Seconds, timed
 Row = dict[str, Any]
 
 RUNS = 20
-WAYS = ("four-quadrant", "plain", "rotation")
 
 
 def best(work: Callable[[], object]) -> Seconds:
     """The least of each clock."""
     times = [timed(work)[1] for _ in range(RUNS)]
     return Seconds(min(time.wall for time in times), min(time.cpu for time in times))
-
-
-def over_arrays(samples: int) -> Iterator[Row]:
-    random = np.random.default_rng(0)
-    attitude = tuple(random.normal(scale=0.5, size=samples) for _ in range(3))
-    acceleration = tuple(random.normal(scale=0.5, size=samples) for _ in range(3))
-    noise = Noise(*(tuple(random.normal(scale=0.01, size=samples) for _ in range(3)) for _ in range(3)))
-    for way in WAYS:
-        imu = ImuParameters(magnetometer=MagnetometerParameters(spherical=way))
-        time = best(lambda imu=imu: codes_of(imu, attitude, acceleration, noise))
-        yield row(f"float64 over arrays, {way}", samples, time)
 
 
 def frames_of(samples: int) -> list[bytes]:
@@ -53,14 +39,6 @@ def frames_of(samples: int) -> list[bytes]:
     return [pack("<6h", *frame) for frame in counts.astype(int).T.tolist()]
 
 
-def one_by_one(samples: int) -> Iterator[Row]:
-    frames = frames_of(samples)
-    for name in ("float64", "q16", "q16 rounded", "q16 saturating"):
-        models = Models(name, ImuParameters())
-        time = best(lambda models=models: [models.chips(frame) for frame in frames])
-        yield row(f"{named.scalar(name).name}, frame by frame", samples, time)
-
-
 def row(what: str, samples: int, time: Seconds) -> Row:
     return {"what": what, "samples_per_s": samples / time.cpu, "triplets_per_s": 3 * samples / time.cpu}
 
@@ -69,7 +47,9 @@ def line(row: Row) -> str:
     return f"{row['what']:36} {row['samples_per_s']:12,.0f} samples/s {row['triplets_per_s']:12,.0f} triplets/s of cpu"
 
 
-def rows(samples: int = 200_000) -> Iterator[Row]:
-    """samples: over arrays; a hundredth of them one by one."""
-    yield from over_arrays(samples)
-    yield from one_by_one(samples // 100)
+def rows(samples: int = 2000) -> Iterator[Row]:
+    frames = frames_of(samples)
+    for name in ("float64", "q16", "q16 rounded", "q16 saturating"):
+        models = Models(name, ImuParameters())
+        time = best(lambda models=models: [models.chips(frame) for frame in frames])
+        yield row(f"{named.scalar(name).name}, frame by frame", samples, time)

@@ -10,23 +10,21 @@ import pytest
 
 from firmware.python.imu_models import NO_FRAME, Models
 from periph_sim.imu.host_frames import ramp
-from periph_sim.imu.models.arrays import codes_of
 from periph_sim.imu.models.parameters import ImuParameters, MagnetometerParameters
 from periph_sim.scene.case.model import BadCase
+from tests.imu.models.recording import codes_of
 from tests.scene.runs import Ran, run_file
 
 FLOAT = "unit.dsp.settings.arithmetic=float64"
 
 
 def expected(frames: int) -> list[list[str]]:
-    """What the sensor head reads after 0, 1, 2 ... frames, from whole arrays: zeros at rest, then the frames alone."""
+    """What the sensor head reads after 0, 1, 2 ... frames, from recordings: zeros at rest, then the frames alone."""
     rows = []
     for sent in ([(0,) * 6], [ramp(n) for n in range(frames)]):
-        counts = np.array(sent, dtype=np.float64).reshape(-1, 6).T
-        attitude = tuple(counts[:3] * 1e-4)
-        if counts.size:
-            codes = codes_of(ImuParameters(), attitude, tuple(counts[3:] * 1e-3))
-            rows += np.array([axis for chip in codes for axis in chip]).T.tolist()
+        counts = np.array(sent, dtype=np.float64).reshape(-1, 6)
+        codes = codes_of(ImuParameters(), (counts[:, :3] * 1e-4).tolist(), (counts[:, 3:] * 1e-3).tolist())
+        rows += [[int(axis) for chip in one for axis in chip] for one in codes]
     return [
         [pack(">3h", *row[0:3]).hex(" "), pack("<3h", *row[3:6]).hex(" "), pack(">3h", row[6], row[8], row[7]).hex(" ")]
         for row in rows

@@ -17,7 +17,7 @@ Equation 4.10 agrees: the hard iron is the mean measured near iron minus the und
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import atan2, degrees
+from math import atan2, degrees, radians
 
 import numpy as np
 
@@ -25,7 +25,7 @@ from ...core.text_table import text_table
 from ..models.imu import Imu
 from ..models.parameters import ImuParameters, MagnetometerParameters
 from ..models.quantity import Vector
-from ..numeric.float64_arrays import Float64Arrays
+from ..numeric.float64 import Float64
 from .rest import Floats
 from .static_table import REAL
 
@@ -70,11 +70,12 @@ def fit(mean: Vector = MEAN, hard_iron: Vector = HARD_IRON) -> Fit:
 
 def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
     """Return the field in gauss that a level body measures at each yaw, without noise or rounding: shape (n, 3)."""
-    model = Imu(Float64Arrays(), imu)
-    zero = np.zeros(len(yaws))
-    turned, _ = model.motion((zero, zero, np.radians(yaws)), (zero, zero, zero))
-    lsb = np.stack(model.magnetometer.lsb(turned, model.silence.magnetometer), axis=1)
-    return lsb.clip(*imu.magnetometer.limits) / imu.magnetometer.scale
+    model = Imu(Float64(), imu)
+    fields = []
+    for yaw in yaws:
+        turned, _ = model.motion((0.0, 0.0, radians(yaw)), model.at_rest.attitude)
+        fields.append(model.magnetometer.lsb(turned, model.silence.magnetometer))
+    return np.array(fields).clip(*imu.magnetometer.limits) / imu.magnetometer.scale
 
 
 def text(imu: ImuParameters, found: Fit) -> str:

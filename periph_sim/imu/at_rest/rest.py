@@ -1,13 +1,16 @@
 """The sensors at rest: samples, and their expected mean and variance.
 
-    Imu --> models + noise --> codes / scale --> samples       random
-    Imu --> bias, S, Gaussian over the codes --> Expected      exact: rounding and saturation included
+    Imu --> LSB at rest + S noise --> codes / scale --> samples    random
+    Imu --> LSB at rest, Gaussian over the codes --> Expected      exact: rounding and saturation included
+
+Noise is added before the matrix S, which is the last block before the converter, so the models are evaluated once.
 
 Dissertation section 5.2: level, pointing north, no acceleration, 10 000 samples at 50 Hz.
 """
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from math import erf, inf, isnan, sqrt
 from pathlib import Path
@@ -16,8 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..imu_noise import ImuNoise
-from ..models.arrays import codes_of
-from ..models.chips import Magnetometer
+from ..models.imu import Imu, Inputs
 from ..models.parameters import (
     AccelerometerParameters,
     GyroscopeParameters,
@@ -25,6 +27,7 @@ from ..models.parameters import (
     MagnetometerParameters,
 )
 from ..noise import AXES
+from ..numeric.arithmetic import Rounding, Triple
 from ..numeric.float64 import Float64
 
 Floats = NDArray[np.float64]
@@ -32,6 +35,11 @@ Sensor = AccelerometerParameters | GyroscopeParameters | MagnetometerParameters
 
 SENSORS = ("accelerometer", "gyroscope", "magnetometer")
 UNITS = {"accelerometer": "g", "gyroscope": "deg/s", "magnetometer": "gauss"}
+ROUNDED: dict[Rounding, Callable[[Floats], Floats]] = {
+    "nearest": lambda lsb: np.floor(lsb + 0.5),
+    "floor": np.floor,
+    "toward zero": np.trunc,
+}
 FAR = 12.0  # codes further off than this multiple of sigma are ignored; their probability is below 1e-30
 
 
@@ -54,18 +62,23 @@ class Expected:
 
 def at_rest(imu: ImuParameters, samples: int, seed: int) -> dict[str, Floats]:
     """Return the samples of each sensor in its unit, shape (samples, 3)."""
-    still = np.zeros(samples)
-    codes = codes_of(imu, (still, still, still), (still, still, still), ImuNoise(imu, seed).values(0, samples))
-    return {name: np.stack(getattr(codes, name), axis=1) / getattr(imu, name).scale for name in SENSORS}
+    noise, still = ImuNoise(imu, seed).values(0, samples), lsb_at_rest(imu)
+    found = {}
+    for name in SENSORS:
+        sensor: Sensor = getattr(imu, name)
+        lsb = still[name] + np.stack(getattr(noise, name), axis=1) @ np.array(sensor.matrix).T
+        codes = ROUNDED[sensor.rounding](lsb.clip(*sensor.limits))
+        found[name] = np.nan_to_num(codes, nan=0.0) / sensor.scale
+    return found
 
 
-def sensed_at_rest(imu: ImuParameters) -> dict[str, tuple[float, float, float]]:
-    """Return the input of the matrix S of each sensor without noise, which is gravity or field plus bias."""
-    accelerometer, gyroscope, magnetometer = imu.accelerometer, imu.gyroscope, imu.magnetometer
-    x, y, z = accelerometer.bias
-    north, east, down = (h + v for h, v in zip(magnetometer.earth_field, magnetometer.hard_iron, strict=True))
-    on_board = Magnetometer(Float64(), magnetometer).on_board((north, east, down))
-    return {"accelerometer": (x, y, z - 1.0), "gyroscope": gyroscope.bias, "magnetometer": on_board}
+def lsb_at_rest(imu: ImuParameters) -> dict[str, Triple[float]]:
+    """Return the LSB of each sensor without noise, before saturation and rounding."""
+    model = Imu(Float64(), imu)
+    zero = model.at_rest.body
+    turned, body = model.motion(zero, zero)
+    inputs = Inputs(turned, zero, body, zero, model.silence)
+    return {name: model.lsb_of(name, inputs) for name in SENSORS}
 
 
 def expected_at_rest(imu: ImuParameters) -> dict[str, list[Expected]]:
@@ -73,19 +86,18 @@ def expected_at_rest(imu: ImuParameters) -> dict[str, list[Expected]]:
 
     Bias instability and random walk have no fixed mean.
     """
-    felt = sensed_at_rest(imu)
-    return {name: _expected(getattr(imu, name), felt[name], imu.period) for name in SENSORS}
+    found = {}
+    for name, means in lsb_at_rest(imu).items():
+        sensor: Sensor = getattr(imu, name)
+        variances = variances_before_rounding(sensor, imu.period)
+        found[name] = [_of_codes(sensor, mean, sqrt(one)) for mean, one in zip(means, variances, strict=True)]
+    return found
 
 
 def variances_before_rounding(sensor: Sensor, period: float) -> Floats:
     """Return the variances of the three axes due to white noise after S, in LSB squared."""
     matrix = np.array(sensor.matrix)
     return matrix**2 @ (np.array(sensor.noise_density) / period)
-
-
-def _expected(sensor: Sensor, felt: tuple[float, float, float], period: float) -> list[Expected]:
-    means, variances = np.array(sensor.matrix) @ np.array(felt), variances_before_rounding(sensor, period)
-    return [_of_codes(sensor, mean, sqrt(variance)) for mean, variance in zip(means, variances, strict=True)]
 
 
 def _of_codes(sensor: Sensor, mean: float, sigma: float) -> Expected:

@@ -1,6 +1,6 @@
 """Extremes outside the models' arithmetic: time, clocks, lines, sums of noise, inputs, baud rates, Allan variances.
 
-    longest run, clocks of some ppm over a day, a transfer at the last tick, 10^9 samples of noise, NaN in arrays,
+    longest run, clocks of some ppm over a day, a transfer at the last tick, 10^9 samples of noise, NaN in a sample,
     a sender's largest rate error, large offsets and steep ramps, a scene whose crystals are 200 000 ppm apart
 
 Each finding is measured: errors are caused, edges are counted, and runs are compared.
@@ -40,11 +40,11 @@ from ...scene.case.load import load
 from ...scene.case.model import Controller
 from ...scene.scene import Scene
 from ..identification.allan import allan
-from ..models.arrays import codes_of
-from ..models.imu import NotFinite
+from ..models.imu import Imu, NotFinite
 from ..models.parameters import ImuParameters
 from ..models.quantity import BadParameter
 from ..noise import AxisNoise, Gaussian, NoiseTerms
+from ..numeric.float64 import Float64
 from .events import first_where
 from .sweep import EVERY, Finding, Happens
 
@@ -167,12 +167,11 @@ def noise_sums() -> Iterator[Finding]:
 
 
 def inputs() -> Iterator[Finding]:
-    """Check that models reject NaN in arrays, and a period other than the one at which they run."""
-    still = np.zeros(10)
-    wrong = still.copy()
-    wrong[7] = nan
-    found = _why(lambda: codes_of(ImuParameters(), (still, wrong, still), (still, still, still)), NotFinite)
-    yield _refusal("NaN in an array", found)
+    """Check that models reject NaN, and a period other than the one at which they run."""
+    model = Imu(Float64(), ImuParameters())
+    zero = model.at_rest.body
+    found = _why(lambda: model.check((0.0, nan, 0.0), zero, model.silence), NotFinite)
+    yield _refusal("NaN in a sample", found)
     found = _why(lambda: ImuParameters(period=10.0).check_period(Fraction(1, 50), "once a round"), BadParameter)
     yield _refusal("models' period of 10 s, rounds of 20 ms", found)
 

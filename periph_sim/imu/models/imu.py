@@ -12,8 +12,9 @@ full scale in float32.
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import chain
 from math import isfinite
-from typing import Any, Generic, NamedTuple, TypeVar
+from typing import Generic, NamedTuple, TypeVar, cast
 
 from ..numeric.arithmetic import Arithmetic, Triple
 from ..numeric.q import DoesNotFit, Q
@@ -28,22 +29,11 @@ INPUTS = (
 
 
 class NotFinite(ValueError):
-    """An input of the models is NaN or infinite.
+    """An input of the models is NaN or infinite. axis: the input, such as "attitude, pitch"."""
 
-    axis: the input, such as "attitude, pitch".
-    index: the index of the sample.
-    """
-
-    def __init__(self, axis: str, value: object, index: int | None = None) -> None:
-        where = "" if index is None else f" at sample {index}"
-        super().__init__(f"{axis}: {value}{where}; expected a finite number")
+    def __init__(self, axis: str, value: float) -> None:
+        super().__init__(f"{axis}: {value}; expected a finite number")
         self.axis = axis
-        self.index = index
-
-
-def inputs_of(attitude: Any, acceleration: Any, noise: Noise[Any] | None) -> tuple[Any, ...]:
-    """Return the values in the order of INPUTS. Without noise there are only the first six."""
-    return (*attitude, *acceleration, *(axis for chip in noise or () for axis in chip))
 
 
 R = TypeVar("R")
@@ -119,9 +109,9 @@ class Imu(Generic[T]):
     def check(self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T]) -> None:
         """Raise NotFinite, with the axis, for a NaN or an infinity. A Q format has neither."""
         if not isinstance(self.a, Q):
-            for axis, value in zip(INPUTS, inputs_of(attitude, acceleration, noise), strict=True):
-                if not isfinite(value):
-                    raise NotFinite(axis, float(value))
+            for axis, value in zip(INPUTS, chain(attitude, acceleration, *noise), strict=True):
+                if not isfinite(cast(float, value)):
+                    raise NotFinite(axis, float(cast(float, value)))
 
     def motion(self, attitude: Triple[T], before: Triple[T]) -> tuple[Angles[T], Triple[T]]:
         """Return the sines and cosines of an attitude, and p, q, r in rad/s from this attitude and the one before.

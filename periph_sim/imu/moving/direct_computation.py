@@ -47,10 +47,11 @@ def emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings
 def sensors(subject: EmulatorUnderTest) -> Readings:
     """Return the readings of real sensors that sample when a round is due. Their noise is not that of the emulator."""
     seconds = _due(subject, subject.rounds)
-    imu = subject.sensors
-    noise = None if subject.seed is None else ImuNoise(imu, subject.seed + 1).values(0, subject.rounds)
-    felt = SensedMotion(imu, subject.frames.motion).lsb(seconds, noise)
-    return Readings(seconds, {name: np.rint(lsb).astype(np.int64) for name, lsb in felt.items()}, _scales(subject))
+    felt = SensedMotion(subject.sensors, subject.frames.motion)
+    noise = None if subject.seed is None else ImuNoise(subject.sensors, subject.seed + 1)
+    rows = [felt.at(at, None if noise is None else noise.at(n)) for n, at in enumerate(seconds.tolist())]
+    codes = {name: np.rint([row[name] for row in rows]).astype(np.int64).reshape(-1, 3) for name in SENSORS}
+    return Readings(seconds, codes, _scales(subject))
 
 
 def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:

@@ -21,9 +21,7 @@ from ...scene.case.model import ChipTable
 from ...scene.scene import Scene
 from ...timing.derived.age_records import MODEL
 from ..imu_noise import ImuNoise
-from ..models.imu import Noise
 from ..models.sensed_motion import SensedMotion
-from ..rotations import Floats
 from ..samples import Ints, Readings, SampleLog
 from ..sensors import SENSORS
 from .subject import EmulatorUnderTest
@@ -138,18 +136,12 @@ def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Sou
 
         def at(tick: int) -> list[float]:
             seconds = (tick - start) / ticks
-            added = None if noise is None else _arrays(noise.at(max(0, int(seconds / imu.period))))
-            values: list[float] = (felt.lsb(np.array([seconds]), added)[name][0] / scale).tolist()
-            return values
+            added = None if noise is None else noise.at(max(0, int(seconds / imu.period)))
+            return [lsb / scale for lsb in felt.at(seconds, added)[name]]
 
         return at
 
     return {name: source(name) for name in SENSORS}
-
-
-def _arrays(noise: Noise[float]) -> Noise[Floats]:
-    """Return one sample's noise as arrays of length 1."""
-    return Noise(*((np.array([x]), np.array([y]), np.array([z])) for x, y, z in noise))
 
 
 def _read(scene: Scene, subject: EmulatorUnderTest, scales: dict[str, Fraction], progress: Progress | None) -> Readings:

@@ -1,51 +1,41 @@
-"""float64 for single numbers, the reference for the other arithmetics. `float64_arrays` is for arrays.
+"""float64 for single numbers, the reference for the other arithmetics.
 
-Both follow IEEE 754: x/0 is infinite, and 0/0 and the like are NaN, without exceptions. A NaN cannot be rounded to a
+It follows IEEE 754: x/0 is infinite, and 0/0 and the like are NaN, without exceptions. A NaN cannot be rounded to a
 whole number. It becomes 0, so a model must check for NaN before its last block, which rounds.
 """
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Generic, TypeVar
 
 from .arithmetic import Rounding
 
-if TYPE_CHECKING:
-    from .float64_arrays import Floats
 
-F = TypeVar("F", float, "Floats")
-
-
-class Float64Operators(Generic[F]):
-    """The operations that are written in the same way for one number and for arrays."""
+class Float64:
+    """The arithmetic of float64: T = float."""
 
     name = "float64"
 
-    def value(self, x: F) -> F:
-        return x
-
-    def scaled(self, count: F, lsb: float) -> F:
-        return count * lsb
-
-    def add(self, x: F, y: F) -> F:
-        return x + y
-
-    def sub(self, x: F, y: F) -> F:
-        return x - y
-
-    def mul(self, x: F, y: F) -> F:
-        return x * y
-
-    def neg(self, x: F) -> F:
-        return -x
-
-
-class Float64(Float64Operators[float]):
-    """The arithmetic of float64 for single numbers: T = float."""
-
     def constant(self, value: float) -> float:
         return float(value)
+
+    def value(self, x: float) -> float:
+        return x
+
+    def scaled(self, count: float, lsb: float) -> float:
+        return count * lsb
+
+    def add(self, x: float, y: float) -> float:
+        return x + y
+
+    def sub(self, x: float, y: float) -> float:
+        return x - y
+
+    def mul(self, x: float, y: float) -> float:
+        return x * y
+
+    def neg(self, x: float) -> float:
+        return -x
 
     def div(self, x: float, y: float) -> float:
         if y:

@@ -9,9 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from periph_sim.imu.at_rest.rest import SENSORS, at_rest, expected_at_rest, sensed_at_rest
+from periph_sim.imu.at_rest.rest import SENSORS, at_rest, expected_at_rest, lsb_at_rest
 from periph_sim.imu.at_rest.static_table import static_table
+from periph_sim.imu.imu_noise import ImuNoise
+from periph_sim.imu.models.imu import Imu
 from periph_sim.imu.models.parameters import GyroscopeParameters, ImuParameters
+from periph_sim.imu.numeric.float64 import Float64
 
 SAMPLES = 10_000
 
@@ -79,12 +82,28 @@ def test_rounding_adds_a_twelfth_of_an_lsb_squared():
     assert [axis.variance for axis in gyroscope] == pytest.approx(unrounded + 1 / 14.375**2 / 12, rel=1e-3)
 
 
+def sensed_at_rest(imu: ImuParameters, name: str) -> np.ndarray:
+    """What is before the matrix S, in the sensor's unit."""
+    return np.linalg.solve(getattr(imu, name).matrix, lsb_at_rest(imu)[name])
+
+
 def test_at_rest_the_magnetometer_feels_field_and_hard_iron_and_gravity_points_up():
-    felt = sensed_at_rest(ImuParameters())
-    assert felt["magnetometer"] == pytest.approx((0.1639, 0.1253, -0.0140))
-    assert felt["accelerometer"] == pytest.approx((-0.02, 0.02, -1.0))
+    assert sensed_at_rest(ImuParameters(), "magnetometer") == pytest.approx((0.1639, 0.1253, -0.0140))
+    assert sensed_at_rest(ImuParameters(), "accelerometer") == pytest.approx((-0.02, 0.02, -1.0))
     inclined = replace(ImuParameters(), magnetometer=replace(ImuParameters().magnetometer, board_azimuth=90.0))
-    assert sensed_at_rest(inclined)["magnetometer"] == pytest.approx((-0.1253, 0.1639, -0.0140))
+    assert sensed_at_rest(inclined, "magnetometer") == pytest.approx((-0.1253, 0.1639, -0.0140))
+
+
+@pytest.mark.parametrize("rounding", ["nearest", "floor", "toward zero"])
+def test_samples_are_those_of_the_models_with_the_same_noise(rounding: str):
+    sensors = {name: replace(getattr(ImuParameters(), name), rounding=rounding) for name in SENSORS}
+    imu = replace(ImuParameters(), **sensors)
+    model, noise, found = Imu(Float64(), imu), ImuNoise(imu, 7), at_rest(imu, 50, 7)
+    for n in range(50):
+        codes, _ = model.step((0.0,) * 3, (0.0,) * 3, noise.at(n), model.at_rest)
+        assert all(
+            (found[name][n] * sensors[name].scale).round(9).tolist() == [*getattr(codes, name)] for name in SENSORS
+        )
 
 
 def test_a_split_or_other_seed_of_the_experiment():

@@ -54,7 +54,7 @@ def test_what_happens_at_each() -> None:
         "white noise, sample 10^9": "exact",
         "bias instability noise, sample 10^9": "exact",
         "random walk, 10^9 samples": "agrees",
-        "NaN in an array": "refused",
+        "NaN in a sample": "refused",
         "models' period of 10 s, rounds of 20 ms": "refused",
     }
     assert all(one.arithmetic == EVERY for one in rows().values())
@@ -111,7 +111,7 @@ def test_the_text_has_a_table_of_its_own_for_them() -> None:
     assert "\ntime, clocks, lines and inputs, for any arithmetic\n" in shown
     assert "extremes: effect, and the first input with it" not in shown
     assert "\nclock +37 ppm, a day: 12960479520000 cycles, each within a tick;" in shown
-    assert "\n NaN in an array                          refused" in shown
+    assert "\n NaN in a sample                          refused" in shown
 
 
 def test_a_clock_of_37_ppm_gains_just_that_in_a_day() -> None:

@@ -1,6 +1,6 @@
 """The models compute equations 4.1 to 4.8, as exact arithmetic does, and the figures at rest.
 
-A NaN or an infinity in the input is refused, by axis and sample, in every arithmetic.
+A NaN or an infinity in the input is refused, by axis, in every arithmetic.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from periph_sim.imu.models.arrays import codes_of
 from periph_sim.imu.models.chips import Magnetometer
 from periph_sim.imu.models.imu import INPUTS, Imu, Inputs, Noise, NotFinite, State
 from periph_sim.imu.models.parameters import (
@@ -29,28 +28,10 @@ from periph_sim.imu.numeric.q import DoesNotFit
 from tests.imu.extremes.test_working_range import STATED
 from tests.imu.models import exact
 from tests.imu.models.exact import Turn, Vector
+from tests.imu.models.recording import codes_of
 
-LONG = 40
 FLOATS = ("float64", "float32")
 WRONG = (nan, inf, -inf)
-
-
-def inputs(axis: int, value: float, at: int) -> tuple:
-    """Attitude, acceleration and noise of zeros, one of them wrong."""
-    rows = np.zeros((15, LONG))
-    rows[axis, at] = value
-    noise = Noise(*(tuple(rows[first : first + 3]) for first in (6, 9, 12)))
-    return tuple(rows[0:3]), tuple(rows[3:6]), noise
-
-
-@pytest.mark.parametrize("value", WRONG)
-@pytest.mark.parametrize("axis", range(15))
-def test_arrays_name_axis_and_sample(value: float, axis: int) -> None:
-    attitude, acceleration, noise = inputs(axis, value, 17)
-    with pytest.raises(NotFinite) as caught:
-        codes_of(ImuParameters(), attitude, acceleration, noise)
-    assert str(caught.value) == f"{INPUTS[axis]}: {value} at sample 17; expected a finite number"
-    assert (caught.value.axis, caught.value.index) == (INPUTS[axis], 17)
 
 
 @pytest.mark.parametrize("name", FLOATS)
@@ -65,16 +46,13 @@ def test_a_single_sample_names_the_axis(name: str, value: float, axis: int) -> N
     with pytest.raises(NotFinite) as caught:
         model.step(attitude, acceleration, Noise(*chips), model.at_rest)
     assert str(caught.value) == f"{INPUTS[axis]}: {value}; expected a finite number"
-    assert caught.value.index is None
+    assert caught.value.axis == INPUTS[axis]
 
 
-def test_the_first_sample_that_is_wrong_is_named() -> None:
-    attitude, acceleration, noise = inputs(1, nan, 30)
-    attitude[1][5] = inf
-    with pytest.raises(NotFinite, match=r"^attitude, pitch: inf at sample 5; "):
-        codes_of(ImuParameters(), attitude, acceleration, noise)
-    with pytest.raises(NotFinite, match=r"^attitude, pitch: inf at sample 5; "):
-        codes_of(ImuParameters(), attitude, acceleration)
+def test_the_first_input_that_is_wrong_is_named() -> None:
+    model = Imu(Float64(), ImuParameters())
+    with pytest.raises(NotFinite, match=r"^attitude, pitch: inf; "):
+        model.step((0.0, inf, nan), (nan, 0.0, 0.0), model.silence, model.at_rest)
 
 
 @pytest.mark.parametrize("value", WRONG)
@@ -275,10 +253,10 @@ def test_corrected_rates_are_those_of_the_turned_body_and_as_built_are_not() -> 
     phi, theta, psi = 1.2 * np.sin(1.1 * t + 0.3), 0.9 * np.sin(0.7 * t + 1), 2.5 * np.sin(0.31 * t)
     to_earth = Rotation.from_euler("ZYX", np.column_stack([psi, theta, phi]))  # yaw, pitch, roll; z down
     true = np.degrees((to_earth[:-1].inv() * to_earth[1:]).as_rotvec()) / 0.02
-    still = (np.zeros(len(t)),) * 3
     off = {}
     for rates in ("corrected", "as built"):
         imu = ImuParameters(gyroscope=GyroscopeParameters(rates=rates, bias=ZERO, cross_axis=0.0))
-        came = np.column_stack(codes_of(imu, (phi, theta, psi), still).gyroscope)[1:] / 14.375
+        codes = codes_of(imu, np.column_stack([phi, theta, psi]).tolist(), [ZERO] * len(t))
+        came = np.array([one.gyroscope for one in codes])[1:] / 14.375
         off[rates] = np.abs(came - true).max()
     assert off["corrected"] < 0.8 and off["as built"] > 30

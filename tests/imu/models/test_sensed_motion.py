@@ -14,7 +14,7 @@ from periph_sim.imu.models.parameters import (
     MagnetometerParameters,
 )
 from periph_sim.imu.models.sensed_motion import SensedMotion
-from periph_sim.imu.motion import kinds, servo, sines
+from periph_sim.imu.motion import Motion, kinds, servo, sines
 from periph_sim.imu.motion.quantities import Pose
 from tests.devices.aerospace import FIELD, at_rest, body_rates
 
@@ -32,29 +32,32 @@ MOTION = sines.motion(sines.Settings(angles=WAVES))
 TIMES = np.linspace(0.0, 9.0, 50)
 
 
+def lsb(imu: ImuParameters, motion: Motion, name: str) -> np.ndarray:
+    """What a chip shows at each of TIMES."""
+    felt = SensedMotion(imu, motion)
+    return np.array([felt.at(seconds)[name] for seconds in TIMES.tolist()])
+
+
 def test_rates_gravity_and_field_at_any_instant():
-    shown = SensedMotion(IDEAL, MOTION).lsb(TIMES)
     attitude = MOTION.attitude(TIMES)
     rates = np.degrees(body_rates(attitude, MOTION.rates(TIMES)))
     gravity, field = (np.array(rows) for rows in zip(*(at_rest(*row) for row in attitude), strict=True))
-    assert shown["gyroscope"] / 14.375 == pytest.approx(rates, abs=1e-9)
-    assert shown["accelerometer"] / 256 == pytest.approx(gravity, abs=1e-9)
-    assert shown["magnetometer"] / 660 == pytest.approx(field, abs=1e-9)
+    assert lsb(IDEAL, MOTION, "gyroscope") / 14.375 == pytest.approx(rates, abs=1e-9)
+    assert lsb(IDEAL, MOTION, "accelerometer") / 256 == pytest.approx(gravity, abs=1e-9)
+    assert lsb(IDEAL, MOTION, "magnetometer") / 660 == pytest.approx(field, abs=1e-9)
 
 
 def test_rates_are_body_rates_however_the_emulator_computes_them():
     for rates in ("as built", "corrected"):
         imu = replace(IDEAL, gyroscope=replace(IDEAL.gyroscope, rates=rates))
-        assert np.array_equal(
-            SensedMotion(imu, MOTION).lsb(TIMES)["gyroscope"], SensedMotion(IDEAL, MOTION).lsb(TIMES)["gyroscope"]
-        )
+        assert np.array_equal(lsb(imu, MOTION, "gyroscope"), lsb(IDEAL, MOTION, "gyroscope"))
 
 
 def test_a_lever_arm_feels_the_turning():
     """A roll at rate w and an arm d along y: w x (w x d) is -w^2 d along y, w' x d is w' d along z."""
     imu = replace(IDEAL, accelerometer=replace(IDEAL.accelerometer, lever_arm=(0.0, 2.0, 0.0)))
     roll = sines.motion(sines.Settings(angles=(sines.AngleWave("phi", 0.5, 0.4),)))
-    with_arm, without = (SensedMotion(one, roll).lsb(TIMES)["accelerometer"] / 256 for one in (imu, IDEAL))
+    with_arm, without = (lsb(one, roll, "accelerometer") / 256 for one in (imu, IDEAL))
     omega = 2 * np.pi * 0.4
     rate, change = 0.5 * omega * np.cos(omega * TIMES), -0.5 * omega**2 * np.sin(omega * TIMES)
     by_hand = np.stack([0 * rate, -2 * rate**2, 2 * change], axis=1) / 9.81
@@ -64,22 +67,21 @@ def test_a_lever_arm_feels_the_turning():
 
 def test_it_saturates_as_the_converter_does_and_keeps_fractions():
     pushed = kinds()["static"].motion(Pose(ax=0.1, az=-9.0))
-    x, _, z = SensedMotion(IDEAL, pushed).lsb(np.zeros(1))["accelerometer"][0]
+    x, _, z = SensedMotion(IDEAL, pushed).at(0.0)["accelerometer"]
     assert x == pytest.approx(25.6) and z == -512
 
 
 def test_noise_is_added_before_the_converter():
-    one, zero = np.ones(1), np.zeros(1)
-    noise = Noise((one, zero, zero), (zero, one / 4, zero), (zero, zero, one / 10))
+    noise = Noise((1.0, 0.0, 0.0), (0.0, 0.25, 0.0), (0.0, 0.0, 0.1))
     still = kinds()["static"].motion(Pose())
-    quiet, noisy = SensedMotion(IDEAL, still).lsb(zero), SensedMotion(IDEAL, still).lsb(zero, noise)
-    added = [(noisy[name] - quiet[name])[0].tolist() for name in ("gyroscope", "accelerometer", "magnetometer")]
+    quiet, noisy = SensedMotion(IDEAL, still).at(0.0), SensedMotion(IDEAL, still).at(0.0, noise)
+    added = [np.subtract(noisy[name], quiet[name]).tolist() for name in ("gyroscope", "accelerometer", "magnetometer")]
     assert added == [pytest.approx(row, abs=1e-9) for row in ([14.375, 0, 0], [0, 64, 0], [0, 0, 66])]
 
 
 def test_of_servos_it_is_the_servos_that_count_not_what_is_read_of_them():
     coarse = servo.motion(servo.Settings(resolution=np.radians(5.0), read_every=1.0))
     exact = servo.motion(servo.Settings(resolution=0.0, read_every=0.0))
-    felt, there = (SensedMotion(IDEAL, motion).lsb(TIMES) for motion in (coarse, exact))
-    assert all(np.array_equal(felt[name], there[name]) for name in felt)
+    for name in ("gyroscope", "accelerometer", "magnetometer"):
+        assert np.array_equal(lsb(IDEAL, coarse, name), lsb(IDEAL, exact, name))
     assert np.abs(coarse.attitude(TIMES) - exact.attitude(TIMES)).max() > np.radians(2.0)

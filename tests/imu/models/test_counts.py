@@ -1,13 +1,11 @@
-"""The models over arrays: the same codes as one sample after the other, however the arrays are cut."""
+"""What the equations cost in operations, what a format cannot hold of them, and a step of the input."""
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
-from periph_sim.imu.models.arrays import codes_of
 from periph_sim.imu.models.counts import PARTS, Counting, counts_of
-from periph_sim.imu.models.imu import Imu, Noise, State
+from periph_sim.imu.models.imu import Imu
 from periph_sim.imu.models.parameters import (
     AccelerometerParameters,
     GyroscopeParameters,
@@ -16,13 +14,8 @@ from periph_sim.imu.models.parameters import (
 )
 from periph_sim.imu.numeric.float64 import Float64
 from periph_sim.imu.numeric.q import DoesNotFit, Q
+from tests.imu.models.recording import codes_of
 
-LONG = 1000
-T = np.arange(LONG) * 0.02
-ATTITUDE = (np.sin(T), 0.7 * np.sin(1.3 * T), np.sin(0.5 * T) * 3)
-ACCELERATION = (np.cos(T), np.sin(3 * T), 0.1 * T)
-RANDOM = np.random.default_rng(5)
-NOISE = Noise(*(tuple(RANDOM.normal(scale=s, size=LONG) for _ in range(3)) for s in (0.1, 0.03, 0.005)))
 RICH = ImuParameters(
     accelerometer=AccelerometerParameters(lever_arm=(0.1, -0.05, 0.02)),
     gyroscope=GyroscopeParameters(rates="corrected", mounting=(2, -1, 3)),
@@ -31,38 +24,10 @@ RICH = ImuParameters(
 )
 
 
-@pytest.mark.parametrize("imu", [ImuParameters(), RICH], ids=["as built", "everything"])
-def test_arrays_and_single_samples_agree(imu: ImuParameters) -> None:
-    model = Imu(Float64(), imu)
-    state = State(tuple(float(angle[0]) for angle in ATTITUDE), (0.0, 0.0, 0.0))
-    alone = []
-    for k in range(LONG):
-        noise = Noise(*(tuple(float(axis[k]) for axis in chip) for chip in NOISE))
-        attitude, pushed = (tuple(float(axis[k]) for axis in three) for three in (ATTITUDE, ACCELERATION))
-        codes, state = model.step(attitude, pushed, noise, state)
-        alone.append([code for chip in codes for code in chip])
-    together = codes_of(imu, ATTITUDE, ACCELERATION, NOISE)
-    assert np.array([axis for chip in together for axis in chip]).T.tolist() == alone
-    assert together.gyroscope[0].dtype == np.int16
-
-
-@pytest.mark.parametrize("piece", [1, 7, 999, 1000, 4096])
-def test_the_length_of_pieces_does_not_show(piece: int) -> None:
-    whole, cut = (codes_of(RICH, ATTITUDE, ACCELERATION, NOISE, piece=n) for n in (LONG, piece))
-    assert np.array_equal(np.array(whole), np.array(cut))
-
-
 def test_a_step_shows_in_its_sample_alone() -> None:
-    turned = (np.array([0.0, 0.1, 0.1, 0.1]), np.zeros(4), np.zeros(4))
-    rates = codes_of(ImuParameters(), turned, (np.zeros(4),) * 3).gyroscope[0]
+    turned = [(0.0, 0.0, 0.0), *[(0.1, 0.0, 0.0)] * 3]
+    rates = [codes.gyroscope[0] for codes in codes_of(ImuParameters(), turned, [(0.0, 0.0, 0.0)] * 4)]
     assert rates[1] > 4000 and rates[0] == rates[2] == rates[3]
-
-
-def test_arrays_of_different_length_are_refused_and_none_is_none() -> None:
-    with pytest.raises(ValueError, match="expected the same of all"):
-        codes_of(ImuParameters(), ATTITUDE, (np.zeros(3),) * 3)
-    nothing = (np.zeros(0),) * 3
-    assert all(len(axis) == 0 for chip in codes_of(ImuParameters(), nothing, nothing) for axis in chip)
 
 
 @pytest.mark.parametrize(

@@ -110,7 +110,7 @@ RECENT = 8  # number of recent frames with which each read is compared
 KEPT = 64  # number of recent frames from which a model run may have taken its input
 COMPLETE = 256  # maximum number of chains that are all followed
 PASSED_OVER = 3  # if there are more than COMPLETE chains, only those that skip up to this number of frames are followed
-MOST = 64  # in that case, the maximum number of chains; those with the youngest frames are followed
+MOST = 64  # if there are more than COMPLETE chains, up to this number is followed: those with the youngest frames
 
 
 @final
@@ -269,7 +269,7 @@ class ModelOrigins(Origins):
         return nearest._replace(judged=False) if self._left_out else nearest
 
     def _longer(self, run: Run) -> list[Chain]:
-        """Return all chains, extended by a run. If there are too many, return those with the youngest frames."""
+        """Return all chains, each extended by one run. If there are too many, return those with the youngest frames."""
         count: int = 0
         chain: Chain
         for chain in self._chains:

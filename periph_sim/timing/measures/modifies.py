@@ -86,8 +86,8 @@ class Modifies(RecordSink):
     """Finds the flags that read-modify-writes cleared unintentionally.
 
     concerns: returns True if records of a kind, place and thing are evaluated.
-    is_about: returns True if the flags of the register that these records access are judged; accesses to other
-        registers are only counted.
+    is_about: returns True if records of a kind, place and thing access a register whose flags are judged; accesses to
+        other registers are only counted.
     status: True if all status registers are judged, and no others.
     writes: the number of writes to the judged registers, with or without a read.
     recent: the accesses in the last cycles, indexed by unit.

@@ -165,7 +165,7 @@ class TimeIn(EventMeasure):
             self._begins(self._began, False)
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
-        """Handle a record. One that both enters and leaves the state enters it. Groups do not occur here."""
+        """Handle a record. A record that could begin or end the state begins it. Events in groups do not occur here."""
         if self.spans is not None and self._names[tag]:
             self.spans.add(self._names[tag])
         plan = self._plans[tag]
@@ -232,7 +232,7 @@ class TimeIn(EventMeasure):
             self._be_share(_millionths(self._lasted, whole) if whole else -1, now)
 
     def _be_share(self, share: int, at: int) -> None:
-        """Take the share as the only value; -1 for none. A span that was never entered has no value either."""
+        """Take the share as the only value; -1 means no value. A span that was never entered has no value either."""
         self.count = int(share >= 0 and (self._entered or not self.state.free))
         self.worst = self.least = max(0, share)
         self.worst_at = self.least_at = at

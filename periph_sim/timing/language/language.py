@@ -53,7 +53,7 @@ from .tokens import Words
 
 CLAUSES = {
     "for": "for each",  # an event that is an occasion to measure
-    "measured": "measured at",  # an event that shows that an occasion was measured, where the values do not show it
+    "measured": "measured at",  # an event that shows that an occasion was measured, if the values do not show it
     "given": "given",  # an event without which the budget is not judged
     "unless": "unless",  # an event that cannot be judged, so the budget is not judged if it happens
     "unfinished": "unfinished",  # an event with a value that the end of the run cuts off

@@ -271,7 +271,7 @@ class EventMeasure(Measure):
             self._counts(place, tick, value)
 
     def _settle(self, place: int, counts: int) -> None:
-        """Decide about the newest event number `place`: it counts (1), or a later one of its group replaces it (0)."""
+        """Decide whether the newest event number `place` counts (1) or is replaced by a later one of its group (0)."""
         newest: _Seen | None = self._newest.pop(place, None)
         if newest is not None:
             newest.counts = counts

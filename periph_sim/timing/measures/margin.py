@@ -35,7 +35,7 @@ class _Reads(BusFromWires):
 
 
 class Margin(Measure):
-    """Time from the write of I2CDXR to the latest time that is early enough; negative if SCL was held for the write.
+    """Time from the write of I2CDXR to the latest tick at which it is early enough; negative if SCL was held for it.
 
     It is measured for each byte that a unit sends as a slave. A write is early enough if the module releases SCL no
     later than the controller does.

@@ -1,8 +1,8 @@
 """Base class of all measures, which follow the records of a run and keep the worst value and its tick.
 
 Values are not stored, so memory does not grow with the run, unless `keep` is called. For percentiles, `Tally` counts
-equal values in bounded memory. Measures with a fixed name are rows in `registry`. A measure gets what records do not
-show from the scene (`MeasuredScene`).
+equal values in bounded memory. Measures with a fixed name are rows in `registry`. A measure gets from the scene
+(`MeasuredScene`) what records do not show.
 """
 
 # core: compiled

@@ -50,7 +50,7 @@ class Instant(NamedTuple):
     """The changes at one tick.
 
     levels: the new levels of the wires that the outside party changes.
-    sent: by wire, the number of bytes that begin; 0 states only that from now on bytes drive the wire.
+    sent: by wire, the number of bytes that begin; 0 means only that the wire is driven by bytes from now on.
     """
 
     tick: int
@@ -241,7 +241,7 @@ def logged_outside(context: SceneContext, wires: Mapping[str, Wire]) -> LoggedOu
 def _checked(path: Path, written: int, size: int) -> str:
     """Return what is missing at the end of a log. Raise BadLog if it is damaged.
 
-    written, size: the file's time of change and its size. With them, a changed file is checked again.
+    written, size: the file's time of change and its size. If one of them is new, the file is checked again.
     """
     reader = LogReader(path)
     for _ in reader.instants():

@@ -54,7 +54,7 @@ class Unit(Table, frozen=True, kw_only=True):
     sources: C sources, which are compiled for the computer that runs periph_sim.
     boot: where the execution of an image begins.
     memory: the initial values of an image's variables, by name.
-    part: the name of the member of the chip family, such as F28335.
+    part: the name of the device in the F2833x family: F28335 or F28334.
     pins: GPIO numbers of further pins with a wire, by the name of the wire. SDA, SCL, RX and TX need no entry.
     """
 

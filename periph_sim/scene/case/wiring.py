@@ -55,7 +55,7 @@ class Wiring(Struct, frozen=True):
     pins: Mapping[str, Mapping[int, str]]
 
     def line(self, unit: str, module: str, signal: str) -> str:
-        """Return the wire of a module's signal, for instance of "dsp", "SCI-A", "TX"."""
+        """Return the wire of a module's signal. unit, module, signal: for instance "dsp", "SCI-A", "TX"."""
         return self.pins[unit][SIGNALS[module][signal]]
 
     def wires(self) -> tuple[str, ...]:
@@ -105,7 +105,7 @@ def sci_lines(case: Case, wiring: Wiring) -> list[SciLines]:
 
 
 def sci_named(case: Case, text: str, *place: str | int) -> SciLines:
-    """Return the SCI named "dsp.SCI-A", or "SCI-A" if only one unit has one. Raise BadCase if there is none."""
+    """Return the SCI that a text names: "dsp.SCI-A", or "SCI-A" if only one unit has it. Raise BadCase if none has."""
     lines = {(sci.unit, sci.module): sci for sci in sci_lines(case, wiring_of(case))}
     unit, _, module = text.rpartition(".")
     owners = [owner for owner, its in lines if its == module]
@@ -171,7 +171,7 @@ def _no_pin(case: Case, text: str, *place: str | int) -> BadCase:
 
 
 def _wire_names(case: Case) -> list[str]:
-    """Return the wire names that a cable's end may have: named pins, the bus, the wire that the host sends on."""
+    """Return the wire names that a cable's end may have: named pins, the bus, and the host's wire RX."""
     found = [label for unit in case.unit.values() for label in unit.pins]
     if case.controller is not None or case.chip or any("I2C-A" in unit.modules for unit in case.unit.values()):
         found += SIGNALS["I2C-A"]

@@ -1,6 +1,6 @@
-"""Names for annotations of compiled modules. They stand for C types; for mypy they are aliases of Python's types.
+"""Names for annotations of compiled modules. They denote C types; for mypy they are aliases of Python's types.
 
-In the compiled core, ordinary annotations stand for C types, too: `int` is a C integer of 64 bits, `bool` is a C truth
+In the compiled core, ordinary annotations denote C types, too: `int` is a C integer of 64 bits, `bool` is a C truth
 value, `NDArray[np.int64]` is a contiguous buffer, and `Annotated[list[int], 8]` is an array of 8 integers inside the
 object.
 """

@@ -47,7 +47,7 @@ class LogWriter:
                 self._write(value)
 
     def serial(self, wire: str) -> None:
-        """Write that a serial line drives this wire from now on."""
+        """Write that a serial line drives this wire in all later instants."""
         self._write({"serial": wire})
 
     def instant(self, tick: int, levels: Mapping[str, int], begun: Sequence[str] = ()) -> None:

@@ -116,7 +116,7 @@ class I2cMasterReplay(BusReplay):
         return f"{self._unit} {scene.doing(unit)}: the replay ends there{endless}"
 
     def _endless(self) -> str:
-        """Return the reason to end a replay whose script does not come to an end; "" to continue."""
+        """Return the reason to end a replay whose script does not end by itself; "" to continue."""
         if not self._scripted:
             return ""
         if self.kernel.now - self.log.last_edge > self._silence:

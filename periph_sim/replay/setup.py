@@ -219,7 +219,7 @@ class Played:
 
 
 def played(capture: Capture, scl: str | int, sda: str | int, first: int | None = None) -> Played:
-    """Decode the part of a capture that is to be played. first: the maximum number of transfers; None for all.
+    """Decode the part of a capture that a replay plays. first: the maximum number of transfers; None for all.
 
     Raise BadReplay if the capture has no transfer or an impossible rate; LookupError if it has no such channel.
     """

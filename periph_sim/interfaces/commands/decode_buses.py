@@ -188,12 +188,12 @@ def _spi(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
     clk, mosi, miso, cs = (lines[line].index if line in lines else None for line in ("clk", "mosi", "miso", "cs"))
     assert clk is not None
     events = spi.events(capture, format_, clk, mosi, miso, cs, shortest)
-    words = [event.end - event.at for event in events if isinstance(event, spi.Word)]
+    words = [event.end - event.at for event in events if event.kind == "word"]
     silence = None if "cs" in lines else max(words, default=0)
     notes = gap_notes(capture, *lines.values())
     for line in ("mosi", "miso"):
         if line in lines:
-            rows = spi_rows(events, format_.bits, line == "mosi")
+            rows = spi_rows(events, line == "mosi")
             yield Bus("spi", f"spi {lines[line].name}", rows, silence, notes, (lines[line],))
             notes = []
 

@@ -120,22 +120,12 @@ def uart_rows(table: UartTable, bus: int = 0) -> Rows:
     return Rows(table.at, table.end, _all(bus, table), OF_UART[table.kind], table.value, table.bits, detail)
 
 
-def spi_rows(events: Sequence[spi.Event], bits: int, is_mosi: bool, bus: int = 0) -> Rows:
-    """Return the rows of one data line of an SPI bus, and those of the chip select.
-
-    bits: the number of bits of a word. The bits of a cut word are in the order of reception.
-    """
-    rows: list[tuple[int, int, int, int, int, int, int]] = []
+def spi_rows(events: Sequence[spi.Event], is_mosi: bool, bus: int = 0) -> Rows:
+    """Return the rows of one data line of an SPI bus, and those of the chip select."""
+    rows = []
     for one in events:
-        if isinstance(one, spi.Word | spi.Cut):
-            value = one.mosi if is_mosi else one.miso
-            assert value is not None
-            if isinstance(value, int):
-                rows.append((one.at, one.end, bus, WORD, value, bits, 0))
-            else:
-                rows.append((one.at, one.end, bus, CUT, int("".join(map(str, value)), 2), len(value), 0))
-        else:
-            rows.append((one.at, one.at, bus, SELECT if isinstance(one, spi.Select) else DESELECT, -1, 0, 0))
+        value = one.mosi if is_mosi else one.miso
+        rows.append((one.at, one.end, bus, EVENTS.index(one.kind), -1 if value is None else value, one.bits, 0))
     kinds = (np.int64, np.int64, np.uint8, np.uint8, np.int64, np.uint8, np.uint8)
     columns = zip(*rows, strict=True) if rows else [()] * len(kinds)
     return Rows._make(np.array(column, kind) for column, kind in zip(columns, kinds, strict=True))

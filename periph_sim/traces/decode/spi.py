@@ -13,7 +13,7 @@ Rules:
   equal, else the falling one. If a data line or CS changes in that same sample, its new level counts.
 - Without a chip select, words are counted from the first latching edge on, and again after a gap in the capture.
 - With a chip select, only edges while it is active count. A change of the chip select, or the end of the capture, ends
-  a word; the bits of an incomplete word are `Cut`. If the chip select is active from the beginning, words are counted
+  a word; the bits of an incomplete word are cut. If the chip select is active from the beginning, words are counted
   from the first latching edge on.
 
 Polarity and phase are CPOL and CPHA of the field. TI's CLK_PHASE is the opposite of CPHA.
@@ -21,7 +21,7 @@ Polarity and phase are CPOL and CPHA of the field. TI's CLK_PHASE is the opposit
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from msgspec import Struct
@@ -53,41 +53,21 @@ class SpiFormat(Struct, frozen=True):
                 raise ValueError(f"{name} is {value}; expected 0 or 1")
 
 
-@dataclass(frozen=True, slots=True)
-class Select:
-    """The chip select became active."""
+class Event(NamedTuple):
+    """An event on the bus.
 
-    at: int
+    kind: "select" or "deselect" if the chip select became active or inactive; "word"; "cut" for an incomplete word.
+    at, end: the first and the last latching edge; of a chip select both are its edge.
+    mosi, miso: the word, or the bits of a cut one in order of reception; None if that line is not used.
+    bits: the number of received bits.
+    """
 
-
-@dataclass(frozen=True, slots=True)
-class Deselect:
-    """The chip select became inactive."""
-
-    at: int
-
-
-@dataclass(frozen=True, slots=True)
-class Word:
-    """A complete word. at, end: the first and the last latching edge. mosi, miso: None if that line is not used."""
-
+    kind: str
     at: int
     end: int
-    mosi: int | None
-    miso: int | None
-
-
-@dataclass(frozen=True, slots=True)
-class Cut:
-    """The bits of an incomplete word, in order of reception."""
-
-    at: int
-    end: int
-    mosi: tuple[int, ...] | None
-    miso: tuple[int, ...] | None
-
-
-Event = Select | Deselect | Word | Cut
+    mosi: int | None = None
+    miso: int | None = None
+    bits: int = 0
 
 
 def events(
@@ -99,7 +79,7 @@ def events(
     cs: str | int | None = "CS",
     glitch: int = 0,
 ) -> list[Event]:
-    """Decode all events of a capture, in the order in which they begin. A word is before the Deselect that ends it.
+    """Decode all events of a capture, in the order in which they begin. A word is before the end of its selection.
 
     glitch: pulses of fewer positions are removed first. A line that is None is not used.
 
@@ -128,7 +108,7 @@ def _events(
         latches = latches[cs.at(latches) == format_.active_high]
         runs = np.split(latches, np.searchsorted(latches, cs.edges))
         for at, level in zip(cs.edges.tolist(), cs.levels.tolist(), strict=True):
-            found.append(Select(at) if level == format_.active_high else Deselect(at))
+            found.append(Event("select" if level == format_.active_high else "deselect", at, at))
     for run in runs:
         found += _words(format_, run, mosi, miso)
     return sorted(found, key=lambda event: event.at)
@@ -139,16 +119,13 @@ def _words(format_: SpiFormat, latches: Positions, mosi: Channel | None, miso: C
     streams = [None if line is None else line.at(latches).tolist() for line in (mosi, miso)]
     found: list[Event] = []
     for begin in range(0, len(latches), format_.bits):
-        at, end = int(latches[begin]), int(latches[begin : begin + format_.bits][-1])
-        out, back = (None if bits is None else bits[begin : begin + format_.bits] for bits in streams)
-        if begin + format_.bits <= len(latches):
-            found.append(Word(at, end, _number(format_, out), _number(format_, back)))
-        else:
-            found.append(Cut(at, end, out and tuple(out), back and tuple(back)))
+        edges = latches[begin : begin + format_.bits]
+        out, back = (None if bits is None else _number(format_, bits[begin : begin + format_.bits]) for bits in streams)
+        kind = "word" if len(edges) == format_.bits else "cut"
+        found.append(Event(kind, int(edges[0]), int(edges[-1]), out, back, len(edges)))
     return found
 
 
-def _number(format_: SpiFormat, bits: list[int] | None) -> int | None:
-    if bits is None:
-        return None
-    return int("".join(map(str, reversed(bits) if format_.lsb_first else bits)), 2)
+def _number(format_: SpiFormat, bits: list[int]) -> int:
+    whole = len(bits) == format_.bits
+    return int("".join(map(str, reversed(bits) if whole and format_.lsb_first else bits)), 2)

@@ -208,17 +208,11 @@ class Master:
 
     def _put_sda(self, level: int) -> None:
         """Drive SDA when the hold time after SCL's falling edge has passed. If it has passed already, drive SDA now."""
-        session = self._session
-        at = max(self._fell + self._hold, session.now)
-        session.apply(at, {"SDA": level})
-        session.advance(at + 1)
+        self._move("SDA", level, self._fell + self._hold)
 
     def _rise(self) -> None:
         """Release SCL at the end of its low time, and wait until it is high."""
-        session = self._session
-        at = max(self._fell + self._half, session.now)
-        session.apply(at, {"SCL": 1})
-        session.advance(at + 1)
+        self._move("SCL", 1, self._fell + self._half)
         self._wait_high("SCL")
 
     def _fall(self) -> None:
@@ -226,10 +220,12 @@ class Master:
         self.held = True
         self._move("SCL", 0)
 
-    def _move(self, line: str, level: int) -> None:
+    def _move(self, line: str, level: int, due: int = 0) -> None:
+        """Move a line at tick `due`, or now if that is past."""
         session = self._session
-        session.apply(session.now, {line: level})
-        session.advance(session.now + 1)
+        at = max(due, session.now)
+        session.apply(at, {line: level})
+        session.advance(at + 1)
 
     def _wait(self, ticks: int) -> None:
         """Advance to `ticks` ticks after the last edge, which was in the tick before `now`."""

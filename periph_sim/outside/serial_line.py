@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Literal
 from ..bus.uart.frame_format import UartFormat
 from ..bus.uart.reader import Heard, UartReader
 from ..core.chip import NEVER
-from ..scene.case.model import BadCase
-from ..scene.case.wiring import sci_named
+from ..scene.case.model import BadCase, Case
+from ..scene.case.wiring import SciLines, sci_named
 from .errors import OutsideError
 
 if TYPE_CHECKING:
@@ -205,10 +205,13 @@ def parts_of_format(form: str) -> tuple[int, str, int]:
     return int(match[1]), match[2], int(match[3])
 
 
-def module_of(port: str) -> str:
-    """Return the module's name for a port's name: "SCI-A" for "scia". Other names are returned unchanged."""
+def sci_of(case: Case, port: str) -> SciLines:
+    """Return the SCI of a port, such as "scia" or "dsp.SCI-A". Raise OutsideError if the case has no such SCI."""
     plain = PORT.fullmatch(port)
-    return f"SCI-{plain[1].upper()}" if plain else port
+    try:
+        return sci_named(case, f"SCI-{plain[1].upper()}" if plain else port, "outside")
+    except BadCase as error:
+        raise OutsideError(str(error)) from None
 
 
 def serial_line(session: Session, port: str, baud: int, form: str) -> tuple[str, SerialLine]:
@@ -216,10 +219,7 @@ def serial_line(session: Session, port: str, baud: int, form: str) -> tuple[str,
 
     Raise OutsideError if there is no such SCI, or if the wire of its RX does not lead outside.
     """
-    try:
-        sci = sci_named(session.case, module_of(port), "outside")
-    except BadCase as error:
-        raise OutsideError(str(error)) from None
+    sci = sci_of(session.case, port)
     if sci.rx not in session.lines:
         who = f"{sci.rx} of {sci.unit}.{sci.module}"
         raise OutsideError(f"{who} does not lead outside; give it to the session: outside=({sci.rx!r}, ...)")

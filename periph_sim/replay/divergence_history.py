@@ -25,7 +25,7 @@ from ..core.time import Timebase
 from ..processor.dsp import Dsp
 from ..processor.source_location import InstructionLocation, SourceLocation
 from ..scene.scene import Scene
-from .compare import TIMING, Change, Divergence
+from .report import TIMING, Change, Divergence
 
 KEEP = 24  # number of entries kept in the ring buffer of each field, and of each kind of access to each register
 
@@ -57,7 +57,7 @@ class FlagHistory:
         self._accesses = (f"R {module}.", f"W {module}.")
         self._rings: dict[str, deque[Record]] = defaultdict(lambda: deque(maxlen=keep))
         self._frozen: dict[tuple[int, int], list[Record]] = {}
-        self._places: dict[int, SourceLocation | None] = {}
+        self.places: dict[int, SourceLocation | None] = {}
 
     def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
         recorder.subscribe([Kind.FLAG, Kind.ACCESS], self._record)
@@ -69,11 +69,7 @@ class FlagHistory:
             scene.kernel.call_at(max(tick, scene.kernel.now), partial(self._note_place, tick, dsp))
 
     def _note_place(self, tick: int, dsp: Dsp) -> None:
-        self._places[tick] = dsp.processor.causing_statement()
-
-    def place(self, instant: int) -> SourceLocation | None:
-        """Return the statement that was executed at a tick; None before the program begins and after it ends."""
-        return self._places.get(instant)
+        self.places[tick] = dsp.processor.causing_statement()
 
     def _record(self, record: Record) -> None:
         while self._moments and record.tick > self._moments[0][1]:
@@ -156,7 +152,7 @@ def with_history(
         )
         before = [record for record in records if record.tick <= moment[0]]
         cause = divergence.cause or _write_of(divergence.found, role, before)
-        if not cause and (executed := history.place(instant)) is not None:
+        if not cause and (executed := history.places.get(instant)) is not None:
             cause = f"the firmware was at {_shown(executed)}"
         found.append(replace(divergence, history=changes, cause=cause))
     return found

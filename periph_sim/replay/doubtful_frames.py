@@ -23,7 +23,7 @@ from ..core.counted import counted
 from ..traces.capture.capture import Capture
 from ..traces.decode.uart import Event, Line, UartRowKind
 from ..traces.decode.uart_guess import NEAR, Guess, guess
-from .compare import Happened, byte_words
+from .report import Happened, byte_words
 
 LIKELY = Fraction(1, 4)  # minimum length, in bits, of a low pulse that some receivers accept as a start bit
 AHEAD = 8  # maximum number of words that are compared to find where the comparison resumes

@@ -31,10 +31,21 @@ from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c as decode
-from .compare import CONDITIONS, TIMING, Comparison, Divergence, Happened, compare, i2c_words
 from .i2c_script import controllers_half, hurried, moves, stretched_answers, usual_hold
 from .replay import BusReplay, Progress
-from .report import FAIL, NOT_JUDGED, Report, verdict_of
+from .report import (
+    CONDITIONS,
+    FAIL,
+    NOT_JUDGED,
+    TIMING,
+    Comparison,
+    Divergence,
+    Happened,
+    Report,
+    compare,
+    i2c_words,
+    verdict_of,
+)
 from .setup import HOLD, LEAD, PATIENCE, STEP, TAIL, Played, alone, answering, played, tolerance_of
 from .wire_log import WireLog
 

@@ -22,11 +22,10 @@ from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
 from . import BadReplay
-from .compare import compare, i2c_words
 from .divergence_history import AS_MASTER
 from .i2c_script import as_master
 from .replay import BusReplay, Progress
-from .report import Report, verdict_of
+from .report import Report, compare, i2c_words, verdict_of
 from .setup import HOLD, LEAD, PATIENCE, STEP, TAIL, alone, events_of, played, settings_of, unit_with
 
 if TYPE_CHECKING:

@@ -32,9 +32,8 @@ from ..scene.context import SceneWires
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture, Channel
 from ..traces.decode import i2c as decode
-from .compare import TIMING, Divergence, compare, i2c_words
 from .replay import BusReplay, Progress
-from .report import Report, verdict_of
+from .report import TIMING, Divergence, Report, compare, i2c_words, verdict_of
 from .setup import LEAD, TAIL, Played, alone, answering, events_of, played, tolerance_of
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ from ..traces.decode import i2c
 from ..traces.decode.i2c_table import I2cRowKind
 from ..traces.drawing.capture_lanes import LETTERS
 from ..traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick, timing_diagram
-from .compare import Change, Divergence, Happened
+from .report import Change, Divergence, Happened
 
 BEFORE, AFTER = 22, 13  # numbers of bits that are shown before and after the divergence
 # Fields whose lanes are shown first, in this order, even if they do not change within the picture.

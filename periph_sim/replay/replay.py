@@ -17,10 +17,9 @@ from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c
 from ..traces.decode.i2c_table import I2cRowKind
-from .compare import Comparison, Divergence, Happened, i2c_words
 from .divergence_history import AS_SLAVE, FlagHistory, with_history
 from .picture import LINES, Side, divergence_picture, last_agreed
-from .report import Report
+from .report import Comparison, Divergence, Happened, Report, i2c_words
 from .setup import Played, events_of
 from .wire_log import WireLog
 

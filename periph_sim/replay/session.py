@@ -63,11 +63,6 @@ class SessionScene(Scene):
     def on_frame(self, callback: OnFrame) -> None:
         self.frame_callbacks.append(callback)
 
-    @property
-    def rounds(self) -> int:
-        """The number of rounds of the case that were completed on the bus."""
-        return self.bus.rounds.completed
-
     def tell_frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         for callback in self.frame_callbacks:
             callback(number, values, tick)
@@ -179,7 +174,7 @@ class SessionReplay(I2cReplay):
 
     def _report(self, stuck: list[str]) -> Report:
         report = super()._report(stuck)
-        out = () if self._session_scene.rounds else OF_ROUNDS
+        out = () if self._session_scene.bus.rounds.completed else OF_ROUNDS
         judged = [self._since_capture(v) for v in self._result.budgets if v.measure not in out]
         left_out = [verdict for verdict in self._result.budgets if verdict.measure in out]
         report.budgets = judged
@@ -204,7 +199,7 @@ class SessionReplay(I2cReplay):
     def _other_transfers(self) -> list[str]:
         """Return a list with a note on transfers outside of the case's rounds; an empty list if there are none."""
         scene = self._session_scene
-        if not scene.others or not scene.rounds:
+        if not scene.others or not scene.bus.rounds.completed:
             return []
         first = scene.others[0].phases[0]
         at = float(scene.timebase.seconds(first.start_at - self.origin))

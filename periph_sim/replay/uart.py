@@ -29,12 +29,11 @@ from ..traces.capture.capture import Capture, gap_notes
 from ..traces.decode import uart as decode
 from ..traces.decode.uart import UartRowKind
 from . import BadReplay
-from .compare import NOTHING, Divergence, Happened, compare
 from .divergence_history import AS_RECEIVER
 from .doubtful_frames import Word, line_errors, settled
 from .picture import Side
 from .replay import Progress, Replay
-from .report import Report, verdict_of
+from .report import NOTHING, Divergence, Report, compare, verdict_of
 from .setup import LEAD, alone, check_length, rate_of, settings_of, unit_with
 
 if TYPE_CHECKING:
@@ -174,7 +173,7 @@ class UartReplay(Replay):
         frames = [event for event in events if event.kind is UartRowKind.FRAME]
         breaks = [event for event in events if event.kind is UartRowKind.BREAK]
         errors = line_errors(self._capture, self._channel.index, line, events)
-        judged = settled(events, line, self._rate, self._received())
+        judged = settled(events, line, self._rate, self.received())
         outcome = compare(judged.expected, judged.found)
         divergence = outcome.divergence
         notes = self._notes + self._rate_notes(line) + self._ambiguous_notes(judged.ambiguous, len(frames))
@@ -220,11 +219,7 @@ class UartReplay(Replay):
         side = Side("SCI-A", (), self._rate, 0, (), agreed)
         return captured, side, 1 / float(self._line.baud)
 
-    def received(self) -> list[Happened]:
-        """Return the words that the firmware has read from SCIRXBUF so far, as events."""
-        return [word.happened for word in self._received()]
-
-    def _received(self) -> list[Word]:
+    def received(self) -> list[Word]:
         """Return the words that the firmware has read from SCIRXBUF so far."""
         rxdt, sciffe, sciffpe = (SCIRXBUF[name] for name in ("RXDT", "SCIFFFE", "SCIFFPE"))
         return [

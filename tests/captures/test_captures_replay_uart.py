@@ -94,7 +94,7 @@ def test_a_glitch_is_outvoted_whatever_the_phase_of_the_sampling_clock(name: str
     for phase in range(40):
         replay = UartReplay(case, capture, channel_of, line_format(115_200), lead=LEAD + phase * step)
         replay.run()
-        found.append([word.words for word in replay.received()])
+        found.append([word.happened.words for word in replay.received()])
     assert found.count([sent]) == right
 
 

@@ -11,8 +11,8 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
-from periph_sim.replay.compare import Comparison, compare, i2c_words
 from periph_sim.replay.i2c_script import controllers_half, moves, turns, usual_hold
+from periph_sim.replay.report import Comparison, compare, i2c_words
 from periph_sim.replay.wire_log import WireLog
 from periph_sim.traces.decode import i2c
 from periph_sim.traces.decode.i2c import Transfer

@@ -10,11 +10,11 @@ from typing import Any, NamedTuple
 import pytest
 
 from periph_sim.replay import picture
-from periph_sim.replay.compare import Change, Divergence
 from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.i2c_master import I2cMasterReplay
 from periph_sim.replay.i2c_open_loop import I2cOpenReplay
 from periph_sim.replay.picture import Side, divergence_picture, last_agreed
+from periph_sim.replay.report import Change, Divergence
 from periph_sim.replay.uart import UartReplay
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats

@@ -11,11 +11,10 @@ import click
 from ...core.text_table import columns
 from ...records.recording import recording
 from ...replay.channels import ALL, channel_map, serial_channel
-from ...replay.compare import Change, Divergence
 from ...replay.i2c_closed_loop import I2cReplay
 from ...replay.i2c_master import I2cMasterReplay
 from ...replay.i2c_open_loop import I2cOpenReplay
-from ...replay.report import AMBIGUOUS, PASS, Report, headline
+from ...replay.report import AMBIGUOUS, PASS, Change, Divergence, Report, headline
 from ...replay.session import SessionReplay
 from ...replay.setup import PATIENCE
 from ...replay.uart import UartReplay, line_format

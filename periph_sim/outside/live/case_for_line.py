@@ -11,12 +11,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from ...scene.case.load import load
-from ...scene.case.model import BadCase, Case
-from ...scene.case.wiring import sci_named
+from ...scene.case.model import Case
 from ...scene.outside_parties import with_outside
 from ..errors import OutsideError
 from ..i2c_master import LINES
-from ..serial_line import module_of
+from ..serial_line import sci_of
 
 
 def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) -> Case:
@@ -24,11 +23,7 @@ def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) ->
     if not str(path):
         raise OutsideError("no case was given; f28335://PATH/OF/CASE.toml?port=scia")
     case = load(Path(path), list(changes))
-    try:
-        sci = sci_named(case, module_of(port), "outside")
-    except BadCase as error:
-        raise OutsideError(str(error)) from None
-    return _driven(case, sci.rx)
+    return _driven(case, sci_of(case, port).rx)
 
 
 def case_for_bus(path: str | Path, changes: tuple[str, ...] = ()) -> Case:

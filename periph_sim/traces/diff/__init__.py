@@ -4,16 +4,26 @@
 
 Events are paired by what they are and in order, not by their times. Then the times of each pair are compared. If an
 interrupt came 3 us later in B, all events after it are 3 us later, and the first of them is reported.
+
+Times are whole ticks of a clock whose rate is a multiple of both rates. The clocks of A and B started at different
+moments, so the first common event defines the offset between them, and the lateness of events in B is relative to it.
+A change point is an event whose lateness deviates by more than the tolerance from that of the last change point. Its
+cause lies just before it. Later events that are equally late are not reported.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
+from math import lcm
+from statistics import median_low
+from typing import NamedTuple
 
 from ..capture.capture import Capture
 from ..decode.uart import Line
-from .compare import ChangePoint, Entry, TraceDiff, compared
-from .matching import Group, i2c_groups, pairs, uart_groups
+from .matching import Event, Group, Pair, i2c_groups, pairs, uart_groups
 
 __all__ = ["ChangePoint", "Entry", "TraceDiff", "diff_i2c", "diff_uart"]
 
@@ -58,3 +68,189 @@ def _diff(a: Capture, b: Capture, of_a: list[Group], of_b: list[Group], toleranc
         rates.append(capture.rate)
     both = rates[0], rates[1]
     return compared(pairs(of_a, of_b, both), (str(a.path), str(b.path)), both, tolerance)
+
+
+class Entry(NamedTuple):
+    """A pair of events, one of which may be missing.
+
+    number: the index among all pairs.
+    later: the number of ticks by which B's event is later than A's; None if one is missing.
+    """
+
+    number: int
+    a: Event | None
+    b: Event | None
+    later: int | None
+
+    @property
+    def changed(self) -> bool:
+        return self.a is not None and self.b is not None and self.a.word != self.b.word
+
+    @property
+    def kind(self) -> str:
+        event = self.a or self.b
+        assert event is not None, "an entry has at least one event"
+        return event.kind
+
+
+class ChangePoint(NamedTuple):
+    """An entry at which the lateness changes.
+
+    before: the last common event before it.
+    step: the change of the lateness from `before` to `entry`, in ticks.
+    """
+
+    entry: Entry
+    before: Entry
+    step: int
+
+
+@dataclass(frozen=True)
+class KindSummary:
+    """Summary of a kind of event.
+
+    median: the median lateness of B in ticks; None if there is no common event.
+    worst: the entry with the largest lateness or earliness; None if there is no common event.
+    """
+
+    kind: str
+    both: int
+    changed: int
+    missing: int
+    inserted: int
+    median: int | None
+    worst: Entry | None
+
+
+@dataclass(frozen=True)
+class TraceDiff:
+    """The result of comparing two captures.
+
+    ticks: the number of ticks per second.
+    offset: the number of ticks from A's clock to B's; None if there is no common event.
+    tolerance: the lateness, in seconds, that is no difference.
+    """
+
+    name_a: str
+    name_b: str
+    rate_a: Fraction
+    rate_b: Fraction
+    ticks: int
+    offset: int | None
+    tolerance: Fraction
+    entries: tuple[Entry, ...]
+
+    @cached_property
+    def missing(self) -> list[Entry]:
+        """Entries in A only."""
+        return [entry for entry in self.entries if entry.b is None]
+
+    @cached_property
+    def inserted(self) -> list[Entry]:
+        """Entries in B only."""
+        return [entry for entry in self.entries if entry.a is None]
+
+    @cached_property
+    def changed(self) -> list[Entry]:
+        return [entry for entry in self.entries if entry.changed]
+
+    @cached_property
+    def late(self) -> list[Entry]:
+        """Entries later or earlier in B by more than the tolerance."""
+        return [entry for entry in self.entries if entry.later is not None and self.beyond(entry.later)]
+
+    @cached_property
+    def change_points(self) -> list[ChangePoint]:
+        """Entries at which the lateness changes by more than the tolerance."""
+        found: list[ChangePoint] = []
+        level = 0
+        before: Entry | None = None
+        for entry in self.entries:
+            if entry.later is None:
+                continue
+            if before is not None and self.beyond(entry.later - level):
+                found.append(ChangePoint(entry, before, entry.later - level))
+                level = entry.later
+            before = entry
+        return found
+
+    @property
+    def equal(self) -> bool:
+        """True if both captures have the same events at the same times, within the tolerance."""
+        return not (self.missing or self.inserted or self.changed or self.late)
+
+    @cached_property
+    def first(self) -> Entry | None:
+        """The first entry that differs in any way."""
+        return next((entry for entry in self.entries if self.differs(entry)), None)
+
+    @cached_property
+    def kinds(self) -> list[KindSummary]:
+        """One summary for each kind of event, in order of first appearance."""
+        sorted_out: dict[str, list[Entry]] = {}
+        for entry in self.entries:
+            sorted_out.setdefault(entry.kind, []).append(entry)
+        return [_summary(kind, entries) for kind, entries in sorted_out.items()]
+
+    @cached_property
+    def _most(self) -> int:
+        """The largest lateness in ticks that is no difference."""
+        return int(self.tolerance * self.ticks)
+
+    def beyond(self, ticks: int) -> bool:
+        return abs(ticks) > self._most
+
+    def differs(self, entry: Entry) -> bool:
+        return entry.later is None or entry.changed or self.beyond(entry.later)
+
+    def seconds(self, ticks: int) -> Fraction:
+        return Fraction(ticks, self.ticks)
+
+    def time_a(self, entry: Entry) -> Fraction | None:
+        """Return the time of A's event, in seconds of A's own clock."""
+        return None if entry.a is None else entry.a.at / self.rate_a
+
+    def time_b(self, entry: Entry) -> Fraction | None:
+        """Return the time of B's event, in seconds of B's own clock."""
+        return None if entry.b is None else entry.b.at / self.rate_b
+
+
+def compared(
+    paired: Iterable[Pair],
+    names: tuple[str, str],
+    rates: tuple[Fraction, Fraction],
+    tolerance: Fraction | None = None,
+) -> TraceDiff:
+    """Compare pairs of events.
+
+    tolerance: the allowed difference in seconds. The default, None, is one position of each capture, since sampling
+        alone can cause such a difference.
+    """
+    rate_a, rate_b = rates
+    ticks = lcm(rate_a.numerator, rate_b.numerator)
+    per_a, per_b = int(ticks / rate_a), int(ticks / rate_b)  # whole numbers, since `ticks` is a multiple of both rates
+    entries: list[Entry] = []
+    offset: int | None = None
+    for number, (a, b) in enumerate(paired):
+        later: int | None = None
+        if a is not None and b is not None:
+            later = b.at * per_b - a.at * per_a
+            offset = later if offset is None else offset
+            later -= offset
+        entries.append(Entry(number, a, b, later))
+    allowed = 1 / rate_a + 1 / rate_b if tolerance is None else tolerance
+    return TraceDiff(*names, rate_a, rate_b, ticks, offset, allowed, tuple(entries))
+
+
+def _summary(kind: str, entries: list[Entry]) -> KindSummary:
+    both = [entry for entry in entries if entry.later is not None]
+    lateness = [entry.later for entry in both if entry.later is not None]
+    return KindSummary(
+        kind,
+        len(both),
+        sum(entry.changed for entry in entries),
+        sum(entry.b is None for entry in entries),
+        sum(entry.a is None for entry in entries),
+        median_low(lateness) if lateness else None,
+        max(both, key=lambda entry: abs(entry.later or 0)) if both else None,
+    )

@@ -6,7 +6,7 @@ from fractions import Fraction
 from itertools import groupby
 
 from ...core.text_table import paragraph, text_table
-from .compare import ChangePoint, Entry, KindSummary, TraceDiff
+from . import ChangePoint, Entry, KindSummary, TraceDiff
 
 COUNTS = ("kind", "in both", "changed", "missing", "inserted")
 LATENESS = ("kind", "median later", "worst later", "worst at (A)")

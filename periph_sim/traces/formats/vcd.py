@@ -244,10 +244,8 @@ class _Reader:
         if not 0 <= now <= MOST_TICKS:
             found = repr(_text(word))
             self._bad(number, found, f"# and a number of ticks to {MOST_TICKS}", "write the dump again")
-        if self._timed and now <= self._now:
-            if now < self._now:
-                self._bad(number, f"time {now} after {self._now}", "times that rise", "write the dump again")
-            return
+        if self._timed and now < self._now:
+            self._bad(number, f"time {now} after {self._now}", "times that rise", "write the dump again")
         if not self._timed or now > self._now:  # values before the first # are valid from the start
             self._timed = True
             self._now = now

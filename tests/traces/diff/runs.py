@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 
-from periph_sim.traces.diff.compare import TraceDiff, compared
+from periph_sim.traces.diff import TraceDiff, compared
 from periph_sim.traces.diff.matching import Event, Group, pairs
 
 MHZ = Fraction(10**6)

@@ -232,7 +232,7 @@ class Board:
         self._changed = threading.Condition()
         self._number = 0
         self._latest: Snapshot | None = None
-        self._closed = False
+        self.closed = False
 
     def put(self, snapshot: Snapshot) -> None:
         with self._changed:
@@ -243,7 +243,7 @@ class Board:
     def close(self) -> None:
         """Mark the latest snapshot as the last one, so that no reader waits for another."""
         with self._changed:
-            self._closed = True
+            self.closed = True
             self._changed.notify_all()
 
     def after(self, number: int, timeout: float) -> tuple[int, Snapshot | None]:
@@ -252,12 +252,8 @@ class Board:
         Return (`number`, None) if there is none after `timeout` seconds, or if the board is closed.
         """
         with self._changed:
-            self._changed.wait_for(lambda: self._number > number or self._closed, timeout)
+            self._changed.wait_for(lambda: self._number > number or self.closed, timeout)
             return (self._number, self._latest) if self._number > number else (number, None)
-
-    @property
-    def closed(self) -> bool:
-        return self._closed
 
 
 EVERY = 0.25  # seconds between two snapshots

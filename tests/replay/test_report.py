@@ -6,7 +6,7 @@ from fractions import Fraction
 
 import pytest
 
-from periph_sim.replay.compare import Comparison, Divergence, Happened, compare
+from periph_sim.replay.report import Comparison, Divergence, Happened, compare
 
 
 def happened(text: str, late: int = 0) -> list[Happened]:

@@ -62,7 +62,7 @@ def shipped_module(name: str) -> ModuleType:
 
 
 def module_of_file(path: Path) -> ModuleType:
-    """Import a firmware file and return its module. Files that it imports are also read again after edits."""
+    """Import a firmware file, and again the files that it imports, so that edits take effect. Return its module."""
     path = note_input(path).resolve()
     package = _packages.setdefault((path, get_ident()), f"{PREFIX}{next(_numbers)}")
     # `sys.modules` is copied, because other threads may import at the same time.
@@ -226,7 +226,7 @@ def _shipped_module(name: str) -> ModuleType:
 
 
 def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
-    """Return the firmware's Settings; None if it has none. Raise BadSetting with the name of a wrong setting."""
+    """Return the firmware's Settings with the given values; None if it has none. Raise BadSetting for a wrong one."""
     kind = firmware.settings
     if not (inspect.isclass(kind) and is_dataclass(kind)):
         for name in given:

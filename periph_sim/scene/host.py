@@ -1,7 +1,7 @@
 """The host of a case: the sender on RX, the values of its frames, and the true values of the sensor chips.
 
-    [host.motion], or a ramp --> values of frame n --> Host --> RX
-                                 '--> Truth at a tick, by the host's own clock
+    [host.motion], if given --> values of frame n --> Host --> RX
+                                '--> Truth at a tick, by the host's own clock
 
 Frames are scheduled by the clock of the host's computer, which is off by `ppm`. Its serial converter has a crystal of
 its own, so the bit rate is off by `error`.

@@ -48,7 +48,7 @@ __all__ = [
 
 
 def __getattr__(name: str) -> ModuleType:
-    """Import and return a part's module. It becomes an attribute of this module, so the next use is faster."""
+    """Import and return a part's module. It becomes an attribute of this module, so this is done once."""
     if name not in __all__:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     module = globals()[name] = import_module(f".{name}", __package__)

@@ -103,8 +103,7 @@ class Scene:
         self.kernel = Kernel(self.start)
         self.wires = self.WIRES(self.kernel, self.recorder)
         self.units: dict[str, Dsp] = {}
-        # No part of a scene refers to the scene itself, because the stack of waiting firmware refers to parts.
-        # The garbage collector does not see this stack, so it would never delete a scene to which parts refer.
+        # A part must not refer to the scene: waiting firmware refers to parts, so the scene would never be deleted.
         self._close = finalize(self, _let_go, self.recorder, self.units)
         self._close.atexit = False
         self.firmware: dict[str, Firmware] = {}  # by unit

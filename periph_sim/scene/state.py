@@ -234,7 +234,7 @@ def _identity(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _recorded(recorder: Recorder) -> Iterator[object]:
-    """Yield, for each kind, the subjects and things that are recorded, because the state of modules depends on them."""
+    """Yield, for each kind, whether it is recorded and for which subjects. The state of modules depends on them."""
     for kind in RECORDED:
         subjects = recorder.subjects(kind)
         yield kind.value, recorder.wants(kind), subjects if subjects is None else sorted(subjects)

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 
 class UartSide:
-    """The serial lines of a scene. host: the sender on RX, or None. serial: other parties, not yet on the wires."""
+    """The serial lines of a scene. host: the sender on RX, or None. serial: the parties of [serial]."""
 
     def __init__(
         self,

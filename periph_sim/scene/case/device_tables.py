@@ -30,7 +30,7 @@ class Strikes(Table, frozen=True, kw_only=True):
 
 
 class StretchTable(Strikes, frozen=True, kw_only=True):
-    """The bytes after which SCL is held low. A text in place of the table is the length after every byte."""
+    """Clock stretching: after which bytes, and how long. A text in place of the table is the length for all bytes."""
 
     length: DurationRange
 

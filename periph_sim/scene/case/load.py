@@ -168,7 +168,7 @@ def apply(tree: dict[str, object], change: str) -> Place:
 
 
 def _child(table: object, name: str, change: str) -> tuple[str | int, object]:
-    """Return the key or index of the named child, and the child. If a table is missing, add an empty one."""
+    """Return the key or index of the child `name` of a table or list, and the child. Add a missing child as a table."""
     if isinstance(table, list):
         number = _index(table, name, change)
         return number, _not_a_value(table[number], name, change)

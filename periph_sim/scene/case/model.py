@@ -91,7 +91,7 @@ class Controller(Table, frozen=True, kw_only=True):
     on_nack: Literal["go on", "give up"] = "go on"  # after a NACK of a data byte: the rest of the transfer, or a STOP
     stuck_after: Length = Fraction(25, 1000)
     clear_after: Length | None = None  # None: the bus is never cleared
-    beside_outside: bool = False  # False: an outside that drives SDA and SCL replaces it; True: both are on the bus
+    beside_outside: bool = False  # False: an outside party on SDA and SCL replaces it; True: both are on the bus
 
     def as_rounds(self) -> RoundsTable:
         """Return the requests as a table [rounds], for a case in which an outside party replaces this controller."""
@@ -307,7 +307,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def changes(self) -> tuple[str, ...]:
-        """The `key=value` texts that were applied to its file."""
+        """The `key=value` texts that were applied to the case's file."""
         return () if self._source is None else tuple(change for change, _ in self._source.changes)
 
     @property

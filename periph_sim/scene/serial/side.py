@@ -29,7 +29,7 @@ from .content import content_of, encoded, show_characters
 from .send_schedule import EventTrigger, Send, TextTrigger
 
 WHO = "serial"  # name of the outside party that drives a line
-IDLE_BITS = 11  # number of idle bits before a block in idle-line mode: ten, and one because clocks differ
+IDLE_BITS = 11  # number of idle bits before a block in idle-line mode: ten, plus one because clocks differ
 OFF = Fraction(5, 100)  # share by which an SCI may send faster than the nominal rate
 
 Entry = SendTable | ExpectTable

@@ -2,7 +2,7 @@
 
     frame --ChipModel.run--> Shown --data--> bytes, by address
 
-The models that firmware can use are subclasses of `ChipModel`; they compute what a controller should read.
+The models that firmware can use are subclasses of `ChipModel`. They compute the bytes that a controller should read.
 """
 
 # core: compiled
@@ -14,12 +14,13 @@ from typing import Any, final
 
 @final
 class Shown:
-    """The register bytes of the chips after one run of a model; those of a chip are computed on first use.
+    """The register bytes of the chips after one run of a model. The bytes of a chip are computed when they are first
+    used.
 
     state: the state of the model for the next run.
     inputs: the data from which the model computes the bytes.
     overflows: the number of intermediate results so far that did not fit the arithmetic.
-    model: None before the first run, with zeros in all chips.
+    model: the model; None before the first run, when all bytes are 0.
     """
 
     def __init__(self, model: ChipModel | None, state: Any, inputs: Any, overflows: int = 0) -> None:
@@ -38,23 +39,24 @@ class Shown:
         return known
 
 
-BYTES = 6  # that a chip shows before the first run
+BYTES = 6  # number of register bytes of a chip before the first run
 
 
 class ChipModel:
     """Base of the models by which firmware computes the register bytes of chips.
 
     addresses: the addresses of these chips.
-    at_rest: the output before the first run, with zeros in all chips.
+    at_rest: the result before the first run, in which all bytes are 0.
     """
 
     addresses: frozenset[int]
     at_rest: Shown
 
     def run(self, number: int, values: tuple[int, ...] | None, before: Shown) -> Shown:
-        """Return the result of run `number`, from 0, for the values of a frame.
+        """Return the result of a run of the model for the values of a frame.
 
-        values: None before the first frame; such a run has no effect on the next one.
+        number: the number of the run, from 0.
+        values: the values; None before the first frame. A run without values has no effect on the next one.
         before: the result of the last run.
         """
         raise NotImplementedError

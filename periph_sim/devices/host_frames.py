@@ -1,4 +1,4 @@
-"""Interface of the module that defines the frames of a [host]: values, bytes, and what chips show of them."""
+"""Interface of the Python module that defines the frames of a [host]: values, bytes, and what chips show of them."""
 
 from __future__ import annotations
 
@@ -21,7 +21,10 @@ class FrameEncoding(Protocol):
 
 
 class FrameSource(Protocol):
-    """The values of a motion's frames by number. beyond: how often each value was beyond its range."""
+    """The values of the frames of a motion: call it with the number of a frame.
+
+    beyond: number of times that each value was outside its range.
+    """
 
     @property
     def motion(self) -> Any: ...
@@ -33,7 +36,7 @@ class FrameSource(Protocol):
 
 
 class HostFrames(Protocol):
-    """The module that defines the frames of a [host].
+    """The Python module that defines the frames of a [host].
 
     FRAME_BYTES: the length of a frame.
     PARTS: the values of a frame by name, each as x, y and z.
@@ -51,13 +54,13 @@ class HostFrames(Protocol):
         """Return the dataclass of each kind of [host.motion]."""
 
     def encoding_of(self, given: dict[str, object]) -> FrameEncoding:
-        """Return the encoding of the frames. Raise BadSetting, naming the setting, if one is wrong."""
+        """Return the encoding of the frames. Raise BadSetting with the name of the setting if one is wrong."""
 
     def frames_of(self, given: dict[str, object], encoding: Any, first: Fraction, period: Fraction) -> FrameSource:
-        """Return the frames of the motion in `given`. Raise BadSetting, naming the setting, if one is wrong."""
+        """Return the frames of the motion in `given`. Raise BadSetting with the name of the setting if one is wrong."""
 
     def ramp(self, number: int) -> tuple[int, ...]:
-        """Return the values of a frame without a motion."""
+        """Return the values of a frame if the host has no motion."""
 
     def encode(self, values: tuple[int, ...], byte_order: ByteOrder = "little") -> bytes:
         """Return the bytes of a frame. Raise OverflowError if a value does not fit."""
@@ -66,12 +69,12 @@ class HostFrames(Protocol):
         """Return the values of a frame from its bytes, low byte first."""
 
     def shown(self, values: Sequence[T]) -> Mapping[str, Sequence[T]]:
-        """Return by chip what it shows of the values of a frame without a model: x, y, z."""
+        """Return, by chip, which values of a frame the chip shows as x, y, z if firmware computes no model."""
 
     def data(self, address: int, values: tuple[int, ...]) -> bytes:
-        """Return the register bytes of the chip with this address while it shows the values of a frame."""
+        """Return the register bytes of the chip with this address when it shows the values of a frame."""
 
 
 def host_frames() -> HostFrames:
-    """Return the module."""
+    """Return the Python module that defines the frames of the host."""
     return cast(HostFrames, registered("host frames"))

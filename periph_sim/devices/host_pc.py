@@ -1,4 +1,4 @@
-"""The host: sends frames over a UART, one every period.
+"""The host: sends frames over a UART, normally one every period.
 
 schedule --> values of frame n --> bytes --> UartSender
 """
@@ -21,7 +21,7 @@ from ..core.agent import Agent
 from ..core.kernel import Kernel
 from ..core.state import State
 
-# Purposes of events.
+# Tags of events: a new frame begins, or a frame is sent again.
 FRAME, FRAME_AGAIN = range(2)
 
 
@@ -29,11 +29,18 @@ PacedBy = Literal["schedule", "pause"]
 
 
 class HostSchedule(msgspec.Struct, frozen=True):
-    """first, period, jitter in ticks, the period exact; gap in bits between bytes. lose: (frame, byte) pairs not sent.
+    """When the host sends frames. Times are in ticks.
 
-    paced_by: frame n is due n periods after the first; or, as in a loop with a pause, a period after the begin of the
-    frame before, so that its lateness adds up. silent: spans of ticks, ends excluded, in which no frame begins. twice:
-    frames that are sent again as soon as they are over.
+    first: the time from the begin of the run to the first frame.
+    period: the exact period of the frames.
+    jitter: the maximum delay of a frame, uniformly distributed.
+    gap: the pause between bytes, in bits.
+    lose: pairs (frame, byte) that are not sent.
+    frames: number of frames; None for no end.
+    paced_by: with "schedule", frame n is due n periods after the first one. With "pause", as in a loop with a pause, a
+    frame is due one period after the begin of the previous frame, so that delays add up.
+    silent: spans (begin, end) in which no frame begins, without the end.
+    twice: numbers of the frames that are sent again as soon as they are over.
     """
 
     first: int
@@ -50,7 +57,8 @@ class HostSchedule(msgspec.Struct, frozen=True):
 class Host(Agent):
     """The party that sends the frames of a schedule.
 
-    sent: called with (number, values, end of the last stop bit) after each frame, twice for one that is sent twice.
+    sent: functions called with (number, values, end of the last stop bit) after each frame. A frame that is sent twice
+    calls them twice.
     """
 
     STATE = State("_peer _number _sending _again _once_more _random", ticks="_due_next _due")
@@ -67,11 +75,11 @@ class Host(Agent):
         encode: Callable[[tuple[int, ...]], bytes],
         seed: int = 0,
     ) -> None:
-        """values: of a frame, by its number. encode: returns the bytes of these values."""
+        """values: returns the values of a frame, by its number. encode: returns the bytes of these values."""
         self.who = peer.who
         self.frames = 0
         self.bytes = 0
-        self.late = 0  # frames that were due while the one before was still being sent
+        self.late = 0  # number of frames that were due while the previous one was still being sent
         self.sent: list[Callable[[int, tuple[int, ...], int], None]] = []
         self._kernel = kernel
         self._peer = peer
@@ -84,7 +92,8 @@ class Host(Agent):
         self._pause = int(self._period // 1)
         self._by_schedule = schedule.paced_by == "schedule"
         self._number = 0
-        self._due: array[int] = array("q", [self._first])  # by frame, if paced by a pause
+        # with paced_by = "pause": the tick at which each frame was due; else only the first
+        self._due: array[int] = array("q", [self._first])
         self._plan(self._first)
 
     def act(self, tag: int) -> None:
@@ -95,15 +104,15 @@ class Host(Agent):
             self._send(number, values, data, False)
 
     def due(self, number: int) -> int:
-        """Return the tick at which a frame was due, before jitter; if paced by a pause, the frame must have begun."""
+        """Return the tick at which a frame is due, without jitter. If frames are paced by a pause, it must have begun."""
         if self._by_schedule:
             return self._first + number * self._period.numerator // self._period.denominator
         return self._due[number]
 
     def frame_at(self, tick: int) -> Fraction:
-        """Return the number of the frame that is due at a past tick, as a fraction between two frames.
+        """Return the number of the frame that is due at a past tick, with a fraction for ticks between two frames.
 
-        It is negative before the first frame. The next frame is assumed due a whole period after the last one.
+        It is negative before the first frame. The next frame is assumed to be due one period after the last one.
         """
         period = self._period
         if self._by_schedule or tick < self._first:

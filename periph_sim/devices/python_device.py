@@ -1,4 +1,4 @@
-"""A user's own device on the bus: a `Target` around an object with hooks, which is given a `DeviceBus`.
+"""A user's own device on the bus: a `Target` around an object with hooks, to which a `DeviceBus` is passed.
 
     class Device:                        a file beside the case, named by `model = "my_device.py"`
         def __init__(self, bus): ...     bus: a `DeviceBus`; (self, bus, settings) with a dataclass Settings in the file
@@ -7,7 +7,7 @@
         def on_read(self): ...           return the byte to send
         def on_stop(self): ...           STOP, or the START that ends the transfer
 
-Only on_write or on_read is mandatory. A wrong value that a hook returns is reported with the hook's place.
+Only on_write or on_read is mandatory. If a hook returns a wrong value, the error message names the hook's place.
 """
 
 from __future__ import annotations
@@ -24,9 +24,10 @@ from .targets import PlainReply, TargetContext
 
 
 class DevicePin:
-    """A wire of the case that the device reads, and drives with an open drain.
+    """A wire of the case that the device reads and drives with an open drain.
 
-    The device is a party on the wire, so no byte or frame is skipped there, and the level is the present one.
+    The device is a party on the wire. Therefore no byte or frame is skipped on it, and `level` is always the present
+    level.
     """
 
     def __init__(self, wire: Wire, who: str) -> None:
@@ -47,7 +48,7 @@ class DevicePin:
 class DeviceBus:
     """The environment of the device: time, the clock line, pins, notes and random numbers.
 
-    random: its own generator, equal in every run of one case.
+    random: the device's own generator, with equal numbers in every run of one case.
     """
 
     def __init__(self, place: TargetContext, per_second: int, guard: UserCode) -> None:
@@ -58,11 +59,11 @@ class DeviceBus:
 
     @property
     def now(self) -> Fraction:
-        """Seconds since the run began, exact."""
+        """Exact time in seconds since the run began."""
         return Fraction(self._place.kernel.now - self._place.start, self._per_second)
 
     def stretch(self, length: str) -> None:
-        """Hold SCL low for a length such as "20 us". When a hook is called SCL has just fallen."""
+        """Hold SCL low for a length such as "20 us". SCL has just fallen when a hook is called."""
         self._place.hold_clock(self._ticks(length))
 
     def after(self, length: str, callback: Callable[[], None]) -> None:
@@ -75,14 +76,14 @@ class DeviceBus:
         kernel.call_at(kernel.now + self._ticks(length), call)
 
     def pin(self, name: str) -> DevicePin:
-        """A pin of this device on a wire that a unit's `pins` name."""
+        """Return a pin of this device on a wire that is named in a unit's `pins`."""
         try:
             return DevicePin(self._place.wire(name), self._place.who)
         except ValueError as error:
             raise Misuse(str(error)) from None
 
     def note(self, text: str) -> None:
-        """Show a sentence among the notes of the run."""
+        """Add a sentence to the notes of the run."""
         self._place.note(Note("device", str(text), self._place.who))
 
     def _ticks(self, length: str) -> int:
@@ -92,14 +93,15 @@ class DeviceBus:
             raise Misuse(str(error)) from None
 
 
-HOOKS = {"on_address": 1, "on_write": 1, "on_read": 0, "on_stop": 0}  # and their arguments
-NEEDED = ("on_write", "on_read")  # at least one of them
+HOOKS = {"on_address": 1, "on_write": 1, "on_read": 0, "on_stop": 0}  # number of arguments of each hook
+NEEDED = ("on_write", "on_read")  # at least one of these hooks must exist
 
 
 class PythonTarget(PlainReply):
-    """A device that a Python object of the user emulates. It is its own reply.
+    """A device that a Python object of the user emulates. `answer` returns this object itself as the reply.
 
-    guard: calls the object's hooks. make: builds the object, and builds it again when power returns.
+    guard: calls the object's hooks.
+    make: builds the object; called again when power returns.
     """
 
     def __init__(self, guard: UserCode, address: int, make: Callable[[], object]) -> None:
@@ -136,7 +138,7 @@ class PythonTarget(PlainReply):
             self._call("on_stop")
 
     def _acked(self, name: str, argument: object) -> bool:
-        """Call a hook. False means NACK; True, or None, ACK."""
+        """Call a hook and return whether its result means ACK: True or None. False means NACK."""
         value = self._call(name, argument)
         if value is not None and not isinstance(value, bool):
             raise self._wrong(name, value, "True or False")

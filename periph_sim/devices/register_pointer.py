@@ -3,8 +3,8 @@
     START, address+W --> pointer, data, data ... --> write(pointer), pointer advances
     START, address+R --> read(pointer), pointer advances
 
-The first byte of a write sets the pointer, which survives STOP and repeated START. The chip decides if it acknowledges
-its address, and where the pointer goes next. Every written byte is acknowledged.
+The first byte of a write sets the pointer, which survives STOP and repeated START. The chip decides whether it
+acknowledges its address, and to which register the pointer advances. Every written byte is acknowledged.
 
 Source: data sheets of ADXL345, ITG-3200, HMC5883L, sections on the I2C interface.
 """
@@ -19,7 +19,11 @@ from .targets import PlainReply
 
 
 class RegisterPointer(PlainReply):
-    """The target, and its own reply. now: returns the time in ticks. touched: called after each access."""
+    """The target of a chip. `answer` returns this object itself as the reply.
+
+    now: returns the time in ticks.
+    touched: called after each access.
+    """
 
     STATE = State("chip _number _used")
 
@@ -27,8 +31,8 @@ class RegisterPointer(PlainReply):
         self.chip = chip
         self._now = now
         self._touched = touched
-        self._number = 0  # the pointer as set, or at the last access
-        self._used = False  # after an access, so the pointer has advanced
+        self._number = 0  # the pointer as it was set, or the register of the last access
+        self._used = False  # the register `_number` was accessed, so the pointer has advanced
 
     @property
     def pointer(self) -> int:
@@ -36,7 +40,7 @@ class RegisterPointer(PlainReply):
         return self.chip.following(self._number) if self._used else self._number
 
     def answer(self, address_byte: int) -> RegisterPointer | None:
-        """Return self if the chip is addressed and acknowledges; else None."""
+        """Return this object if the chip is addressed and acknowledges; else None."""
         if address_byte >> 1 != self.chip.address or not self.chip.begin(self._now()):
             return None
         return self

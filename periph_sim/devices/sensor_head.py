@@ -2,11 +2,11 @@
 
     start-up requests, schedule --> rounds of requests --> I2cController --> transfers --> values, checks, reports
 
-A round is due every period. A request is a register pointer, written with a STOP after it
-or with a repeated START, and the read of `count` bytes. A round that cannot begin when it
-is due, since the one before still runs, is missed.
+A round is due every period. A request is a register pointer, written with a STOP or a repeated START after it, and the
+read of `count` bytes. If the previous round is still running when a round is due, the new round is missed.
 
-Before the first round it may set up its chips like their drivers: read identifications, write rates, ranges and modes.
+Before the first round the sensor head can set up its chips as their drivers do: read identifications, and write rates,
+ranges and modes.
 
 Source: the dissertation's section 3.4.2 and Figure A.2 (order, period).
 """
@@ -26,15 +26,17 @@ from ..core.kernel import Kernel
 from ..core.state import State
 from .sensor_rounds import Request, Round, Schedule
 
-# Purposes of events: the chips are set up, a round is due, the next transfer begins.
+# Tags of events: the chips are set up, a round is due, the next transfer begins.
 SET_UP, ROUND, NEXT = range(3)
 
 
 class SensorHead(Agent):
     """The controller's program: a start-up, then rounds of requests.
 
-    on_transfer, on_round: called at the end of each. on_due, on_missed: called with the time at which a
-    round is due, before it begins or because it cannot begin.
+    on_transfer: functions called at the end of each transfer.
+    on_round: functions called at the end of each round.
+    on_due: functions called with the time at which a round is due.
+    on_missed: functions called with the time at which a missed round was due.
     """
 
     STATE = State("_number _round _left _random", ticks="_due")
@@ -53,7 +55,7 @@ class SensorHead(Agent):
         self.who = controller.who
         self.controller = controller
         self.missed = 0
-        self.rounds = 0  # completed
+        self.rounds = 0  # number of completed rounds
         self.on_transfer: list[Callable[[Transfer], None]] = []
         self.on_round: list[Callable[[Round], None]] = []
         self.on_due: list[Callable[[int], None]] = []
@@ -75,7 +77,7 @@ class SensorHead(Agent):
 
     @property
     def at_rest(self) -> bool:
-        """Return True while no round is under way."""
+        """True while no round is in progress."""
         return self._round is None
 
     def act(self, tag: int) -> None:
@@ -90,12 +92,12 @@ class SensorHead(Agent):
         schedule = self.schedule
         if schedule.rounds is None or self._number < schedule.rounds:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0
-            # when the next round is due
+            # The tick at which the next round is due.
             self._due: int = self._first + self._number * self._period.numerator // self._period.denominator
             self._kernel.schedule(self._due + late, self, ROUND)
 
     def _set_up(self) -> None:
-        """Set up the chips in an uncounted round; a round due meanwhile is missed."""
+        """Set up the chips in a round that is not counted. A round that is due meanwhile is missed."""
         self._round = Round(0, self._kernel.now, self._kernel.now)
         self._left = [t for request in self._startup for t in request.transfers(self._by_stop)]
         self._next()

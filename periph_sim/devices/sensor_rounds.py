@@ -1,4 +1,4 @@
-"""The requests of a sensor head, the registers of a sensor that it knows, its schedule, and the result of a round."""
+"""Data of a sensor head: its requests, the sensors that it knows, its schedule, and the result of a round."""
 
 from __future__ import annotations
 
@@ -17,9 +17,13 @@ BIG, LITTLE = struct.Struct(">3h"), struct.Struct("<3h")
 
 
 class Request(Struct, frozen=True):
-    """One read or write of a round. pointer None: no pointer is written. write: bytes after the pointer.
+    """One read or write of a round. If it has no pointer, no data to write and no count, it is only an address.
 
-    Without pointer, write and count it is an address alone, to see if it is acknowledged.
+    name: its name in records.
+    pointer: the register pointer that is written first; None to write none.
+    write: bytes that are written after the pointer.
+    count: number of bytes that are read.
+    expect: the bytes that the read should return; None to accept any.
     """
 
     name: str
@@ -30,7 +34,9 @@ class Request(Struct, frozen=True):
     expect: bytes | None = None
 
     def transfers(self, by_stop: bool) -> list[Transfer]:
-        """Return its transfers: one with a repeated START, or two."""
+        """Return the transfers of the request: one with a repeated START or, with `by_stop`, one for the write and one
+        for the read.
+        """
         head = b"" if self.pointer is None else bytes([self.pointer])
         phases: list[Phase] = []
         if head or self.write or not self.count:
@@ -43,11 +49,15 @@ class Request(Struct, frozen=True):
 
 
 class ChipData(Struct, frozen=True):
-    """The registers of a sensor's values, and its driver.
+    """The data registers of a sensor, and the requests of its driver.
 
-    count: bytes of a read. big: the high byte comes first. lsb_per_unit: the number of LSB in one `unit` after
-    `startup`. order: the axes in the order of their registers. overflow: the code for an invalid value. startup:
-    requests that set the chip up before the first round.
+    pointer: the first data register.
+    big: the high byte comes first.
+    lsb_per_unit: the number of LSB in one `unit` after `startup`.
+    count: number of bytes of a read.
+    order: the axes in the order of their registers.
+    overflow: the code for an invalid value.
+    startup: requests that set up the chip before the first round.
     """
 
     address: int
@@ -61,13 +71,17 @@ class ChipData(Struct, frozen=True):
     startup: tuple[Request, ...] = ()
 
     def values(self, data: bytes) -> tuple[int, ...]:
-        """Return the values x, y, z of six bytes read, signed 16-bit."""
+        """Return x, y, z from six bytes that were read, each a signed 16-bit value."""
         words = [int.from_bytes(data[i : i + 2], "big" if self.big else "little", signed=True) for i in (0, 2, 4)]
         return tuple(words[self.order.index(axis)] for axis in range(3))
 
 
 def driver(name: str, address: int, who: tuple[int, str], writes: tuple[tuple[int, int], ...]) -> tuple[Request, ...]:
-    """Return a driver's start-up: read the identification (register, expected bytes), then write the registers."""
+    """Return the start-up requests of a driver: a read of the identification, then writes of registers.
+
+    who: the identification register, and its expected bytes in hexadecimal.
+    writes: pairs of a register and its value.
+    """
     pointer, right = who[0], bytes.fromhex(who[1])
     identify = Request(f"{name} identification", address, pointer, len(right), expect=right)
     return (identify, *(Request(f"{name} set-up", address, to, 0, bytes([value])) for to, value in writes))
@@ -83,26 +97,39 @@ def register_bytes(chip: ChipData, xyz: Sequence[Any]) -> bytes:
 
 
 def known_sensors() -> Mapping[str, ChipData]:
-    """Return the registered sensors by the names that `order` of a case may give."""
+    """Return the registered sensors, by the names that a case can use in `order`."""
     return cast(Mapping[str, ChipData], registered("sensors").SENSORS)
 
 
 class Schedule(Struct, frozen=True):
-    """Times in ticks, the period exact. jitter: maximum delay of each round, uniformly distributed.
+    """When a sensor head begins rounds. Times are in ticks.
 
-    ahead: time before `first` at which the chips are set up, if they are.
+    first: the time from the begin of the run to the first round.
+    period: the exact period of the rounds.
+    gap: the pause between two transfers of a round, in addition to the bus-free time.
+    jitter: the maximum delay of each round, uniformly distributed.
+    rounds: number of rounds; None for no end.
+    ahead: the time before `first` at which the chips are set up, if there are start-up requests.
     """
 
     first: int
     period: Fraction | int
-    gap: int  # between two transfers of a round, on top of the bus-free time
+    gap: int  # between two transfers of a round, in addition to the bus-free time
     jitter: int = 0
-    rounds: int | None = None  # None: until the end of the run
+    rounds: int | None = None  # None: no end
     ahead: int = 0
 
 
 class Round(Struct):
-    """The result of one round. number: from 1; the start-up is 0. due: the scheduled begin; end: the last STOP."""
+    """The result of one round.
+
+    number: from 1; 0 for the start-up.
+    due: the tick at which the round was due.
+    start: the tick at which it began.
+    end: the tick of its last STOP.
+    nacked: number of transfers that were not acknowledged.
+    transfers: number of transfers.
+    """
 
     STATE = State("number nacked transfers", ticks="due start end")
 
@@ -110,5 +137,5 @@ class Round(Struct):
     due: int
     start: int
     end: int = 0
-    nacked: int = 0  # requests whose address was not acknowledged
+    nacked: int = 0  # number of transfers that were not acknowledged
     transfers: int = 0

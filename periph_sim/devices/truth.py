@@ -4,7 +4,7 @@
     model of the firmware, motion -------------> Truth
 
 Times are seconds from the instant at which the host's first frame is due. If the chips show the values of frames, the
-truth is the line between them; else the model of the firmware says it (`scene.unit.FirmwareModel`).
+truth is a straight line between frames. Otherwise the model of the firmware computes it (`scene.unit.FirmwareModel`).
 """
 
 from __future__ import annotations
@@ -17,21 +17,23 @@ from typing import Protocol
 Axes = Sequence[Fraction | float]
 Shown = Callable[[Sequence[Fraction]], Mapping[str, Axes]]
 
-WORD = 1 << 16  # values are 16-bit words: 32767 is followed by -32768
+WORD = 1 << 16  # number of values of a 16-bit word, in which -32768 follows 32767
 
 
 class Truth(Protocol):
     """The true values, independent of the firmware."""
 
     def at(self, seconds: Fraction) -> Mapping[str, Axes]:
-        """Return by chip x, y, z in LSB at this time after the first frame was due; negative before."""
+        """Return x, y, z in LSB by chip. seconds: time since the first frame was due; negative before."""
 
 
 class LineBetweenFrames:
-    """The straight line from each frame's values to the next one's; before the first frame, that one's values.
+    """The straight line from each frame's values to the next frame's; before the first frame, the values of that frame.
 
-    frame: number -> values. period: seconds from one frame to the next. shown: by chip, what it shows of these values.
-    A value beyond one end of 16 bits continues at the other one.
+    frame: returns the values of a frame, by its number.
+    period: seconds from one frame to the next.
+    shown: returns, by chip, what the chip shows of these values.
+    A line takes the shorter way from value to value, so it may pass from 32767 to -32768.
     """
 
     def __init__(self, frame: Callable[[int], tuple[int, ...]], period: Fraction, shown: Shown) -> None:
@@ -48,5 +50,5 @@ class LineBetweenFrames:
 
 
 def distance(a: Fraction | float, b: Fraction | float) -> Fraction:
-    """Return a - b, by the shorter way around a 16-bit word."""
+    """Return a - b modulo 2**16, as the value nearest to 0: from -32768 to below 32768."""
     return (Fraction(a) - Fraction(b) + WORD // 2) % WORD - WORD // 2

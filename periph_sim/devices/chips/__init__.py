@@ -1,6 +1,7 @@
 """Models of sensor chips, independent of kernel, wires and files.
 
-One file of this folder that has CHIP, the class of its chip, is one `model` of [chip.NAME], found by its presence.
+Each file of this folder that defines CHIP, the class of a chip, is one `model` of [chip.NAME]. The files are found
+automatically.
 """
 
 from __future__ import annotations

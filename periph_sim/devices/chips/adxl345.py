@@ -2,9 +2,12 @@
 
     Source (g) --output rate--> offset, range, format --> Fifo --> DATAX0 to DATAZ1, INT_SOURCE, FIFO_STATUS
 
-Not modelled: detection of tap, activity, inactivity and free fall, AUTO_SLEEP, the self-test force, the filter (a
-sample is the source's value at that instant), the INT pins and with them the event of trigger mode, the 5 us between
-two reads of the FIFO, which I2C up to 400 kHz always keeps. Enabling an event that is not detected leaves a note.
+Not modelled:
+- detection of tap, activity, inactivity and free fall; a note is added when one of these events is enabled
+- AUTO_SLEEP and the self-test force
+- the filter: a sample is the source's value at that instant
+- the INT pins, and with them the event of trigger mode
+- the 5 us between two reads of the FIFO, which I2C up to 400 kHz always keeps
 
 Source: ADXL345 data sheet Rev 0, register map, FIFO section and the sections named at the methods.
 """
@@ -99,10 +102,10 @@ MAP = RegisterMap(
 
 
 DEPTH = 32
-HELD = DEPTH + 1  # including the one at the output of the filter
+HELD = DEPTH + 1  # maximum number of samples held: those of the FIFO and one at the output of the filter
 
 
-BYPASS, FIFO = 0, 1  # values of FIFO_CTL.Mode; 2, stream, and 3, trigger, drop the oldest samples
+BYPASS, FIFO = 0, 1  # values of FIFO_CTL.Mode; modes 2 (stream) and 3 (trigger) drop the oldest samples
 
 
 class Fifo:
@@ -112,6 +115,8 @@ class Fifo:
                --> FIFO, stream, trigger: 32 samples and one more at the output of the filter --> output register
 
     output: the six bytes of the data registers.
+    mode: FIFO_CTL.Mode.
+    samples: FIFO_CTL.Samples, the watermark.
     """
 
     STATE = State("output mode samples overrun _unread _waiting")
@@ -119,9 +124,9 @@ class Fifo:
     def __init__(self, overrun_when_filled: bool) -> None:
         self.output = bytes(6)
         self.mode = BYPASS
-        self.samples = 0  # of FIFO_CTL: the watermark
+        self.samples = 0  # FIFO_CTL.Samples, the watermark
         self.overrun = False
-        self._unread = False  # True if the output register is unread, in bypass
+        self._unread = False  # in bypass mode: the output register is unread
         self._waiting: deque[bytes] = deque()
         self._overrun_when_filled = overrun_when_filled
 
@@ -135,7 +140,7 @@ class Fifo:
 
     @property
     def watermark(self) -> bool:
-        """True if FIFO_CTL's number of entries is reached; at power-on 0 of 0, hence INT_SOURCE reads 0x02."""
+        """True if the FIFO has the number of entries in FIFO_CTL. At power-on both are 0, so INT_SOURCE reads 0x02."""
         return self.entries >= self.samples
 
     def set_up(self, mode: int, samples: int) -> None:
@@ -160,17 +165,17 @@ class Fifo:
         self.overrun |= len(self._waiting) >= DEPTH if self._overrun_when_filled else lost
 
     def latch(self) -> bytes:
-        """Return the sample for a burst of reads; it counts as read, whole or not."""
+        """Return the sample for a burst of reads. It counts as read even if the burst does not read all of it."""
         if self._waiting:
             self.output = self._waiting.popleft()
         self._unread = self.overrun = False
         return self.output
 
 
-ADDRESSES = (0x53, 0x1D)  # SDO/ALT ADDRESS low, high
+ADDRESSES = (0x53, 0x1D)  # with the pin SDO/ALT ADDRESS low, high
 LSB_PER_G = 256
 OFFSETS_PER_G = 64  # 15.6 mg/LSB
-TURN_ON = Fraction(11, 10_000)  # in addition to one period
+TURN_ON = Fraction(11, 10_000)  # seconds from the start to the first sample, in addition to one period
 LAST = 0x39
 UNMODELLED = 0x7C  # events of INT_ENABLE: taps, activity, inactivity, free fall
 
@@ -208,9 +213,9 @@ class Adxl345(RegisterChip):
         super().__init__(timebase, source, address, powered, ready=Fraction(0))
         self.options = options or Adxl345Options()
         self.fifo = Fifo(self.options.overrun_in_fifo.unrecorded() == "when_filled")
-        self._clock: Clock | None = None  # clock of samples; None in standby and sleep
-        self._taken = 0  # samples of that clock
-        self._latched: bytes | None = None  # the sample that this burst reads
+        self._clock: Clock | None = None  # clock of the samples; None in standby and sleep
+        self._taken = 0  # number of samples of `_clock` that were taken
+        self._latched: bytes | None = None  # the sample that the present burst reads
 
     @property
     def rate(self) -> Fraction:
@@ -242,14 +247,14 @@ class Adxl345(RegisterChip):
         due = self._clock.cycle_after(now)
         new = range(self._taken, due)
         self._taken = max(due, self._taken)
-        most = 2 * 33  # more samples have no effect except on the overrun
+        most = 2 * 33  # more samples only affect the overrun
         if len(new) > most:
             new = new[:most] if self.fifo.mode == FIFO else new[-most:]
         for number in new:
             self.fifo.push(self.formatted(self.source(self._clock.tick(number))))
 
     def formatted(self, g: Sequence[float | Fraction]) -> bytes:
-        """Return the data bytes of accelerations in g, with the offsets, resolution and justification that are set."""
+        """Return the data bytes of accelerations in g, with the offsets, resolution and justification in the registers."""
         span = self.get("DATA_FORMAT", "Range")
         bits = 10 + span if self.get("DATA_FORMAT", "FULL_RES") else 10
         scale = self.lsb_per_unit
@@ -304,7 +309,9 @@ class Adxl345(RegisterChip):
             self.note("unknown", "SELF_TEST is set; this model adds no force", f"{SHEET} DATA_FORMAT")
 
     def _start(self, now: int) -> None:
-        """Restart after a change of Measure or Sleep: the first sample, if any, comes a period and 1.1 ms later."""
+        """Restart after a change of Measure or Sleep. When measuring, the first sample comes one period and 1.1 ms
+        later.
+        """
         self._clock, self._taken = None, 0
         if self.get("POWER_CTL", "Measure") and not self.get("POWER_CTL", "Sleep"):
             self._clock = self.beats(self.after(now, 1 / self.rate + TURN_ON), self.rate)

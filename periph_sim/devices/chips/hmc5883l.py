@@ -2,9 +2,9 @@
 
     Source (gauss) --single or at the output rate--> average, bias, gain, overflow --> DXRA to DYRB (x, z, y), Status
 
-The instants of samples that are averaged are not documented: here they are evenly spaced over the output
-period, or over the 6 ms of a single measurement, the last one at its end. Not modelled: the 3.4 MHz mode, the
-DRDY pin (RDY with a pulse of 250 us).
+The instants of the samples that are averaged are not documented. Here they are evenly spaced over the output period, or
+over the 6 ms of a single measurement, with the last sample at the end. The 3.4 MHz mode and the DRDY pin (RDY with a
+pulse of 250 us) are not modelled.
 
 Source: Honeywell HMC5883L data sheet, sections named at the methods.
 """
@@ -21,7 +21,8 @@ from .register_chip import RegisterChip, Source, byte_register, nearest
 
 SHEET = "HMC5883L data sheet"
 MAP_SECTION = f"{SHEET}, register list"
-DATA = ("DXRA", "DXRB", "DZRA", "DZRB", "DYRA", "DYRB")  # in this order: x, z, y, high byte first
+# order of the registers: x, z, y, each with the high byte first
+DATA = ("DXRA", "DXRB", "DZRA", "DZRB", "DYRA", "DYRB")
 
 MAP = RegisterMap(
     "HMC5883L",
@@ -41,13 +42,14 @@ MAP = RegisterMap(
 
 ADDRESSES = (0x1E,)
 LSB_PER_GAUSS = (1370, 1090, 820, 660, 440, 390, 330, 230)  # by GN
-RATES = tuple(Fraction(rate) for rate in ("0.75", "1.5", "3", "7.5", "15", "30", "75", "75"))  # by DO; 7 is reserved
+# in Hz by DO; 7 is reserved
+RATES = tuple(Fraction(rate) for rate in ("0.75", "1.5", "3", "7.5", "15", "30", "75", "75"))
 LEAST, MOST, OVERFLOW = -2048, 2047, -4096
 BIAS = (Fraction("1.16"), Fraction("1.16"), Fraction("1.08"))  # gauss on x, y, z: self-test
 BUS_READY = Fraction(200, 10**6)
 ANALOG_READY = Fraction(50, 1000)
 SINGLE = Fraction(6, 1000)
-WRITING = Fraction(250, 10**6)  # the time for which RDY is low when data are placed
+WRITING = Fraction(250, 10**6)  # seconds for which RDY is low when data are placed in the registers
 CONTINUOUS, ONE = 0, 1  # values of Mode.MD
 
 
@@ -60,7 +62,7 @@ class Hmc5883lOptions(Answers):
 
 
 class Hmc5883l(RegisterChip):
-    """The chip's registers; `RegisterPointer` connects it to a bus. Invalid registers read 0."""
+    """The chip's registers; `RegisterPointer` connects it to a bus. Registers that do not exist read 0."""
 
     STATE = State("_clock _taken _to_read _gains _unread _mode_is_power_ons _idle_by_itself", ticks="_placed _analog")
     MAP = MAP
@@ -79,12 +81,13 @@ class Hmc5883l(RegisterChip):
         super().__init__(timebase, source, address, powered, BUS_READY)
         self.options = options or Hmc5883lOptions()
         self._analog = self.after(powered, ANALOG_READY)
-        self._clock: Clock | None = None  # clock of the ends of measurements
+        self._clock: Clock | None = None  # clock of the ends of measurements; None in idle mode
         self._taken = 0
-        self._placed = powered  # tick at which data were last placed
+        self._placed = powered  # tick at which data were last placed in the registers
         self._unread = False
-        self._to_read: set[str] = set(DATA)  # unread registers of the present data
-        self._gains = [self.get("CRB", "GN")]  # for the next measurement and the ones after it
+        self._to_read: set[str] = set(DATA)  # names of the data registers that have not been read since then
+        # values of GN for the next measurement and, if there are two, for the later ones
+        self._gains = [self.get("CRB", "GN")]
         self._mode_is_power_ons = True
         self._idle_by_itself = False
         if self.options.power_on_measures.unrecorded():
@@ -96,17 +99,17 @@ class Hmc5883l(RegisterChip):
 
     @property
     def lsb_per_unit(self) -> Fraction:
-        """Return the number of LSB in one gauss with the present GN."""
+        """Number of LSB in one gauss with the present GN."""
         return Fraction(LSB_PER_GAUSS[self.get("CRB", "GN")])
 
     def following(self, number: int) -> int:
-        """Return the next register: after 0x08 it is 0x03, after 0x0C 0x00."""
+        """Return the next register: 0x03 after 0x08, and 0x00 after 0x0C."""
         return {0x08: 0x03, 0x0C: 0x00}.get(number, super().following(number))
 
     # Measurements -------------------------------------------------------------------
 
     def _start(self, now: int) -> None:
-        """Restart after a write of Mode, or of CRA in continuous mode: a measurement is aborted (section on modes)."""
+        """Restart after a write of Mode, or of CRA in continuous mode. A measurement is aborted (section on modes)."""
         self._clock, self._taken = None, 0
         begin = max(now, self._analog)
         mode = self.get("Mode", "MD")
@@ -131,7 +134,7 @@ class Hmc5883l(RegisterChip):
             self._measured(self._clock.tick(due - 1), number, 1 / self.rate)
 
     def _measured(self, end: int, number: int, over: Fraction) -> None:
-        """Store the data of the last one of `number` measurements; it ended at `end`."""
+        """Store the data of the last of `number` measurements, which took `over` seconds and ended at tick `end`."""
         del self._gains[: min(number, len(self._gains)) - 1]
         gain = LSB_PER_GAUSS[self._gains[0]]
         if len(self._gains) > 1:
@@ -146,7 +149,7 @@ class Hmc5883l(RegisterChip):
         self._placed, self._unread, self._to_read = end, True, set(DATA)
 
     def _average(self, end: int, over: Fraction) -> list[float | Fraction]:
-        """Return the mean of 1, 2, 4 or 8 samples (CRA.MA) with the self-test bias (CRA.MS)."""
+        """Return the mean of 1, 2, 4 or 8 samples (CRA.MA), plus the self-test bias (CRA.MS)."""
         number = 1 << self.get("CRA", "MA")
         step = self.timebase.ticks(over, "down") // number
         samples = [self.source(end - step * back) for back in range(number)]

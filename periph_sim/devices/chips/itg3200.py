@@ -2,8 +2,10 @@
 
     Source (deg/s) --F_int / (SMPLRT_DIV + 1)--> 14.375 LSB, saturation --> GYRO_XOUT_H ..., INT_STATUS
 
-Not modelled: the INT pin, the low-pass filter (a sample is the source's value at that instant), its delay, the
-tolerance of scale and zero-rate output (include them in the source), external clocks.
+Not modelled:
+- the INT pin and external clocks
+- the low-pass filter and its delay: a sample is the source's value at that instant
+- the tolerance of scale and zero-rate output; the source can include them
 
 Source: InvenSense ITG-3200 Product Specification rev 1.4, sections named at the methods.
 """
@@ -56,12 +58,12 @@ MAP = RegisterMap(
 )
 
 
-ADDRESSES = (0x68, 0x69)  # AD0 low, high
+ADDRESSES = (0x68, 0x69)  # with the pin AD0 low, high
 LSB_PER_DEG_S = Fraction(115, 8)  # 14.375
-REGISTER_ACCESS = Fraction(20, 1000)  # after power
-START_UP = Fraction(50, 1000)  # after power, and after sleep
+REGISTER_ACCESS = Fraction(20, 1000)  # seconds from power-on to the first register access
+START_UP = Fraction(50, 1000)  # seconds from power-on, or from the end of sleep, until the gyroscopes run
 PLL_SETTLING = Fraction(1, 1000)
-FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # the pointer stops there: decimal 35 to 60
+FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # the pointer stops at these registers, decimal 35 to 60
 SHOWN = ("TEMP_OUT_H", "TEMP_OUT_L", *DATA)
 ROOM = 25.0  # degrees Celsius
 
@@ -87,7 +89,7 @@ class Itg3200Options(Answers):
 class Itg3200(RegisterChip):
     """The chip's registers; `RegisterPointer` connects it to a bus.
 
-    temperature: degrees Celsius at a tick.
+    temperature: function that returns degrees Celsius at a tick.
     """
 
     STATE = State("address _clock _taken _ready_shown _shown _burst _scale_known", ticks="_awake _settled")
@@ -109,13 +111,13 @@ class Itg3200(RegisterChip):
         self.options = options or Itg3200Options()
         self.temperature = temperature
         self._clock: Clock | None  # clock of samples; None while asleep
-        self._taken: int  # samples of that clock
+        self._taken: int  # number of samples of `_clock` that were taken
         self._awake: int  # tick at which the gyroscopes have started up
-        self._settled: int  # tick at which the clock source is ready,
-        self._ready_shown: bool  # and True if INT_STATUS has shown it
-        self._shown = dict.fromkeys(SHOWN, 0)  # the data registers
-        self._burst: dict[str, int]  # the data registers at the begin of the burst
-        self._scale_known = True  # True if FS_SEL was 3 at that time
+        self._settled: int  # tick at which the clock source is ready
+        self._ready_shown: bool  # True if INT_STATUS has shown that the clock source is ready
+        self._shown = dict.fromkeys(SHOWN, 0)  # contents of the data registers
+        self._burst: dict[str, int]  # contents of the data registers at the begin of the burst
+        self._scale_known = True  # FS_SEL was 3 when the last sample was taken
         self._ad0 = ADDRESSES.index(address)
         self._identify()
         self._start(powered)
@@ -128,7 +130,7 @@ class Itg3200(RegisterChip):
 
     @property
     def lsb_per_unit(self) -> Fraction:
-        """Return the number of LSB in one deg/s with the present FS_SEL."""
+        """Number of LSB in one deg/s with the present FS_SEL."""
         if self.options.fs_sel_other.unrecorded() == "halves_each_step":
             return LSB_PER_DEG_S * (8 >> self.get("DLPF_FS", "FS_SEL"))
         return LSB_PER_DEG_S
@@ -139,7 +141,10 @@ class Itg3200(RegisterChip):
         return super().begin(now)
 
     def following(self, number: int) -> int:
-        """Return the next register. Reserved ones, 33 to 60 by the sheet (33, 34 are GYRO_ZOUT), stop the pointer."""
+        """Return the next register. The pointer stops at a reserved register.
+
+        The sheet reserves the registers 33 to 60, although 33 and 34 are GYRO_ZOUT; here 35 to 60 are reserved.
+        """
         if FIRST_RESERVED <= number <= LAST_RESERVED:
             return number
         stops = number + 1 == FIRST_RESERVED and self.options.pointer_stops.assume(self.touched) == "last_before"
@@ -163,7 +168,7 @@ class Itg3200(RegisterChip):
                 self.put("INT_STATUS", "RAW_DATA_RDY", 1)
 
     def _sample(self, tick: int) -> None:
-        """Store the values of this instant in the data registers."""
+        """Store the values at this tick in the data registers."""
         self._show("TEMP_OUT", nearest((self.temperature(tick) - 35) * 280) - 13200)
         scale = self.lsb_per_unit
         self._scale_known = self.get("DLPF_FS", "FS_SEL") == 3
@@ -226,7 +231,7 @@ class Itg3200(RegisterChip):
             self._start(now)
 
     def _reset(self, now: int) -> None:
-        """Perform H_RESET: all registers as after power-on, the gyroscopes restart; the bit clears itself."""
+        """Perform H_RESET: all registers are as after power-on, the bit clears itself, and the gyroscopes restart."""
         self.stored = {register.offset: register.reset for register in self.MAP}
         self._shown = dict.fromkeys(SHOWN, 0)
         self._identify()
@@ -235,7 +240,7 @@ class Itg3200(RegisterChip):
         self._start(now)
 
     def _start(self, now: int) -> None:
-        """Start the gyroscopes unless SLEEP is set: they need 50 ms, and the first sample follows one period later."""
+        """Start the gyroscopes unless SLEEP is set. They need 50 ms, and the first sample follows one period later."""
         self._clock = None
         if not self.get("PWR_MGM", "SLEEP"):
             self._settled, self._ready_shown = self.after(now, PLL_SETTLING), False
@@ -246,7 +251,7 @@ class Itg3200(RegisterChip):
         self._clock, self._taken = self.beats(self.after(begin, 1 / self.rate), self.rate), 0
 
     def _identify(self) -> None:
-        """Set WHO_AM_I and the address by pin AD0."""
+        """Set WHO_AM_I and the address according to pin AD0."""
         self.address = ADDRESSES[self._ad0]
         self.put("WHO_AM_I", "BIT0", self._ad0 if self.options.who_am_i_bit_0.unrecorded() == "ad0" else 0)
 

@@ -1,10 +1,10 @@
-"""Base of chips with 8-bit registers behind a pointer: stored values, notes, reads and writes, by a map.
+"""Base of chips with 8-bit registers behind a pointer: stored values, reads and writes by a register map, notes.
 
     RegisterPointer --> begin, read, write --> the chip's own rules --> stored registers, notes
                                                   ^--- samples due since the last call, from a Source
 
-A chip is independent of kernel, wires and records. Its time is ticks of a Timebase; each call passes the time, and the
-chip then catches up, so an idle chip costs nothing.
+A chip is independent of kernel, wires and records. Times are ticks of a Timebase. Each call passes the present time,
+and the chip takes the samples that are due by then, so an idle chip costs nothing.
 """
 
 from __future__ import annotations
@@ -19,12 +19,13 @@ from ...core.registers import OnWrite, Register, RegisterMap, field
 from ...core.state import State
 from ...core.time import Clock, Timebase
 
-Source = Callable[[int], Sequence[float | Fraction]]  # tick -> x, y, z in the chip's physical unit
-Bits = tuple[tuple[str, str], ...]  # names and places of fields: ("Measure", "3")
+# function of a tick that returns x, y and z in the chip's physical unit
+Source = Callable[[int], Sequence[float | Fraction]]
+Bits = tuple[tuple[str, str], ...]  # names of fields with their bits: ("Measure", "3")
 
 
 def byte_register(offset: int, name: str, access: str, reset: int, source: str, fields: Bits = ()) -> Register:
-    """Build a register of eight bits; without `fields` it is one field with the register's name."""
+    """Return a register of eight bits. Without `fields` it is one field with the register's name."""
     parts = [field(n, bits, access) for n, bits in fields or ((name, "7:0"),)]
     parts = [field(f.name, f.bits, access, f.extract(reset)) for f in parts]
     return Register(name, offset, source, tuple(parts), width=8)
@@ -36,16 +37,16 @@ class RegisterChip:
     address: seven bits.
     stored: the stored values by register number.
     notes: the notes since the owner last cleared the list.
-    touched: the open questions whose option affected a read value, or the bus.
-    powered: the tick at which the supply came.
-    ready: given as the delay in seconds from then; stored as the tick from which the chip acknowledges its address.
+    touched: names of the options that affected a read value, or the bus.
+    powered: the tick at which the supply was switched on.
+    ready: given as a delay in seconds from `powered`; stored as the tick from which the chip acknowledges its address.
     """
 
     STATE = State("stored", ticks="ready")
     MAP: RegisterMap
-    SECTION: str  # of the data sheet on register access
-    ADDRESSES: tuple[int, ...]  # 7 bits each, the usual one first
-    OPTIONS: type[Any]  # open questions of its data sheet
+    SECTION: str  # section of the data sheet on register access
+    ADDRESSES: tuple[int, ...]  # possible addresses, 7 bits each, the usual one first
+    OPTIONS: type[Any]  # options for open questions of the data sheet
 
     def __init__(self, timebase: Timebase, source: Source, address: int, powered: int, ready: Fraction) -> None:
         self.address = address
@@ -59,11 +60,11 @@ class RegisterChip:
     # Called by RegisterPointer ------------------------------------------------
 
     def begin(self, now: int) -> bool:
-        """Begin a burst when addressed. False if it does not acknowledge yet."""
+        """Begin a burst when the chip is addressed. Return False if it does not acknowledge yet."""
         return now >= self.ready
 
     def read(self, now: int, number: int) -> int:
-        """Read this register, with all effects of the read."""
+        """Read the register with this number, with all effects of the read."""
         self.catch_up(now)
         register = self.MAP.at(number)
         if register is None:
@@ -72,7 +73,7 @@ class RegisterChip:
         return self.on_register_read(now, register)
 
     def write(self, now: int, number: int, value: int) -> None:
-        """Write this register, with all effects of the write."""
+        """Write the register with this number, with all effects of the write."""
         self.catch_up(now)
         register = self.MAP.at(number)
         if register is None:
@@ -85,7 +86,7 @@ class RegisterChip:
             self.on_register_write(now, register, old)
 
     def following(self, number: int) -> int:
-        """Return the pointer after an access to this register."""
+        """Return the pointer after an access to the register with this number."""
         return number + 1 & 0xFF
 
     # Implemented by each chip ---------------------------------------------------------
@@ -102,7 +103,7 @@ class RegisterChip:
         return self.stored[register.offset]
 
     def on_register_write(self, now: int, register: Register, old: int) -> None:
-        """Apply the effects of a write; `stored` already has the new value."""
+        """Apply the effects of a write. `stored` already has the new value."""
 
     # Helpers ------------------------------------------------------------------------
 
@@ -116,21 +117,21 @@ class RegisterChip:
         return register[field_name].extract(value) if field_name else value
 
     def put(self, name: str, field_name: str, number: int) -> None:
-        """Set a field by hardware, regardless of its access by software."""
+        """Set a field as the chip does, regardless of the access rights of software."""
         register = self.MAP[name]
         self.stored[register.offset] = register[field_name].put(self.stored[register.offset], number)
 
     def after(self, tick: int, length: Fraction) -> int:
-        """Return the tick `length` seconds later."""
+        """Return the tick that is `length` seconds later, rounded up."""
         return tick + self.timebase.ticks(length, "up")
 
     def beats(self, first: int, rate: Fraction) -> Clock:
-        """Return a clock whose cycle 0 begins at `first`, and cycle n exactly n / rate later, rounded down."""
+        """Return a clock whose cycle 0 begins at tick `first`, and cycle n exactly n / rate later, rounded down."""
         return Clock(self.timebase, rate, tick0=first)
 
 
 def nearest(value: float | Fraction) -> int:
-    """Round to the nearest whole number, halves to even. Raise ValueError for NaN and infinity."""
+    """Return the nearest whole number, with halves rounded to even. Raise ValueError for NaN and infinity."""
     if not isfinite(value):
         raise ValueError(f"a chip's source gave {value}; a sample needs a finite number")
     return round(value)

@@ -1,6 +1,6 @@
-"""Sources (tick -> x, y, z) of the quantities that a chip measures, from rows of a table or a rule.
+"""Sources of the quantities that a chip measures: functions from a tick to x, y, z.
 
-A Source is a plain function of time, so a chip may sample any instant, repeatedly or never.
+The values depend only on the tick, so a chip may sample any instant, repeatedly or never.
 """
 
 from __future__ import annotations
@@ -16,9 +16,11 @@ ZERO: Sequence[Fraction] = (Fraction(0), Fraction(0), Fraction(0))
 
 
 def held(ticks: Sequence[int], rows: Sequence[Sequence[float | Fraction]]) -> Source:
-    """Return row n's x, y, z from ticks[n] on, the first row's also before: lists, or int64[n] and float64[n, 3].
+    """Return a source that gives row n from ticks[n] on, and row 0 also before ticks[0].
 
-    ValueError if the ticks do not rise.
+    ticks: a list or int64[n].
+    rows: a list of (x, y, z), or float64[n, 3].
+    Raise ValueError if the ticks do not rise.
     """
     if len(ticks) != len(rows) or not len(ticks):
         raise ValueError(f"{len(ticks)} times for {len(rows)} rows; each row needs one, and there must be one at least")
@@ -29,8 +31,10 @@ def held(ticks: Sequence[int], rows: Sequence[Sequence[float | Fraction]]) -> So
 
 
 def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) -> Source:
-    """Return `values(n)` from first + n * period on, zeros before: values that change with a host's frames."""
-    kept, axes = -1, ZERO  # the last frame used: a chip samples several times a frame
+    """Return a source that changes with the host's frames: `values(n)` from first + n * period on, zeros before
+    `first`.
+    """
+    kept, axes = -1, ZERO  # last frame used and its values: a chip samples several times in a frame
 
     def at(tick: int) -> Sequence[Fraction]:
         nonlocal kept, axes
@@ -45,8 +49,8 @@ def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) ->
 
 
 def scaled(source: Source, lsb_per_unit: Fraction) -> Source:
-    """Convert a source in LSB to the chip's physical unit, exactly."""
-    kept: Sequence[float | Fraction] | None = None  # the source's last value, and the result
+    """Return the source with its values converted exactly from LSB to the chip's physical unit."""
+    kept: Sequence[float | Fraction] | None = None  # last value of `source`, of which `axes` is the result
     axes: Sequence[Fraction] = ZERO
 
     def at(tick: int) -> Sequence[Fraction]:

@@ -1,10 +1,10 @@
 """Devices on an I2C bus by the name of their model.
 
-One file of this folder that has MODELS is one family of devices, found by its presence. It defines
+Each file of this folder that defines MODELS is one family of devices. The files are found automatically. A file defines
 
-    MODELS                           the names that `model` may have in [device.NAME]
-    Settings                         a `Table` of its own keys there
-    build(model, settings, place)    the target; BadDevice for settings that contradict each other
+    MODELS                           the names that `model` can have in [device.NAME]
+    Settings                         a `Table` with the keys of this family
+    build(model, settings, place)    a function that returns the target; BadDevice for contradictory settings
 
 A target is an ordinary party: it knows the time and its wires, and no other object depends on it.
 """
@@ -29,7 +29,10 @@ from ...core.wire import Wire
 
 
 class BadDevice(ValueError):
-    """Contradictory settings, or an invalid file named there. place: the key, and the place inside it."""
+    """Error: the settings of a device are contradictory, or a file that they name is invalid.
+
+    place: the key of the wrong setting, and the place inside its value.
+    """
 
     def __init__(self, what: str, *place: str | int) -> None:
         super().__init__(what)
@@ -38,10 +41,17 @@ class BadDevice(ValueError):
 
 @dataclass(frozen=True)
 class TargetContext:
-    """The environment of a new target. who: its name on wires. address: 7 bits; None if the case gives none.
+    """The environment of a new target.
 
-    ticks: converts seconds. start: the tick at which the run begins. folder: base of relative paths. random: its own.
-    wire: by name; ValueError if the scene has none. hold_clock: see `TargetSide`. note: called with each note.
+    who: the target's name on wires.
+    address: 7 bits; None if the case gives none.
+    ticks: converts seconds to ticks.
+    start: the tick at which the run begins.
+    folder: the folder to which relative paths refer.
+    random: the target's own generator.
+    wire: returns the wire with a name; ValueError if the scene has none.
+    hold_clock: called with a number of ticks to hold SCL low.
+    note: called with each note.
     """
 
     STATE = State("random")
@@ -58,7 +68,7 @@ class TargetContext:
     note: Callable[[Note], None]
 
     def duty(self, text: str, source: str) -> None:
-        """Note that the controller did what the source forbids."""
+        """Add a note that the controller did something that `source` forbids."""
         self.note(Note("duty", text, source))
 
 
@@ -76,17 +86,17 @@ class Target(Protocol):
     def addresses(self) -> tuple[int, ...]: ...
 
     def answer(self, address_byte: int) -> Reply | None:
-        """Return the reply to a START with its address; None if it does not acknowledge."""
+        """Return the reply to an address byte after START; None if the device does not acknowledge it."""
 
     def on_end(self, stop: bool, whole: bool) -> None:
-        """Handle the end of a phase that it acknowledged, see `TargetSide`."""
+        """Handle the end of a phase whose address was acknowledged. stop, whole: as in `TargetSide`."""
 
     def power_on(self) -> None:
-        """Handle the return of the supply: volatile data are lost."""
+        """Handle the return of the supply. Volatile data are lost."""
 
 
 class Family(Protocol):
-    """The definitions of every file of devices."""
+    """The definitions in each file of devices."""
 
     MODELS: tuple[str, ...]
     Settings: type[Table]
@@ -102,7 +112,7 @@ def families() -> Mapping[str, Family]:
 
 
 def address_among(place: TargetContext, model: str, possible: tuple[int, ...]) -> int:
-    """Return the device's address, its first one if the case gives none. Raise BadDevice for an impossible address."""
+    """Return the device's address, by default the first possible one. Raise BadDevice for an impossible address."""
     address = possible[0] if place.address is None else place.address
     if address not in possible:
         can = ", ".join(f"{one:#04x}" for one in possible)

@@ -5,8 +5,9 @@
                                                   data at 0x3e, 0x3f, 0x20, 0x21: never beyond the page
     START, address+R, data ...                 --> from the last address on, wrapping from the end of the memory to 0
 
-While busy it does not acknowledge its address (acknowledge polling). 24C04, 24C08 and 24C16 use the device address for
-the upper bits of the word address. A write without a STOP, or cut in the middle of a byte, is not stored.
+While it is busy, the memory does not acknowledge its address (acknowledge polling). 24C04, 24C08 and 24C16 use the
+device address for the upper bits of the word address. A write without a STOP, or one that ends in the middle of a byte,
+is not stored.
 
 Source: Microchip DS20001709 (24LC02B), DS21708 (24LC04B), DS21710 (24LC08B), DS20002213 (24LC16B), DS21072 (24LC32A),
 DS20001189 (24LC64), DS20001191 (24LC128), DS20001203 (24LC256), DS20001754 (24LC512); Atmel doc0180 (AT24C02 to 16).
@@ -26,7 +27,7 @@ from ...core.state import State
 from ...core.table import Table
 from . import BadDevice, PlainReply, TargetContext, address_among
 
-FIRST = 0x50  # 1010 and three bits
+FIRST = 0x50  # lowest device address: 1010, and three bits for pins or blocks
 SHEETS = "24Cxx data sheets, write operations"
 ERASED = 0xFF
 
@@ -34,7 +35,10 @@ ERASED = 0xFF
 class Part(NamedTuple):
     """The geometry of a memory.
 
-    size, page: in bytes. word: bytes of the word address. blocks: number of its device addresses.
+    size: number of bytes.
+    page: bytes of a page.
+    word: bytes of the word address.
+    blocks: number of its device addresses.
     """
 
     size: int
@@ -55,12 +59,12 @@ PARTS = {
     "512": Part(65536, 128, 2, 1),
 }
 MAKES = ("24c", "24lc", "24aa")
-WITHOUT_PINS = ("24lc", "24aa")  # up to 16 Kbit: A0 to A2 are not connected, so it answers to all eight addresses
+WITHOUT_PINS = ("24lc", "24aa")  # up to 16 Kbit, these do not connect A0 to A2, so they answer to all eight addresses
 MODELS = tuple(f"{make}{size}" for size in PARTS for make in MAKES)
 
 
 def part_of(model: str) -> Part:
-    """Return the sizes of a model of MODELS."""
+    """Return the geometry of a model in MODELS."""
     return PARTS[_split(model)[1]]
 
 
@@ -88,7 +92,8 @@ def _contents(value: object) -> object:
 class Settings(Table, frozen=True, kw_only=True):
     """The settings of a serial memory.
 
-    contents: the bytes from address 0 on; the rest is 0xFF.
+    contents: the bytes from address 0 on, or a file with them; the rest is 0xFF.
+    page: the bytes of a page; the default is that of the model.
     write_protect: true, or the wire that is high while the memory is protected.
     """
 
@@ -99,7 +104,7 @@ class Settings(Table, frozen=True, kw_only=True):
 
 
 class Eeprom(PlainReply):
-    """A serial memory on the bus. It is its own reply. memory: the stored bytes."""
+    """A serial memory on the bus. `answer` returns this object itself as the reply. memory: the stored bytes."""
 
     STATE = State("memory _place _pointer _begin _buffer _written", ticks="_busy_until")
 
@@ -116,11 +121,11 @@ class Eeprom(PlainReply):
         self.power_on()
 
     def power_on(self) -> None:
-        """Keep the contents; a write in progress counts as done."""
+        """Keep the contents. A write in progress counts as completed."""
         self._pointer = 0
-        self._begin: int  # begin address of the present write
+        self._begin: int  # first address of the present write
         self._buffer: dict[int, int] = {}
-        self._written: int  # data bytes of this write; more than the buffer has if they wrapped
+        self._written: int  # number of data bytes of this write; larger than the buffer if the address wrapped
         self._busy_until = 0
 
     def answer(self, address_byte: int) -> Eeprom | None:
@@ -198,14 +203,14 @@ def build(model: str, settings: Settings, place: TargetContext) -> Eeprom:
 
 
 IMAGES = (".bin", ".hex")
-MOST = 1 << 24  # bytes; beyond all serial memories
-DATA, END, SEGMENT, LINEAR = 0, 1, 2, 4  # kinds of Intel's records; those of start addresses are irrelevant
+MOST = 1 << 24  # maximum number of bytes, larger than all serial memories
+DATA, END, SEGMENT, LINEAR = 0, 1, 2, 4  # kinds of records in Intel HEX; records of start addresses are ignored
 
 
 def image(path: Path) -> bytes:
-    """Read the contents of a memory: .bin as it is, .hex in Intel's format, whose gaps are 0xFF.
+    """Read the contents of a memory from a file: .bin as it is, or .hex in Intel's format, whose gaps become 0xFF.
 
-    ValueError, one sentence with the file and its line.
+    Raise ValueError, whose message is one sentence with the file and its line.
     """
     try:
         data = read_input(path)

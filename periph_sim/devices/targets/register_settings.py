@@ -12,7 +12,7 @@ from ...core.table import Table
 
 Bits = Annotated[int, Meta(ge=0, le=0xFFFF)]
 Pointer = Annotated[int, Meta(ge=0, le=0xFFFF)]
-Mask = bool | Bits  # true: all bits
+Mask = bool | Bits  # True means all bits
 
 
 class Sets(Table, frozen=True, kw_only=True):
@@ -37,9 +37,11 @@ class RegisterTable(Table, frozen=True, kw_only=True):
     at: the pointer of its first byte.
     read_only, write_1_clears, read_clears: the bits with this property, or true for all bits.
     updates: times and values of updates by the device, or the path of a .csv file with them.
-    every, first: instead, the period of its updates and the time of the first one; without `first`, one period.
-    values: the values of these updates in turn; the last one remains.
-    step: instead, what each of these updates adds.
+    every: instead of `updates`, the period of updates by the device.
+    first: the time of the first update of this period; the default is one period.
+    values: the values of these updates, one after the other; the last one remains.
+    step: instead of `values`, the amount that each of these updates adds.
+    sets: bits that each update sets in another register.
     """
 
     name: str
@@ -62,7 +64,7 @@ class RegisterTable(Table, frozen=True, kw_only=True):
         return (1 << self.width) - 1
 
     def mask(self, bits: Mask) -> int:
-        """Return bits as a number; True means all of the register's."""
+        """Return bits as a number; True means all bits of the register."""
         return self.full if bits is True else int(bits)
 
     def check_together(self, given: Set[str]) -> None:
@@ -93,7 +95,9 @@ class RegisterTable(Table, frozen=True, kw_only=True):
 class Settings(Table, frozen=True, kw_only=True):
     """The register map of the device.
 
-    pointer_counts: the unit of the pointer. wrap: the end at which the pointer wraps.
+    pointer_counts: what one step of the pointer is, a byte or a register.
+    wrap: where the pointer wraps: at the end of its own range, or at the end of the map.
+    unmapped: the byte that is read where there is no register.
     """
 
     registers: Annotated[tuple[RegisterTable, ...], Meta(min_length=1)] = field(name="register")

@@ -1,11 +1,11 @@
-"""A device of registers behind a pointer, by its map, with an optional interrupt pin.
+"""A device of registers behind a pointer, described by a register map, with an optional interrupt pin.
 
     START, address+W, pointer, data ... --> write, pointer advances      at = 0x02, width = 16, big
     START, address+R, data ...          --> read, pointer advances        pointer 2: bits 15:8, 3: bits 7:0
 
-The value of a register is latched when its first byte is read, and stored when its last byte is written, so no other
-value gets between the two. The pointer survives STOP and repeated START. `updates` and `every` change registers by the
-device; they are applied on access, and by events only if a pin shows them.
+The value of a register is latched when its first byte is read, and stored when its last byte is written, so all bytes
+belong to one value. The pointer survives STOP and repeated START. With `updates` and `every` the device changes its
+registers by itself. These updates are applied on access; events apply them only if a pin shows them.
 """
 
 from __future__ import annotations
@@ -32,20 +32,22 @@ SOURCE = "the case's register map"
 class Feed:
     """Updates of a register by its device: their number and the value.
 
-    updates = [["5 ms", 0x12], ["7 ms", 0x34]]    or a .csv file of such rows
-    every = "1 ms", values = [1, 2, 3]            the last one remains;   step = 1 counts
+        updates = [["5 ms", 0x12], ["7 ms", 0x34]]    or a .csv file of such rows
+        every = "1 ms", values = [1, 2, 3]            the last one remains;   step = 1 counts
 
-    ticks: of each value, or of the first one, with `period` for the others. period: 0 if there is none.
+    ticks: the ticks of all updates or, with a period, only of the first one.
+    values: the value of each update; empty if updates only count.
+    period: ticks between updates; 0 without a period.
     """
 
     STATE = State("_taken")
 
     def __init__(self, ticks: Sequence[int], values: Sequence[int], period: int) -> None:
         self._ticks, self._values, self._period = ticks, values, period
-        self._taken = 0  # updates so far
+        self._taken = 0  # number of updates so far
 
     def advance(self, now: int) -> tuple[int, int]:
-        """Return (number of updates due since the last call, the value of the last one)."""
+        """Return the number of updates that have become due since the last call, and the value of the last update."""
         due = bisect_right(self._ticks, now)
         if self._period and due:
             due = (now - self._ticks[0]) // self._period + 1
@@ -62,7 +64,7 @@ class Feed:
 
 
 def feed_of(table: RegisterTable, entry: int, place: TargetContext) -> Feed | None:
-    """Return a register's feed; None if only the bus changes the register. Raise BadDevice if a file is invalid."""
+    """Return the updates of a register; None if only the bus changes it. Raise BadDevice if a file is invalid."""
     if table.every is not None:
         first = table.every if table.first is None else table.first
         period = max(1, place.ticks(table.every))
@@ -82,7 +84,7 @@ def feed_of(table: RegisterTable, entry: int, place: TargetContext) -> Feed | No
 
 
 def _rows(path: Path, table: RegisterTable) -> tuple[tuple[Fraction, int], ...]:
-    """Read times and values from a file: "5 ms,0x12" in each line; a heading is skipped."""
+    """Read times and values from a file with lines such as "5 ms,0x12". A heading is skipped."""
     try:
         lines = list(csv.reader(read_input(path).decode("utf-8").splitlines()))
     except (OSError, UnicodeDecodeError) as error:
@@ -107,7 +109,10 @@ def _rows(path: Path, table: RegisterTable) -> tuple[tuple[Fraction, int], ...]:
 
 
 class RegisterDevice(PlainReply):
-    """A device whose registers a case describes. It is its own reply. values: the registers' values by name."""
+    """A device whose registers a case describes. `answer` returns this object itself as the reply.
+
+    values: the registers' values by name.
+    """
 
     STATE = State("values _feeds _pointer _byte _taken")
 
@@ -137,8 +142,9 @@ class RegisterDevice(PlainReply):
     def _reset(self) -> None:
         self.values = {table.name: table.reset for table in self._settings.registers}
         self._pointer = 0
-        self._byte = 0  # index in the register, if the pointer counts registers
-        self._taken: tuple[str, int, int] | None = None  # a value in transfer: register, value, next byte
+        self._byte = 0  # index of the next byte in the register, if the pointer counts registers
+        # a value in transfer: name of the register, value, index of the next byte
+        self._taken: tuple[str, int, int] | None = None
         self._show()
 
     # Transfers ---------------------------------------------------------------------
@@ -189,7 +195,9 @@ class RegisterDevice(PlainReply):
         return True
 
     def on_end(self, stop: bool, whole: bool) -> None:
-        """Do nothing: a half-written register is dropped when the device is addressed again."""
+        """Do nothing. A register of which only the first byte was written is dropped when the device is addressed
+        again.
+        """
 
     def _write(self, table: RegisterTable, value: int) -> None:
         fixed, clears = table.mask(table.read_only), table.mask(table.write_1_clears)
@@ -212,7 +220,7 @@ class RegisterDevice(PlainReply):
         return 8 * (last - index if self._settings.byte_order == "big" else index)
 
     def _move_on(self, table: RegisterTable | None) -> None:
-        """Advance the pointer after a byte of this register, or of none."""
+        """Advance the pointer after a byte of this register; None for a byte without a register."""
         settings = self._settings
         if settings.pointer_counts == "registers" and table is not None:
             self._byte += 1
@@ -249,7 +257,7 @@ class RegisterDevice(PlainReply):
         self._plan()
 
     def _show(self) -> None:
-        """Drive the interrupt pin as the bits of its register demand."""
+        """Drive the interrupt pin according to the bits of its register."""
         if self._interrupt is not None:
             interrupt, pin = self._interrupt
             pending = bool(self.values[interrupt.register_name] & interrupt.bits)
@@ -257,7 +265,7 @@ class RegisterDevice(PlainReply):
 
 
 def _span(settings: Settings, table: RegisterTable) -> int:
-    """Return the number of pointer values that name this register."""
+    """Return the number of pointer values that a register takes."""
     return table.width // 8 if settings.pointer_counts == "bytes" else 1
 
 

@@ -1,13 +1,13 @@
-"""A clock with two-byte register addresses, ISL12026 or X1226: with its time and control registers.
+"""A real-time clock with two-byte register addresses, ISL12026 or X1226: its time and control registers.
 
     START, 0x6F+W, 00 3f 02, STOP       WEL      writes of other registers are not acknowledged before
     START, 0x6F+W, 00 3f 06, STOP       RWEL     and ignored before
     START, 0x6F+W, 00 30, SC MN HR DT MO YR DW Y2K, STOP     the time, from the STOP on
     START, 0x6F+W, 00 30, START, 0x6F+R, SC MN ...           the time as it was when the read began
 
-Alarms and control registers, 0x00 to 0x17, are non-volatile: it acknowledges nothing for `write_time`, and RWEL is then
-0. A write stays in its eight registers; a read continues from 0x3F to 0. Alarms and control registers have no effect.
-Its memory of 512 bytes, at 0x57, is another device.
+Alarms and control registers, 0x00 to 0x17, are non-volatile. After a write of them the device acknowledges nothing for
+`write_time`, and RWEL becomes 0. A write stays in its group of eight registers; a read continues from 0x3F to 0. Alarms
+and control registers have no effect. The memory of 512 bytes at address 0x57 is another device.
 
 Source: Renesas FN8231 (ISL12026), FN8098 (X1226): clock/control registers, status register, page write.
 """
@@ -27,17 +27,19 @@ from . import BadDevice, PlainReply, TargetContext, address_among
 
 __all__ = ["MODELS", "Settings", "build"]
 
-MIL, PM = 0x80, 0x20  # of HR: 24 hours; afternoon in the format of 12 hours, where 12 comes before 1
+MIL, PM = 0x80, 0x20  # bits of HR: 24-hour format; afternoon in the 12-hour format, where 12 comes before 1
 
 
 class BadTime(ValueError):
-    """Registers that contain no valid time; the message is one sentence."""
+    """Error: the registers contain no valid time. The message is one sentence."""
 
 
 class CalendarTime(NamedTuple):
     """The time that a clock chip shows.
 
-    weekday: 0 to 6, with an arbitrary day 0. whole_day: True in the 24-hour format.
+    at: date and time.
+    weekday: 0 to 6; any day can be day 0.
+    whole_day: True in the 24-hour format.
     """
 
     at: datetime
@@ -52,7 +54,7 @@ class CalendarTime(NamedTuple):
 
 
 def registers_of(time: CalendarTime) -> bytes:
-    """Return the BCD registers SC MN HR DT MO YR DW Y2K.
+    """Return a time as the BCD registers SC MN HR DT MO YR DW Y2K.
 
     50 39 95 01 03 12 04 20  =  15:39:50 of 24 hours, 2012-03-01, the fourth day of the week
     """
@@ -63,7 +65,7 @@ def registers_of(time: CalendarTime) -> bytes:
 
 
 def time_in(registers: bytes) -> CalendarTime:
-    """Return the time in eight registers. Raise BadTime if they contain no time."""
+    """Return the time in eight registers. Raise BadTime if they contain no valid time."""
     second, minute, hour, day, month, year, weekday, century = registers
     whole_day = bool(hour & MIL)
     hours = _number("HR", hour & ~(MIL if whole_day else PM))
@@ -111,8 +113,10 @@ def _plain(value: datetime | None) -> datetime | None:
 class Settings(Table, frozen=True, kw_only=True):
     """The settings of a clock.
 
-    time: at the begin of the run. Without it the clock is stopped until it is set, as after losing all supplies.
-    ppm: error of the crystal. battery: keeps the clock running while its supply is off.
+    time: the time at the begin of the run. Without it the clock is stopped until it is set, as after the loss of all
+    supplies.
+    ppm: the error of the crystal.
+    battery: true if a battery keeps the clock running while the supply is off.
     """
 
     time: Annotated[datetime | None, After(_plain)] = None
@@ -122,7 +126,7 @@ class Settings(Table, frozen=True, kw_only=True):
 
 
 class Rtc(PlainReply):
-    """The clock. It is its own reply."""
+    """The clock on the bus. `answer` returns this object itself as the reply."""
 
     STATE = State(
         "_place _stored _raw _why_none _running _failed _latches _pointer _begin _buffer _shown",
@@ -135,9 +139,10 @@ class Rtc(PlainReply):
         self._place = place
         self._second = place.ticks(duration("1 s")) * SECONDS_PER_PPM // (SECONDS_PER_PPM + settings.ppm)
         self._stored = bytearray(SIZE)
-        self._raw = bytes(len(CLOCK))  # registers of an invalid time
+        self._raw = bytes(len(CLOCK))  # contents of the time registers if they have no valid time
         self._why_none = ""
-        self._running: tuple[CalendarTime, int] | None = None  # a time, and its tick; None while the clock is stopped
+        # a time and the tick at which it was valid; None while the clock is stopped
+        self._running: tuple[CalendarTime, int] | None = None
         self._failed = settings.time is None
         if settings.time is not None:
             weekday = (settings.time.weekday() + 1) % 7  # Sunday is 0
@@ -148,9 +153,9 @@ class Rtc(PlainReply):
         """Clear the state without battery backup."""
         self._latches = 0
         self._pointer = 0
-        self._begin: int  # begin register of the present write
+        self._begin: int  # first register of the present write
         self._buffer: dict[int, int] = {}
-        self._shown: bytes  # the time when its address was received
+        self._shown: bytes  # time registers, as latched when the device was addressed
         self._busy_until = 0
 
     def power_on(self) -> None:
@@ -206,7 +211,7 @@ class Rtc(PlainReply):
             self._write(buffer)
 
     def _unlock(self, value: int) -> None:
-        """Apply a write of WEL and RWEL: WEL must be set before both; zeros reset both."""
+        """Apply a write of WEL and RWEL. WEL must be set before both are set; 0 clears both."""
         if value == WEL | RWEL and self._latches & WEL:
             self._latches = WEL | RWEL
         elif value in (0, WEL):
@@ -242,7 +247,7 @@ class Rtc(PlainReply):
         return registers_of(time.later((self._place.kernel.now - since) // self._second))
 
     def _set(self, written: dict[int, int]) -> None:
-        """Set some of the eight registers; the others keep their present values."""
+        """Set some of the eight time registers. The others keep their present values."""
         registers = bytearray(self._clock())
         for at, value in written.items():
             registers[at - CLOCK.start] = value

@@ -1,12 +1,12 @@
 """Watchers of wires: compare edges with the expected ones, and report deviations and missing edges.
 
-One file of this folder that has KIND is one kind of watcher, found by its presence. It defines
+Each file of this folder that defines KIND is one kind of watcher. The files are found automatically. A file defines
 
     KIND                      the value of `kind` in [watch.NAME]
-    Settings                  a `Table` of its own keys there
-    build(settings, place)    the watcher
+    Settings                  a `Table` with the keys of this kind
+    build(settings, place)    a function that returns the watcher
 
-It receives every edge and the run's end. Its deviations are compared with the table's `tolerance`.
+A watcher receives every edge and the end of the run. Its deviations are compared with the table's `tolerance`.
 """
 
 from __future__ import annotations
@@ -20,14 +20,18 @@ from typing import Any, Protocol, cast
 from ...core.discover import modules_with
 from ...core.table import Table
 
-EDGE_NAMES = ("fall", "rise")  # by the new level
+EDGE_NAMES = ("fall", "rise")  # by the level after the edge
 
 
 @dataclass(frozen=True)
 class WatchContext:
-    """The environment of a new watcher. ticks: converts seconds. start: the first tick of the run. tolerance: ticks.
+    """The environment of a new watcher.
 
-    on_deviation: called with a deviation and its tick. refute: called with the reason why the run fails, and the tick.
+    ticks: converts seconds to ticks.
+    start: the first tick of the run.
+    tolerance: the tolerance in ticks.
+    on_deviation: called with a deviation and its tick.
+    refute: called with the reason why the run fails, and the tick.
     """
 
     wire: str
@@ -38,25 +42,25 @@ class WatchContext:
     refute: Callable[[str, int], None]
 
     def at(self, tick: int) -> str:
-        """Format a tick as seconds from the run's begin."""
+        """Return a tick as text, in seconds from the begin of the run."""
         return f"{(tick - self.start) / self.ticks(Fraction(1)):.6f} s"
 
 
 class WireWatcher(Protocol):
-    """The interface of a judge of a wire's edges."""
+    """Interface of an object that judges the edges of a wire."""
 
     def edge(self, now: int, level: int) -> None:
-        """Handle an edge: the wire has this level from now on."""
+        """Handle an edge, after which the wire has this level."""
 
     def finish(self, now: int) -> None:
         """Handle the end of the run."""
 
     def missing(self) -> str:
-        """Return why there is no deviation, or ""."""
+        """Return the reason why no deviation could be measured; "" if there is none."""
 
 
 class Family(Protocol):
-    """The definitions of every file of watchers."""
+    """The definitions in each file of watchers."""
 
     KIND: str
     Settings: type[Table]
@@ -66,5 +70,5 @@ class Family(Protocol):
 
 @cache
 def watchers() -> Mapping[str, Family]:
-    """Return the files of this folder by their kind."""
+    """Return the modules of this folder that define watchers, by their kind."""
     return {module.KIND: cast(Family, module) for module in modules_with("KIND", __name__, __path__).values()}

@@ -1,10 +1,10 @@
-"""A blinking LED: deviations of its periods and on-times from a rate.
+"""A blinking LED: deviations of its periods and on-times from a given rate and duty cycle.
 
     LED  ___|~~~~|____|~~~~|____|~~~~~      rate = "1 Hz", duty = "50 %"
             |-- period --|
             |-on-|
 
-If it does not begin, or stops, the run fails.
+If the LED does not begin to blink, or stops, the run fails.
 """
 
 from __future__ import annotations

@@ -4,7 +4,7 @@
     edges      10 ms    20 ms          ["10 ms", "rise"], ["20 ms", "fall"]
     deviation     |-|   ||             the n-th edge against the n-th expected one
 
-An unexpected edge, one of the other kind, or a missing one fails the run.
+The run fails if there is an unexpected edge, a missing one, or a rise in place of a fall.
 """
 
 from __future__ import annotations
@@ -49,11 +49,12 @@ class Edges:
     def __init__(self, settings: Settings, place: WatchContext) -> None:
         self._place = place
         self._expected = [(place.ticks(at), EDGE_NAMES.index(edge)) for at, edge in settings.edges]
-        self._zero = place.start if settings.since == "start" else -1  # origin of the times
+        # tick from which the expected times count; -1 before the first edge
+        self._zero = place.start if settings.since == "start" else -1
         self._after = place.start + place.ticks(settings.after)
         self._more = settings.more
         self._next = 0
-        self._lost = False  # after an edge of the wrong kind the others cannot be assigned
+        self._lost = False  # an edge was of the wrong kind, so that the later ones cannot be assigned
         self._cut = False
 
     def edge(self, now: int, level: int) -> None:

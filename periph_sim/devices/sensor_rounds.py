@@ -127,7 +127,7 @@ class Round(Struct):
     due: the tick at which the round was due.
     start: the tick at which it began.
     end: the tick of its last STOP.
-    nacked: number of transfers that were not acknowledged.
+    nacked: number of transfers with an address that was not acknowledged.
     transfers: number of transfers.
     """
 
@@ -137,5 +137,5 @@ class Round(Struct):
     due: int
     start: int
     end: int = 0
-    nacked: int = 0  # number of transfers that were not acknowledged
+    nacked: int = 0  # number of transfers with an address that was not acknowledged
     transfers: int = 0

@@ -254,7 +254,7 @@ class Adxl345(RegisterChip):
             self.fifo.push(self.formatted(self.source(self._clock.tick(number))))
 
     def formatted(self, g: Sequence[float | Fraction]) -> bytes:
-        """Return the data bytes of accelerations in g, with the offsets, resolution and justification in the registers."""
+        """Return the data bytes of accelerations in g, with the present offsets, resolution and justification."""
         span = self.get("DATA_FORMAT", "Range")
         bits = 10 + span if self.get("DATA_FORMAT", "FULL_RES") else 10
         scale = self.lsb_per_unit

@@ -113,6 +113,11 @@ MISTAKES = {
 }
 
 
+def is_mistake(error: BaseException) -> bool:
+    """Return True if input caused the error; then its text is a sentence."""
+    return not MISTAKES.isdisjoint(f"{kind.__module__}.{kind.__qualname__}" for kind in type(error).__mro__)
+
+
 @contextmanager
 def running_user_code() -> Iterator[None]:
     """Apply `usage_errors_in_one_sentence`, and redirect the output of user code to standard error."""
@@ -128,7 +133,7 @@ def usage_errors_in_one_sentence() -> Iterator[None]:
     try:
         yield
     except Exception as error:
-        if MISTAKES.isdisjoint(f"{kind.__module__}.{kind.__qualname__}" for kind in type(error).__mro__):
+        if not is_mistake(error):
             raise
         raise click.ClickException(str(error)) from None
 

@@ -22,7 +22,7 @@ from ...traces.decode.i2c_table import i2c_table, impossible_rate
 from ...traces.decode.uart import uart_table, width_of
 from ...traces.decode.uart_line import line_of
 
-UART_LINES = ("rx", "tx")
+BUS_LINES, UART_LINES = ("scl", "sda"), ("rx", "tx")
 FLAGS = ("invert", "vote")  # settings without a value
 SPI_LINES = {"clk": "clk", "mosi": "mosi", "miso": "miso", "cs": "cs", "simo": "mosi", "somi": "miso", "ste": "cs"}
 SPI_MODES = {  # names and values as in sigrok's decoder; the first one is the default
@@ -94,17 +94,12 @@ def asked_for(
 
 
 def _i2c(capture: Capture, text: str, shortest: int) -> Bus:
-    given = pairs_given("--i2c", text, ("scl", "sda"))
-    for name in ("scl", "sda"):
+    given = pairs_given("--i2c", text, BUS_LINES)
+    for name in BUS_LINES:
         if name not in given:
             raise click.ClickException(f"--i2c {text}: {name} is missing; expected scl=CHANNEL,sda=CHANNEL")
-    try:
-        scl, sda = capture.channel(given["scl"]), capture.channel(given["sda"])
-    except LookupError as error:
-        raise click.ClickException(f"--i2c {text}: {error.args[0]}") from None
-    if scl is sda:
-        raise click.ClickException(f"--i2c {text}: both are channel {scl.name}; expected two channels")
-    return _i2c_of(capture, scl, sda, shortest)
+    lines = _channels(capture, "--i2c", text, given, dict(zip(BUS_LINES, BUS_LINES, strict=True)))
+    return _i2c_of(capture, lines["scl"], lines["sda"], shortest)
 
 
 def _i2c_of(capture: Capture, scl: Channel, sda: Channel, shortest: int) -> Bus:
@@ -169,21 +164,10 @@ def _nothing(wire: Channel, note: str) -> Bus:
 
 def _spi(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
     given = pairs_given("--spi", text, (*SPI_LINES, *SPI_MODES, "wordsize"))
-    lines: dict[str, Channel] = {}
-    for name, line in SPI_LINES.items():
-        if name not in given:
-            continue
-        if line in lines:
-            raise click.ClickException(f"--spi {text}: {name} and {line} are one line; give one of them")
-        try:
-            lines[line] = capture.channel(given[name])
-        except LookupError as error:
-            raise click.ClickException(f"--spi {text}: {error.args[0]}") from None
+    lines = _channels(capture, "--spi", text, given, SPI_LINES)
     if "clk" not in lines or not lines.keys() & {"mosi", "miso"}:
         missing = "mosi or miso" if "clk" in lines else "clk"
         raise click.ClickException(f"--spi {text}: {missing} is missing; expected clk=CHANNEL,mosi=CHANNEL,...")
-    if len({channel.index for channel in lines.values()}) < len(lines):
-        raise click.ClickException(f"--spi {text}: two lines are one channel; expected a channel each")
     format_ = _spi_format(text, given)
     clk, mosi, miso, cs = (lines[line].index if line in lines else None for line in ("clk", "mosi", "miso", "cs"))
     assert clk is not None
@@ -212,6 +196,24 @@ def _spi_format(text: str, given: dict[str, str]) -> spi.SpiFormat:
 
 
 # Options -------------------------------------------------------------------------
+
+
+def _channels(
+    capture: Capture, option: str, text: str, given: dict[str, str], lines: dict[str, str]
+) -> dict[str, Channel]:
+    """Return the channel of each line that is given. lines: the line of each name of a setting."""
+    found: dict[str, Channel] = {}
+    for name, line in lines.items():
+        if name in given and line in found:
+            raise click.ClickException(f"{option} {text}: {name} and {line} are one line; give one of them")
+        if name in given:
+            try:
+                found[line] = capture.channel(given[name])
+            except LookupError as error:
+                raise click.ClickException(f"{option} {text}: {error.args[0]}") from None
+    if len({channel.index for channel in found.values()}) < len(found):
+        raise click.ClickException(f"{option} {text}: two lines are one channel; expected a channel each")
+    return found
 
 
 def pairs_given(option: str, text: str, known: tuple[str, ...]) -> dict[str, str]:

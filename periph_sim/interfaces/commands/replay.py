@@ -149,7 +149,8 @@ def replay(
         for sentence, applies in refused.items():
             if applies:
                 raise click.ClickException(sentence)
-        after = Fraction(0) if offset is None else _offset(offset)
+        later = (offset or "0 s").strip()
+        after = time_given("--offset", later.removeprefix("-").strip()) * (-1 if later.startswith("-") else 1)
         with recording(record, case.recorded_modules) as (subscribe, ended_at):
             player: UartReplay | I2cReplay | I2cOpenReplay | I2cMasterReplay
             if session:
@@ -183,8 +184,12 @@ def replay(
             with progress(case.name) as on_progress:
                 report = player.run(on_progress)
             ended_at(player.kernel.now)
-        if svg is not None:
-            _draw(svg, player.picture(report))
+        picture = None if svg is None else player.picture(report)
+        if svg is not None and picture is not None:
+            with atomic_write(svg) as unfinished:
+                unfinished.write_text(picture, encoding="utf-8")
+        elif svg is not None:
+            click.echo(f"{svg}: not written, since there is no divergence to draw", err=True)
     if as_json:
         print_json("replay", dataclasses.asdict(report))
     else:
@@ -199,20 +204,6 @@ def _serial(text: str, salvage: bool) -> tuple[Capture, str]:
     lines = [part for part in more if not part.strip().startswith("rate=")]
     capture = read_capture(Path(path), rates[-1] if rates else None, salvage, "--uart")
     return capture, serial_channel(capture, ",".join(lines) if lines else None)
-
-
-def _offset(text: str) -> Fraction:
-    """Parse --offset. Return seconds, which may be negative."""
-    text = text.strip()
-    return -time_given("--offset", text[1:].strip()) if text.startswith("-") else time_given("--offset", text)
-
-
-def _draw(path: Path, picture: str | None) -> None:
-    if picture is None:
-        click.echo(f"{path}: not written, since there is no divergence to draw", err=True)
-        return
-    with atomic_write(path) as unfinished:
-        unfinished.write_text(picture, encoding="utf-8")
 
 
 def _above_zero(option: str, text: str) -> Fraction:

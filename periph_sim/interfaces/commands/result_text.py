@@ -12,7 +12,7 @@ from ...timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict, broken, fig
 from .command_output import print_table, say
 
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
-# The singular of the names of counts that are nouns.
+# The singular of the names of counts that are nouns; the others have no plural: `2 missed`.
 THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}
 MOST_WRONG = 12  # maximum number of places of wrong bytes that are listed
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
@@ -39,17 +39,16 @@ def show(result: Result, case: Case, verbose: bool = False) -> None:
 
 
 def _counts(result: Result, verbose: bool) -> list[str]:
-    shown = [_count(name, count) for name, count in result.counts.items() if count and name != SKIPPED]
+    shown = [
+        counted(count, THINGS[name]) if name in THINGS else f"{count} {name.replace('_', ' ')}"
+        for name, count in result.counts.items()
+        if count and name != SKIPPED
+    ]
     lines = [", ".join(shown)] if shown else []
     skipped = ((result.counts.get(SKIPPED), "polls"), (result.bytes_skipped, "times seven bits of an I2C byte"))
     if verbose:
         lines += [f"skipped {rounded(count)} {what}" for count, what in skipped if count]
     return lines
-
-
-def _count(name: str, count: int) -> str:
-    """Format a count with its name: `2 resets`, `1 reset`. Names that are not nouns have no plural: `2 missed`."""
-    return counted(count, THINGS[name]) if name in THINGS else f"{count} {name.replace('_', ' ')}"
 
 
 def rounded(count: int) -> str:

@@ -113,6 +113,7 @@ def serve(
         served = case_for_line(case, sci, changes) if bus is None else case_for_bus(case, changes)
         shown = Shown(view, None if browser is None else address_given("--browser", browser))
         with Session(served, log=log, subscribe=shown.subscribe) as session:
+            ticks = session.scene.timebase.ticks
             with shown:
                 line: SerialLine | None = None
                 door: PtyDoor | PortDoor | Rfc2217Door | I2cDriverDoor
@@ -122,9 +123,9 @@ def serve(
                 else:
                     door = I2cDriverDoor(session, Path(bus) if bus else None)
                 try:
-                    session.advance(session.now + session.ticks(_time("--warm-up", warm_up)))
+                    session.advance(session.now + ticks(time_given("--warm-up", warm_up), "nearest"))
                     pacer = Pacer(session.ticks_per_second, pace_given(pace), when_late)
-                    end = None if length is None else session.now + session.ticks(_time("--for", length))
+                    end = None if length is None else session.now + ticks(time_given("--for", length), "nearest")
                     loop = Loop(session, pacer, [door, *shown.doors(session, line, pacer, door.path)])
                     loops.append(loop)
                     if asked:
@@ -197,8 +198,3 @@ def _slower(case: Case, result: Result) -> str:
     images = " and ".join(name for name, unit in case.unit.items() if unit.image)
     why = f": {images} runs an image, instruction by instruction, its polls included" if images else ""
     return f"a simulated second takes {takes:.1f} s of this computer's time{why}; it keeps --pace {0.8 / takes:.2g}"
-
-
-def _time(option: str, text: str) -> str:
-    time_given(option, text)
-    return text

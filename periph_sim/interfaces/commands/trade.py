@@ -66,5 +66,5 @@ def trade(
         rows = chosen(rows_of(make, [load(other) for other in others]), names)
         with progress(loaded.name) as on_progress:
             found = report.trade(make, rows, length, bound, on_progress)
-    print_answer("trade", report.as_json(found) if as_json else report.text(found))
+    print_answer("trade", report.as_json(found) if as_json else "\n".join(report.text(found)))
     return 0

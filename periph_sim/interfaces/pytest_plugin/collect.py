@@ -35,11 +35,12 @@ class CaseFile(pytest.File):
 
     def collect(self) -> Iterable[pytest.Item]:
         """Return the tests. Raise CollectError, with one sentence, if the case cannot be built."""
+        from ..commands.command_output import is_mistake
 
         try:
             self._plan = self._planned()
         except Exception as error:
-            if not of_the_user(error):
+            if not is_mistake(error):
                 raise
             raise self.CollectError(str(error)) from None
         self._run: Any = None
@@ -102,16 +103,11 @@ class CaseItem(pytest.Item):
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **more: Any) -> Any:
         """Return the broken budgets, or the sentence of a user's error. Only internal errors have a traceback."""
-        if isinstance(excinfo.value, AssertionError) or of_the_user(excinfo.value):
+        from ..commands.command_output import is_mistake
+
+        if isinstance(excinfo.value, AssertionError) or is_mistake(excinfo.value):
             return f"{excinfo.value}\n\n{self.nodeid.partition('::')[0]}:{self._line}"
         return super().repr_failure(excinfo, *args, **more)
 
     def reportinfo(self) -> tuple[Path, int, str]:
         return self.path, self._line - 1, f"{self.path.stem}: {self.name}"
-
-
-def of_the_user(error: BaseException) -> bool:
-    """Return True if the user's input caused the error; then its text is a sentence."""
-    from ..commands.command_output import MISTAKES
-
-    return not MISTAKES.isdisjoint(f"{kind.__module__}.{kind.__qualname__}" for kind in type(error).__mro__)

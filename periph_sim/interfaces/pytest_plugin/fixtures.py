@@ -71,16 +71,12 @@ class SceneFactory:
                 )
             else:
                 given = {"settings": settings, "modules": modules, "unit": unit, **tables}
-                plan = self._of_file(Path(what), changes, seconds, [name for name in given if given[name]])
+                for name in (name for name in given if given[name]):
+                    raise BadCase(f"{what}: {name}= is for firmware given as a function; change a file by 'key=value'")
+                plan = Plan(load(self._found(Path(what)), list(changes)), _length(seconds))
             return run_plan(plan, self._add_properties, keep_edges=callable(what), record=record)
         except BadCase as error:
             raise error.with_traceback(None) from None  # the message is sufficient, and the traceback is internal
-
-    def _of_file(self, path: Path, changes: Sequence[str], seconds: Length, given: Sequence[str]) -> Plan:
-        if given:
-            raise BadCase(f"{path}: {given[0]}= is for firmware given as a function; change a file by 'key=value'")
-        found = self._found(path)
-        return Plan(load(found, list(changes)), _length(seconds))
 
     def _found(self, path: Path) -> Path:
         """Return the path of a case file, which is relative to the test's file or to rootdir."""

@@ -129,7 +129,7 @@ class Run:
                 scene = self.plan.scene()
                 log = WireLog(*scene.wires.values())
                 scene.advance(self.end)
-            self._edges = _named(log.capture(scene.timebase, self.end), self.result.case)
+            self._edges = replace(log.capture(scene.timebase, self.end), path=Path(self.result.case))
         return self._edges
 
     @property
@@ -221,14 +221,10 @@ def run_plan(plan: Plan, on_judged: OnJudged, *, keep_edges: bool = False, recor
         records=columns.table(per_second, now, plan.case.recorded_modules) if record else None,
         hangs=(*scene.deadlocks(), *(scene.stuck.sentences[-1:] if scene.stuck.hangs() else ())),
         _transfers=transfers,
-        _edges=None if log is None else _named(log.capture(scene.timebase, now), result.case),
+        _edges=None if log is None else replace(log.capture(scene.timebase, now), path=Path(result.case)),
         _typical=scene.typical(),
         _on_judged=on_judged,
     )
-
-
-def _named(capture: Capture, case: str) -> Capture:
-    return replace(capture, path=Path(case))
 
 
 WIDTH = 72  # number of columns of a text; pytest adds 8 columns before each line
@@ -240,7 +236,8 @@ def failure_text(run: Run, broken: Sequence[Verdict], judged: int) -> str:
 
     Its first line names the budgets and, for a single one, the excess over the limit.
     """
-    head = f"{len(broken)} of {judged} budgets {_worst_word(broken)}: {', '.join(verdict.name for verdict in broken)}"
+    words = " or ".join(sorted({verdict.word for verdict in broken}))
+    head = f"{len(broken)} of {judged} budgets {words}: {', '.join(verdict.name for verdict in broken)}"
     if len(broken) == 1:
         one = broken[0]
         found = "was never measured" if one.worst is None else figure(one.worst, one.unit)
@@ -259,12 +256,6 @@ def failure_text(run: Run, broken: Sequence[Verdict], judged: int) -> str:
         left = ", ".join(verdict.name for verdict in happened[MOST_EXPLAINED:])
         lines += ["", f"(no picture of {left}; assert one alone to get it)"]
     return "\n".join(lines)
-
-
-def _worst_word(verdicts: Sequence[Verdict]) -> str:
-    """Return "broken", "not judged", or both."""
-    words = ["broken"] * any(verdict.broken for verdict in verdicts)
-    return " or ".join([*words, *["not judged"] * any(not verdict.broken for verdict in verdicts)])
 
 
 def _picture(window: Window, chain: Chain | None) -> list[str]:

@@ -288,7 +288,7 @@ def test_nothing_on_the_bus_is_no_mistake(periph_sim: Run, tmp_path: Path):
     ("options", "sentence"),
     [
         (("--i2c", "scl=SCL"), "--i2c scl=SCL: sda is missing; expected scl=CHANNEL,sda=CHANNEL"),
-        (("--i2c", "scl=SCL,sda=SCL"), "--i2c scl=SCL,sda=SCL: both are channel SCL; expected two channels"),
+        (("--i2c", "scl=SCL,sda=SCL"), "--i2c scl=SCL,sda=SCL: two lines are one channel; expected a channel each"),
         (("--i2c", "scl=SCL,sad=SDA"), "--i2c scl=SCL,sad=SDA: there is no 'sad'; did you mean sda?"),
         (("--i2c", "scl=SCK,sda=SDA"), "there is no channel 'SCK'; did you mean SCL?"),
         (("--uart", "baud=9600"), "--uart baud=9600: rx or tx is missing; expected rx=CHANNEL,baud=RATE"),

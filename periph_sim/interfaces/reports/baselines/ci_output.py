@@ -74,7 +74,11 @@ def junit(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> str:
     for check in checks:
         _suite(root, check)
     for one in refused:
-        _refused(root, one)
+        name, file, why = map(_safe, (one.path.stem, one.path.as_posix(), one.why))
+        suite = xml.SubElement(root, "testsuite", name=name, file=file)
+        test = xml.SubElement(suite, "testcase", classname=name, name=WHOLE, file=file, line="1")
+        xml.SubElement(test, "error", message=why, type="check").text = why
+        _sums(suite)
     _sums(root)
     xml.indent(root)
     return '<?xml version="1.0" encoding="utf-8"?>\n' + xml.tostring(root, encoding="unicode") + "\n"
@@ -112,14 +116,6 @@ def _test(suite: xml.Element, check: CaseCheck, budget: str | None, line: int, s
     wrong = [_safe(finding.text) for finding in check.findings if finding.budget == budget]
     if wrong:
         xml.SubElement(test, "failure", message=wrong[0], type="check").text = "\n".join(wrong)
-
-
-def _refused(root: xml.Element, refused: RejectedCase) -> None:
-    file = _safe(refused.path.as_posix())
-    suite = xml.SubElement(root, "testsuite", name=_safe(refused.path.stem), file=file)
-    test = xml.SubElement(suite, "testcase", classname=_safe(refused.path.stem), name=WHOLE, file=file, line="1")
-    xml.SubElement(test, "error", message=_safe(refused.why), type="check").text = _safe(refused.why)
-    _sums(suite)
 
 
 def _sums(parent: xml.Element) -> None:

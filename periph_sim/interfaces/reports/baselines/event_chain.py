@@ -95,22 +95,15 @@ def _chain(kept: list[Record], at: int, wanted: Wanted, margin: int) -> EventLin
     elif not wanted.measure.startswith("span:"):
         stops = [r.tick for r in records if r.kind is Kind.BUS and r.what == "STOP" and at <= r.tick <= at + margin]
         end = min(stops, default=at + margin)
-    events = [(r.tick, description(r), _place(r)) for r in records if begin <= r.tick <= end and _counts(r, coarse)]
+    if coarse:
+        records = [r for r in records if r.kind in (Kind.IRQ, Kind.SPAN) or r.what in COARSE]
+    places = ["" if r.kind is Kind.BUS else str(place_of(r.text) or "") for r in records]
+    found = [(r.tick, description(r), place) for r, place in zip(records, places, strict=True)]
+    events = [event for event in found if begin <= event[0] <= end]
     if wanted.measure == "response":
         events = [*events[: LONGEST - 1], (end, "SCL rise of the first data bit", "")]
     shown = events[:LONGEST]
     return EventLine([f"{tick - begin} {event}" for tick, event, _ in shown], [place for _, _, place in shown])
-
-
-def _place(record: Record) -> str:
-    place = place_of(record.text) if record.kind is not Kind.BUS else None
-    return "" if place is None else str(place)
-
-
-def _counts(record: Record, coarse: bool) -> bool:
-    if record.kind is Kind.ACCESS:
-        return not coarse
-    return record.kind is not Kind.BUS or not coarse or record.what in COARSE
 
 
 def description(record: Record) -> str:

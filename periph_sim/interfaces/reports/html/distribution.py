@@ -64,7 +64,8 @@ def distribution(values: Values, per_ns: int) -> Distribution:
     data = np.sort(values.values)
     least, worst = int(data[0]), int(data[-1])
     unit, size, grain = scale_of(values.unit, max(abs(least), abs(worst)), per_ns)
-    width = _width(worst - least, grain)
+    grains = (worst - least) / grain
+    width = grain * max(1, round(nice_step(grains, MOST - 1))) if grains > 1 else grain  # at most MOST bins
     first = least // width
     places, counts = np.unique(data // width - first, return_counts=True)
     return Distribution(
@@ -79,11 +80,6 @@ def distribution(values: Values, per_ns: int) -> Distribution:
         limits=tuple((key, limit / size) for key, limit in values.limits.items()),
         quantiles=tuple((name, int(data[-(-per * len(data) // 1000) - 1]) / size) for name, per in SHOWN),
     )
-
-
-def _width(spread: int, grain: int) -> int:
-    """Return the width of a bin: 1, 2 or 5 times a power of ten of grains, with which at most MOST bins are needed."""
-    return grain * max(1, round(nice_step(spread / grain, MOST - 1))) if spread > grain else grain
 
 
 def scale_of(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:

@@ -326,7 +326,10 @@ def failure(
     if must_break and verdict.broken:
         return None
     if verdict.broken:
-        why, place = ("", "") if chain is None else _why(verdict, chain)
+        part = None if chain is None else chain.blamed or next(iter(chain.parts), None)
+        why = "" if chain is None or part is None else _blame(part, chain)
+        place = "" if part is None or part.place is None else str(part.place)
+        why += " at" if place else ""
         return Failure(_what(verdict), "" if over is None else _count(verdict, over, per_second), why, place)
     if verdict.passed:
         return None
@@ -357,13 +360,6 @@ def _count(verdict: Verdict, over: OverTime, per_second: int) -> str:
     first = over.violations[0][0] / per_second
     when = "" if verdict.at_s is not None and abs(first - verdict.at_s) < 1e-9 else f", the first at {instant(first)}"
     return f"{over.violation_count} of {over.count} occurrences are beyond the limit{when}"
-
-
-def _why(verdict: Verdict, chain: Chain) -> tuple[str, str]:
-    part = chain.blamed or next(iter(chain.parts), None)
-    if part is None:
-        return "", ""
-    return (_blame(part, chain), "") if part.place is None else (f"{_blame(part, chain)} at", str(part.place))
 
 
 def _blame(part: Part, chain: Chain) -> str:

@@ -167,7 +167,9 @@ class _Lanes:
 
     def timeline(self) -> Timeline:
         window = self.window
-        groups = [("I2C bus", self._bus()), ("UART", self._serial()), ("pins", self._pins())]
+        names = [channel.name for channel in window.edges.channels]
+        pins = self._waves(name for name in names if name not in (*BUS, *SERIAL))
+        groups = [("I2C bus", self._bus()), ("UART", self._serial()), ("pins", pins)]
         for unit in self.cycles:
             prefix = f"{unit} " if len(self.cycles) > 1 else ""
             groups.append((f"{prefix}flags", self._flags(unit)))
@@ -258,10 +260,6 @@ class _Lanes:
                 byte, end = f"{record.value:02X}", record.tick + FRAME_BITS * self.frame_bit
                 self._add(frames, record.tick, f"frame 0x{byte} from {record.where}", byte, end)
         return [*self._waves(SERIAL), *([frames] if frames.at else [])]
-
-    def _pins(self) -> list[Lane]:
-        names = [channel.name for channel in self.window.edges.channels]
-        return self._waves(name for name in names if name not in (*BUS, *SERIAL))
 
     # A unit's inside ------------------------------------------------------------------
 

@@ -32,7 +32,11 @@ def runs_of(changes: Changes) -> list[dict[str, Value]]:
     if isinstance(changes, str):
         raise BadCase(f"changes={changes!r}: give a list of runs, or a table of keys and their values")
     if isinstance(changes, Mapping):
-        runs = _combinations(changes)
+        for key, values in changes.items():
+            if isinstance(values, str | bytes) or not isinstance(values, Iterable):
+                raise BadCase(f"changes: {key!r} has {values!r}; give a list of its values")
+        combinations = product(*changes.values()) if changes else ()
+        runs = [dict(zip(changes, values, strict=True)) for values in combinations]
     else:
         runs = [_one(run, number) for number, run in enumerate(changes)]
     if not runs:
@@ -43,13 +47,6 @@ def runs_of(changes: Changes) -> list[dict[str, Value]]:
 def texts_of(run: Run) -> list[str]:
     """Return a run's changes as for `--set`. Raise BadCase for a value that a case cannot have."""
     return [f"{key}={_text(key, value)}" for key, value in run.items()]
-
-
-def _combinations(changes: Mapping[str, Iterable[Value]]) -> list[dict[str, Value]]:
-    for key, values in changes.items():
-        if isinstance(values, str | bytes) or not isinstance(values, Iterable):
-            raise BadCase(f"changes: {key!r} has {values!r}; give a list of its values")
-    return [dict(zip(changes, values, strict=True)) for values in product(*changes.values())] if changes else []
 
 
 def _one(run: Run | str | Sequence[str], number: int) -> dict[str, Value]:
@@ -110,7 +107,10 @@ def _range(key: str, *texts: str) -> list[str]:
     count = int((last - first) / step) + 1
     if count > MOST:
         raise BadCase(f"--vary {key}={shown}: it has {count} values; give a larger step")
-    return [f"{_decimal(first + place * step)} {unit}".strip() for place in range(count)]
+    digits = Context(prec=100)  # enough for exact decimal numbers, since numbers and units are decimal
+    values = (first + place * step for place in range(count))
+    exact = (digits.divide(Decimal(value.numerator), Decimal(value.denominator)).normalize(digits) for value in values)
+    return [f"{value:f} {unit}".strip() for value in exact]
 
 
 def _number(key: str, text: str, shown: str) -> tuple[Fraction, str]:
@@ -128,12 +128,6 @@ def _scales(unit: str) -> dict[str, Fraction]:
         if unit in units:
             return {name: Fraction(size) for name, size in units.items()}
     return {unit: Fraction(1)}
-
-
-def _decimal(value: Fraction) -> str:
-    """Format a value exactly as a decimal number, which is always possible because numbers and units are decimal."""
-    digits = Context(prec=100)
-    return f"{digits.divide(Decimal(value.numerator), Decimal(value.denominator)).normalize(digits):f}"
 
 
 def _apart(text: str) -> list[str]:

@@ -135,12 +135,8 @@ def _budget(verdicts: Sequence[Verdict | None]) -> BudgetColumns:
         margin=figures(lambda verdict: verdict.margin),
         at_s=figures(lambda verdict: verdict.at_s),
         count=_whole(-1 if verdict is None else verdict.count for verdict in verdicts),
-        verdict=_texts("" if verdict is None else _word(verdict) for verdict in verdicts),
+        verdict=_texts("" if one is None else one.verdict if one.passed else one.word for one in verdicts),
     )
-
-
-def _word(verdict: Verdict) -> str:
-    return verdict.verdict if verdict.passed else verdict.word
 
 
 def _texts(values: Any) -> NDArray[np.str_]:

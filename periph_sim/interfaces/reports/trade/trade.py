@@ -243,12 +243,8 @@ def _best(outcomes: Sequence[Outcome], max_error_s: float) -> tuple[Outcome, str
 TITLES = ("row", "budgets agree", "time error", "value error", "CPU s/s", "spread")
 
 
-def text(found: Trade) -> str:
-    """Format the comparison as a header, a table, notes, and the recommended row."""
-    return "\n".join(_lines(found))
-
-
-def _lines(found: Trade) -> Iterator[str]:
+def text(found: Trade) -> Iterator[str]:
+    """Yield the lines of the comparison: a header, a table, notes, and the recommended row."""
     reference = found.outcomes[0]
     ran, half = duration_text(found.ran_s), duration_text(found.ran_s / 2)
     settled = f"{', '.join(found.changed)} changed since {half}" if found.changed else f"{half} gives the same errors"

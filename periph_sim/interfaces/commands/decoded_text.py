@@ -56,15 +56,10 @@ class Clock(NamedTuple):
 
     def units(self, positions: Numbers) -> Numbers:
         """Convert positions to the nearest number of units. Values beyond 63 bits are calculated one by one."""
-        if self.down == 1 and not self._large(positions):
-            return positions * self.up
-        if not self._large(positions):
+        if not len(positions) or int(positions.max()) * 2 * self.up + self.down < 1 << 63:
             return (positions * (2 * self.up) + self.down) // (2 * self.down)
         exact = [(2 * at * self.up + self.down) // (2 * self.down) for at in positions.tolist()]
         return np.array(exact, np.int64)
-
-    def _large(self, positions: Numbers) -> bool:
-        return bool(len(positions)) and int(positions.max()) * 2 * self.up + self.down >= 1 << 63
 
 
 Shown = Callable[[str, int | None, int, str], str]  # event, value, bits, detail -> text
@@ -154,28 +149,25 @@ def transfers(
 
 def _head(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, full: bool) -> tuple[str, list[Column]]:
     """Return the part of the title line for time and bus, and the columns of these."""
-    columns: list[Column] = []
-    if style == "table":
-        titles = ""
-        for name, column in _when(rows, clock, full, BLANK):
-            column.width = max(column.width, len(name))
-            columns += [column, Literal(GAP)]
-            titles += f"{name:>{column.width}}{GAP}"
-        if len(buses) > 1:
-            bus = _buses(rows, buses, BLANK)
-            columns += [bus, Literal(GAP)]
-            titles += f"{'bus':<{bus.width}}{GAP}"
-        return titles, columns
-    when = _when(rows, clock, True, NONE)
-    if style == "csv":
-        for _, column in when:
+    is_table = style == "table"
+    pad = BLANK if is_table else NONE
+    named: list[tuple[str, Digits | Words]] = [*_when(rows, clock, full or not is_table, pad)]
+    if len(buses) > 1 or not is_table:
+        shown: dict[str, Callable[[str], str]] = {"table": str, "csv": _csv, "json": json.dumps}
+        named.append(("bus", Words(rows.bus.astype(np.int64), lambda bus: shown[style](buses[bus]), pad)))
+    columns: list[Column] = [Literal("{")] if style == "json" else []
+    titles = ""
+    for name, column in named:
+        if style == "json":
+            columns += [Literal(f'"{name}": '), column, Literal(", ")]
+        elif style == "csv":
+            titles += f"{name},"
             columns += [column, Literal(",")]
-        columns += [_buses(rows, [_csv(bus) for bus in buses], NONE), Literal(",")]
-        return "".join(f"{name}," for name, _ in when) + "bus,", columns
-    for name, column in when:
-        columns += [Literal(f'{", " if columns else "{"}"{name}": '), column]
-    columns += [Literal(', "bus": '), _buses(rows, [json.dumps(bus) for bus in buses], NONE), Literal(", ")]
-    return "", columns
+        else:
+            column.width = max(column.width, len(name))
+            titles += f"{name:{'<' if name == 'bus' else '>'}{column.width}}{GAP}"
+            columns += [column, Literal(GAP)]
+    return titles, columns
 
 
 def _when(rows: Rows, clock: Clock | None, full: bool, pad: bytes) -> list[tuple[str, Digits]]:
@@ -190,10 +182,6 @@ def _when(rows: Rows, clock: Clock | None, full: bool, pad: bytes) -> list[tuple
     if full:
         columns.append(("end", Digits(rows.end, 0, pad)))
     return columns
-
-
-def _buses(rows: Rows, buses: Sequence[str], pad: bytes) -> Words:
-    return Words(rows.bus.astype(np.int64), lambda bus: buses[bus], pad)
 
 
 def events_column(rows: Rows, shown: Shown) -> Words:
@@ -220,7 +208,6 @@ def _csv(*cells: object) -> str:
 
 AGAIN, ACK, NACK, STOP = (EVENTS.index(name) for name in ("repeated start", "ack", "nack", "stop"))
 ACKED = {ACK: "true", NACK: "false"}
-AT_ONCE = 1000  # number of lines that are yielded together
 
 
 def transfer_lines(
@@ -239,10 +226,9 @@ def transfer_lines(
     table = _Table(rows, clock)
     ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
     bounds = [*first.tolist(), len(rows.at)]
-    stretches = [_Stretches(rows, bus, found, clock) if found else None for bus, found in enumerate(lows)]
+    stretches = [None if found is None else _stretches(rows, bus, found, clock) for bus, found in enumerate(lows)]
     names = [json.dumps(name) for name in buses]
     over = zip(_times(ends, clock), ends.tolist(), strict=True)
-    lines: list[str] = []
     for begin, end, (time, position) in zip(bounds, bounds[1:], over, strict=False):
         bus = table.bus[begin]
         own = stretches[bus]
@@ -252,34 +238,29 @@ def transfer_lines(
             whole = table.words(begin, end) if protocols[bus] == "spi" else table.frames(begin, end)
         when = table.span(begin, time, position)
         said = " ".join(table.said(row) for row in range(begin, end))
-        lines.append(f'{{{when}, "bus": {names[bus]}, "transfer": "{said}", {whole}}}\n')
-        if len(lines) == AT_ONCE:
-            yield "".join(lines).encode()
-            lines.clear()
-    yield "".join(lines).encode()
+        yield f'{{{when}, "bus": {names[bus]}, "transfer": "{said}", {whole}}}\n'.encode()
 
 
-class _Stretches:
-    """The long low phases of one bus as JSON, indexed by the row of the byte in which they occur.
+def _stretches(rows: Rows, bus: int, lows: LongLows, clock: Clock | None) -> dict[int, list[str]]:
+    """Return the long low phases of one bus as JSON, indexed by the row of the byte in which they occur.
 
     The number of the byte in its message is added later.
     """
-
-    def __init__(self, rows: Rows, bus: int, lows: LongLows, clock: Clock | None) -> None:
-        own = np.flatnonzero((rows.bus == bus) & (rows.value >= 0))
-        starts = np.searchsorted(lows.rises, rows.at[own])  # the index of the rise of each byte's first bit
-        place = np.searchsorted(starts, lows.which, side="right") - 1
-        bits = lows.which - np.append(starts, 0)[place] + 1
-        within = (place >= 0) & (bits <= 9)
-        place, bits, lengths = place[within], bits[within], lows.lengths[within]
-        falls = lows.rises[lows.which[within]] - lengths
-        self.by_row: dict[int, list[str]] = {}
-        columns = (own[place], bits, falls, lengths)
-        found = zip(*(column.tolist() for column in columns), _times(falls, clock), _times(lengths, clock), strict=True)
-        for row, bit, fall, length, time, low in found:
-            times = f'"time_s": {time}, "low_s": {low}, ' if time else ""
-            said = f'{{{times}"position": {fall}, "low": {length}, "bit": {bit}, "byte": '
-            self.by_row.setdefault(row, []).append(said)
+    own = np.flatnonzero((rows.bus == bus) & (rows.value >= 0))
+    starts = np.searchsorted(lows.rises, rows.at[own])  # the index of the rise of each byte's first bit
+    place = np.searchsorted(starts, lows.which, side="right") - 1
+    bits = lows.which - np.append(starts, 0)[place] + 1
+    within = (place >= 0) & (bits <= 9)
+    place, bits, lengths = place[within], bits[within], lows.lengths[within]
+    falls = lows.rises[lows.which[within]] - lengths
+    by_row: dict[int, list[str]] = {}
+    columns = (own[place], bits, falls, lengths)
+    found = zip(*(column.tolist() for column in columns), _times(falls, clock), _times(lengths, clock), strict=True)
+    for row, bit, fall, length, time, low in found:
+        times = f'"time_s": {time}, "low_s": {low}, ' if time else ""
+        said = f'{{{times}"position": {fall}, "low": {length}, "bit": {bit}, "byte": '
+        by_row.setdefault(row, []).append(said)
+    return by_row
 
 
 def _times(positions: Numbers, clock: Clock | None) -> list[str]:
@@ -345,13 +326,13 @@ class _Table:
                 cut = f'"{value:0{bits}b}"'
         return f'"words": [{", ".join(whole)}], "cut": {cut}'
 
-    def messages(self, begin: int, end: int, stretches: _Stretches) -> str:
+    def messages(self, begin: int, end: int, stretches: dict[int, list[str]]) -> str:
         starts = [row for row in range(begin, end) if self._event[row] in (START, AGAIN)]
         messages = (self._message(a, b, stretches) for a, b in zip(starts, [*starts[1:], end], strict=True))
         ended = "stop" if self._event[end - 1] == STOP else "cut off"
         return f'"messages": [{", ".join(messages)}], "ended": "{ended}"'
 
-    def _message(self, begin: int, end: int, stretches: _Stretches) -> str:
+    def _message(self, begin: int, end: int, stretches: dict[int, list[str]]) -> str:
         address, bits, direction, reserved, acked, cut = "null", "null", "null", "null", "null", "null"
         data: list[str] = []
         held: list[str] = []
@@ -372,7 +353,7 @@ class _Table:
                 cut = f'"{value:0{self._bits[row]}b}"'
             else:
                 data.append(f'{{{self.when(row)}, "value": {value}, "acked": {answer}}}')
-            held += [f"{said}{byte}}}" for said in stretches.by_row.get(row, ())]
+            held += [f"{said}{byte}}}" for said in stretches.get(row, ())]
             byte += 1
         return (
             f'{{{self.when(begin)}, "address": {address}, "address_bits": {bits}, "direction": {direction}, '

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...interfaces.commands.command_output import print_json, usage_errors_in_one_sentence
+from ...interfaces.commands.command_frame import print_json, usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ..numeric.estimate import Tables

@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...interfaces.commands.command_output import usage_errors_in_one_sentence
-from ...interfaces.commands.input_options import address_given, time_given
+from ...interfaces.commands.command_frame import address_given, time_given, usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ..host_frame import Encoding

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...interfaces.commands.command_output import print_json, usage_errors_in_one_sentence
-from ...interfaces.commands.input_options import rate_given
+from ...interfaces.commands.command_frame import print_json, rate_given, usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ...traces.formats.unit_csv import Column

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import click
 
-from ...interfaces.commands.command_output import print_json, usage_errors_in_one_sentence
+from ...interfaces.commands.command_frame import print_json, usage_errors_in_one_sentence
 
 MOST_SAMPLES = 10_000_000
 PUBLISHED = "table_5_1"

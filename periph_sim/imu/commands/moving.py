@@ -8,8 +8,7 @@ from pathlib import Path
 
 import click
 
-from ...interfaces.commands.command_output import print_json, progress, running_user_code
-from ...interfaces.commands.input_options import length_given
+from ...interfaces.commands.command_frame import length_given, print_json, progress, running_user_code
 
 DIFFERENT = 1  # the exit status if the bytes on the wires differ from the computed ones
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .command_output import usage_errors_in_one_sentence
+from .command_frame import usage_errors_in_one_sentence
 
 SECTION = "understand"
 EXAMPLE = "periph-sim assemble firmware/c28x/sci_echo.asm sci_echo.out"

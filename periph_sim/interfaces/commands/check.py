@@ -15,8 +15,17 @@ from ...traces.formats import atomic_write
 from ..reports.baselines.check import CaseCheck
 from ..reports.baselines.check import check as checked
 from ..reports.baselines.outcome import RejectedCase
-from .command_output import command_line, print_json, print_table, progress, running_user_code, say
-from .input_options import GUARANTEED, JSON, apart
+from .command_frame import (
+    GUARANTEED,
+    JSON,
+    apart,
+    command_line,
+    print_json,
+    print_table,
+    progress,
+    running_user_code,
+    say,
+)
 from .watched_files import note_inputs
 
 SECTION = "run"

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from .command_output import print_answer
-from .input_options import JSON, RATE, SALVAGE, read_capture
+from .command_frame import JSON, RATE, SALVAGE, print_answer, read_capture
 
 SECTION = "traces"
 EXAMPLE = "periph-sim compliance capture.sr --mode fast"

@@ -19,8 +19,7 @@ from ...traces import formats
 from ...traces.capture.capture import window_of, with_channels, within
 from ...traces.capture.sampling import rate_text, resampled
 from ...traces.formats import BadCapture, psr
-from .command_output import usage_errors_in_one_sentence
-from .input_options import RATE, SALVAGE, rate_given, read_capture
+from .command_frame import RATE, SALVAGE, rate_given, read_capture, usage_errors_in_one_sentence
 
 SECTION = "traces"
 EXAMPLE = "periph-sim convert capture.sr capture.vcd --window '1 ms..5 ms'"

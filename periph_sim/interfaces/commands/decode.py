@@ -18,9 +18,8 @@ from ...traces.decode.event_rows import grouped, merged
 from ...traces.decode.i2c_table import long_lows
 from . import decode_exports
 from . import decoded_text as event_text
-from .command_output import usage_errors_in_one_sentence
+from .command_frame import RATE, SALVAGE, read_capture, usage_errors_in_one_sentence
 from .decode_buses import Bus, asked_for
-from .input_options import RATE, SALVAGE, read_capture
 
 EXPORTS = ("pcapng", "hexdump", "sigrok")
 STYLES = ("table", "json", "csv", *EXPORTS)

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .command_output import print_answer
-from .input_options import JSON, SALVAGE, read_capture, time_given
+from .command_frame import JSON, SALVAGE, print_answer, read_capture, time_given
 
 if TYPE_CHECKING:
     from ...traces.decode.uart_line import Line

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from .command_output import print_answer, usage_errors_in_one_sentence
+from .command_frame import print_answer, usage_errors_in_one_sentence
 
 SECTION = "understand"
 EXAMPLE = "periph-sim image firmware.out"

@@ -21,7 +21,7 @@ from ...scene.case.toml_file import read
 from ...scene.outside_log import BadLog, LogReader
 from ...scene.scene import Scene
 from ...timing.verdict import NOT_JUDGED
-from .input_options import check_file_name
+from .command_frame import check_file_name
 
 Tree = dict[str, Any]
 

@@ -20,8 +20,8 @@ from ...processor.image_files.assemble import sources_of
 from ...scene.case.origin import texts_in
 from ...scene.firmware_loader import SHIPPED
 from ...traces.capture.capture import Capture
-from .command_output import usage_errors_in_one_sentence
-from .input_options import RATE, check_file_name, read_capture
+from ..reports.baselines.files import write_all
+from .command_frame import RATE, check_file_name, read_capture, usage_errors_in_one_sentence
 
 SECTION = "run"
 EXAMPLE = "periph-sim new i2c-slave thermometer"
@@ -246,14 +246,4 @@ def write(files: Files) -> None:
     there = [str(path) for path in files if path.exists() or path.is_symlink()]
     if there:
         raise click.ClickException(f"{', '.join(there)}: exists already, and nothing was written; give another name")
-    written: list[Path] = []
-    try:
-        for path, text in files.items():
-            path.parent.mkdir(parents=True, exist_ok=True)
-            with path.open("x", encoding="utf-8", newline="\n") as file:
-                written.append(path)
-                file.write(text)
-    except OSError as error:
-        for path in written:
-            path.unlink()
-        raise click.ClickException(f"{error.filename or written[-1]}: cannot be written ({error.strerror})") from None
+    write_all(files)

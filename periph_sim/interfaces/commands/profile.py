@@ -10,8 +10,7 @@ from pathlib import Path
 import click
 
 from ...scene.case.load import load
-from .command_output import print_answer, progress, running_user_code
-from .input_options import CHANGES, JSON, SECONDS, apart
+from .command_frame import CHANGES, JSON, SECONDS, apart, print_answer, progress, running_user_code
 
 SECTION = "understand"
 EXAMPLE = "periph-sim profile case.toml --lcov coverage.info"

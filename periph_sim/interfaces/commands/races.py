@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from .command_output import print_answer, usage_errors_in_one_sentence
-from .input_options import JSON, RUN_FILE, SYSCLK, open_run
+from .command_frame import JSON, RUN_FILE, SYSCLK, open_run, print_answer, usage_errors_in_one_sentence
 
 SECTION = "understand"
 EXAMPLE = "periph-sim races run.psr --register I2C-A.I2CSTR"

@@ -14,7 +14,7 @@ from ...core.text_table import WIDTH
 from ...devices.chips import chip_models
 from ...f28335.parts.f28335 import PART
 from ...records.record_text import number
-from .command_output import print_table, say
+from .command_frame import print_table, say
 
 OPTIONS: dict[str, type[Answers]] = {
     **PART.options_classes(),

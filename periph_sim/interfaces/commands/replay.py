@@ -22,8 +22,19 @@ from ...scene.case.load import load
 from ...scene.case.model import Case
 from ...traces.capture.capture import Capture
 from ...traces.formats import atomic_write
-from .command_output import print_json, print_table, progress, running_user_code, say
-from .input_options import CHANGES, JSON, RATE, SALVAGE, read_capture, time_given
+from .command_frame import (
+    CHANGES,
+    JSON,
+    RATE,
+    SALVAGE,
+    print_json,
+    print_table,
+    progress,
+    read_capture,
+    running_user_code,
+    say,
+    time_given,
+)
 from .result_text import assumptions, budget_table, legend
 
 FIRST = {

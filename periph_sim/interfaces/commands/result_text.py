@@ -9,7 +9,7 @@ from ...core.options import Value
 from ...scene.case.model import Case
 from ...scene.result import SKIPPED, Result
 from ...timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict, broken, figure, limit, simulated
-from .command_output import print_table, say
+from .command_frame import print_table, say
 
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
 # The singular of the names of counts that are nouns; the others have no plural: `2 missed`.

@@ -14,8 +14,17 @@ from ...records.recording import recording
 from ...scene.case.load import load
 from ...scene.result import Result
 from ...scene.scene import Scene
-from .command_output import command_line, print_json, progress, running_user_code
-from .input_options import CHANGES, GUARANTEED, JSON, SECONDS, apart
+from .command_frame import (
+    CHANGES,
+    GUARANTEED,
+    JSON,
+    SECONDS,
+    apart,
+    command_line,
+    print_json,
+    progress,
+    running_user_code,
+)
 from .result_text import show
 
 if TYPE_CHECKING:

@@ -14,8 +14,15 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from .command_output import print_json, running_user_code, usage_errors_in_one_sentence
-from .input_options import CHANGES, address_given, pace_given, time_given
+from .command_frame import (
+    CHANGES,
+    address_given,
+    pace_given,
+    print_json,
+    running_user_code,
+    time_given,
+    usage_errors_in_one_sentence,
+)
 
 if TYPE_CHECKING:
     from ...outside.live.i2cdriver_door import I2cDriverDoor

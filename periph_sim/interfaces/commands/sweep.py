@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .command_output import print_json, print_table, progress, running_user_code, say
-from .input_options import JSON, SECONDS
+from .command_frame import JSON, SECONDS, print_json, print_table, progress, running_user_code, say
 
 if TYPE_CHECKING:
     from ..reports.sweep.sweep import Sweep

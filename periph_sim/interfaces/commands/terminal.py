@@ -9,8 +9,7 @@ from urllib.parse import urlencode
 
 import click
 
-from .command_output import usage_errors_in_one_sentence
-from .input_options import CHANGES, pace_given
+from .command_frame import CHANGES, pace_given, usage_errors_in_one_sentence
 
 SECTION = "run"
 EXAMPLE = "periph-sim terminal timing/uart_logger.toml --echo"

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .command_output import print_answer, progress, running_user_code
-from .input_options import CHANGES, SECONDS, time_given
+from .command_frame import CHANGES, SECONDS, print_answer, progress, running_user_code, time_given
 
 if TYPE_CHECKING:
     from ...scene.case.model import Case

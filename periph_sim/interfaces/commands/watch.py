@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .command_output import say, usage_errors_in_one_sentence
-from .input_options import CHANGES, GUARANTEED
+from .command_frame import CHANGES, GUARANTEED, say, usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ..reports.baselines.outcome import Outcome, RejectedCase

@@ -6,8 +6,7 @@ from pathlib import Path
 
 import click
 
-from .command_output import print_answer, usage_errors_in_one_sentence
-from .input_options import RUN_FILE, SYSCLK, open_run
+from .command_frame import RUN_FILE, SYSCLK, open_run, print_answer, usage_errors_in_one_sentence
 
 SECTION = "understand"
 EXAMPLE = "periph-sim why run.psr 'I2C-A.I2CSTR.XRDY@12.345 ms'"

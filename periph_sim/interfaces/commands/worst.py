@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
 from shutil import get_terminal_size
@@ -12,8 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...core.suggest import did_you_mean
-from .command_output import print_json, progress, running_user_code
-from .input_options import CHANGES, SECONDS
+from .command_frame import CHANGES, SECONDS, print_json, progress, running_user_code
 
 if TYPE_CHECKING:
     from ...timing.verdict import Verdict
@@ -91,8 +89,8 @@ def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
 
 
 def _write(folder: Path, found: dict[str, Explained]) -> None:
-    """Write a file for each budget. Raise BadCapture, and write none, if one of them cannot be written."""
-    from ...traces.formats import atomic_write
+    """Write a file for each budget. Raise BadCheck, and write none, if one of them cannot be written."""
+    from ..reports.baselines.files import write_all
     from ..reports.explain.picture import svg_picture
 
     names: dict[str, str] = {}
@@ -101,7 +99,4 @@ def _write(folder: Path, found: dict[str, Explained]) -> None:
         if file in names:
             raise click.ClickException(f"--svg: budgets {names[file]!r} and {name!r} would both be {file}; rename one")
         names[file] = name
-    with ExitStack() as together:
-        for file, name in names.items():
-            picture = svg_picture(found[name].window)
-            together.enter_context(atomic_write(folder / file)).write_text(picture, encoding="utf-8")
+    write_all({folder / file: svg_picture(found[name].window) for file, name in names.items()})

@@ -35,10 +35,15 @@ class CaseFile(pytest.File):
 
     def collect(self) -> Iterable[pytest.Item]:
         """Return the tests. Raise CollectError, with one sentence, if the case cannot be built."""
-        from ..commands.command_output import is_mistake
+        from ...processor.user_code import output_muted
+        from ...scene.case.load import load
+        from ..commands.command_frame import is_mistake
+        from .runs import Plan
 
         try:
-            self._plan = self._planned()
+            self._plan = Plan(load(self.path))
+            with output_muted():
+                self._plan.scene()
         except Exception as error:
             if not is_mistake(error):
                 raise
@@ -52,17 +57,6 @@ class CaseFile(pytest.File):
             if budget.name in getattr(self._plan.case, "breaks", ()):
                 item.add_marker(pytest.mark.xfail(reason=KNOWN, raises=AssertionError, strict=True))
             yield item
-
-    def _planned(self) -> Any:
-        """Return the plan of the case, after checking that it can be built."""
-        from ...processor.user_code import output_muted
-        from ...scene.case.load import load
-        from .runs import Plan
-
-        plan = Plan(load(self.path))
-        with output_muted():
-            plan.scene()
-        return plan
 
     def run(self) -> Any:
         """Return the run of the case, which is made once for all tests. If it failed, raise its error each time."""
@@ -103,7 +97,7 @@ class CaseItem(pytest.Item):
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **more: Any) -> Any:
         """Return the broken budgets, or the sentence of a user's error. Only internal errors have a traceback."""
-        from ..commands.command_output import is_mistake
+        from ..commands.command_frame import is_mistake
 
         if isinstance(excinfo.value, AssertionError) or is_mistake(excinfo.value):
             return f"{excinfo.value}\n\n{self.nodeid.partition('::')[0]}:{self._line}"

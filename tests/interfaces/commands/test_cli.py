@@ -16,7 +16,7 @@ import pytest
 
 from periph_sim import form
 from periph_sim.cli import OTHER, PACKAGES, ROOT, SECTIONS, cli, run_command
-from periph_sim.interfaces.commands.command_output import MISTAKES, VERSION
+from periph_sim.interfaces.commands.command_frame import MISTAKES, VERSION
 from tests.interfaces.commands.conftest import Run
 
 TRACE = str(Path(__file__).resolve().parents[3] / "traces" / "host_frames.sr")

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from click import ClickException
 
 from periph_sim.interfaces.commands.new import TEMPLATES, write
+from periph_sim.interfaces.reports.baselines.files import BadCheck
 from periph_sim.interfaces.reports.baselines.outcome import Outcome, run_case
 from tests.interfaces.commands.conftest import Run
 
@@ -164,6 +164,6 @@ def test_a_disk_that_fills_up_leaves_no_half_of_a_pair(tmp_path: Path, monkeypat
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     monkeypatch.setattr(Path, "open", full)
-    with pytest.raises(ClickException, match=r"one\.toml: cannot be written \(No space left on device\)"):
+    with pytest.raises(BadCheck, match=r"one\.toml, its place: found no space left on device"):
         write({tmp_path / "one.py": "main", tmp_path / "one.toml": "name"})
     assert list(tmp_path.iterdir()) == []

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.interfaces.commands.command_output import MISTAKES
+from periph_sim.interfaces.commands.command_frame import MISTAKES
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene

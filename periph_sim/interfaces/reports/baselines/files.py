@@ -144,6 +144,6 @@ def write_all(texts: Mapping[Path, str]) -> None:
     try:
         with ExitStack() as together:
             for path, text in texts.items():
-                together.enter_context(atomic_write(path)).write_text(text, encoding="utf-8")
+                together.enter_context(atomic_write(path)).write_text(text, encoding="utf-8", newline="\n")
     except BadCapture as error:
         raise BadCheck(str(error)) from None

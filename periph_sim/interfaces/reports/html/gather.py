@@ -94,11 +94,6 @@ class CaseReport:
     budgets: tuple[BudgetReport, ...]
     commit: str = ""
 
-    @property
-    def failed_first(self) -> list[tuple[int, BudgetReport]]:
-        """The budgets with their numbers, from 1; failed ones first."""
-        return sorted(enumerate(self.budgets, 1), key=lambda one: (one[1].as_it_should_be, one[1].verdict.passed))
-
 
 MOST_OF_PASSED = 3_000  # maximum number of events in the timeline of a budget without failure
 GIT_SECONDS = 5  # maximum time in seconds that git may take

@@ -39,8 +39,6 @@ SCRIPTS = (  # in the order of their dependencies
 STANDINGS = ("bad", "known", "good")  # in the order on the page
 MOST_FAILURES = 5  # maximum number of failures that the head of the page shows
 
-Row = tuple[int, CaseReport, int, BudgetReport]
-
 
 def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
     """Return the page as HTML without references to other files.
@@ -48,7 +46,9 @@ def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
     title: the title of the page, and of the overview if there are several cases.
     command: the command line that made the page.
     """
-    rows = _worst_first(cases)
+    # The rows have the numbers of the case and of the budget. Failed budgets come first, then others that broke.
+    budgets = [(*case, *one) for case in enumerate(cases, 1) for one in enumerate(case[1].budgets, 1)]
+    rows = sorted(budgets, key=lambda row: (row[3].as_it_should_be, row[3].verdict.passed))
     return _template().render(
         cases=cases,
         ordered=sorted(enumerate(cases, 1), key=lambda one: STANDINGS.index(one[1].standing)),
@@ -157,14 +157,3 @@ def _allowed(verdict: Verdict) -> str:
     """Format the limit of a verdict: "at most 60 us", "p99 at most 3.4 us"."""
     text = limit(verdict.limit, verdict.unit, "")
     return f"{bound(verdict.which)} {text if text != f'{verdict.limit}' else in_words(verdict.limit, verdict.unit)}"
-
-
-def _worst_first(cases: Sequence[CaseReport]) -> list[Row]:
-    """Return all budgets with the numbers of their case and of themselves.
-
-    Failed budgets come first, then other budgets that broke.
-    """
-    rows = [
-        (place, case, number, one) for place, case in enumerate(cases, 1) for number, one in enumerate(case.budgets, 1)
-    ]
-    return sorted(rows, key=lambda row: (row[3].as_it_should_be, row[3].verdict.passed))

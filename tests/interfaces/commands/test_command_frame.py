@@ -11,7 +11,7 @@ from rich.text import Text
 
 from periph_sim import form
 from periph_sim.core.text_table import table_rows, together
-from periph_sim.interfaces.commands.command_output import LONG, SHARE, cost_of_form, print_table, progress, say
+from periph_sim.interfaces.commands.command_frame import LONG, SHARE, cost_of_form, print_table, progress, say
 
 LINES = (
     *("", "one", "ends in blanks   ", "  begins with them", "a\ttab", "\t\ttwo", "two\nlines", "\n", "[bold]no markup"),
@@ -98,14 +98,14 @@ def test_else_nothing_is_told(interpreted: None, monkeypatch: pytest.MonkeyPatch
 
 
 def test_where_nobody_looks_there_is_no_bar_and_no_line(interpreted: None, monkeypatch, capsys) -> None:
-    monkeypatch.setattr("periph_sim.interfaces.commands.command_output.LONG", 0)
+    monkeypatch.setattr("periph_sim.interfaces.commands.command_frame.LONG", 0)
     with progress("case") as told:
         assert told is None
     assert capsys.readouterr() == ("", "")
 
 
 def test_on_a_terminal_the_line_comes_after_the_bar(interpreted: None, monkeypatch, capsys) -> None:
-    monkeypatch.setattr("periph_sim.interfaces.commands.command_output.LONG", 0)
+    monkeypatch.setattr("periph_sim.interfaces.commands.command_frame.LONG", 0)
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     with progress("case") as told:
         assert told is not None

@@ -22,7 +22,7 @@ from periph_sim.traces.decode import i2c
 from periph_sim.traces.decode.uart import Line
 from periph_sim.traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, Tick
 from tests.replay.slow import one_read, slow_case
-from tests.replay.test_compare import happened
+from tests.replay.test_report import happened
 from tests.traces.decode.drawing import of_bytes
 from tests.traces.formats.make_traces import FOLDER
 from tests.traces.formats.writers import I2cWave

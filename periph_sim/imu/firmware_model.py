@@ -107,7 +107,7 @@ class MotionTruth:
 
         It is built at its first use, since few runs need it.
         """
-        from .models.sensed_motion import SensedMotion  # imported here, because it imports numpy
+        from .models.sensed_motion import SensedMotion
 
         felt = SensedMotion(self._imu, self._motion)
         return lru_cache(self.KEPT)(lambda seconds: felt.at(float(self._first + seconds)))

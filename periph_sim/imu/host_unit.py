@@ -17,10 +17,9 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from math import isfinite
 from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from ..outside.errors import OutsideError
 from ..outside.live.pacing import Pacer
@@ -117,11 +116,11 @@ class UdpFrames:
             return data
         if len(data) not in KINDS:
             raise BadMotion(f"it has {len(data)} bytes; expected {OTHERS}")
-        values = np.array([struct.unpack(f"{self._order}{VALUES}{KINDS[len(data)]}", data)])
-        if not np.isfinite(values).all():
+        values = struct.unpack(f"{self._order}{VALUES}{KINDS[len(data)]}", data)
+        if not all(map(isfinite, values)):
             raise BadMotion("a value is infinite or no number")
         counts, _ = self._encoding.counts(values)
-        return encode(tuple(counts[0].tolist()), self._encoding.byte_order)
+        return encode(counts, self._encoding.byte_order)
 
 
 @dataclass

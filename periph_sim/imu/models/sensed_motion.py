@@ -9,11 +9,7 @@ the motion, the values after it count.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
-import numpy as np
 from msgspec.structs import replace
-from numpy.typing import NDArray
 
 from ..motion import Motion
 from ..numeric.arithmetic import Triple
@@ -21,8 +17,6 @@ from ..numeric.float64 import Float64
 from .chips import Angles, angles
 from .imu import Codes, Imu, Inputs, Noise
 from .parameters import ImuParameters
-
-Floats = NDArray[np.float64]
 
 STEP = 1e-4  # seconds over which the change of the body rates is calculated, which only a lever arm needs
 
@@ -42,24 +36,21 @@ class SensedMotion:
     def at(self, seconds: float, noise: Noise[float] | None = None) -> dict[str, tuple[float, ...]]:
         """Return x, y, z of each chip in LSB. noise: the noise at this instant, from `imu_noise`."""
         turned, body = self._turning(seconds)
+        *_, x, y, z = self._motion.at(seconds)
         _, later = self._turning(seconds + STEP)
         # The models calculate the change of the rates from two samples.
         part = self._imu.period / STEP
         p, q, r = (now - (then - now) * part for now, then in zip(body, later, strict=True))
-        pushed = _triple(self._motion.acceleration, seconds)
-        inputs = Inputs(turned, pushed, body, (p, q, r), noise or self._model.silence)
+        inputs = Inputs(turned, (x, y, z), body, (p, q, r), noise or self._model.silence)
         found = {}
         for name in Codes._fields:
             low, high = getattr(self._imu, name).limits
-            found[name] = tuple(min(max(x, low), high) for x in self._model.lsb_of(name, inputs))
+            found[name] = tuple(min(max(lsb, low), high) for lsb in self._model.lsb_of(name, inputs))
         return found
 
     def _turning(self, seconds: float) -> tuple[Angles[float], Triple[float]]:
         """Return the sines and cosines of the attitude, and p, q, r in rad/s."""
-        turned = angles(self._model.a, _triple(self._motion.attitude, seconds))
-        return turned, self._model.gyroscope.body_rates(_triple(self._motion.rates, seconds), turned)
-
-
-def _triple(values: Callable[[Floats], Floats], seconds: float) -> Triple[float]:
-    x, y, z = values(np.array([seconds]))[0].tolist()
-    return x, y, z
+        roll, pitch, yaw, *_ = self._motion.at(seconds)
+        phi, theta, psi = self._motion.rates_at(seconds)
+        turned = angles(self._model.a, (roll, pitch, yaw))
+        return turned, self._model.gyroscope.body_rates((phi, theta, psi), turned)

@@ -11,8 +11,9 @@ accelerations of the body in g, without gravity (dissertation sections 3.4 and 4
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cache
-from typing import TYPE_CHECKING, Protocol, TypeAlias, cast, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, TypeAlias, cast
 
 from ...core.discover import module_with, modules_with
 from ...core.input_error import InputError
@@ -33,39 +34,44 @@ class BadMotion(InputError):
     """A motion is invalid. The message names the value and the range, or the file and the line."""
 
 
-class Motion(Protocol):
-    """A motion from time 0 on. Times are float64 seconds of shape (n,); results have shape (n, 3)."""
+class Motion:
+    """A motion from time 0 on.
 
-    ends: float  # time in seconds after which nothing changes any more; infinite if the motion continues
+    ends: the time in seconds after which nothing changes any more; infinite if the motion continues.
+    """
+
+    ends: float
 
     @property
     def truth(self) -> Motion:
         """The true motion of the body. It is another motion if the reported attitude is coarser than the true one."""
         return self
 
+    def at(self, seconds: float) -> Sequence[float]:
+        """Return phi, theta, psi in rad, and ax, ay, az in g."""
+        raise NotImplementedError
+
+    def rates_at(self, seconds: float) -> Sequence[float]:
+        """Return the true rates of phi, theta, psi in rad/s. At a corner, they are those after it."""
+        raise NotImplementedError
+
     def attitude(self, times: Floats) -> Floats:
-        """Return phi, theta, psi in rad."""
-        ...
+        """Return phi, theta, psi in rad at times of shape (n,), shape (n, 3)."""
+        return _rows([self.at(seconds)[:3] for seconds in times.tolist()])
 
     def rates(self, times: Floats) -> Floats:
-        """Return the true rates of phi, theta, psi in rad/s. At a corner, they are those after it."""
-        ...
+        """Return `rates_at` at times of shape (n,), shape (n, 3)."""
+        return _rows([self.rates_at(seconds) for seconds in times.tolist()])
 
     def acceleration(self, times: Floats) -> Floats:
-        """Return ax, ay, az in g."""
-        ...
+        """Return ax, ay, az in g at times of shape (n,), shape (n, 3)."""
+        return _rows([self.at(seconds)[3:] for seconds in times.tolist()])
 
 
-@runtime_checkable
-class SingleTimes(Protocol):
-    """A motion that can also be evaluated at a single time without numpy, whose import takes longer than many runs.
+def _rows(values: list[Sequence[float]]) -> Floats:
+    import numpy as np
 
-    Its values differ from those of the arrays by less than 1e-12.
-    """
-
-    def at(self, seconds: float) -> tuple[float, ...]:
-        """Return the six values at a time, in rad and g."""
-        ...
+    return np.array(values, np.float64).reshape(-1, 3)
 
 
 class MotionKind(Protocol):
@@ -88,17 +94,12 @@ def kind_named(name: str) -> MotionKind | None:
     return cast("MotionKind | None", module_with("motion", __name__, __path__, name))
 
 
-def sampled(motion: Motion, times: Floats) -> Floats:
-    """Return the six values at these times in rad and g, shape (n, 6). Raise BadMotion if a value is out of range."""
-    import numpy as np
-
-    values = np.hstack([motion.attitude(times), motion.acceleration(times)])
-    for first, limit, unit in ((0, ANGLE_RANGE, "rad"), (3, ACCELERATION_RANGE, "g")):
-        wrong = np.argwhere(~(np.abs(values[:, first : first + 3]) <= limit))  # this form also finds NaN
-        if len(wrong):
-            row, column = wrong[0][0], wrong[0][1] + first
-            raise BadMotion(
-                f"motion: {VALUES[column]} is {values[row, column]:.6g} {unit} at {times[row]:.6g} s; "
-                f"expected {shown(limit, unit)}"
-            )
+def sampled(motion: Motion, seconds: float) -> Sequence[float]:
+    """Return the six values at a time in rad and g. Raise BadMotion if a value is out of range."""
+    values = motion.at(seconds)
+    for name, value in zip(VALUES, values, strict=True):
+        limit, unit = (ANGLE_RANGE, "rad") if name in ANGLES else (ACCELERATION_RANGE, "g")
+        if not abs(value) <= limit:  # this form also finds NaN
+            expected = shown(limit, unit)
+            raise BadMotion(f"motion: {name} is {value:.6g} {unit} at {seconds:.6g} s; expected {expected}")
     return values

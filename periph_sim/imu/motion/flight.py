@@ -9,17 +9,18 @@ Time 0 of the run is the first row. After the last row, its values remain.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from math import pi
+from math import ceil, pi
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.suggest import did_you_mean
 from ...traces.formats.unit_csv import Column, line_of_row, read
 from . import ACCELERATIONS, ANGLES, VALUES, BadMotion
-from .pieces import Floats, Straight
+from .pieces import Straight
 from .quantities import ACCELERATION_RANGE, ACCELERATION_UNITS, ANGLE_RANGE, ANGLE_UNITS, TIME_UNITS, shown
 
 
@@ -33,9 +34,9 @@ class Settings:
 class Flight(Straight):
     """A recorded motion whose roll and yaw may pass 180 degrees."""
 
-    def attitude(self, times: Floats) -> Floats:
-        angles = super().attitude(times)
-        return angles - 2 * pi * np.ceil((angles - pi) / (2 * pi))
+    def at(self, seconds: float) -> Sequence[float]:
+        *angles, x, y, z = super().at(seconds)
+        return [*(angle - 2 * pi * ceil((angle - pi) / (2 * pi)) for angle in angles), x, y, z]
 
 
 def motion(settings: Settings) -> Flight:
@@ -53,12 +54,12 @@ def motion(settings: Settings) -> Flight:
         axis=1,
     )
     values[:, :3] = np.unwrap(values[:, :3], axis=0)
-    return Flight(times - times[0], values)
+    return Flight((times - times[0]).tolist(), values.tolist())
 
 
 def _values(
     path: Path, columns: Mapping[str, Column], name: str, units: Mapping[str, float], limit: float | None = None
-) -> Floats:
+) -> NDArray[np.float64]:
     if name not in columns:
         raise BadMotion(
             f"{path}, line 1: there is no column {name!r} among {len(columns)}; {did_you_mean(name, columns)}"
@@ -66,7 +67,7 @@ def _values(
     column = columns[name]
     if column.unit not in units:
         raise BadMotion(f"{path}, line 1: the unit of {name} is {column.unit!r}; expected {' or '.join(units)}")
-    values: Floats = column.values * units[column.unit]
+    values: NDArray[np.float64] = column.values * units[column.unit]
     if limit is not None:
         beyond = np.flatnonzero(np.abs(values) > limit)
         if len(beyond):

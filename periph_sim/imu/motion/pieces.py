@@ -5,56 +5,53 @@ Before the first and after the last time, the values are constant. `flight`, `se
 
 from __future__ import annotations
 
-import numpy as np
-from numpy.typing import NDArray
+from bisect import bisect_right
+from collections.abc import Sequence
 
 from . import Motion
 
-Floats = NDArray[np.float64]
+Rows = Sequence[Sequence[float]]
 
 
 class Held(Motion):
     """A motion that is constant between given times.
 
-    times: increasing, shape (n,), n > 0.
-    values: the values from each time on, shape (n, 6).
+    times: increasing, one or more.
+    rows: the six values from each time on.
     """
 
-    def __init__(self, times: Floats, values: Floats) -> None:
-        self.ends = float(times[-1])
+    def __init__(self, times: Sequence[float], rows: Rows) -> None:
+        self.ends = times[-1]
         self._times = times
-        self._values = values
+        self._rows = rows
 
-    def attitude(self, times: Floats) -> Floats:
-        return self._at(times, slice(0, 3))
+    def at(self, seconds: float) -> Sequence[float]:
+        return self._rows[max(bisect_right(self._times, seconds) - 1, 0)]
 
-    def acceleration(self, times: Floats) -> Floats:
-        return self._at(times, slice(3, 6))
-
-    def rates(self, times: Floats) -> Floats:
+    def rates_at(self, seconds: float) -> Sequence[float]:
         """Return zeros, because a step takes no time and so has no rate."""
-        return np.zeros((len(times), 3))
-
-    def _at(self, times: Floats, columns: slice) -> Floats:
-        piece = np.searchsorted(self._times, times, side="right") - 1
-        return self._values[np.maximum(piece, 0), columns]
+        return 0.0, 0.0, 0.0
 
 
 class Straight(Held):
     """A motion that is linear between given times.
 
-    times: strictly increasing, shape (n,), n > 0.
-    values: the values at each time, shape (n, 6).
+    times: strictly increasing, one or more.
+    rows: the six values at each time.
     """
 
-    def __init__(self, times: Floats, values: Floats) -> None:
-        super().__init__(times, values)
-        slopes = np.diff(values[:, :3], axis=0) / np.diff(times)[:, np.newaxis]
-        still = np.zeros((1, 3))
-        self._slopes = np.vstack([still, slopes, still])
+    def at(self, seconds: float) -> Sequence[float]:
+        before = super().at(seconds)
+        since = seconds - self._times[bisect_right(self._times, seconds) - 1]
+        return [value + slope * since for value, slope in zip(before, self._slopes(seconds), strict=True)]
 
-    def rates(self, times: Floats) -> Floats:
-        return self._slopes[np.searchsorted(self._times, times, side="right")]
+    def rates_at(self, seconds: float) -> Sequence[float]:
+        return self._slopes(seconds)[:3]
 
-    def _at(self, times: Floats, columns: slice) -> Floats:
-        return np.stack([np.interp(times, self._times, column) for column in self._values.T[columns]], axis=1)
+    def _slopes(self, seconds: float) -> Sequence[float]:
+        """Return the slopes of the six values; zeros before the first and after the last time."""
+        after = bisect_right(self._times, seconds)
+        if not 0 < after < len(self._times):
+            return (0.0,) * 6
+        length = self._times[after] - self._times[after - 1]
+        return [(to - begin) / length for begin, to in zip(self._rows[after - 1], self._rows[after], strict=True)]

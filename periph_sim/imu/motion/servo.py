@@ -10,15 +10,15 @@ servo reaches its speed at once.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import ceil, pi
 from typing import Annotated, Literal
 
-import numpy as np
 from msgspec import Meta
 
-from . import ANGLES, BadMotion
-from .pieces import Floats, Held, Straight
+from . import ANGLES, BadMotion, Motion
+from .pieces import Held, Straight
 from .quantities import Angle, Rate, Seconds
 
 DEGREE = pi / 180  # a degree in rad
@@ -48,7 +48,7 @@ class Settings:
 
 def path(settings: Settings) -> Straight:
     """Return the true positions of the servos."""
-    times, poses = [0.0], [np.zeros(6)]
+    times, poses = [0.0], [[0.0] * 6]
 
     def go(angle: str, to: float, rate: float) -> None:
         pose = poses[-1].copy()
@@ -66,11 +66,14 @@ def path(settings: Settings) -> Straight:
             go(angle, swing, settings.fast)
             go(angle, -swing, settings.slow)
         go(angle, 0.0, settings.fast)
-    return Straight(np.array(times), np.array(poses))
+    return Straight(times, poses)
 
 
-class Servo:
-    """The motion of the servos. Its attitude is the one that is read; its rates are the true ones."""
+class Servo(Motion):
+    """The motion of the servos. Its attitude is the one that is read; its rates are the true ones.
+
+    The servos rotate the sensors about the sensors' own position, so there is no acceleration.
+    """
 
     def __init__(self, settings: Settings) -> None:
         self._path = path(settings)
@@ -84,9 +87,9 @@ class Servo:
                     f"read_every: {reads} positions in {self.ends:g} s; expected at most {MOST_READS}, "
                     "or 0 s for no interpolation"
                 )
-            times = np.arange(reads, dtype=np.float64) * settings.read_every
+            times = [number * settings.read_every for number in range(reads)]
             shape = Straight if settings.interpolate == "straight" else Held
-            self._read = shape(times, np.hstack([self._positions(times), np.zeros((reads, 3))]))
+            self._read = shape(times, [self._positions(seconds) for seconds in times])
             self.ends = self._read.ends
 
     @property
@@ -94,20 +97,16 @@ class Servo:
         """The true positions of the servos."""
         return self._path
 
-    def attitude(self, times: Floats) -> Floats:
-        return self._positions(times) if self._read is None else self._read.attitude(times)
+    def at(self, seconds: float) -> Sequence[float]:
+        return self._positions(seconds) if self._read is None else self._read.at(seconds)
 
-    def rates(self, times: Floats) -> Floats:
-        return self._path.rates(times)
+    def rates_at(self, seconds: float) -> Sequence[float]:
+        return self._path.rates_at(seconds)
 
-    def acceleration(self, times: Floats) -> Floats:
-        """Return zeros, because the servos rotate the sensors about the sensors' own position."""
-        return np.zeros((len(times), 3))
-
-    def _positions(self, times: Floats) -> Floats:
+    def _positions(self, seconds: float) -> Sequence[float]:
         """Return positions that are rounded to the resolution of the servos."""
-        positions = self._path.attitude(times)
-        return np.rint(positions / self._resolution) * self._resolution if self._resolution else positions
+        positions, resolution = self._path.at(seconds), self._resolution
+        return [round(angle / resolution) * resolution for angle in positions] if resolution else positions
 
 
 def motion(settings: Settings) -> Servo:

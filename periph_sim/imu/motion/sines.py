@@ -7,16 +7,14 @@ accelerations = [ { of = "ax", amplitude = "0.1 g", frequency = "2 Hz" } ]
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from math import inf, pi, sin
-from typing import TYPE_CHECKING, Literal
+from math import cos, inf, pi, sin
+from typing import Literal
 
 from ...core.table import Table
-from . import VALUES, BadMotion, Motion
+from . import ANGLES, VALUES, BadMotion, Motion
 from .quantities import LEVEL, Acceleration, Angle, Hertz, Pose, row
-
-if TYPE_CHECKING:
-    from . import Floats
 
 
 class AngleWave(Table, frozen=True):
@@ -56,27 +54,18 @@ class Sines(Motion):
         self._angles = settings.angles
         self._accelerations = settings.accelerations
 
-    def at(self, seconds: float) -> tuple[float, ...]:
-        """Return the six values at a time, rad and g, without numpy."""
+    def at(self, seconds: float) -> Sequence[float]:
         added = [0.0] * len(VALUES)
         waves: tuple[AngleWave | AccelerationWave, ...] = (*self._angles, *self._accelerations)
         for wave in waves:
             added[VALUES.index(wave.of)] += wave.amplitude * sin(2 * pi * wave.frequency * seconds + wave.phase)
-        return tuple(mean + swing for mean, swing in zip(self._mean, added, strict=True))
+        return [mean + swing for mean, swing in zip(self._mean, added, strict=True)]
 
-    def attitude(self, times: Floats) -> Floats:
-        return self._mean[:3] + _sum(self._angles, times)
-
-    def acceleration(self, times: Floats) -> Floats:
-        return self._mean[3:] + _sum(self._accelerations, times)
-
-    def rates(self, times: Floats) -> Floats:
-        import numpy as np
-
-        rates = np.zeros((len(times), 3))
+    def rates_at(self, seconds: float) -> Sequence[float]:
+        rates = [0.0] * len(ANGLES)
         for wave in self._angles:
             omega = 2 * pi * wave.frequency
-            rates[:, _column(wave)] += wave.amplitude * omega * np.cos(omega * times + wave.phase)
+            rates[ANGLES.index(wave.of)] += wave.amplitude * omega * cos(omega * seconds + wave.phase)
         return rates
 
 
@@ -85,16 +74,3 @@ def motion(settings: Settings) -> Sines:
     if not settings.angles and not settings.accelerations:
         raise BadMotion("it has no waves; give angles or accelerations, or use the motion static")
     return Sines(settings)
-
-
-def _sum(waves: tuple[AngleWave, ...] | tuple[AccelerationWave, ...], times: Floats) -> Floats:
-    import numpy as np
-
-    values = np.zeros((len(times), 3))
-    for wave in waves:
-        values[:, _column(wave)] += wave.amplitude * np.sin(2 * pi * wave.frequency * times + wave.phase)
-    return values
-
-
-def _column(wave: AngleWave | AccelerationWave) -> int:
-    return VALUES.index(wave.of) % 3

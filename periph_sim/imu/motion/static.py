@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from .pieces import Held
 from .quantities import Pose, row
 
@@ -16,4 +14,4 @@ class Settings(Pose):
 
 
 def motion(settings: Settings) -> Held:
-    return Held(np.zeros(1), np.array([row(settings)]))
+    return Held([0.0], [row(settings)])

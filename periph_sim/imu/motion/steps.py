@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-import numpy as np
-
 from . import BadMotion
 from .pieces import Held
 from .quantities import LEVEL, Acceleration, Angle, Pose, Seconds, row
@@ -47,4 +45,4 @@ def motion(settings: Settings) -> Held:
         asked = (step.phi, step.theta, step.psi, step.ax, step.ay, step.az)
         times.append(step.at)
         rows.append([old if new is None else new for old, new in zip(rows[-1], asked, strict=True)])
-    return Held(np.array(times), np.array(rows))
+    return Held(times, rows)

@@ -36,15 +36,14 @@ def test_kinds_are_found_by_being_there_and_each_has_an_example_here():
 @given(times=st.lists(st.floats(0, 1e6), min_size=1, max_size=5))
 def test_one_time_or_many_give_the_same_finite_values(name: str, times: list[float]):
     motion = make(name, **EXAMPLES[name])
-    together = sampled(motion, np.array(times))
-    assert together.shape == (len(times), 6)
-    for row, time in zip(together, times, strict=True):
-        assert sampled(motion, np.array([time]))[0] == pytest.approx(row, abs=1e-12)
+    together = np.hstack([motion.attitude(np.array(times)), motion.acceleration(np.array(times))])
+    assert together.shape == (len(times), 6) and motion.rates(np.array(times)).shape == (len(times), 3)
+    assert together.tolist() == [[*sampled(motion, time)] for time in times]
 
 
 def test_static_stays():
     motion = static.motion(static.Settings(phi=0.1, az=-0.5))
-    assert sampled(motion, np.array([0.0, 1e9])).tolist() == [[0.1, 0, 0, 0, 0, -0.5]] * 2
+    assert [sampled(motion, seconds) for seconds in (0.0, 1e9)] == [[0.1, 0, 0, 0, 0, -0.5]] * 2
     assert motion.ends == 0 and not motion.rates(np.array([0.0])).any()
 
 
@@ -54,7 +53,7 @@ def test_steps_change_what_they_name_and_hold():
         start={"psi": "90 deg"},
         steps=({"at": "1 s", "theta": "10 deg"}, {"at": "2 s", "ax": "0.5 g"}, {"at": "2500 ms", "theta": "-10 deg"}),
     )
-    values = sampled(motion, np.array([0, 0.999, 1, 1.999, 2, 3]))
+    values = np.array([sampled(motion, seconds) for seconds in (0, 0.999, 1, 1.999, 2, 3)])
     assert np.degrees(values[:, 1]) == pytest.approx([0, 0, 10, 10, 10, -10])
     assert np.degrees(values[:, 2]) == pytest.approx([90] * 6)
     assert values[:, 3].tolist() == [0, 0, 0, 0, 0.5, 0.5]
@@ -97,7 +96,7 @@ def test_sines_without_waves_are_refused():
 def test_motion_out_of_range_is_refused_with_name_value_time_and_range(value: float):
     motion = static.motion(Pose(psi=value))
     with pytest.raises(BadMotion) as caught:
-        sampled(motion, np.array([1.5]))
+        sampled(motion, 1.5)
     assert str(caught.value) == f"motion: psi is {value:.6g} rad at 1.5 s; expected -6.28319 to 6.28319 rad"
 
 
@@ -105,7 +104,7 @@ def test_sines_that_add_up_to_more_than_the_range_are_refused_where_they_do():
     wave = sines.AccelerationWave("ax", 60.0, 1.0)
     motion = sines.motion(sines.Settings(accelerations=(wave, wave)))
     with pytest.raises(BadMotion, match=r"^motion: ax is 120 g at 0.25 s; expected -100 to 100 g$"):
-        sampled(motion, np.array([0.0, 0.25]))
+        sampled(motion, 0.25)
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ def peek(scene: Scene, place: str) -> int:
     modules = scene.case.unit[unit].modules
     if module not in modules:
         raise OutsideError(f"{place}: {unit} has no module {module!r}; {did_you_mean(module, modules)}")
-    socket = scene.units[unit].socket(module)
+    socket = scene.units[unit].sockets[module]
     registers = {register.name: register for register in socket.chip.MAP}
     if name not in registers:
         raise OutsideError(f"{place}: {module} has no register {name!r}; {did_you_mean(name, registers)}")

@@ -142,19 +142,14 @@ class Bus:
             found = self._pairs[address]
         else:
             found = self._words[address]
-        if found is None:
-            found = self._looked_up(address, width)
+        if found is None:  # the first access
+            at, found = self.map.at(address), self._nothing
+            if at is not None:
+                place, register, half = at
+                found = self.operand(place, register, BOTH if width == 32 else HIGH if half else LOW)
+            table = self._pairs if width == 32 else self._words
+            table[address] = found
         return None if found is self._nothing else found
-
-    def _looked_up(self, address: int, width: int) -> Operand:
-        """Return the entry of the tables for an address that is accessed for the first time, and make it."""
-        at, found = self.map.at(address), self._nothing
-        if at is not None:
-            place, register, half = at
-            found = self.operand(place, register, BOTH if width == 32 else HIGH if half else LOW)
-        table = self._pairs if width == 32 else self._words
-        table[address] = found
-        return found
 
     def at(self, address: int, width: int) -> Operand:
         """Return the register at an address as `find` does. Raise NoSuchAddress if no register is there."""

@@ -109,7 +109,7 @@ class Dsp(FirmwareView):
         self.core = CpuInterrupts(plan.system)
         self._modules: list[tuple[ModuleDescriptor, Socket]] = []
         self._lines = InterruptLines(self.pie, self.sockets)
-        self._firmware: Callable[[], None] = _nothing
+        self._firmware: Callable[[], None] = lambda: None
         self._restart: Callable[[int], None] = lambda delay: self.cpu.start(self._from_reset, delay)
         self._gates = self.control.gates
         self._lspclk = (self.control.lspclk_divider, self.control.lspclk_phase)
@@ -181,9 +181,6 @@ class Dsp(FirmwareView):
 
     def _sysclk_hz(self) -> Fraction:
         return self.control.sysclk_hz * (1 + self.plan.ppm / 1_000_000)
-
-    def socket(self, name: str) -> Socket:
-        return self.sockets[name]
 
     @property
     def touched(self) -> set[str]:
@@ -361,7 +358,3 @@ def start_up(control: SystemControl, pll: int) -> int:
     write(locked + 2, "PLLSTS", 2 << 7)
     control.touched.clear()  # the settings before main do not affect the run
     return locked + 100
-
-
-def _nothing() -> None:
-    """Run no firmware: the unit has its modules only."""

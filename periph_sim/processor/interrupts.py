@@ -37,6 +37,8 @@ from .firmware_notes import FirmwareNotes
 from .user_code import InterruptFault
 
 NAME_OF = {address: name for name, address in VECTORS.items()}
+INT13 = 13
+INT13 = 13
 CODE_ADDRESS = 0x3F_FFFF  # valid bits of a vector
 
 
@@ -188,12 +190,10 @@ class InterruptLines:
 
     def request_handler(self, descriptor: ModuleDescriptor) -> Handler:
         """Return the function that takes a module's interrupt requests to the PIE, or straight to the CPU."""
-        if not descriptor.interrupts:
-            return _no_request
-        vector = descriptor.interrupts[0].vector
-        if vector in LINES:
-            return partial(self._requested, pie_lines(descriptor))
-        return partial(self._timer1_requested if vector == "INT13" else self._cpu_requested, CPU_VECTORS[vector])
+        lines = pie_lines(descriptor)
+        if lines or not descriptor.interrupts:
+            return partial(self._requested, lines)
+        return partial(self._cpu_requested, CPU_VECTORS[descriptor.interrupts[0].vector])
 
     def follow_pie(self, cycle: int) -> None:
         """Request the interrupts of the CPU that the PIE has pulsed."""
@@ -206,13 +206,10 @@ class InterruptLines:
             number += 1
 
     def _cpu_requested(self, interrupt: int, cycle: int, asked: int) -> None:
-        self.interrupts.request(cycle, interrupt)
-
-    def _timer1_requested(self, interrupt: int, cycle: int, asked: int) -> None:
-        """Request INT13 for timer 1, unless XNMICR assigns it to the XNMI pin (SPRUFB0D Table 123)."""
+        """Request INT13 or INT14; INT13 is timer 1's unless XNMICR assigns it to the XNMI pin (SPRUFB0D Table 123)."""
         xint = self._sockets.get("XINT")
         xnmicr = 0 if xint is None else xint.chip.peek(cycle, xint.chip.MAP["XNMICR"].offset)
-        if int13_source(xnmicr) == "TINT1":
+        if interrupt != INT13 or int13_source(xnmicr) == "TINT1":
             self.interrupts.request(cycle, interrupt)
 
     def _requested(self, places: Places, cycle: int, asked: int) -> None:
@@ -231,7 +228,3 @@ class InterruptLines:
 def pie_lines(descriptor: ModuleDescriptor) -> Places:
     """Return group and line of a module's interrupts in the PIE, in the order of its chip's LINES."""
     return tuple(LINES[one.vector] for one in descriptor.interrupts if one.vector in LINES)
-
-
-def _no_request(cycle: int, asked: int) -> None:
-    raise AssertionError("this module has no interrupt lines")

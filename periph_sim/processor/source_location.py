@@ -55,8 +55,9 @@ class SourceLocator:
             code = frame.f_code
             try:
                 places = self._places[id(code)]  # hashing the code itself would take most of the time here
-            except KeyError:
-                places = self._of_code(code)
+            except KeyError:  # seen for the first time
+                self._codes.append(code)
+                places = self._places[id(code)] = {} if is_firmware(code.co_filename) else None
             if places is not None:
                 place = places.get(frame.f_lasti)
                 if place is None:
@@ -64,12 +65,6 @@ class SourceLocator:
                 return place
             frame = frame.f_back
         return None
-
-    def _of_code(self, code: CodeType) -> dict[int, SourceLocation] | None:
-        """Create and return the table of locations of a code seen for the first time."""
-        self._codes.append(code)
-        places = self._places[id(code)] = {} if is_firmware(code.co_filename) else None
-        return places
 
     def of_line(self, code: CodeType, line: int) -> SourceLocation | None:
         """Return a line of a code; None if that is not firmware."""

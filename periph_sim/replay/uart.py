@@ -245,7 +245,7 @@ class UartReplay(Replay):
     def _left(self) -> int:
         """Return the number of unread words in the receive FIFO."""
         cycle = self.dsp.clock.cycle_at(self.kernel.now)
-        return SCIFFRX["RXFFST"].extract(self.dsp.socket("SCI-A").peek(cycle, SCIFFRX.offset))
+        return SCIFFRX["RXFFST"].extract(self.dsp.sockets["SCI-A"].peek(cycle, SCIFFRX.offset))
 
     def _rate_notes(self, line: decode.Line) -> list[str]:
         off = self._baud / Fraction(line.baud) - 1

@@ -205,7 +205,7 @@ def bit_skip_of(context: SceneContext, controller: I2cController | None, units: 
         if MODULE in dsp.sockets:
             from ..processor.i2c_bit_skip import party_of  # only scenes with an I2C module import it
 
-            socket = dsp.socket(MODULE)
+            socket = dsp.sockets[MODULE]
             modules[socket] = party_of(socket, dsp.clock, bit_skip, clocks=controller is None)
     if controller is not None:
         assert isinstance(controller, SkippingController)

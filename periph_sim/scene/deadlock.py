@@ -76,7 +76,7 @@ def nothing_comes(
         others = [who for who in wire.parties() if not who.startswith(f"{dsp.name}.")]
         if others and may_move(wire, others):
             return ""
-    if any(dsp.socket(module).chip.next_wake < NEVER for module in modules) or dsp.core.next_wake < NEVER:
+    if any(dsp.sockets[module].chip.next_wake < NEVER for module in modules) or dsp.core.next_wake < NEVER:
         return ""
     if not modules:
         return "no module of the unit has an interrupt that IER and PIEIER enable; enable one, or name its module"
@@ -132,7 +132,7 @@ def takes_interrupts(dsp: Dsp) -> bool:
 
 def refused(dsp: Dsp, instant: Callable[[int], str]) -> str:
     """Return since when and why I2CSTR.NACK is set, as a clause; empty if it is not set. A NACK ends a transfer."""
-    state = cast("I2c", dsp.socket("I2C-A").chip).state
+    state = cast("I2c", dsp.sockets["I2C-A"].chip).state
     if not state.str & STR_NACK:
         return ""
     since = f"I2CSTR.NACK is set since {instant(dsp.clock.tick(state.nack_since))}"

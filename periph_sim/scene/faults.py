@@ -95,7 +95,7 @@ class ModuleReset:
     def __init__(self, kernel: Kernel, unit: Dsp, wire: Wire) -> None:
         self._kernel = kernel
         self._clock = unit.clock
-        self._socket = unit.socket("I2C-A")
+        self._socket = unit.sockets["I2C-A"]
         self._was_on: bool  # True if IRS was 1 at the last fall of the wire; not assigned before the first fall
         watch([wire], self._changed)
 

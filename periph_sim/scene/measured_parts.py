@@ -60,7 +60,7 @@ class MeasuredParts:
         unit, _, module = place.partition(".")
         if module not in self._units[unit].sockets:
             return parts.image_watching.variable_value(self._units[unit], name)
-        socket = self._units[unit].socket(module)
+        socket = self._units[unit].sockets[module]
         chip = socket.chip
         register_name, _, field_name = name.partition(".")
         register = chip.MAP[register_name]
@@ -84,5 +84,5 @@ class MeasuredParts:
         dsp = self._units[unit]
         i2c = dsp.plan.answers(I2cOptions)
         return parts.release_delay.ReleaseDelay(
-            self._context.kernel, dsp.clock, dsp.socket("I2C-A"), i2c, dsp.plan.system
+            self._context.kernel, dsp.clock, dsp.sockets["I2C-A"], i2c, dsp.plan.system
         )

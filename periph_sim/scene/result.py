@@ -158,7 +158,7 @@ def _missed_rounds(scene: Scene) -> list[str]:
 
 def unwired_pins(dsp: Dsp) -> list[str]:
     """Return notes on modules that GPxMUX, at the end of the run, connects to pins without a wire."""
-    gpio, part = cast("Gpio", dsp.socket("GPIO").chip), dsp.plan.part
+    gpio, part = cast("Gpio", dsp.sockets["GPIO"].chip), dsp.plan.part
     told = []
     for module in dsp.sockets:
         descriptor = part.by_name[module]

@@ -39,7 +39,7 @@ class SciMonitor(ChipObserver):
         self._words_topic: Topic = recorder.topic(Kind.RECEIVER, place, "words")
         self._lost_topic: Topic = recorder.topic(Kind.RECEIVER, place, "lost")
         self._received_topic: Topic = recorder.topic(Kind.RECEIVER, place, "received")
-        self._socket: Socket = dsp.socket(module)
+        self._socket: Socket = dsp.sockets[module]
         self._clock: Clock = dsp.clock
         self._words = 0
         self._waiting = 0  # number of words in the FIFO, or in SCIRXBUF if there is no FIFO

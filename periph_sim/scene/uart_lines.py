@@ -87,7 +87,7 @@ def _settings(dsp: Dsp, module: str) -> tuple[int, int, Fraction, int]:
     The registers are read at cycle 0. This is correct, since only writes change them. A read at the present cycle would
     advance the chip before its turn in this tick, and subscribers to its flags would not be notified.
     """
-    chip = dsp.socket(module).chip
+    chip = dsp.sockets[module].chip
     ccr = chip.peek(0, SCICCR.offset)
     brr = chip.peek(0, SCI_MAP["SCIHBAUD"].offset) << 8 | chip.peek(0, SCI_MAP["SCILBAUD"].offset)
     return ccr, brr, dsp.control.sysclk_hz, dsp.control.lspclk_divider

@@ -88,7 +88,7 @@ class UartSide:
 
     def sent_by_units(self) -> int:
         """Return the number of characters that the SCIs of units have sent."""
-        return sum(cast("Sci", self._units[sci.unit].socket(sci.module).chip).frames_sent for sci in self._scis)
+        return sum(cast("Sci", self._units[sci.unit].sockets[sci.module].chip).frames_sent for sci in self._scis)
 
     def notes(self) -> list[str]:
         """Return notes on errors on RS-485 pairs, and on sends that never began."""

@@ -60,7 +60,7 @@ def test_a_register_that_only_holds_a_value_records_its_writes_and_its_reset(nam
     dsp.start(main)
     kernel.run_until(kernel.now + 10_000)
     changes = [r.what for r in seen if r.what.startswith(f"{name}.")]
-    socket = dsp.socket("I2C-A")
+    socket = dsp.sockets["I2C-A"]
     held = socket.peek(100, I2C_MAP[name].offset)
     assert changes and held == 0x2A & sum(field.mask for field in I2C_MAP[name].fields)
     seen.clear()

@@ -110,7 +110,7 @@ class Firmware:
         for word in text.split():
             name, writes, value = word.partition("=")
             if name == "HALT":
-                socket = dsp.socket(self._scene.modules[0])
+                socket = dsp.sockets[self._scene.modules[0]]
                 socket.chip.suspend(dsp.cpu.cycle, value == "1")
                 socket.publish(dsp.cpu.cycle)
             elif name.startswith("+"):

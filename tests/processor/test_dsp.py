@@ -91,7 +91,7 @@ def test_without_its_clock_a_module_reads_0(module: str, enable: str, register: 
 
     run(dsp, kernel, main)
     assert seen == [0x11, 0, 0x11]
-    assert "clock_gate_access" in dsp.socket(module).chip.touched
+    assert "clock_gate_access" in dsp.sockets[module].chip.touched
 
 
 @pytest.mark.parametrize("skip", [False, True])
@@ -106,7 +106,7 @@ def test_a_wait_sees_a_register_without_clock_as_a_read_does_and_a_debugger_sees
         dsp.eallow()
         clocks.PCLKCR0.SCIAENCLK = 1 - clocks.PCLKCR0.SCIAENCLK
         dsp.edis()
-        told.append(("held", dsp.socket("SCI-A").peek(dsp.cpu.cycle, SCI_MAP["SCILBAUD"].offset)))
+        told.append(("held", dsp.sockets["SCI-A"].peek(dsp.cpu.cycle, SCI_MAP["SCILBAUD"].offset)))
         dsp.module("PIE").PIEACK.all = 1
 
     def main() -> None:
@@ -236,7 +236,7 @@ def test_a_reset_takes_all_modules_at_once_so_that_none_sees_the_slower_clock_at
     dsp.start(main)
     kernel.run_until(kernel.now + 2_000_000)
     assert dsp.resets == 1 and dsp.clock.hz < 10_000_000
-    assert dsp.socket("I2C-A").notes == []
+    assert dsp.sockets["I2C-A"].notes == []
 
 
 @pytest.mark.parametrize("pin", [-1, 88, 1.0, None])

@@ -234,7 +234,7 @@ class Board:
         self.kernel.run_until(self.kernel.now + 1_000_000)
 
     def shows(self, module: str, register: str) -> int:
-        chip = self.dsp.socket(module).chip
+        chip = self.dsp.sockets[module].chip
         cycle = self.dsp.clock.cycle_at(self.kernel.now)
         return chip.peek(cycle, chip.MAP[register].offset)
 

@@ -70,7 +70,7 @@ def test_a_reset_that_ends_a_wait_leaves_nothing_of_it_behind():
     ran, plain = faulty(fault), run_file(CASE, "0.1")
     assert ran.result.counts["resets"] == 8
     for name, socket in ran.scene.units["dsp"].sockets.items():
-        assert len(socket.watchers) <= len(plain.scene.units["dsp"].socket(name).watchers) + 1, name
+        assert len(socket.watchers) <= len(plain.scene.units["dsp"].sockets[name].watchers) + 1, name
 
 
 def test_frames_after_a_reset_are_whole_and_in_time():

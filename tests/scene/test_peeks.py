@@ -35,7 +35,7 @@ def records(case: Case, seconds: str, phase: int, peeks: list[int]) -> Records:
     places = [
         f"dsp.{module}.{register.name}"
         for module in case.unit["dsp"].modules
-        for register in scene.units["dsp"].socket(module).chip.MAP
+        for register in scene.units["dsp"].sockets[module].chip.MAP
     ]
     for tick in peeks:
         for place in places:
@@ -71,4 +71,4 @@ def test_a_value_that_a_budget_asks_for_depends_on_no_open_question(monkeypatch:
     scene.run()
     assert scene.measured.value_of("dsp.I2C-A", "I2COAR.OAR") == 0
     assert scene.measured.value_of("dsp.GPIO", "GPAMUX2.GPIO28") == 1
-    assert not scene.units["dsp"].socket("I2C-A").chip.touched
+    assert not scene.units["dsp"].sockets["I2C-A"].chip.touched

@@ -60,7 +60,7 @@ def test_broken_duty_of_any_module_ends_a_strict_run_with_its_line(tmp_path: Pat
         ran(tmp_path, BREAKS[module], strict=True)
     assert re.match(rf"dsp\.{module}, line [89] of breaks\.py, at 0\.\d+ us: .* \[SP", str(caught.value))
     scene = ran(tmp_path, BREAKS[module], strict=False)
-    assert any(note.code == "duty" for _, note in scene.units["dsp"].socket(module).notes)
+    assert any(note.code == "duty" for _, note in scene.units["dsp"].sockets[module].notes)
 
 
 def waits(dsp: Dsp, settings: object) -> None:
@@ -93,7 +93,7 @@ def test_a_broken_duty_of_a_device_or_a_sensor_chip_ends_a_strict_run(strict: bo
 def test_notes_that_forbid_nothing_end_no_run(tmp_path: Path):
     lines = ("dsp.eallow()", "dsp.module('GPIO').GPBMUX1.GPIO34 = 3")  # XREADY: not modelled
     scene = ran(tmp_path, lines, strict=True)
-    assert [note.code for _, note in scene.units["dsp"].socket("GPIO").notes] == ["unknown"]
+    assert [note.code for _, note in scene.units["dsp"].sockets["GPIO"].notes] == ["unknown"]
 
 
 def test_pins_of_the_external_bus_are_one_note_that_lists_them(tmp_path: Path):

@@ -75,7 +75,7 @@ def duties(oscclk_mhz: int, pll: int, ipsc: int, switch_to: int = 0) -> list[str
 
     dsp.start(main)
     kernel.run_until(300_000_000)
-    return [note.text for _, note in dsp.socket("I2C-A").notes]
+    return [note.text for _, note in dsp.sockets["I2C-A"].notes]
 
 
 @pytest.mark.rule("I2C-155")

@@ -92,7 +92,10 @@ def decode(first: int, second: int) -> Encoding | None:
     pair = first << 16 | second
     for encoding in _candidates()[first >> 8]:
         if encoding.matches(pair):
-            return encoding if _is_legal(encoding, pair) else None
+            values, kind = encoding.values(pair), OPERAND.search(encoding.syntax)
+            if "w" in values and values["w"] not in FPU_CONDITION_NAMES:
+                return None
+            return encoding if "l" not in values or kind is None or is_operand(kind.group(), values["l"]) else None
     return None
 
 
@@ -135,13 +138,3 @@ def _candidates() -> tuple[tuple[Encoding, ...], ...]:
             if upper & mask == value:
                 table[upper].append(encoding)
     return tuple(tuple(row) for row in table)
-
-
-def _is_legal(encoding: Encoding, pair: int) -> bool:
-    values = encoding.values(pair)
-    if "w" in values and values["w"] not in FPU_CONDITION_NAMES:
-        return False
-    if "l" not in values:
-        return True
-    kind = OPERAND.search(encoding.syntax)
-    return kind is None or is_operand(kind.group(), values["l"])

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from .decoder import Instruction, decode_at
-from .encodings import Encoding, places
+from .encodings import places
 from .execution.cpu import Cpu, Operation
 from .execution.registers import LUF, LVF
 from .operands import FPU_APART, FPU_FIRST, REGISTER_FIELDS
@@ -46,15 +46,13 @@ def read_registers(instruction: Instruction) -> int:
     if encoding.id == "MOV32_loc32_ind_0_16":
         number, rest = divmod(values["c"] - FPU_FIRST, FPU_APART)
         mask |= 1 << number if number in range(8) and not rest else 0
-    return mask | FLAGS if _reads_flags(encoding, values) else mask
-
-
-def _reads_flags(encoding: Encoding, values: Mapping[str, int]) -> bool:
     if "w" in values:
-        return values["w"] in CONDITIONS
-    if encoding.mnemonic == "MOVST0":
-        return values["g"] & FLAG_BITS != 0
-    return "STF@E" in encoding.reads
+        reads_flags = values["w"] in CONDITIONS
+    elif encoding.mnemonic == "MOVST0":
+        reads_flags = values["g"] & FLAG_BITS != 0
+    else:
+        reads_flags = "STF@E" in encoding.reads
+    return mask | FLAGS if reads_flags else mask
 
 
 def not_kept(instruction: Instruction, word_at: Callable[[int], int]) -> Iterator[str]:

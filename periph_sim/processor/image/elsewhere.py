@@ -205,22 +205,20 @@ class UnmappedMemory:
         return area
 
     def _note(self, cycle: int, address: int, area: Area) -> None:
-        if address in BOOT_ROM and area.name not in self._noted:
-            self._noted.add(area.name)
-            text = f"{area.name}: {address:#08x} is read as 0; its contents are not modelled"
-            self._notes.note(cycle, Note("unknown", text, "SPRUI07 section 2.4"))
-        if area.content is Content.EXTERNAL and area.name not in self._noted:
-            self._noted.add(area.name)
-            text = (
-                f"{area.name}: {address:#08x} is treated as memory with {EXTERNAL_WAITS} wait state, the minimum of "
-                "XINTF; XTIMING is not modelled"
-            )
-            self._notes.note(cycle, Note("unknown", text, "SPRS439M Table 3-5"))
-        if area.content is not Content.REGISTERS:
+        """Note the first access to an area whose contents or time are not modelled."""
+        name = register_name(address)[0] if area.content is Content.REGISTERS else area.name
+        if name in self._noted:
             return
-        module = register_name(address)[0]
-        if module not in self._noted:
-            self._noted.add(module)
-            state = "is not in this unit (name it in modules)" if module in self._part.selectable else "is not modelled"
-            text = f"{module or 'a frame'} at {address:#06x} {state}; it keeps what is written"
-            self._notes.note(cycle, Note("unknown", text, "SPRS439M Tables 3-8 to 3-11"))
+        if address in BOOT_ROM:
+            text, source = f"{name}: {address:#08x} is read as 0; its contents are not modelled", "SPRUI07 section 2.4"
+        elif area.content is Content.EXTERNAL:
+            text = f"{name}: {address:#08x} is treated as memory with {EXTERNAL_WAITS} wait state, the minimum of XINTF"
+            text, source = f"{text}; XTIMING is not modelled", "SPRS439M Table 3-5"
+        elif area.content is Content.REGISTERS:
+            state = "is not in this unit (name it in modules)" if name in self._part.selectable else "is not modelled"
+            text = f"{name or 'a frame'} at {address:#06x} {state}; it keeps what is written"
+            source = "SPRS439M Tables 3-8 to 3-11"
+        else:
+            return
+        self._noted.add(name)
+        self._notes.note(cycle, Note("unknown", text, source))

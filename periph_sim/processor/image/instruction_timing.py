@@ -68,7 +68,7 @@ class InstructionTiming:
         f.needs, f.makes = hazards(encoding, f.l, f.n, f.m)
         f.jumps = "PC" in encoding.writes
         f.loops = encoding.mnemonic in BRANCHES
-        f.waited = has_waits(f.address)
+        f.waited = not any(f.address in zone for zone in WITHOUT_WAITS)
         f.tested = 1 << f.b if encoding.id == "TBIT_loc16_bit" else f.c if encoding.id == "AND_AX_loc16_16" else 0
         block = block_at(f.address) if f.accesses else None
         f.block, f.block_end = (0, 0) if block is None else (block.base, block.base + block.size)
@@ -133,8 +133,3 @@ class InstructionTiming:
                 self._options.flash_model.assume(self._core.touched)
             self.queue.begin(cycle, f.address, bits, first, later, self._ahead if bits == PREFETCHED else DEPTH)
         return self.queue.wait(cycle, f.address, f.next)
-
-
-def has_waits(address: int) -> bool:
-    """Return True if program memory there has wait states."""
-    return not any(address in zone for zone in WITHOUT_WAITS)

@@ -107,8 +107,13 @@ class ImageMemory(Engine):
                 return self.load16(address - MIRROR) if width == 16 else self.load32(address - MIRROR)
         if polls.replaying and polls.answer(cycle):
             return polls.answered()
-        if operand is None:
-            return self._load_elsewhere(address, width)
+        if operand is None:  # flash, ROM, frames that are not modelled
+            value: int = self.elsewhere.read(cycle, address)
+            if width == 32:
+                value |= self.elsewhere.read(cycle, address + 1) << 16
+            if polls.tracking:
+                polls.note_elsewhere(address, value)
+            return value
         if operand.meets:
             self._time.meet()
         if operand.recorded and self._tested and width == 16:
@@ -117,16 +122,6 @@ class ImageMemory(Engine):
             value = bus.load(cycle, operand, width)
         if polls.tracking:
             polls.note(operand, value)
-        return value
-
-    def _load_elsewhere(self, address: int, width: int) -> int:
-        """Return words outside of the bus: flash, ROM, frames that are not modelled."""
-        cycle = self._time.cycle
-        value: int = self.elsewhere.read(cycle, address)
-        if width == 32:
-            value |= self.elsewhere.read(cycle, address + 1) << 16
-        if self.polls.tracking:
-            self.polls.note_elsewhere(address, value)
         return value
 
     def store16(self, address: int, value: int) -> None:

@@ -36,20 +36,20 @@ class Board:
 
     def write(self, module: str, register: str, value: int) -> None:
         offset = MAPS.get(module, SCI_MAP)[register].offset
-        self.dsp.socket(module).write(self.wait(), offset, value)
+        self.dsp.sockets[module].write(self.wait(), offset, value)
 
     def read(self, module: str, register: str) -> int:
-        return self.dsp.socket(module).read(self.wait(), MAPS.get(module, SCI_MAP)[register].offset)
+        return self.dsp.sockets[module].read(self.wait(), MAPS.get(module, SCI_MAP)[register].offset)
 
     def request(self, module: str, lines: int) -> None:
         """The module asks: 1 RXINT, 2 TXINT, 3 both in one cycle."""
-        socket = self.dsp.socket(module)
+        socket = self.dsp.sockets[module]
         socket.chip.requests |= lines
         socket.publish(self.wait())
 
     def start_bit_length(self, module: str) -> int:
         """Cycles from the start bit of 0xFF to its first 1."""
-        chip = self.dsp.socket(module).chip
+        chip = self.dsp.sockets[module].chip
         self.write(module, "SCITXBUF", 0xFF)
         while chip.out:
             began = self.wait(1)

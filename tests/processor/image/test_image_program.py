@@ -217,7 +217,7 @@ def test_the_watchdog_begins_the_program_anew_with_memory_as_it_was():
 def test_what_is_written_just_before_estop0_lands():
     rig = Rig(HEAD + " MOVW DP,#TCR >> 6\n MOVL XAR4,#5000\n MOVL @TCR-2,XAR4\n ESTOP0", "TIMER0").run()
     assert rig.program.finished
-    assert rig.dsp.socket("TIMER0").chip.peek(rig.dsp.processor.time.cycle, 2) == 5000
+    assert rig.dsp.sockets["TIMER0"].chip.peek(rig.dsp.processor.time.cycle, 2) == 5000
 
 
 def test_the_end_of_a_program_says_where():

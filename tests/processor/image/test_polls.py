@@ -102,7 +102,7 @@ def outcome(rig: Rig) -> dict[str, object]:
         "pc": rig.cpu.pc,
         "memory": memory,
         "interrupts": told,
-        "events of SCI": rig.dsp.socket("SCI-A").chip.peek(rig.dsp.processor.time.cycle, 4),
+        "events of SCI": rig.dsp.sockets["SCI-A"].chip.peek(rig.dsp.processor.time.cycle, 4),
     }
 
 

@@ -54,20 +54,14 @@ class Awaited(NamedTuple):
 
     unanswered: the unmodelled register that it waits for, and how the case can answer; "" if there is none.
     memory: True if it reads no register, so that only a service routine can end it.
+    since: the cycle at which a wait for unmodelled registers began. place: the statement that closes its loop.
     """
 
     what: str
     unanswered: str = ""
     memory: bool = False
-
-
-class UnansweredWait(NamedTuple):
-    """A wait for an unmodelled register. since: the cycle at which it began. what, unanswered: see `Awaited`."""
-
-    since: int
-    what: str
-    place: SourceLocation | None
-    unanswered: str
+    since: int = 0
+    place: SourceLocation | None = None
 
 
 class Program:
@@ -103,7 +97,7 @@ class Program:
         """Return what the wait in progress polls."""
         return Awaited("" if self.spin is None else self.spin.waits_for())
 
-    def unanswered_wait(self) -> UnansweredWait | None:
+    def unanswered_wait(self) -> Awaited | None:
         """Return the wait that reads unmodelled registers only, even while a service routine interrupts it."""
         return None
 

@@ -96,14 +96,17 @@ def shift_part(token: str, encoding: Encoding) -> Part | None:
 def optional_shift_part(token: str, encoding: Encoding) -> Part | None:
     """`<<#0..15`; if omitted, 0."""
     inner = shift_part(token.removeprefix("<<"), encoding)
-    if inner is None:
-        return None
+    return inner and _optional(inner, "<<", {"s": 0}, lambda values, at: f"<<{inner.show(values, at)}")
+
+
+def _optional(inner: Part, prefix: str, omitted: dict[str, int], show: Callable[[Values, int], str]) -> Part:
+    """A part that may be omitted, with its prefix. omitted: the fields then."""
 
     def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
-        assert inner is not None and inner.read is not None
-        return inner.read(text.strip().removeprefix("<<").strip(), at, evaluate) if text.strip() else {"s": 0}
+        given = text.strip().removeprefix(prefix).strip()
+        return inner.read(given, at, evaluate) if given and inner.read else omitted
 
-    return Part(lambda values, at: f"<<{inner.show(values, at)}", rf"|<<\s*(?:{inner.pattern})", read)
+    return Part(show, rf"|\s*{prefix}\s*(?:{inner.pattern})", read)
 
 
 def half_of(text: str, evaluate: Evaluate) -> int:
@@ -274,12 +277,7 @@ def _operand(token: str, encoding: Encoding) -> Part:
 def _optional_operand(token: str, encoding: Encoding) -> Part:
     """The operand of NOP, which may be omitted."""
     inner = _operand("loc16", encoding)
-
-    def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
-        assert inner.read is not None
-        return inner.read(text, at, evaluate) if text.strip() else {"l": 0}
-
-    return Part(lambda values, at: inner.show(values, at) if values["l"] else "", f"|{inner.pattern}", read)
+    return _optional(inner, "", {"l": 0}, lambda values, at: inner.show(values, at) if values["l"] else "")
 
 
 def _numbered(prefix: str, field: str, suffix: str = "") -> Part:
@@ -347,10 +345,12 @@ REGISTER_BY_ADDRESS = Part(  # R0H to R7H, encoded by address, in moves between 
     "R[0-7]H",
     lambda text, at, evaluate: {"c": FPU_FIRST + FPU_APART * int(text[1])},
 )
-OPTIONAL_FPU_CONDITION = Part(  # `,CNDF`; if omitted, UNCF
+FPU_CONDITION = _one_of("w", FPU_CONDITIONS, FPU_CONDITION_NAMES.__getitem__)
+OPTIONAL_FPU_CONDITION = _optional(  # `,CNDF`
+    FPU_CONDITION,
+    ",",
+    {"w": UNCF},
     lambda values, at: "" if values["w"] == UNCF else f",{FPU_CONDITION_NAMES[values['w']]}",
-    rf"|\s*,\s*(?:{'|'.join(FPU_CONDITIONS)})",
-    lambda text, at, evaluate: {"w": FPU_CONDITIONS[text.strip(" ,\t").upper() or "UNCF"]},
 )
 _TOKENS: tuple[tuple[re.Pattern[str], Part | Callable[[str, Encoding], Part | None]], ...] = tuple(
     (re.compile(token), make)
@@ -359,7 +359,7 @@ _TOKENS: tuple[tuple[re.Pattern[str], Part | Callable[[str, Encoding], Part | No
         (r"R\(c\)H", REGISTER_BY_ADDRESS),
         (r"\{\*ind\}", _optional_operand),
         (r"\{,CNDF\}", OPTIONAL_FPU_CONDITION),
-        (r"CNDF", _one_of("w", FPU_CONDITIONS, FPU_CONDITION_NAMES.__getitem__)),
+        (r"CNDF", FPU_CONDITION),
         (r"COND", _one_of("k", CONDITION_NAMES, CONDITIONS.__getitem__)),
         (r"AX", _one_of("x", {"AL": 0, "AH": 1}, ("AL", "AH").__getitem__)),
         (r"ARPn", _numbered("ARP", "n")),

@@ -132,7 +132,10 @@ class LoggedRun(Run):
 
     def _answer(self, item: int) -> int:
         """Return the value of the next item. Raise NotRestorable if the firmware does something else than then."""
-        self._enter_routines()
+        while self._earlier[self._next.value] >> KIND == Access.ENTER:  # a service routine interrupted it here
+            offset = self._earlier[self._next.value] & VALUE
+            self._next.value += 1
+            self.enter(self.library.loaded_at + offset)
         earlier = self._earlier[self._next.value]
         if (earlier ^ item) >> (PLACE if item >> KIND == Access.READ else 0):
             raise self._differs(item)
@@ -141,13 +144,6 @@ class LoggedRun(Run):
         self.dsp.processor.time.cycle += 1  # so the firmware does not count as stalled
         value = earlier & VALUE
         return value - (value >> PLACE - 1 << PLACE)
-
-    def _enter_routines(self) -> None:
-        """Run the service routines that interrupted the firmware here."""
-        while self._earlier[self._next.value] >> KIND == Access.ENTER:
-            offset = self._earlier[self._next.value] & VALUE
-            self._next.value += 1
-            self.enter(self.library.loaded_at + offset)
 
     def _differs(self, item: int) -> NotRestorable:
         """Return the error for an access that is not the next one of the log."""

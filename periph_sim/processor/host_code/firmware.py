@@ -181,7 +181,10 @@ class Run:
             if blocks:
                 self.compute(BLOCK_CYCLES * blocks)
             if what == READ:
-                self._read(at, size)
+                places = self._layout.read(at, size)
+                if not places:
+                    raise self._no_member(at, size)
+                self.load(at, size, places)
             elif what == ANNOUNCED:
                 said = self._announced(at, size)
             elif what == WRITE:
@@ -201,12 +204,6 @@ class Run:
             self._raised = raised
             return UNWINDS
         return said
-
-    def _read(self, at: int, size: int) -> None:
-        places = self._layout.read(at, size)
-        if not places:
-            raise self._no_member(at, size)
-        self.load(at, size, places)
 
     def _announced(self, at: int, size: int) -> int:
         """Return the number of the place that is written next, or PROTECTED if only the access itself shows it."""
@@ -326,8 +323,13 @@ class Run:
     def write_register(self, word: int, value: int, width: int) -> None:
         """Write a register."""
         cpu = self.dsp.cpu
-        if word in (IER, IFR):
-            self._status(word, value)
+        if word == IER:
+            cpu.and_ier(value)
+            cpu.or_ier(value)
+            return
+        if word == IFR:
+            cpu.core.and_ifr(cpu.cycle, value)
+            cpu.nop()
             return
         try:
             cpu.store(word, value, width)
@@ -335,12 +337,3 @@ class Run:
             cpu.nop()
             for index in range(width // WORD):
                 self.elsewhere.write(cpu.cycle, word + index, value >> WORD * index & 0xFFFF)
-
-    def _status(self, word: int, value: int) -> None:
-        cpu, core = self.dsp.cpu, self.dsp.core
-        if word == IER:
-            cpu.and_ier(value)
-            cpu.or_ier(value)
-        else:
-            core.and_ifr(cpu.cycle, value)
-            cpu.nop()

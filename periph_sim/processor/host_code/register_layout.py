@@ -100,12 +100,14 @@ class RegisterLayout:
         self._fields: dict[int, Place] = {}  # by offset of each byte that has bits of a field
         self._read: dict[tuple[int, int], tuple[Place, ...]] = {}  # answers of `read`
         self._announced: dict[int, int] = {}  # bytes of adjacent fields by offset: gcc announces a write of all of them
+        self._path: list[DIE] = []  # the variable, and the members on the path to the current one
         with library.open("rb") as file:
             for unit in ELFFile(file).get_dwarf_info().iter_CUs():
                 for die in unit.get_top_DIE().iter_children():
                     name = _name(die)
                     if die.tag == "DW_TAG_variable" and name in SYMBOLS and "DW_AT_type" in die.attributes:
-                        _Structures(self, die).add(die, BYTES_A_WORD * SYMBOLS[name], SYMBOLS[name])
+                        self._path = [die]
+                        self._add(die, BYTES_A_WORD * SYMBOLS[name], SYMBOLS[name])
         uncertain = any(map(self._is_ambiguous, self._numbers.values())) or max(self._announced.values(), default=0) > 2
         if uncertain and not STORES_ARE_DECODED:
             raise BadLayout(
@@ -145,15 +147,7 @@ class RegisterLayout:
         """Return True if gcc announces a write of the number like one of adjacent bit fields."""
         return number.size <= self._announced.get(number.at, 0)
 
-    def add_run(self, at: int, size: int) -> None:
-        """Add adjacent bit fields. size: their bytes."""
-        self._announced[at] = max(size, self._announced.get(at, 0))
-
-    def add_number(self, place: Place) -> bool:
-        """Add a number. Return False if the layout has another number in the same bytes, with another place."""
-        return self._numbers.setdefault((place.at, place.size), place) == place
-
-    def add_field(self, place: Place, first: int, last: int) -> bool:
+    def _add_field(self, place: Place, first: int, last: int) -> bool:
         """Add a bit field in bytes `first` to `last`. False if a byte belongs to another word."""
         for byte in range(first, last + 1):
             here = self._fields.setdefault(byte, place)
@@ -166,21 +160,15 @@ class RegisterLayout:
     def _words(self, at: int, size: int) -> tuple[Place, ...]:
         return tuple(dict.fromkeys(self._fields[byte] for byte in range(at, at + size) if byte in self._fields))
 
+    # Walk through the type of a variable ------------------------------------------------
 
-class _Structures:
-    """Walks through the type of one variable, and adds its members to the layout."""
-
-    def __init__(self, layout: RegisterLayout, variable: DIE) -> None:
-        self._layout = layout
-        self._path = [variable]  # and the members on the path to the current one
-
-    def add(self, member: DIE, at: int, word: int) -> int:
+    def _add(self, member: DIE, at: int, word: int) -> int:
         """Add a member that is not a bit field, and return its words on the chip. at, word: its begin."""
         kind = _stripped(member)
         if kind.tag == "DW_TAG_array_type":
             words, stride = 0, size_of(_stripped(kind))
             for index in range(prod(sizes_of(kind) or (0,))):
-                words += self.add(kind, at + index * stride, word + words)
+                words += self._add(kind, at + index * stride, word + words)
             return words
         if kind.tag in COMPOUND:
             return self._add_compound(kind, at, word)
@@ -190,7 +178,7 @@ class _Structures:
         )
         if bits > 2 * WORD or place.size * WORD > BYTES_A_WORD * bits:
             raise self._refusal(NO_REGISTER)
-        if not self._layout.add_number(place):
+        if self._numbers.setdefault((at, place.size), place) != place:
             raise self._refusal("another declaration of it has another type; keep one of them")
         return bits // WORD
 
@@ -204,7 +192,9 @@ class _Structures:
                 bit = host_bit = begin = 0
             if "DW_AT_bit_size" in member.attributes:
                 bit, host_bit = self._add_bit_field(member, at, word, bit, host_bit)
-                self._layout.add_run(at + begin // 8, -(-(host_bit - begin) // WORD) * WORD // 8)
+                run = at + begin // 8
+                size = -(-(host_bit - begin) // WORD) * WORD // 8
+                self._announced[run] = max(size, self._announced.get(run, 0))
             else:
                 if bit % WORD:
                     raise self._refusal("bit fields before it end within a word; name all 16 bits of the word")
@@ -212,7 +202,7 @@ class _Structures:
                 first = -(-bit // WORD // align) * align
                 if begin < host_bit and not self._is_certain(member, bit // WORD, host_bit):
                     raise self._refusal("unnamed bits may be before it; put the bit fields in a separate structure")
-                bit = WORD * (first + self.add(member, at + offset, word + first))
+                bit = WORD * (first + self._add(member, at + offset, word + first))
                 host_bit = begin = 8 * (offset + size_of(_stripped(member)))
             self._path.pop()
             longest = max(longest, bit)
@@ -249,7 +239,7 @@ class _Structures:
                 f"with the fields before it, its {width} bits cross a 16-bit word; fill each word by itself"
             )
         place = Place(host // 8 - first % WORD // 8, 2, word + first // WORD, WORD, partial=width != WORD)
-        if not self._layout.add_field(place, host // 8, host_last // 8):
+        if not self._add_field(place, host // 8, host_last // 8):
             raise self._refusal("another declaration of it has another place; keep one of them")
         return last + 1, host_last + 1 - 8 * at
 

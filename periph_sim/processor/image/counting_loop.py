@@ -159,28 +159,24 @@ def places_of(name: str, traced: Traced) -> tuple[Place, ...]:
 
 
 def reads(traced: Traced) -> Iterable[Place]:
-    """Yield the possible counters that an instruction reads. Raise NotCounting if the table does not list them."""
-    for name in places(traced.f.encoding.reads):
-        yield from _words(name, traced, range(traced.sp[1], traced.sp[0]))
-    yield from _address_registers(traced.needs)
+    """Return the possible counters that an instruction reads. Raise NotCounting if the table does not list them."""
+    return _used(traced.f.encoding.reads, traced, range(traced.sp[1], traced.sp[0]), traced.needs)
 
 
 def writes(traced: Traced) -> Iterable[Place]:
-    """Yield the possible counters that it writes. Raise NotCounting if they are not listed, or may stay unwritten."""
+    """Return the possible counters that it writes. Raise NotCounting if they are not listed, or may stay unwritten."""
     encoding = traced.f.encoding
     if "LSB" in encoding.id or "MSB" in encoding.id or ("_COND" in encoding.id and "PC" not in encoding.writes):
         raise NotCounting  # it writes a byte, or under a condition
-    for name in places(encoding.writes):
-        yield from _words(name, traced, range(traced.sp[0], traced.sp[1]))
-    yield from _address_registers(traced.f.makes)
+    return _used(encoding.writes, traced, range(traced.sp[0], traced.sp[1]), traced.f.makes)
 
 
-def _words(name: str, traced: Traced, stack: Iterable[int]) -> Iterable[Place]:
-    if name == "stack":
-        return stack
-    if not KNOWN.fullmatch(name):
-        raise NotCounting
-    return places_of(name, traced)
+def _used(column: Iterable[str], traced: Traced, stack: Iterable[int], registers: int) -> Iterable[Place]:
+    for name in places(column):
+        if name != "stack" and not KNOWN.fullmatch(name):
+            raise NotCounting
+        yield from stack if name == "stack" else places_of(name, traced)
+    yield from _address_registers(registers)
 
 
 def _address_registers(mask: int) -> Iterable[Place]:

@@ -27,7 +27,7 @@ from ..c28x.execution.cpu import WRITES, Operation
 from ..c28x.execution.registers import IllegalOperation
 from ..image_files.load import Image
 from ..polling import Spin
-from ..processor import Awaited, Processor, Stop, UnansweredWait
+from ..processor import Awaited, Processor, Stop
 from ..user_code import FirmwareLost, InterruptFault
 from .counting_loop import CountingLoop
 from .cpu import ImageCpu
@@ -294,13 +294,13 @@ class ImageProgram(LoadedImage):
         operands, loop = [] if self.spin is None else self.spin.polls, LoopRange(self.cpu.pc, self._at)
         return self._awaited(loop, operands, self.cpu.polls.elsewhere)
 
-    def unanswered_wait(self) -> UnansweredWait | None:
+    def unanswered_wait(self) -> Awaited | None:
         """See `Program.unanswered_wait`."""
         wait = self._unmodelled
         if wait is None or not wait.goes_on(self.cpu):
             return None
         found = self._awaited(wait.loop, [], wait.addresses)
-        return UnansweredWait(wait.since, found.what, self.place_at(wait.loop.branch), found.unanswered)
+        return found._replace(since=wait.since, place=self.place_at(wait.loop.branch))
 
     def _slept(self) -> bool:
         """Wait in IDLE. Return True once an interrupt that IER enables has ended it."""

@@ -68,10 +68,6 @@ class _Block:
     pieces: list[tuple[_Place, int, Callable[[int, Mapping[str, int]], tuple[int, ...]]]] = field(default_factory=list)
     has_code: bool = False
 
-    def rows(self) -> tuple[list[Row], int]:
-        """Return the address, file and line of each piece, and the end address of the section."""
-        return [(at, place.path, place.line) for place, at, _ in self.pieces], self.at
-
 
 class _Source:
     """The first pass: collect sections with their pieces, and symbols, from source lines.
@@ -153,13 +149,27 @@ class _Source:
                     '.sect "NAME", ADDRESS [, LOAD ADDRESS]' if wanted[0] == 1 else '.reserve "NAME", ADDRESS, WORDS'
                 )
                 raise BadInstruction(f"{directive} {rest} is not {usage}")
-            self._section(directive, name.strip('"'), places)
+            name = name.strip('"')
+            if any(block.name == name for block in self.blocks) or any(one.name == name for one in self.reserved):
+                raise BadInstruction(f"section {name!r} is defined twice")
+            if directive == ".sect":
+                self.blocks.append(_Block(name, places[0], places[-1], places[0]))
+            else:
+                self.reserved.append(Section(name, places[0], places[0], places[1]))
         elif directive == ".entry":
             self.entry, self.entry_line = rest, self._place
         elif directive == ".include":
             self._include(rest)
-        elif directive in (".word", ".long", ".string"):
-            self._data(directive, rest)
+        elif directive == ".string":
+            for operand in _operands(rest):
+                if not re.fullmatch(r'"[^"]*"', operand):
+                    raise BadInstruction(f"{operand} is not a text in double quotes")
+                characters = tuple(operand[1:-1].encode("latin-1", "replace"))
+                self._put(len(characters), lambda at, symbols, put=characters: put)  # type: ignore[misc]
+        elif directive in (".word", ".long"):
+            count = 2 if directive == ".long" else 1
+            for operand in _operands(rest):
+                self._put(count, _number_of(operand, count))
         elif directive == ".space":
             self._put((count := self._count(rest)), lambda at, symbols: (0,) * count)
         elif directive == ".align":
@@ -187,25 +197,6 @@ class _Source:
         if not 0 <= count <= MOST_WORDS:
             raise BadInstruction(f"{rest!r} is {count}, which is not a valid number of words")
         return count
-
-    def _section(self, directive: str, name: str, places: list[int]) -> None:
-        if any(block.name == name for block in self.blocks) or any(one.name == name for one in self.reserved):
-            raise BadInstruction(f"section {name!r} is defined twice")
-        if directive == ".sect":
-            self.blocks.append(_Block(name, places[0], places[-1], places[0]))
-        else:
-            self.reserved.append(Section(name, places[0], places[0], places[1]))
-
-    def _data(self, directive: str, rest: str) -> None:
-        for operand in _operands(rest):
-            if directive == ".string":
-                if not re.fullmatch(r'"[^"]*"', operand):
-                    raise BadInstruction(f"{operand} is not a text in double quotes")
-                characters = tuple(operand[1:-1].encode("latin-1", "replace"))
-                self._put(len(characters), lambda at, symbols, put=characters: put)  # type: ignore[misc]
-            else:
-                count = 2 if directive == ".long" else 1
-                self._put(count, _number_of(operand, count))
 
 
 def _number_of(operand: str, count: int) -> Callable[[int, Mapping[str, int]], tuple[int, ...]]:
@@ -249,9 +240,11 @@ def assemble(text: str, path: Path | None = None) -> Image:
         Symbol(name, address, source.sections[name], name in named, bool(source.sections[name]) and name not in named)
         for name, address in source.symbols.items()
     )
-    debug = (
-        {} if path is None else debug_sections(str(path), [block.rows() for block in source.blocks if block.has_code])
-    )
+    debug: dict[str, bytes] = {}
+    if path is not None:
+        blocks = [block for block in source.blocks if block.has_code]
+        rows = [([(at, place.path, place.line) for place, at, _ in block.pieces], block.at) for block in blocks]
+        debug = debug_sections(str(path), rows)
     return Image("assembled", source.symbols[source.entry], (*sections, *source.reserved), symbols, debug=debug)
 
 

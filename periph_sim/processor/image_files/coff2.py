@@ -53,15 +53,6 @@ class SectionHeader(NamedTuple):
     relocations: int
     flags: int
 
-    @property
-    def loaded(self) -> bool:
-        return bool(self.raw and self.size and not self.flags & LOADED_IF_NONE_OF)
-
-    @property
-    def size_in_bytes(self) -> int:
-        counts_bytes = self.flags & COPY and not self.flags & (TEXT | DATA)
-        return self.size if counts_bytes else 2 * self.size
-
 
 def is_coff(data: bytes) -> bool:
     """Return True for any version of TI COFF, for any target."""
@@ -73,7 +64,13 @@ def read(data: bytes) -> Image:
     version, section_count, _, symbols_at, symbol_count, optional, flags, target = _unpack(
         FILE_HEADER, data, 0, "header"
     )
-    _check_target(version, target, flags, optional)
+    if version != COFF2 or target != C28X:
+        named = TARGETS.get(target, f"target {target:#06x}") if version == COFF2 else "C24x or an older target"
+        raise BadImage(f"it is {VERSIONS[version]} for {named}; the F28335 runs COFF2 for C28x")
+    if not flags & EXECUTABLE:
+        raise BadImage("it is an object file or partly linked; link it into an executable .out")
+    if optional != OPTIONAL_HEADER.size:
+        raise BadImage(f"its optional header has {optional} bytes; an executable .out has {OPTIONAL_HEADER.size}")
     _, tool_version, *_, entry, _, _ = _unpack(OPTIONAL_HEADER, data, FILE_HEADER.size, "optional header")
     strings = _Strings(data, symbols_at + SYMBOL.size * symbol_count if symbols_at else len(data))
     first = FILE_HEADER.size + optional
@@ -91,16 +88,6 @@ def read(data: bytes) -> Image:
         },
         tool_version=tool_version,
     )
-
-
-def _check_target(version: int, target: int, flags: int, optional: int) -> None:
-    if version != COFF2 or target != C28X:
-        named = TARGETS.get(target, f"target {target:#06x}") if version == COFF2 else "C24x or an older target"
-        raise BadImage(f"it is {VERSIONS[version]} for {named}; the F28335 runs COFF2 for C28x")
-    if not flags & EXECUTABLE:
-        raise BadImage("it is an object file or partly linked; link it into an executable .out")
-    if optional != OPTIONAL_HEADER.size:
-        raise BadImage(f"its optional header has {optional} bytes; an executable .out has {OPTIONAL_HEADER.size}")
 
 
 def _unpack(layout: struct.Struct, data: bytes, at: int, what: str) -> tuple[Any, ...]:
@@ -135,7 +122,8 @@ def _header(data: bytes, at: int, strings: _Strings) -> SectionHeader:
 
 
 def _raw(header: SectionHeader, data: bytes) -> bytes:
-    end = header.raw + header.size_in_bytes
+    counts_bytes = header.flags & COPY and not header.flags & (TEXT | DATA)
+    end = header.raw + (header.size if counts_bytes else 2 * header.size)
     if end > len(data):
         raise BadImage(
             f"it is truncated: section {quoted(header.name)} ends at byte {end}, and the file has {len(data)}; "
@@ -149,7 +137,8 @@ def _section(header: SectionHeader, data: bytes) -> Section:
         raise BadImage(
             f"section {quoted(header.name)} has relocations: it is partly linked; link it into an executable .out"
         )
-    raw = _raw(header, data) if header.loaded else b""
+    loaded = header.raw and header.size and not header.flags & LOADED_IF_NONE_OF
+    raw = _raw(header, data) if loaded else b""
     return Section(
         name=header.name,
         address=header.load,
@@ -223,7 +212,11 @@ def write(image: Image) -> bytes:
         headers += _header_of(strings.field(name), 0, 0, len(data), at + len(raw), COPY)
         raw += data
     numbers = {section.name: number for number, section in enumerate(image.sections, 1)}
-    symbols = b"".join(_symbol_of(symbol, numbers, strings) for symbol in image.symbols)
+    symbols = b""
+    for symbol in image.symbols:
+        kind = LABEL if symbol.label else EXTERNAL if symbol.external else STATIC
+        number = numbers[symbol.section] if symbol.section else ABSOLUTE
+        symbols += SYMBOL.pack(strings.field(symbol.name), symbol.address, number, 0, kind, 0)
     flags = EXECUTABLE | LITTLE_ENDIAN | NO_RELOCATIONS
     symbols_at = at + len(raw)
     header = FILE_HEADER.pack(COFF2, count, 0, symbols_at, len(image.symbols), OPTIONAL_HEADER.size, flags, C28X)
@@ -253,9 +246,3 @@ class _NewStrings:
 
 def _header_of(name: bytes, run: int, load: int, size: int, raw: int, flags: int) -> bytes:
     return SECTION_HEADER.pack(name, run, load, size, raw, 0, 0, 0, 0, flags, 0, 0)
-
-
-def _symbol_of(symbol: Symbol, numbers: dict[str, int], strings: _NewStrings) -> bytes:
-    kind = LABEL if symbol.label else EXTERNAL if symbol.external else STATIC
-    section = numbers[symbol.section] if symbol.section else ABSOLUTE
-    return SYMBOL.pack(strings.field(symbol.name), symbol.address, section, 0, kind, 0)

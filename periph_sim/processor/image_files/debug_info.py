@@ -83,16 +83,14 @@ class DebugInfo:
 def _dwarf(image: Image) -> DWARFInfo | None:
     if ".debug_info" not in image.debug or ".debug_abbrev" not in image.debug:
         return None
-    parameters = [name for name in inspect.signature(DWARFInfo).parameters if name != "config"]
-    return DWARFInfo(
-        DwarfConfig(little_endian=True, machine_arch="C2000", default_address_size=ADDRESS_BYTES),
-        **{name: _described(image, f".{name.removesuffix('_sec')}") for name in parameters},
-    )
-
-
-def _described(image: Image, name: str) -> DebugSectionDescriptor | None:
-    data = image.debug.get(name)
-    return None if data is None else DebugSectionDescriptor(io.BytesIO(data), name, 0, len(data), 0)
+    sections: dict[str, DebugSectionDescriptor | None] = {}
+    for parameter in list(inspect.signature(DWARFInfo).parameters)[1:]:  # after the configuration
+        name = f".{parameter.removesuffix('_sec')}"
+        data = image.debug.get(name)
+        described = None if data is None else DebugSectionDescriptor(io.BytesIO(data), name, 0, len(data), 0)
+        sections[parameter] = described
+    config = DwarfConfig(little_endian=True, machine_arch="C2000", default_address_size=ADDRESS_BYTES)
+    return DWARFInfo(config, **sections)
 
 
 def _functions(dwarf: DWARFInfo, unit: CompileUnit) -> Iterator[FunctionRange]:

@@ -61,11 +61,6 @@ def parse(data: bytes) -> Image:
         image = elf.read(data)
     else:
         raise BadImage(f"it is neither TI COFF nor ELF; {WAY_OUT}")
-    _check(image)
-    return image
-
-
-def _check(image: Image) -> None:
     for section in image.sections:
         for beginning, part in OTHER_PARTS.items():
             if section.name.startswith(beginning) and section.size:
@@ -82,6 +77,7 @@ def _check(image: Image) -> None:
             )
     if not any(section.address <= image.entry < section.end for section in image.code):
         raise BadImage(f"its entry {image.entry:#08x} is not in a loaded code section; link it with an entry point")
+    return image
 
 
 def require_loadable(image: Image, part: Part) -> None:

@@ -33,7 +33,7 @@ from inspect import (
 from pathlib import Path
 from threading import Event, Lock, Thread, get_ident
 from types import CodeType, FrameType, FunctionType
-from typing import BinaryIO, Protocol, TypeVar
+from typing import Any, Protocol, TextIO, TypeVar, cast
 from weakref import WeakSet
 
 from greenlet import GreenletExit
@@ -334,25 +334,13 @@ class _Nowhere(io.TextIOBase):
         return len(text)
 
 
-class _Aside(io.TextIOBase):
-    """A text stream that writes to standard error, and leaves that open when it is closed."""
+class _Aside:
+    """Standard error, which stays open if this is closed."""
 
-    def write(self, text: str) -> int:
-        return 0 if sys.stderr is None else sys.stderr.write(text)
+    def close(self) -> None:
+        pass
 
-    def flush(self) -> None:
-        if sys.stderr is not None:
-            sys.stderr.flush()
-
-    def fileno(self) -> int:
-        return sys.stderr.fileno()
-
-    @property
-    def buffer(self) -> BinaryIO:
-        return sys.stderr.buffer
-
-    def __getattr__(self, name: str) -> object:
-        """Return what else a text stream has, such as `line_buffering`, from standard error."""
+    def __getattr__(self, name: str) -> Any:
         return getattr(sys.stderr, name)
 
 
@@ -362,7 +350,7 @@ def output_aside() -> Iterator[None]:
     if isinstance(sys.stdout, _Nowhere):
         yield
         return
-    with redirect_stdout(_Aside()):
+    with redirect_stdout(_Nowhere() if sys.stderr is None else cast("TextIO", _Aside())):
         yield
 
 

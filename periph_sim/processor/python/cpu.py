@@ -16,7 +16,7 @@ from collections.abc import Callable
 from typing import final
 
 from ...core.chip import NEVER, Note
-from ...core.records import Recorder
+from ...core.records import Kind, Recorder, Topic
 from ...core.time import Clock
 from ...f28335.cpu import code_costs as cpu_costs
 from ...f28335.cpu.code_costs import BARE, CodeCosts
@@ -30,7 +30,7 @@ from ..polling import Spin
 from ..processor import Processor, Stop
 from ..source_location import SourceLocation
 from ..user_code import warn
-from .program import CodeRecords, PythonProgram
+from .program import PythonProgram
 
 SLEEPS = Stop.SLEEPS
 
@@ -49,7 +49,8 @@ class Cpu:
     """One processor with its Python firmware. Each access takes one cycle and the frame's wait states.
 
     bus: the bus of the unit.
-    records: of spans and waits.
+    records_waits: True if any subscriber needs records of waits.
+    keeps_waits: True if a subscriber to records of waits or accesses may keep a reference to a wait.
     """
 
     def __init__(self, processor: Processor, clock: Clock, recorder: Recorder, code: CodeCosts = BARE) -> None:
@@ -58,7 +59,12 @@ class Cpu:
         self.bus: Bus = processor.bus
         self.core: CpuInterrupts = processor.interrupts.core
         self.program = PythonProgram(processor)
-        self.records = CodeRecords(clock, recorder, self.program)
+        self.records_waits = recorder.wants(Kind.WAIT)
+        self.keeps_waits: bool = recorder.makes_records(Kind.WAIT) or recorder.makes_records(Kind.ACCESS)
+        self._clock = clock
+        self._recorder = recorder
+        self._records_spans = recorder.wants(Kind.SPAN)
+        self._topics: dict[tuple[Operand, ...], Topic] = {}  # of the waits so far, by what they poll
         self._prologue: int = code.isr_prologue
         self._epilogue: int = code.isr_epilogue
         self._between: int = code.between_accesses
@@ -90,7 +96,26 @@ class Cpu:
 
     def mark_span(self, name: str, begins: int) -> None:
         """Record that a named stretch of firmware begins (1) or ends (0) at this cycle."""
-        self.records.span(self.time.cycle, name, begins)
+        if self._records_spans:
+            self.record(self._recorder.topic(Kind.SPAN, self.program.name, name), self.time.cycle, begins)
+
+    def _mark_idle(self, begins: int) -> None:
+        if self.records_waits:
+            self.record(self._recorder.topic(Kind.WAIT, self.program.name, "IDLE"), self.time.cycle, begins)
+
+    def waited_for(self, spin: Spin) -> Topic:
+        """Return the topic of waits that poll the same operands as this one."""
+        polls = tuple(spin.polls)
+        topic = self._topics.get(polls)
+        if topic is None:
+            what = spin.waits_for() or "nothing"
+            topic = self._topics[polls] = self._recorder.topic(Kind.WAIT, self.program.name, what)
+        return topic
+
+    def record(self, topic: Topic, cycle: int, begins: int) -> None:
+        """Make a record of this topic."""
+        where = (self.program.place() or "") if begins and topic.places else ""
+        topic.emit(self._clock.tick(cycle), begins, where)
 
     # Interrupt and protection instructions -------------------------------------------
 
@@ -164,14 +189,14 @@ class Cpu:
     def idle(self) -> None:
         """Execute IDLE: wait for an interrupt that IER enables; with INTM = 0 it is served first."""
         time, core = self.time, self.core
-        self.records.wait(time.cycle, "IDLE", 1)
+        self._mark_idle(1)
         core.idle(time.cycle)
         self.go_to(time.cycle + cpu_costs.IDLE)
         while not core.idle_ends(time.cycle):
             self._rest_until(max(time.cycle, core.next_wake))
         if core.ready > time.cycle:
             self.go_to(core.ready)
-        self.records.wait(time.cycle, "IDLE", 0)
+        self._mark_idle(0)
         self.serve()
 
     def after_main(self) -> None:

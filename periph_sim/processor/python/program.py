@@ -1,4 +1,4 @@
-"""A Python function as a program, which runs in a greenlet until it must wait or returns; with records of its waits.
+"""A Python function as a program, which runs in a greenlet until it must wait or returns.
 
     Processor.act --> run --> greenlet --> firmware --> instructions --> yield_turn --> Kernel.run_nested until next run
 
@@ -25,12 +25,8 @@ from greenlet import GreenletExit, getcurrent, greenlet
 
 from ...core.chip import NEVER
 from ...core.kernel import Kernel
-from ...core.records import Kind, Recorder, Topic
-from ...core.time import Clock
 from ...f28335.pie.register_map import VECTORS
 from ...form.c_types import BigInt, Text
-from ..operand import Operand
-from ..polling import Spin
 from ..processor import Processor, Program, Stop
 from ..source_location import SourceLocation, SourceLocator
 from ..user_code import (
@@ -302,45 +298,3 @@ class PythonProgram(Program):
             )
         self.entered = routine
         return self._places.of_routine(routine) or ""
-
-
-@final
-class CodeRecords:
-    """Makes the records of spans and waits of one program.
-
-    spans, waits: True if any subscriber needs records of them.
-    kept: True if a subscriber to records of waits or accesses may keep a reference to a wait.
-    """
-
-    def __init__(self, clock: Clock, recorder: Recorder, program: PythonProgram) -> None:
-        self.spans = recorder.wants(Kind.SPAN)
-        self.waits = recorder.wants(Kind.WAIT)
-        self.kept: bool = recorder.makes_records(Kind.WAIT) or recorder.makes_records(Kind.ACCESS)
-        self._clock = clock
-        self._recorder = recorder
-        self._name = program.name
-        self._program = program
-        self._topics: dict[tuple[Operand, ...], Topic] = {}  # of the waits so far, by what they poll
-
-    def span(self, cycle: int, name: Text, begins: int) -> None:
-        """Record that a named span begins (1) or ends (0) at this cycle."""
-        if self.spans:
-            self.record(self._recorder.topic(Kind.SPAN, self._name, name), cycle, begins)
-
-    def wait(self, cycle: int, what: Text, begins: int) -> None:
-        """Record that a wait for `what` begins (1) or ends (0)."""
-        if self.waits:
-            self.record(self._recorder.topic(Kind.WAIT, self._name, what), cycle, begins)
-
-    def waited_for(self, spin: Spin) -> Topic:
-        """Return the topic of waits that poll the same operands as this one."""
-        polls = tuple(spin.polls)
-        topic = self._topics.get(polls)
-        if topic is None:
-            topic = self._topics[polls] = self._recorder.topic(Kind.WAIT, self._name, spin.waits_for() or "nothing")
-        return topic
-
-    def record(self, topic: Topic, cycle: int, begins: int) -> None:
-        """Make a record of this topic."""
-        where = (self._program.place() or "") if begins and topic.places else ""
-        topic.emit(self._clock.tick(cycle), begins, where)

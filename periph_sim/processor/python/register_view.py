@@ -96,10 +96,8 @@ class Port:
 
     def when(self, *, mask: object = None, value: object = None, **wanted: object) -> Condition:
         """Return the condition that a field has a value, when(XRDY=1), or that register & mask == value."""
-        if len(wanted) > 1 and mask is None and value is None:
-            raise self._one_at_a_time(wanted)
         if len(wanted) + (mask is not None or value is not None) != 1 or (mask is None) != (value is None):
-            raise Misuse(f"{self.where}.when needs a field and its number, when(NAME=1), or a mask= and a value=")
+            raise Misuse(f"{self.where}.when needs one field and its number, when(NAME=1), or a mask= and a value=")
         for name, number in wanted.items():
             if name not in self._fields:
                 raise no_such_name(self.where, name, self.fields)
@@ -107,23 +105,6 @@ class Port:
         if "all" not in self._fields:
             raise no_such_name(self.where, "all", self.fields)
         return self._fields["all"].masked(self, mask, value)
-
-    def _one_at_a_time(self, wanted: dict[str, object]) -> Exception:
-        """Return the error for several fields: that of an invalid one, else one that suggests a mask of them all."""
-        mask = value = 0
-        for name, number in wanted.items():
-            if name not in self._fields:
-                return no_such_name(self.where, name, self.fields)
-            field = self._fields[name]
-            try:
-                value |= field.in_place(number)
-            except Misuse as error:
-                return error
-            mask |= field.mask
-        given = ", ".join(f"{name}={number}" for name, number in wanted.items())
-        return Misuse(
-            f"{self.where}.when({given}): a wait reads one field; give when(mask={mask:#x}, value={value:#x})"
-        )
 
     def comparison(self, name: Text, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
         """Return the condition that compares a field with a number; None if `PortField.comparison` returns none."""

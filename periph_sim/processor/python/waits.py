@@ -25,7 +25,7 @@ from collections.abc import Callable
 from dis import get_instructions
 from functools import lru_cache
 from types import CodeType, FunctionType
-from typing import NamedTuple, final
+from typing import final
 
 from ...core.chip import NEVER
 from ...core.options import IntOption
@@ -45,18 +45,8 @@ NOTHING = frozenset(("RESUME", "COPY_FREE_VARS", "NOP", "CACHE", "PRECALL"))  # 
 FORM = ("LOAD_DEREF", "LOAD_ATTR", "LOAD_ATTR", "LOAD_CONST", "COMPARE_OP", "RETURN_VALUE")
 
 
-class FieldComparison(NamedTuple):
-    """A comparison of a field with a number. place: index of the module among the function's free variables.
-
-    line: the line that reads the field.
-    """
-
-    place: int
-    register: str
-    field: str
-    test: int
-    number: int
-    line: int
+# Index of the module among a function's free variables, register, field, test, number, line of the field.
+FieldComparison = tuple[int, str, str, int, int, int]
 
 
 @lru_cache(maxsize=256)  # the query depends on the code alone, so the firmware of all scenes shares it
@@ -73,7 +63,7 @@ def comparison_of(code: CodeType) -> FieldComparison | None:
         return None
     at = steps[2].positions
     line = at.lineno if at is not None and at.lineno is not None else code.co_firstlineno
-    return FieldComparison(code.co_freevars.index(module), register, field, TESTS[test], number, line)
+    return code.co_freevars.index(module), register, field, TESTS[test], number, line
 
 
 @final
@@ -94,17 +84,17 @@ class ConditionQuery:
         self.known = True
         self.found = found = None if sys.gettrace() is not None else comparison_of(self.code)
         if found is not None:
-            self.place, self.where = found.place, program.place_in(self.code, found.line)
+            self.place, self.where = found[0], program.place_in(self.code, found[-1])
 
     def condition_on(self, module: object) -> Condition | None:
         """Return the condition on this module's register; None if there is none."""
         self.module = self.condition = None
-        found = self.found
-        if isinstance(module, ModulePort) and found is not None:
-            port = vars(module).get(found.register)
+        if isinstance(module, ModulePort) and self.found is not None:
+            _, register, field, test, number, _ = self.found
+            port = vars(module).get(register)
             if isinstance(port, Port):
                 self.module = module
-                self.condition = port.comparison(found.field, found.number, found.test, self.where)
+                self.condition = port.comparison(field, number, test, self.where)
         return self.condition
 
 
@@ -190,7 +180,7 @@ class Waits:
     ) -> int:
         """Wait, and return the condition that ended the wait: READY, OVER or, after a timeout, NEITHER."""
         time, cpu = self._time, self._cpu
-        program, records = cpu.program, cpu.records
+        program = cpu.program
         spin = self._new_wait(pass_cycles, NEVER if timeout is None else time.cycle + timeout)
         outer, program.spin = program.spin, spin
         recogniser = self._recogniser
@@ -210,9 +200,9 @@ class Waits:
                 if came:
                     break
                 spin.take_length(time.cycle)
-                if records.waits and waited is None:
-                    waited = records.waited_for(spin)
-                    records.record(waited, spin.since, 1)
+                if cpu.records_waits and waited is None:
+                    waited = cpu.waited_for(spin)
+                    cpu.record(waited, spin.since, 1)
             if pass_cycles is None and not self._branch_listed:
                 self._branch_listed = True  # `_branch` depends on it; the CPU's list keeps its entries
                 self._pf2_read_ws.assume(cpu.core.touched)
@@ -221,10 +211,10 @@ class Waits:
             if time.cycle >= spin.ends:
                 break
         if waited is not None:
-            records.record(waited, time.cycle, 0)
+            cpu.record(waited, time.cycle, 0)
         cpu.instruction(cpu_costs.SB_NOT_TAKEN)
         program.spin = outer
-        self._spare = None if records.kept else spin
+        self._spare = None if cpu.keeps_waits else spin
         return came
 
     def _new_wait(self, pass_cycles: int | None, ends: int) -> Spin:

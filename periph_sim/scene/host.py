@@ -3,8 +3,8 @@
     [host.motion], if given --> values of frame n --> Host --> RX
                                 '--> Truth at a tick, by the host's own clock
 
-Frames are scheduled by the clock of the host's computer, which is off by `ppm`. Its serial converter has a crystal of
-its own, so the bit rate is off by `error`.
+Frames are scheduled by the clock of the host's computer, which has an error of `ppm`. The host's serial converter has a
+crystal of its own, so the bit rate has an error of its own, `error`.
 """
 
 from __future__ import annotations

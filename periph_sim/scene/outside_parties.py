@@ -1,6 +1,6 @@
 """Replacement of parties of a case by the outside party that its table [outside] describes.
 
-    the party drives      it replaces      budgets that are still judged
+    outside party drives  it replaces      budgets that are still judged
     SDA and SCL           [controller]     those on rounds, requests and bytes
     RX                    [host]           those that do not need the host's frames
 

@@ -102,7 +102,7 @@ def texts_in(tree: object) -> Iterator[str]:
 
 
 def named_files(folder: Path, texts: Iterable[str]) -> Iterator[Path]:
-    """Yield the paths below `folder` that texts may name, and the files that such a file may import or include."""
+    """Yield the paths below `folder` that texts may name, and the files that these files may import or include."""
     for text in texts:
         if len(text) >= LONGEST or "\0" in text:
             continue

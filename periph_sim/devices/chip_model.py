@@ -14,8 +14,7 @@ from typing import Any, final
 
 @final
 class Shown:
-    """The register bytes of the chips after one run of a model. The bytes of a chip are computed when they are first
-    used.
+    """The register bytes of the chips after one run of a model. The bytes of a chip are computed on first use.
 
     state: the state of the model for the next run.
     inputs: the data from which the model computes the bytes.

@@ -39,7 +39,7 @@ class HostSchedule(msgspec.Struct, frozen=True):
     frames: number of frames; None for no end.
     paced_by: with "schedule", frame n is due n periods after the first one. With "pause", as in a loop with a pause, a
     frame is due one period after the begin of the previous frame, so that delays add up.
-    silent: spans (begin, end) in which no frame begins, without the end.
+    silent: spans (begin, end) in which no frame begins; a frame may begin at `end`.
     twice: numbers of the frames that are sent again as soon as they are over.
     """
 
@@ -92,7 +92,7 @@ class Host(Agent):
         self._pause = int(self._period // 1)
         self._by_schedule = schedule.paced_by == "schedule"
         self._number = 0
-        # with paced_by = "pause": the tick at which each frame was due; else only the first
+        # `_due` has, with paced_by = "pause", the tick at which each frame was due; else only the first.
         self._due: array[int] = array("q", [self._first])
         self._plan(self._first)
 

@@ -34,9 +34,7 @@ class Request(Struct, frozen=True):
     expect: bytes | None = None
 
     def transfers(self, by_stop: bool) -> list[Transfer]:
-        """Return the transfers of the request: one with a repeated START or, with `by_stop`, one for the write and one
-        for the read.
-        """
+        """Return the transfers of the request. With `by_stop` the write and the read are two transfers, else one."""
         head = b"" if self.pointer is None else bytes([self.pointer])
         phases: list[Phase] = []
         if head or self.write or not self.count:
@@ -114,9 +112,9 @@ class Schedule(Struct, frozen=True):
 
     first: int
     period: Fraction | int
-    gap: int  # between two transfers of a round, in addition to the bus-free time
+    gap: int  # pause between two transfers of a round, in addition to the bus-free time
     jitter: int = 0
-    rounds: int | None = None  # None: no end
+    rounds: int | None = None  # None for no end
     ahead: int = 0
 
 

@@ -208,7 +208,7 @@ class Part(Struct, frozen=True, dict=True):
 
     @cached_property
     def options_groups(self) -> dict[str, str]:
-        """The class of each group of options, as `ModuleDescriptor.options_class` names it."""
+        """The class of each group of options, by its name as in `ModuleDescriptor.options_class`."""
         return dict(sorted((one.options, one.options_class) for one in self.modules))
 
     def options_classes(self) -> dict[str, type[Answers]]:

@@ -20,7 +20,7 @@ from ..core.state import State
 
 DEPTH = 16
 
-# Bits of the six registers.
+# Bits of the FIFO registers of SCI, SPI and I2C.
 OVERFLOW = 1 << 15  # RXFFOVF, which I2CFFRX does not have
 OVERFLOW_CLEAR = 1 << 14  # RXFFOVRCLR
 RELEASE = 1 << 13  # TXFIFOXRESET, RXFIFORESET, TXFFRST and so on: 0 holds the FIFO empty
@@ -34,7 +34,7 @@ LEVEL = 0x1F  # TXFFIL, RXFFIL
 class InterruptFifo:
     """FIFO with its register.
 
-    register: SCIFFTX, SCIFFRX or the same register of another module.
+    register: SCIFFTX, SCIFFRX or the corresponding register of another module.
     receives: True if the flag is set from the level upwards, False if from the level downwards.
     mode: the module's option `fifo_int_mode`.
     words: oldest first.

@@ -43,7 +43,7 @@ NEVER_YET = -1  # used in place of a record's number if there is no record yet
 class Modify:
     """A write that belongs to a read-modify-write.
 
-    number, tick: of its record.
+    number, tick: of the record of the write.
     rose: for each flag, the number of the record of its last rise before the write.
     cleared: mask of the flags that the write cleared.
     """
@@ -221,9 +221,7 @@ class ClearedRegister:
         return None
 
     def looked_at(self, flag: Flag, place: Text) -> int:
-        """Return the record number of the last read that showed this flag, except reads for read-modify-writes at
-        `place`.
-        """
+        """Return the record number of the last read that showed this flag, without read-modify-writes at `place`."""
         last: int = self.looks.last(flag.name)
         other: Place
         for at, other in self.places.items():
@@ -269,7 +267,7 @@ class ClearedRegister:
         flag: Flag
         for at, flag in enumerate(self.flags):
             is_cleared = made.cleared & flag.mask != 0
-            if not (is_cleared or self.keeps_ticks):  # flags that only rose are not counted
+            if not (is_cleared or self.keeps_ticks):  # flags that only rose are not counted then
                 continue
             of: FlagOfPlace = place.flags[at]
             if made.rose[at] > number:

@@ -24,7 +24,7 @@ OSCCLK_HZ = 30_000_000
 DIVIDE = (4, 4, 2, 1)  # divider from the PLL's output to SYSCLKOUT, by DIVSEL
 MOST_TOLD = 3
 DIV, DIVSEL, LOCKED, OFF = "PLLCR.DIV", "PLLSTS.DIVSEL", "PLLSTS.PLLLOCKS", "WDCR.WDDIS"
-# fields that determine the clock; firmware that starts at the clock after reset changes at least one
+# SHOWN: fields that determine the clock. Firmware that starts at the clock after reset changes at least one.
 SHOWN = (DIV, DIVSEL, LOCKED, OFF)
 
 
@@ -56,8 +56,8 @@ class ClockHistory(NamedTuple):
         return round(sum((after - before) / self.at(before) for before, after in pairwise(inside)))
 
     def of_distances(self, ticks: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Convert distances from ticks to whole cycles, rounded to nearest. Each uses the clock in effect at its tick
-        in `at`.
+        """Convert distances from ticks to the nearest number of cycles, each with the clock in effect at its tick in
+        `at`.
         """
         periods = np.array([float(period) for period in self.periods])
         cycles: NDArray[np.int64] = (ticks / periods[self._now(at)] + 0.5).astype(np.int64)
@@ -109,11 +109,10 @@ class ClockHistory(NamedTuple):
 def history(
     per_second: Fraction, changes: Iterable[tuple[int, str, int]], accesses: Iterable[int]
 ) -> ClockHistory | None:
-    """Return the clocks inferred from changes of registers; None without a change, or if the accesses do not fit the
-    clocks.
+    """Return the clocks inferred from changes of registers; None if there is no change or the accesses do not fit.
 
     changes: changes of the fields in SHOWN as (tick, field, value), in order.
-    accesses: the ticks of all accesses.
+    accesses: the ticks of all accesses, each of which must be the begin of a cycle.
     """
     told = list(changes)
     if not told:

@@ -92,9 +92,7 @@ def all_lints() -> dict[str, Lint]:
 
 
 def lint(run: Run | Path | str, options: Options | None = None) -> list[Finding]:
-    """Return the findings of all lints, ordered by the time of their first occurrence. run: a recorded run, or its
-    file.
-    """
+    """Return the findings of all lints, ordered by their first occurrence. run: a recorded run, or its file."""
     if not isinstance(run, Run):
         run = Run.read(run)
     found = []
@@ -112,8 +110,8 @@ def accesses(run: Run, way: str, register: Register) -> Iterator[Group]:
 
 
 def held(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bool_]:
-    """Return, for each access of a group, whether a field was 1 just before it. register, name: the field, in the same
-    module.
+    """Return, for each access of a group, whether the field `name` of a register of the same module was 1 just before
+    it.
     """
     found: NDArray[np.bool_] = run.values(group.unit, group.module, register, register[name], group.rows) == 1
     return found

@@ -23,8 +23,7 @@ Number = TypeVar("Number", np.int64, np.bool_)
 
 SHORTEST_PASS, LONGEST_PASS = 4, 400  # minimum and maximum cycles of a pass of a polling loop
 MOST_READS = 3  # maximum number of reads of one register in a pass
-# Shares that must fit: passes of one read, passes of more reads (both: multiples of the most frequent length), and
-# gaps.
+# Shares that must fit: of passes with one read, of passes with several reads, and of gaps that contain a change.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
 FEW_GAPS = 3  # with this number of gaps or more, their greatest common divisor can be taken as the length of a pass
 
@@ -35,7 +34,7 @@ class Polls(NamedTuple):
     before, after: for each change, the tick of the last poll before it and of the first poll at or after it; -1 if that
     poll was recorded.
     changes: the rows of these changes.
-    unplaced: indices of the reads after which a gap follows whose polls could not be reconstructed.
+    unplaced: indices of the reads before those gaps whose polls could not be reconstructed.
     """
 
     before: Rows
@@ -134,7 +133,7 @@ def _period(cycle: Fraction, ticks: Rows, waits: NDBool, gaps: Rows, in_pass: in
 
 
 def _shifted(column: NDArray[Number], back: int) -> NDArray[Number]:
-    """Return the column shifted towards later reads by `back` places; the first value is repeated."""
+    """Return the column moved towards later reads by `back` places. The first value fills the begin."""
     return column if not back else np.concatenate([column[:1].repeat(min(back, len(column))), column[:-back]])
 
 

@@ -93,10 +93,10 @@ class Races:
 
 
 def races(run: Run, register: str | None = None) -> Races:
-    """Return the races of one register or field, such as "I2C-A.I2CSTR", or of all status registers. The closest come
-    first.
+    """Return the races of one register or field, such as "I2C-A.I2CSTR", or of all status registers.
 
-    Raise NotInRun if the register does not exist or the firmware never accessed it.
+    Places with the closest distance come first. Raise NotInRun if the register does not exist or the firmware never
+    accessed it.
     """
     chosen = groups_of(run, register)
     reads = [(group, f, place) for group, f in chosen if group.way == "R" for place in _reads_by_place(run, group)]
@@ -141,8 +141,9 @@ class _Reads(NamedTuple):
 
 
 def _reads_by_place(run: Run, group: Group) -> Iterator[_Reads]:
-    """Yield the reads of each place. The read of a read-modify-write counts as one of the whole register: all is
-    written back.
+    """Yield the reads of each place.
+
+    The read of a read-modify-write counts as a read of the whole register, because the write writes all of it back.
     """
     table = run.table
     rows, following = run.in_order(group.unit)
@@ -197,7 +198,7 @@ def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
 
 
 class _Side(NamedTuple):
-    """Reads and reconstructed polls, each with the nearest change on one side: either the next one or the last one.
+    """Reads and reconstructed polls, either with the next change after each or with the last change before each.
 
     ticks: the ticks of the reads and polls.
     distances: ticks between read and change; NEVER if there is no change.

@@ -1,4 +1,4 @@
-"""Read-modify-writes of a run: the read and the write that one statement makes, and flags that are lost by it.
+"""Read-modify-writes of a run: the read and the write of one statement, and the flags that they lose.
 
     i2c.I2CSTR.SCD = 1     R I2CSTR, W I2CSTR: one place, one routine, one field, a few cycles apart
                            every other flag that was read as 1 is cleared as well
@@ -21,9 +21,7 @@ from .run import Group, Rows, Run, among
 
 
 class Pairs(NamedTuple):
-    """Rows of reads and of the writes that belong to them, in the order of the writes. in_order: rows of the reads,
-    sorted.
-    """
+    """Rows of reads and of the writes that belong to them, in the order of the writes. in_order: the reads, sorted."""
 
     reads: Rows
     writes: Rows
@@ -119,7 +117,7 @@ class ReadModifyWrite:
 
     count: how many there were.
     meant: the flags that the firmware named, or that it certainly intended to clear.
-    doubt: flags of which every write set all to 1, so that the recording does not show which of them were meant.
+    doubt: flags that every write set to 1, if the recording does not show which of them were meant.
     """
 
     unit: str
@@ -152,16 +150,14 @@ def modifies_of(run: Run, groups: Iterable[Group]) -> tuple[ReadModifyWrite, ...
 
 
 def pairs(run: Run, group: Group) -> tuple[Rows, Rows]:
-    """Return the reads and the writes of the read-modify-writes whose writes are in the group, as two arrays of equal
-    length.
-    """
+    """Return the reads and writes of the read-modify-writes whose writes are in the group, one pair per row."""
     found = read_modify_writes(run, group.unit)
     ours = among(found.writes, group.rows)
     return found.reads[ours], found.writes[ours]
 
 
 def _judged(run: Run, group: Group, clearable: Clearable) -> ClearedRegister:
-    """Return a register with all its read-modify-writes in the run judged."""
+    """Return the register after all its read-modify-writes in the run have been evaluated."""
     judged = ClearedRegister(clearable, keeps_ticks=True)
     table = run.table
     reads, writes = pairs(run, group)
@@ -203,8 +199,7 @@ def _of_place(register: ClearedRegister, unit: str, name: str, place: str) -> Re
 def _lost(name: str, found: FlagOfPlace, other: bool) -> LostFlag:
     """Return how often a flag was lost at a place.
 
-    other: True if the firmware does not intend to clear this flag here, so that clearing it along with another loses
-    it.
+    other: True if the firmware does not intend to clear this flag here; clearing it along with another then loses it.
     """
     between, along, unseen = (found.between.ticks or [], found.along.ticks or [], found.unseen.ticks or [])
     if not other:

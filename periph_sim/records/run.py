@@ -27,9 +27,9 @@ from .register_maps import register_of
 Rows = NDArray[np.int64]
 
 UNITS = (("ns", 1), ("us", 10**3), ("ms", 10**6))
-HEAD = 64  # number of bytes at the begin of a file that identify a recording
+HEAD = 64  # number of bytes at the begin of a file by which a recording is recognized
 WAY_OUT = "record one with periph-sim run CASE --record RUN.psr"
-SYSCLK_HZ = 150_000_000  # of an F28335 at full speed
+SYSCLK_HZ = 150_000_000  # SYSCLKOUT of an F28335 at full speed
 
 
 def among(these: Rows, rows: Rows) -> NDArray[np.bool_]:
@@ -139,9 +139,7 @@ class Run:
         return np.where(at_once, causes, -1)
 
     def last(self, rows: Rows, tick: int, before: int | None = None) -> int | None:
-        """Return the last of these rows at or before `tick` and, if `before` is given, before that row; None if there
-        is none.
-        """
+        """Return the last of these rows at or before `tick` and, if `before` is given, before that row; or None."""
         place = int(np.searchsorted(self.table.tick[rows], tick, "right"))
         while place and before is not None and rows[place - 1] >= before:
             place -= 1
@@ -184,8 +182,7 @@ class Run:
         return held[before]
 
     def in_order(self, unit: str) -> tuple[Rows, Rows]:
-        """Return the unit's accesses by routine, and for each the next access in the same routine, or -1 for the last
-        one.
+        """Return the unit's accesses by routine, and for each the next access of its routine; -1 if it is the last.
 
         The main program comes first, then each run of a service routine; the accesses of each are in order.
         """
@@ -213,8 +210,8 @@ class Run:
         return found
 
     def service(self, unit: str, routine: int, after: int, before: int) -> tuple[Rows, Rows]:
-        """Return the rows at which service routines ended between two rows, and the rows at which these routines were
-        entered.
+        """Return the rows of the ends of service routines between two rows, and the rows of the entries of these
+        routines.
 
         routine: the routine that they interrupted, as the number of the record of its entry; 0 for the main program.
         """
@@ -287,7 +284,7 @@ class Run:
 
     @cached_property
     def cycles(self) -> Cycles:
-        """The length of a SYSCLKOUT cycle: as given, else as recorded last, else as the accesses show it, else for 150
+        """The length of a SYSCLKOUT cycle: as given, else as last recorded, else as the accesses show it, else at 150
         MHz.
         """
         if self._sysclk is not None:

@@ -174,7 +174,7 @@ class Fifo:
 
 ADDRESSES = (0x53, 0x1D)  # with the pin SDO/ALT ADDRESS low, high
 LSB_PER_G = 256
-OFFSETS_PER_G = 64  # 15.6 mg/LSB
+OFFSETS_PER_G = 64  # number of LSB of an offset register in one g: 15.6 mg/LSB
 TURN_ON = Fraction(11, 10_000)  # seconds from the start to the first sample, in addition to one period
 LAST = 0x39
 UNMODELLED = 0x7C  # events of INT_ENABLE: taps, activity, inactivity, free fall
@@ -309,9 +309,7 @@ class Adxl345(RegisterChip):
             self.note("unknown", "SELF_TEST is set; this model adds no force", f"{SHEET} DATA_FORMAT")
 
     def _start(self, now: int) -> None:
-        """Restart after a change of Measure or Sleep. When measuring, the first sample comes one period and 1.1 ms
-        later.
-        """
+        """Restart after a change of Measure or Sleep. The first sample, if any, comes after one period and 1.1 ms."""
         self._clock, self._taken = None, 0
         if self.get("POWER_CTL", "Measure") and not self.get("POWER_CTL", "Sleep"):
             self._clock = self.beats(self.after(now, 1 / self.rate + TURN_ON), self.rate)

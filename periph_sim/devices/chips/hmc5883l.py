@@ -21,7 +21,7 @@ from .register_chip import RegisterChip, Source, byte_register, nearest
 
 SHEET = "HMC5883L data sheet"
 MAP_SECTION = f"{SHEET}, register list"
-# order of the registers: x, z, y, each with the high byte first
+# DATA has the data registers in their order: x, z, y, each with the high byte first.
 DATA = ("DXRA", "DXRB", "DZRA", "DZRB", "DYRA", "DYRB")
 
 MAP = RegisterMap(
@@ -41,11 +41,11 @@ MAP = RegisterMap(
 
 
 ADDRESSES = (0x1E,)
-LSB_PER_GAUSS = (1370, 1090, 820, 660, 440, 390, 330, 230)  # by GN
-# in Hz by DO; 7 is reserved
+LSB_PER_GAUSS = (1370, 1090, 820, 660, 440, 390, 330, 230)  # by value of GN
+# RATES has the output rates in Hz, by DO; 7 is reserved.
 RATES = tuple(Fraction(rate) for rate in ("0.75", "1.5", "3", "7.5", "15", "30", "75", "75"))
 LEAST, MOST, OVERFLOW = -2048, 2047, -4096
-BIAS = (Fraction("1.16"), Fraction("1.16"), Fraction("1.08"))  # gauss on x, y, z: self-test
+BIAS = (Fraction("1.16"), Fraction("1.16"), Fraction("1.08"))  # bias of the self-test in gauss on x, y, z
 BUS_READY = Fraction(200, 10**6)
 ANALOG_READY = Fraction(50, 1000)
 SINGLE = Fraction(6, 1000)
@@ -86,7 +86,7 @@ class Hmc5883l(RegisterChip):
         self._placed = powered  # tick at which data were last placed in the registers
         self._unread = False
         self._to_read: set[str] = set(DATA)  # names of the data registers that have not been read since then
-        # values of GN for the next measurement and, if there are two, for the later ones
+        # `_gains` has GN for the next measurement and, if there are two entries, for the later ones.
         self._gains = [self.get("CRB", "GN")]
         self._mode_is_power_ons = True
         self._idle_by_itself = False

@@ -19,7 +19,7 @@ from ...core.registers import OnWrite, Register, RegisterMap, field
 from ...core.state import State
 from ...core.time import Clock, Timebase
 
-# function of a tick that returns x, y and z in the chip's physical unit
+# A Source is a function of a tick that returns x, y and z in the chip's physical unit.
 Source = Callable[[int], Sequence[float | Fraction]]
 Bits = tuple[tuple[str, str], ...]  # names of fields with their bits: ("Measure", "3")
 
@@ -60,7 +60,7 @@ class RegisterChip:
     # Called by RegisterPointer ------------------------------------------------
 
     def begin(self, now: int) -> bool:
-        """Begin a burst when the chip is addressed. Return False if it does not acknowledge yet."""
+        """Begin a burst when the chip is addressed. Return False if the chip does not acknowledge its address yet."""
         return now >= self.ready
 
     def read(self, now: int, number: int) -> int:

@@ -31,8 +31,9 @@ def held(ticks: Sequence[int], rows: Sequence[Sequence[float | Fraction]]) -> So
 
 
 def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) -> Source:
-    """Return a source that changes with the host's frames: `values(n)` from first + n * period on, zeros before
-    `first`.
+    """Return a source that changes with a host's frames.
+
+    It gives `values(n)` from tick first + n * period on, and zeros before tick `first`.
     """
     kept, axes = -1, ZERO  # last frame used and its values: a chip samples several times in a frame
 

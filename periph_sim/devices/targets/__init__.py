@@ -89,14 +89,18 @@ class Target(Protocol):
         """Return the reply to an address byte after START; None if the device does not acknowledge it."""
 
     def on_end(self, stop: bool, whole: bool) -> None:
-        """Handle the end of a phase whose address was acknowledged. stop, whole: as in `TargetSide`."""
+        """Handle the end of a phase whose address was acknowledged.
+
+        stop: True for a STOP, False for a repeated START.
+        whole: False if the phase ends in the middle of a byte.
+        """
 
     def power_on(self) -> None:
         """Handle the return of the supply. Volatile data are lost."""
 
 
 class Family(Protocol):
-    """The definitions in each file of devices."""
+    """Interface of the modules that define devices."""
 
     MODELS: tuple[str, ...]
     Settings: type[Table]

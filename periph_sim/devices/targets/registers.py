@@ -143,7 +143,7 @@ class RegisterDevice(PlainReply):
         self.values = {table.name: table.reset for table in self._settings.registers}
         self._pointer = 0
         self._byte = 0  # index of the next byte in the register, if the pointer counts registers
-        # a value in transfer: name of the register, value, index of the next byte
+        # `_taken` is a value in transfer: name of the register, value, index of the next byte.
         self._taken: tuple[str, int, int] | None = None
         self._show()
 
@@ -195,9 +195,7 @@ class RegisterDevice(PlainReply):
         return True
 
     def on_end(self, stop: bool, whole: bool) -> None:
-        """Do nothing. A register of which only the first byte was written is dropped when the device is addressed
-        again.
-        """
+        """Do nothing. An incomplete value is dropped when the device is addressed again."""
 
     def _write(self, table: RegisterTable, value: int) -> None:
         fixed, clears = table.mask(table.read_only), table.mask(table.write_1_clears)

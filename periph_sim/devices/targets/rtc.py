@@ -38,7 +38,7 @@ class CalendarTime(NamedTuple):
     """The time that a clock chip shows.
 
     at: date and time.
-    weekday: 0 to 6; any day can be day 0.
+    weekday: 0 to 6. The chip does not define which day is 0.
     whole_day: True in the 24-hour format.
     """
 
@@ -47,7 +47,7 @@ class CalendarTime(NamedTuple):
     whole_day: bool
 
     def later(self, seconds: int) -> CalendarTime:
-        """Return the time `seconds` later."""
+        """Return the time that is `seconds` later."""
         at = self.at + timedelta(seconds=seconds)
         days = at.date().toordinal() - self.at.date().toordinal()
         return CalendarTime(at, (self.weekday + days) % 7, self.whole_day)
@@ -141,7 +141,7 @@ class Rtc(PlainReply):
         self._stored = bytearray(SIZE)
         self._raw = bytes(len(CLOCK))  # contents of the time registers if they have no valid time
         self._why_none = ""
-        # a time and the tick at which it was valid; None while the clock is stopped
+        # `_running` is a time and the tick at which it was valid; None while the clock is stopped.
         self._running: tuple[CalendarTime, int] | None = None
         self._failed = settings.time is None
         if settings.time is not None:

@@ -60,7 +60,7 @@ class WireWatcher(Protocol):
 
 
 class Family(Protocol):
-    """The definitions in each file of watchers."""
+    """Interface of the modules that define watchers."""
 
     KIND: str
     Settings: type[Table]

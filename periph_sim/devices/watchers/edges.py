@@ -4,7 +4,7 @@
     edges      10 ms    20 ms          ["10 ms", "rise"], ["20 ms", "fall"]
     deviation     |-|   ||             the n-th edge against the n-th expected one
 
-The run fails if there is an unexpected edge, a missing one, or a rise in place of a fall.
+The run fails if there is an unexpected edge, an edge of the wrong kind, or a missing one.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class Edges:
     def __init__(self, settings: Settings, place: WatchContext) -> None:
         self._place = place
         self._expected = [(place.ticks(at), EDGE_NAMES.index(edge)) for at, edge in settings.edges]
-        # tick from which the expected times count; -1 before the first edge
+        # `_zero` is the tick from which the expected times count; -1 before the first edge.
         self._zero = place.start if settings.since == "start" else -1
         self._after = place.start + place.ticks(settings.after)
         self._more = settings.more

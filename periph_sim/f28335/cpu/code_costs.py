@@ -17,9 +17,9 @@ from msgspec import Struct
 SIMPLE = 1
 
 SB_NOT_TAKEN = 4
-SB_ALWAYS = 4  # condition UNC
+SB_ALWAYS = 4  # of SB with the condition UNC, which always holds
 
-# Interrupt control
+# Cycles of the instructions that control interrupts.
 CLRC_INTM = SETC_INTM = 2  # EINT and DINT are the same instructions
 EALLOW = EDIS = 4
 AND_IER = OR_IER = AND_IFR = 2
@@ -27,7 +27,7 @@ TRAP = 8
 IRET = 8
 IDLE = 5
 
-# Interrupt path
+# Cycles on the path of an interrupt.
 IFR_DELAY = 4  # from a request to the CPU's IFR bit (share of the 14 cycles of `int_latency`, E2E thread)
 VECTOR_AND_SAVE = 9  # from the vector fetch to the first instruction, SPRUFB0D section 8
 
@@ -49,5 +49,5 @@ class CodeCosts(Struct, frozen=True):
     isr_epilogue: int = 13  # 3 to 18
 
 
-# costs of code that consists of accesses and computations only
+# BARE: costs of code that consists of accesses and computations only.
 BARE = CodeCosts(between_accesses=0, isr_prologue=0, isr_epilogue=0)

@@ -39,7 +39,7 @@ from ..system_options import SystemOptions
 from . import code_costs as cpu_costs
 from .code_costs import IFR_DELAY, VECTOR_AND_SAVE
 
-# ST1 (SPRU430F section 2.4)
+# Bits of ST1 (SPRU430F section 2.4).
 INTM = 1 << 0
 DBGM = 1 << 1
 VMAP = 1 << 3
@@ -98,9 +98,10 @@ class CpuInterrupts:
         latency = options.int_latency.unrecorded() - IFR_DELAY
         # Cycles that the vector fetch adds to those of TRAP and INTR.
         self.vector_waits: int = options.vector_fetch_waits.unrecorded()
-        # cycles from the boundary to the first instruction of the service routine
+        # Cycles from the instruction boundary to the first instruction of the service routine.
         self.entry_cycles: int = latency + self.vector_waits
-        self.vector_delay: int = latency - VECTOR_AND_SAVE  # cycles from the boundary to the fetch of the vector
+        # cycles from the instruction boundary to the fetch of the vector
+        self.vector_delay: int = latency - VECTOR_AND_SAVE
         self.notes: list[Note] = []
         self.touched: set[str] = set()
         self._options = options
@@ -116,7 +117,7 @@ class CpuInterrupts:
         self.sp = SP_RESET
         self.nested = 0  # number of routines that were entered and have not returned
         self.ready = now  # no interrupt is taken before this cycle
-        # one instruction must follow an IRET first; the owner sets this to False after it
+        # `owes_instruction`: after an IRET one instruction must be executed first; the owner then sets this to False.
         self.owes_instruction = False
         self.next_wake = NEVER  # cycle at which the next request reaches the IFR
         self._coming.clear()

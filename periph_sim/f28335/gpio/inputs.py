@@ -125,7 +125,7 @@ class GpioInputs(GpioSettings):
 
     pads: mask of the levels at the pads.
     watched: mask of the pins that feed an XINT line that the owner watches.
-    changed: (signal or "XINTn", level) since the owner last cleared the list.
+    changed: list of (signal or "XINTn", new level), one for each change since the owner last cleared it.
     """
 
     STATE = State(
@@ -139,7 +139,7 @@ class GpioInputs(GpioSettings):
     def __init__(self) -> None:
         super().__init__()
         self.changed: list[tuple[str, int]] = []
-        self.pads: BigInt = ALL & ~at.GPIO["GPAPUD"].reset  # initially the pull-ups
+        self.pads: BigInt = ALL & ~at.GPIO["GPAPUD"].reset  # initially the levels of the pull-ups
         self._edge_at = -1  # cycle of the last edges that were exactly on a SYSCLKOUT edge
         self._before: BigInt = 0  # levels of the pads before these edges
         self._qualifiers: dict[int, Qualifier] = {}
@@ -148,7 +148,7 @@ class GpioInputs(GpioSettings):
         self._sampled: BigInt = 0
         self._dead: BigInt = 0  # mask: pins whose input path is switched off
         self._last_words: list[int] = []  # words of GPxDAT as computed last
-        # synchronised levels from which they were computed; None after a change of paths
+        # `_last_level`: synchronised levels from which `_last_words` was computed; None after a change of paths.
         self._last_level: int | None = None
         self._last_pads = self._last_qualified = 0
         self.reset_inputs()
@@ -216,9 +216,7 @@ class GpioInputs(GpioSettings):
         return (level & ~self._sampled | self._qualified & self._sampled) & ~self._dead
 
     def _words(self, now: int) -> list[int]:
-        """Return the levels of all pins in cycle `now` as the words of GPxDAT. They are computed again only after a
-        change.
-        """
+        """Return the levels of all pins in cycle `now` as the words of GPxDAT, computed again only after a change."""
         level, pads, qualified = self._synchronised(now), self.pads, self._qualified
         if level is not self._last_level or pads is not self._last_pads or qualified is not self._last_qualified:
             self._last_level, self._last_pads, self._last_qualified = level, pads, qualified
@@ -227,9 +225,9 @@ class GpioInputs(GpioSettings):
         return self._last_words
 
     def _report_signals(self, now: int, routes: Routes, shown: BigInt) -> None:
-        """Report in `changed` each input signal whose level differs from the one with the old routes and pin levels.
+        """Report in `changed` each input signal whose level has changed because routes or levels of pins changed.
 
-        routes, shown: the old routes and levels of the pins after synchroniser and qualifier.
+        routes, shown: the old routes, and the old levels of the pins after synchroniser and qualifier.
         """
         shown_now = self._shown(now)
         if routes is self._routes and shown == shown_now:
@@ -282,7 +280,7 @@ class GpioInputs(GpioSettings):
         for line in range(len(at.XINT_SELECTS)):
             if self._watching >> line & 1:
                 self.watched |= BIT[self._xint_pin(line)]
-        # mask: pins whose edges the owner itself passes to the peripheral
+        # Mask: pins whose edges the owner itself passes to the peripheral.
         forwarded = self._routes.inputs & ~self.watched
         # Mask: pins for which an exact edge needs a wake-up.
         self._settles: BigInt = ALL & ~self._asynchronous & ~self._sampled & ~self._dead & ~forwarded
@@ -290,7 +288,9 @@ class GpioInputs(GpioSettings):
             self._settle_at = now + 1
 
     def _update_sampler(self, now: int, pin: int, samples: int, shown: int) -> None:
-        """Apply the active settings to the sampler of a pin; the sampler of a dead pin restarts from 0."""
+        """Apply the active settings to the sampler of a pin. If the input path of the pin is off, the sampler restarts
+        from 0.
+        """
         dead = self._dead >> pin & 1
         period, origin = self._periods[pin // 8], self._origins[pin // 8]
         qualifier: Qualifier | None = self._qualifiers.get(pin)

@@ -40,11 +40,11 @@ from .settings import ALL
 CONFIGURATION_DELAY = 2  # cycles from a write to MUX or QSEL to its effect
 CONFIGURES = ("CTRL", "QSEL1", "QSEL2", "MUX1", "MUX2")
 
-HALVES = {  # by offset: a register, and the shift of its half
+HALVES = {  # by word offset: the register, and the shift of its half
     register.offset + shift // 16: (register, shift) for register in at.GPIO for shift in range(0, register.width, 16)
 }
 PADS = tuple(f"GPIO{n}" for n in range(PINS))
-HALF_AT = BIT[::16]  # the lowest pin of each half of a port
+HALF_AT = BIT[::16]  # mask of the lowest pin in each half of a port
 
 
 @final
@@ -65,7 +65,7 @@ class Gpio(GpioInputs):
         self.gpio_out_delay: IntOption = options.gpio_out_delay
         self.routes_version = 0  # number of times that MUX, QSEL or CTRL settings took effect
         self._wired: BigInt = 0  # mask: pads whose level the owner reports
-        # settings that take effect later: (cycle, register offset, value)
+        # `_waiting` has settings that take effect later: (cycle, register offset, value).
         self._waiting: list[tuple[int, int, int]] = []
         self._outs: list[tuple[int, int, int]] = []  # outputs that take effect later: (cycle, driven, driven_high)
         self.reset(0)

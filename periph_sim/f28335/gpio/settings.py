@@ -43,8 +43,8 @@ class Routes:  # core: python
     def __init__(self, mux: Sequence[int]) -> None:
         self.source: dict[str, int | None] = {}
         self.sink: dict[str, tuple[int, ...]] = {}
-        self.signal_at: dict[int, str] = {}  # pin -> the input signal that it alone feeds
-        self.crowded: dict[str, tuple[int, ...]] = {}  # input signals with more than one pin
+        self.signal_at: dict[int, str] = {}  # by pin: the input signal that only this pin feeds
+        self.crowded: dict[str, tuple[int, ...]] = {}  # input signals with more than one pin, and these pins
         given: dict[str, list[int]] = {}
         self.gpio = 0  # mask: pins that are general-purpose
         for pin, value in enumerate(mux):
@@ -122,7 +122,7 @@ MUX = _pairs("MUX", PINS)
 SELECT = _pairs("QSEL", SYNCHRONISED_ONLY)
 CONFIGURED = tuple(dict.fromkeys(offset for offset, _ in MUX + SELECT))  # offsets of all MUX and QSEL registers
 SAMPLES = {1: 3, 2: 6}  # required number of equal samples, by value of QSEL
-ASYNCHRONOUS = 3  # value of QSEL
+ASYNCHRONOUS = 3  # value of QSEL that selects no synchronisation
 AT_RESET = {register.offset: register.reset for register in at.GPIO}
 
 
@@ -169,7 +169,7 @@ class GpioSettings(Chip):
         self._stored = dict(AT_RESET)  # the values that a read returns
         self._active = dict(AT_RESET)  # the values in effect, for registers that act with a delay
         self._periods: list[int] = [1] * GROUPS  # sampling period of each group of eight pins
-        # a cycle in which each group was sampled, from which its sampling grid counts
+        # `_origins` has a cycle in which each group was sampled, from which its sampling grid counts.
         self._origins: list[int] = [now] * GROUPS
 
     def restored(self) -> None:
@@ -178,7 +178,7 @@ class GpioSettings(Chip):
         self._routes = self._settings.routes
 
     def activate(self, now: int) -> None:
-        """Apply the active values at `now`."""
+        """Derive routes, samplers and periods from the active values, in effect from cycle `now` on."""
         before = self._settings
         self.restored()
         if self._settings.mux != before.mux:

@@ -34,9 +34,9 @@ class I2cLimits:
         self.sysclk_hz: Fraction = Fraction(150_000_000)
         self._state = state
         # The last settings that had no violation are not checked again.
-        self._clock_within_tm = 0  # last I2CPSC + 1 without a violation
-        self._clock_within_hz: Fraction = self.sysclk_hz  # frequency of SYSCLKOUT with that prescaler
-        # last low and high cycles of SCL without a violation, and the frequency of SYSCLKOUT
+        self._clock_within_tm = 0  # I2CPSC + 1 of the last setting without a violation
+        self._clock_within_hz: Fraction = self.sysclk_hz  # frequency of SYSCLKOUT with that setting
+        # Last low and high cycles of SCL without a violation, and the frequency of SYSCLKOUT.
         self._within = (0, 0, self.sysclk_hz)
 
     def module_clock(self) -> None:

@@ -1,5 +1,4 @@
-"""Line side of the I2C module: events on SCL and SDA, the levels that it drives, clock gate, debugger halts,
-scheduling.
+"""Line side of the I2C module: events on SCL and SDA, output levels, clock gate, debugger halts and scheduling.
 
     SCL, SDA --noise filter--> START, STOP, rise, fall --> I2cSlave, I2cMaster --> pulls --> SCL, SDA
 
@@ -143,9 +142,7 @@ class I2cLines(Chip):
         return PINS_CHANGED if before == self._readable and not self.notes else ANY_CHANGED
 
     def _advance(self, now: int) -> None:
-        """Process everything due by `now`, in order of time. If an edge and a timer are due in one cycle, the edge is
-        first.
-        """
+        """Process everything due by `now`, in order of time. In one cycle, a filtered edge precedes a timer."""
         lines = self._lines
         if self._timer > now and lines.due > now:
             return
@@ -177,7 +174,7 @@ class I2cLines(Chip):
         return min(self._timer, self._lines.visible_due(self.silent_edges(behind_filter=True)))
 
     def silent_edges(self, behind_filter: bool = False) -> int:
-        """Return how many of the next SCL edges change no line and no readable register; -1 if any edge may do so.
+        """Return how many of the next SCL edges change no line and no readable register; -1 if any edge may change one.
 
         The edges must be further apart than the filter width. Edges of SDA while SCL is low do not change anything
         either.
@@ -195,8 +192,7 @@ class I2cLines(Chip):
     # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------
 
     def waits_for_byte(self, clocks: bool) -> bool:
-        """Return True if the module waits for the first bit of a byte, and nothing but SDA changes before the eighth
-        bit.
+        """Return True if the module waits for the first bit of a byte, and only SDA changes before the eighth bit.
 
         clocks: True if this module generates the clock of the byte.
         """

@@ -190,8 +190,8 @@ class I2cMaster(I2cMasterData):
             self._meets_foreign_condition(now)
 
     def _meets_foreign_condition(self, now: int) -> None:
-        """Process a START or STOP that another device makes in our transfer. Arbitration does not cover it (section
-        2.8).
+        """Process a START or STOP that another device makes in our transfer; section 2.8 (arbitration) does not cover
+        it.
         """
         if self.state.options.foreign_start_stop.assume(self.state.touched) == "loses_arbitration":
             self.lose(now)

@@ -133,8 +133,8 @@ class I2cMasterLines:
             self.halting, self.frozen = False, True
 
     def _begin_condition(self, now: int, sda: int, then: int) -> None:
-        """Prepare a condition while SCL is low: set SDA and release SCL. The step `then` follows one high time after
-        SCL rises.
+        """Prepare a condition while SCL is low: set SDA and release SCL. One high time after SCL rises, step `then`
+        follows.
         """
         self._holds = HELD_FOR_NOTHING
         self._after_high = then
@@ -161,7 +161,7 @@ class I2cMasterLines:
     # Conditions --------------------------------------------------------------------------
 
     def reset_conditions(self) -> None:
-        """Forget the transfer."""
+        """Clear the state of the transfer."""
         self.counter = 0
         self._addresses: list[int] = []
         self._starting = False  # our START, or repeated START, has not been detected yet

@@ -78,7 +78,7 @@ class I2c(I2cLines):
             looped = state.mdr & MDR_DLB
             self._write_mdr(now, value & ~(1 << 12))
             if looped and not state.mdr & MDR_DLB:
-                self._update_lines(now, self._pins)  # the lines may not change for a long time
+                self._update_lines(now, self._pins)  # done here because the lines may not change for a long time
         elif offset == at.IER:
             state.ier = value & 0x7F
             self.limits.fifo_enables()
@@ -116,7 +116,7 @@ class I2c(I2cLines):
             self.limits.divisor("I2CCLKH", state.clkh)
         elif offset == at.CNT:
             state.cnt = value & 0xFFFF
-            if self.options.cnt_copy_point.unrecorded() == "write":  # START decides, and records it
+            if self.options.cnt_copy_point.unrecorded() == "write":  # the use of this option is recorded at START
                 self.master.load_counter()
         elif offset == at.ISRC:
             state.isrc_high = value & 0xF00

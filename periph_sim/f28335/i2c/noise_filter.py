@@ -26,7 +26,7 @@ class I2cNoiseFilter:
 
     levels: SCL and SDA after the filter, as bits.
     due: the cycle of their next change, or NEVER.
-    unequal_arrival: option with which edges of the two lines less than a module clock apart leave as one change, at the
+    unequal_arrival: option. If it is set, edges of the two lines less than a module clock apart leave together, at the
     time of the later one.
     """
 

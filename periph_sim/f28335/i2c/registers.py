@@ -288,7 +288,7 @@ class I2cRegisters(I2cRequests):
         return bool(self.mdr & MDR_TRX)
 
     def setup(self) -> int:
-        """Return the cycles from a bit on SDA to the release of SCL; at least 1, so that these differ."""
+        """Return the cycles from a bit on SDA to the release of SCL: at least 1, since SDA must change first."""
         return max(1, self.options.sda_setup_before_scl_release.assume(self.touched) * self.tm)
 
     def nack_received(self, now: int, as_slave: bool, refused: Text) -> None:

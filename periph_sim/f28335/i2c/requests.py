@@ -6,7 +6,7 @@
 Source: SPRUG03B sections 3, 5.11, 5.12, Tables 3, 9, 10, 11, 21, 22.
 
 Chosen:
-- A request dropped before its code was loaded (its flag was cleared) is forgotten.
+- A request whose flag is cleared before its code is loaded is forgotten.
 - In FIFO mode XRDY = 1 if the TX FIFO has room, RRDY = 1 if the RX FIFO is not empty.
 - A FIFO that a reset holds empty does not set its interrupt flag; the flag stays as it is.
 - Setting an enable while its flag is set requests at once, even with FFEN = 0; setting FFEN does not request.
@@ -23,7 +23,7 @@ from .options import I2cOptions
 from .register_map import I2C_MAP, MDR_IRS, STR_AAS, STR_XRDY
 
 SRC_AL, SRC_NACK, SRC_ARDY, SRC_RRDY, SRC_XRDY, SRC_SCD, SRC_AAS = (1 << n for n in range(7))
-# by code in I2CISRC: the flag that a read of I2CISRC clears (Table 11)
+# CODE_CLEARS has, by code in I2CISRC, the flag that a read of I2CISRC clears (Table 11).
 CODE_CLEARS = {1: SRC_AL, 2: SRC_NACK, 6: SRC_SCD}
 INT1, INT2 = 1, 2
 FFEN = I2C_MAP["I2CFFTX"]["I2CFFEN"].mask

@@ -49,7 +49,7 @@ class I2cSlaveData:
         self._shift = self._sent = 0
         self._nack_armed = self._first_byte = False
         self._read = False  # the last byte that was compared with the own address requests data from this module
-        self._latched = 0  # I2COAR, for the values of `oar_latch` other than "live"
+        self._latched = 0  # latched value of I2COAR, for the values of `oar_latch` other than "live"
         self.reset()
 
     def _release_lines(self) -> None:

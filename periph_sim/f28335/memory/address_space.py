@@ -130,7 +130,7 @@ NAMES = {
     0x0A86: "FBANKWAIT", 0x0A87: "FOTPWAIT", 0x0AEF: "CSMSCR",
     0x7100: "ADCTRL1", 0x7101: "ADCTRL2", 0x7118: "ADCTRL3", 0x7119: "ADCST",
 }  # fmt: skip
-# modules of which every register is EALLOW-protected
+# PROTECTED_MODULES: modules of which every register is EALLOW-protected.
 PROTECTED_MODULES = frozenset(("device emulation", "flash control", "CSM", "XINTF", "DMA"))
 
 MODULES: tuple[ModuleDescriptor | Module, ...] = (*PART.modules, *NOT_MODELLED)

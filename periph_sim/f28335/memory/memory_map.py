@@ -16,7 +16,7 @@ from ..system_options import SystemOptions
 
 # A read in this range waits for a write in this range to complete (PROTSTART, PROTRANGE as set by the boot ROM).
 PROTECTED_BLOCK = range(0x4000, 0x8000)
-WRITE_TO_READ = 3  # cycles of that wait, from which the cycles between write and read are subtracted
+WRITE_TO_READ = 3  # minimum cycles from a write to a read that has to wait for it
 
 LOW, HIGH, BOTH = 0b01, 0b10, 0b11  # 16-bit words of a register that an access transfers
 WORDS_MASK = (0, 0xFFFF, 0xFFFF_0000, 0xFFFF_FFFF)  # by mask of transferred words: their bits in the register's value
@@ -90,8 +90,8 @@ class AddressMap:
         )
 
     def named(self, text: str) -> tuple[ModuleRange, Register]:
-        """Return the register with a name like "I2C-A.I2CSTR". If there is none, raise NoSuchAddress with the nearest
-        name.
+        """Return the register with a name like "I2C-A.I2CSTR". Raise NoSuchAddress, with the nearest name, if there is
+        none.
         """
         module, _, name = text.partition(".")
         if module not in self.places:
@@ -105,6 +105,6 @@ class AddressMap:
 
 
 def nearest(place: ModuleRange, offset: int) -> str:
-    """Return as text the registers, with their addresses, that are nearest to an offset without a register."""
+    """Return as text the two registers nearest to an offset that has no register, with their addresses."""
     by_distance = sorted(place.socket.chip.MAP, key=lambda r: (abs(r.offset - offset), r.offset))[:2]
     return " and ".join(f"{r.name} {place.base + r.offset:#06x}" for r in sorted(by_distance, key=lambda r: r.offset))

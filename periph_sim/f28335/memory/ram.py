@@ -1,4 +1,4 @@
-"""The memory of one F28335 that has no registers: 16-bit words and their wait states.
+"""The memory of one F28335, apart from registers: 16-bit words and their wait states.
 
 Words that were never written read 0. L0 to L7 are created by the first write to them. Flash, OTP and boot ROM are not
 included; `processor.image.elsewhere` has them for programs that are images.
@@ -22,7 +22,7 @@ PAGE = 8  # number of address bits within a page
 IN_PAGE = (1 << PAGE) - 1
 END = 0x1_0000  # end of the addresses mapped here
 LOW_WORDS = 0x1000  # M0, M1 and the vectors are below this address
-HIGH, HIGH_WORDS = 0x8000, 0x8000  # L0 to L7
+HIGH, HIGH_WORDS = 0x8000, 0x8000  # first address and number of words of L0 to L7
 
 
 class RamBlock(NamedTuple):

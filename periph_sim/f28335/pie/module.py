@@ -115,7 +115,7 @@ class Pie(Chip):
         return line, line_vector(group, line)
 
     def cpu_vector(self, number: int) -> int:
-        """Return the address of a vector for INT13 and above, TRAP #number or INTR. For 1 to 12 it is line 1 of the
+        """Return the address of a vector of INT13 and above, TRAP #number or INTR. Numbers 1 to 12 mean line 1 of the
         group.
         """
         if not 0 <= number < 32:

@@ -72,7 +72,7 @@ class SciLines(Chip):
     def reset(self, now: int) -> None:
         self._run(now)
         self._ccr = self._hbaud = self._lbaud = self._ffct = self._pri = 0
-        self._ctl1 = 0  # without TXWAKE, which SciTx holds
+        self._ctl1 = 0  # SCICTL1 without TXWAKE, which `SciTx` has
         self._gated = True  # the clock gate is off
         self._suspended = False
         self._rx_stopping = False  # the receiver's clock stops when its frame is complete
@@ -115,7 +115,7 @@ class SciLines(Chip):
         return ANY_CHANGED
 
     def gate(self, now: int, on: bool) -> None:
-        """Switch the module's clock with its bit in PCLKCR0."""
+        """Switch the module's clock, as its bit in PCLKCR0 does."""
         self._run(now)
         self._gated = not on
         self._set_clocks(now, self._tx.stopping)

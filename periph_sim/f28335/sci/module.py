@@ -1,4 +1,4 @@
-"""The SCI module as the CPU sees it: register accesses and resets, with their effects on its halves.
+"""The SCI module as the CPU sees it: register accesses and resets, with their effects on receiver and transmitter.
 
     registers --> Sci --> SciRx, SciTx, SciAutobaud and their clocks (`lines`) <--> RXD, TXD, RXINT, TXINT
 
@@ -39,11 +39,11 @@ from .register_map import (
 
 SCIFFCT = SCI_MAP["SCIFFCT"]
 
-# Word offsets, as in SCI_MAP.
+# Word offsets of the registers, as in SCI_MAP.
 CCR, CTL1, HBAUD, LBAUD, CTL2, RXST, RXEMU, RXBUF = range(8)
 TXBUF, FFTX, FFRX, FFCT, PRI = 0x9, 0xA, 0xB, 0xC, 0xF
 
-AUTOBAUD_LEAST_BIT = 300  # cycles: 500 kbit/s at SYSCLKOUT = 150 MHz
+AUTOBAUD_LEAST_BIT = 300  # minimum cycles of a bit: 500 kbit/s at SYSCLKOUT = 150 MHz
 
 
 class Sci(SciLines):

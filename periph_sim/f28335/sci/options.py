@@ -11,9 +11,7 @@ from ...core.options import Answers, BoolOption, IntOption, TextOption, choice, 
 
 
 class SciOptions(Answers):
-    """Answers for one SCI. The open questions of the SCI in docs have the facts, contradictions and deciding
-    measurements.
-    """
+    """Answers for one SCI. The list of open questions has facts, contradictions and deciding measurements for each."""
 
     # Receiver, line side.
     rxrdy_point: TextOption = choice(

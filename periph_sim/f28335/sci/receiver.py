@@ -7,10 +7,10 @@
 The bit receiver calls `deliver` at the stop bit.
 
 Chosen, where the manual is silent:
-- Every move to SCIRXBUF with RXBKINTENA = 1 requests RXINT, including an overrun; setting
-  an enable while its flag is set requests at once, as in the transmitter.
-- In FIFO mode RXWAKE is set by an address frame and cleared only by reading SCIRXBUF
-  (and the resets), in both multiprocessor modes.
+- Every move to SCIRXBUF with RXBKINTENA = 1 requests RXINT, including an overrun. Setting an enable while its flag is
+  set requests at once, as in the transmitter.
+- In FIFO mode RXWAKE is set by an address frame and cleared only by reading SCIRXBUF (and by the resets), in both
+  multiprocessor modes.
 - A word read from the FIFO stays in SCIRXBUF as "the last word".
 - Words blocked by RXFIFORESET = 0 still set their error flags.
 - RXFIFORESET does not change RXFFOVF; clearing SCIFFENA does not change RXFFINT.

@@ -38,7 +38,7 @@ NOTHING, FRAME, BREAK, IDLE = range(4)
 FE = 1 << 15  # framing error, at its position in SCIRXBUF
 PE = 1 << 14  # parity error, at its position in SCIRXBUF
 
-IDLE_TICKS = 80  # ten bits
+IDLE_TICKS = 80  # length of ten bits
 VOTE = 0b11101000  # bit n: the majority of three samples, which are the bits of the number n
 
 
@@ -100,8 +100,8 @@ class SciRxBits:
         return True
 
     def set_layout(self, tick: int, layout: SciFormat, at_once: bool) -> None:
-        """Set the format of the next frames and, with `at_once`, of the present frame. tick: the last tick that has
-        passed.
+        """Set the format of the next frames and, with `at_once`, of the present frame. tick: the last tick that is
+        over.
         """
         self.settle(tick)
         self._layout = layout
@@ -111,7 +111,7 @@ class SciRxBits:
         self.next_tick = max(self.next_tick, tick + 1)
 
     def set_watch(self, tick: int, watch: bool) -> None:
-        """Report the tenth idle bit as IDLE, or stop reporting it. tick: the last tick that has passed."""
+        """Report the tenth idle bit as IDLE, or stop reporting it. tick: the last tick that is over."""
         self.settle(tick)
         self._idle_unreported = False  # IDLE is not returned for an idle line detected before
         self.watch_idle = watch
@@ -144,9 +144,7 @@ class SciRxBits:
     # Events -----------------------------------------------------------------
 
     def step(self, tick: int) -> int:
-        """Return the next event up to `tick`. If there is none, return NOTHING; `next_tick` is then the tick of the
-        next event.
-        """
+        """Return the next event up to `tick`. If there is none, return NOTHING and set `next_tick` for the next one."""
         if self._open:
             if self._break_at != FAR:
                 self._end_break_on_high(tick)

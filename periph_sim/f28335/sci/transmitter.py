@@ -39,7 +39,7 @@ class SciTx:
     """CPU side of the transmitter. The FIFO stores marks above the eight bits of its words.
 
     request: TXINT was requested since the owner last set this to False.
-    mark: the owner's number for the next write of SCITXBUF.
+    mark: a number that the owner gives to the next word written to SCITXBUF.
     out_mark: the mark of the word whose bits TXD shows; 0 after it was cut off.
     """
 

@@ -38,7 +38,7 @@ class LspclkTimer:
         self.at = NEVER
 
     def edges_to_multiple(self, now: int, edges: int) -> int:
-        """Return how many LSPCLK edges from now the next edge is whose number is a multiple of `edges`."""
+        """Return the number of LSPCLK edges up to the next edge whose number is a multiple of `edges`."""
         return edges - (now - self._phase) // self.divider % edges
 
     def stop(self, now: int) -> None:

@@ -62,7 +62,9 @@ class SpiFifo(InterruptFifo):
         return added
 
     def add_received(self, word: int) -> bool:
-        """Add a word, in place of the oldest one if the FIFO is full. Return True if the oldest word is now another."""
+        """Add a word, in place of the oldest one if the FIFO is full. Return True if the oldest word is now a different
+        one.
+        """
         if not self.accepts or self.add(word):
             return len(self) == 1
         self.pop()

@@ -106,9 +106,7 @@ class SystemControl(Chip):
         self.reset(0)
 
     def reset(self, now: int) -> None:
-        """Reset by XRS, or by the watchdog if `reset_requested`. After the watchdog's reset WDFLAG is set WDFLAG_DELAY
-        later.
-        """
+        """Reset by XRS, or by the watchdog if `reset_requested`; WDFLAG is then set WDFLAG_DELAY cycles later."""
         by_watchdog = self.reset_requested
         self._pllcr = PLLCR.reset
         self._pllsts = PLLSTS.reset

@@ -27,9 +27,7 @@ class OscClock:
         self._step = 4 * PARTS  # parts per SYSCLKOUT cycle
 
     def at(self, cycle: int) -> int:
-        """Return the OSCCLK position, in parts, at which a cycle begins. The cycle must not be before the last
-        `retune`.
-        """
+        """Return the OSCCLK position, in parts, at which a cycle begins. It must not precede the last `retune`."""
         return self._position + (cycle - self._cycle) * self._step
 
     def cycle_at(self, position: int) -> int:
@@ -37,8 +35,9 @@ class OscClock:
         return self._cycle - (self._position - position) // self._step
 
     def retune(self, cycle: int, numerator: int, denominator: int) -> None:
-        """Set SYSCLKOUT = OSCCLK * numerator / denominator from `cycle` on. Raise ValueError if the PLL lacks that
-        ratio.
+        """Set SYSCLKOUT = OSCCLK * numerator / denominator from `cycle` on.
+
+        Raise ValueError if the PLL does not have this ratio.
         """
         if numerator < 1 or PARTS * denominator % numerator:
             raise ValueError(f"SYSCLKOUT = OSCCLK * {numerator}/{denominator} is not a ratio of the PLL")

@@ -1,4 +1,4 @@
-"""External interrupts XINT1 to XINT7, which qualified pin levels request, with two time stamps.
+"""External interrupts XINT1 to XINT7, which edges of qualified pins request. XINT1 and XINT2 have time stamps.
 
     level --> edge of the chosen polarity, if enabled --> requests
                               |

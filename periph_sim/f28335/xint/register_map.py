@@ -1,8 +1,8 @@
 """Table of the external interrupt registers, 0x7070 to 0x707F.
 
+Names are those of C2000Ware's DSP2833x_XIntrupt.h.
 
-Names are those of C2000Ware's DSP2833x_XIntrupt.h. Source: SPRUFB0D section 8.6,
-Figures 91 to 95, Tables 121 to 126.
+Source: SPRUFB0D section 8.6, Figures 91 to 95, Tables 121 to 126.
 """
 
 from __future__ import annotations

@@ -55,8 +55,8 @@ def end_of_walk(run: Run, steps: Sequence[Link], depth: int) -> str:
 
 
 def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> list[Link]:
-    """Return links to the cause of a record, which is last if it is known, and before it to the records shown beside
-    it.
+    """Return links to the cause of a record and to the records that are shown beside it. The cause, if known, is the
+    last.
 
     flag: the change of a field whose causes led to this record, or None.
     """
@@ -105,9 +105,9 @@ def _request(run: Run, row: int, record: Record) -> list[Link]:
 
 
 def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
-    """Return links from an entry of a service routine to its PIEIFR flag and to the service routines that delayed it.
+    """Return links from the entry of a service routine to its PIEIFR flag and to the service routines that delayed it.
 
-    The cause of the end of a service routine is its entry.
+    If the record is the end of a service routine, its cause is the entry.
     """
     if not record.value or record.what not in LINES:
         return _recorded(run, record)

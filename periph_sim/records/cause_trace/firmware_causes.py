@@ -1,14 +1,14 @@
 """Search for the causes of a firmware access.
 
-    cause of a write: the look in the same routine before it that saw the newest change
+    cause of a write: the earlier look of its routine that saw the newest change
                       without a look: the entry of its service routine
     cause of a read:  the last change, before it, of the fields that it read
                       without a change: the entry of its service routine
 
-A look is a read that is not the first half of a read-modify-write. A result also has records that are shown beside the
-cause: the read of the write's own read-modify-write, the change of a flag that the write only wrote back, later looks,
-and service routines that delayed the firmware. A recording does not contain the firmware's reasons, so all of this is
-inferred from the order of the records.
+A look is a read that is not the first half of a read-modify-write. The result also has records that are shown beside
+the cause: the read of the write's own read-modify-write, the change of a flag that the write only wrote back, later
+looks, and service routines that delayed the firmware. A recording does not contain the firmware's reasons, so all of
+this is inferred from the order of the records.
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Link(NamedTuple):
 
 
 def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
-    """Return links to the cause of an access, which is last, and to the records shown beside it.
+    """Return links to the cause of an access and to the records that are shown beside it. The cause is the last.
 
     If the last link is `aside`, no cause was found. An access of the main program has no cause if no change or earlier
     look explains it.
@@ -136,10 +136,10 @@ def looked_at(record: Record) -> tuple[str, Register | None, tuple[Field, ...]]:
 
 
 def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
-    """Return links to the ends of the service routines that delayed an access, or the entry of a service routine.
+    """Return links to the ends of the service routines that delayed an access or the entry of a service routine.
 
-    These routines ended between the rows `after` and `before`. Only the MOST_ROUTINES longest are returned, the last
-    one first.
+    These routines ended between the rows `after` and `before`. Only the MOST_ROUTINES longest are returned, in reverse
+    order.
     record: the delayed access or entry.
     """
     table = run.table
@@ -160,10 +160,10 @@ def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
 
 
 def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
-    """Return links to the read of the read-modify-write that a write belongs to, and to the change that it only wrote
-    back.
+    """Return links to the read half of a write's read-modify-write, and to the change of a flag that the write kept.
 
-    The list is empty if the write does not belong to a read-modify-write.
+    The list is empty if the write does not belong to a read-modify-write. The second link exists only if the write
+    wrote back what had been read.
     flag: the change whose causes led to this write, or None.
     """
     read = read_modify_writes(run, record.where).read_of(row)
@@ -182,9 +182,9 @@ def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[L
 
 
 def handed_back(write: Record, read: int, flag: Record) -> Field | None:
-    """Return the field whose change is `flag` if the write only wrote back the value that was read; else None.
+    """Return the field that `flag` changed, if the write only wrote back the value that had been read; else None.
 
-    read: the value that the read of the read-modify-write returned.
+    read: the value that the read half of the read-modify-write returned.
     """
     module, register, _ = looked_at(write)
     name, _, field = flag.what.partition(".")

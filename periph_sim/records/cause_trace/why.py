@@ -36,9 +36,9 @@ class Answer:
     value: None if it is not known, as for a wire before its first edge.
     since: the tick from which the signal had the value; 0 if it never changed before.
     back: the record that gave the value, then its causes. For a low wire, the first record is the last change of the
-    parties that hold it low.
-    pulled_by: the parties that pulled a low wire low.
-    held_by: the parties that hold a low wire low at the tick of the question.
+    set of parties that hold it low.
+    pulled_by: the parties that first pulled the wire low, if it is low.
+    held_by: the parties that hold the wire low at the tick of the question, if it is low.
     effects: records that the record of the value caused.
     reader: the first recorded read of the field after it had the value.
     reads: number of recorded reads of the field before the next change.
@@ -190,7 +190,7 @@ def said(run: Run, step: Link) -> str:
 
 
 def _with_source(words: str) -> str:
-    """Return the text with the section of the manual at its end, if any, protected from line breaks."""
+    """Return the text so that the section of the manual at its end, if any, is never broken across lines."""
     what, bracket, source = words.partition(" [")
     return f"{what} {together(f'[{source}')}" if bracket else words
 

@@ -1,4 +1,4 @@
-"""Lints of firmware that hangs in a wait, or of which an interrupt group is never acknowledged."""
+"""Lints of firmware that hangs in a wait, or that never acknowledges an interrupt group."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def _of_loops(run: Run, unit: str, bound: int) -> Iterator[Fault]:
     ids = what.astype(np.int64) << 32 | table.columns["text"][rows]
     looks = [name.startswith("R ") and not reads_take(name[2:]) for name in table.names["what"]]
     is_look = np.array(looks)[what]
-    # by the reads of a loop: first row, length in ticks, True if cut off by the run's end
+    # `found` has by the reads of a loop: first row, length in ticks, True if the run's end cuts it off.
     found: dict[tuple[int, ...], list[tuple[int, int, bool]]] = {}
     for reads in range(2, LONGEST_PASS + 1):
         for begin, last in _again_and_again(ids, is_look, following, reads):

@@ -36,7 +36,7 @@ def read_only(run: Run, options: Options) -> Iterator[Fault]:
             wanted = f.mask & value[group.rows]
             kept = f.mask & np.array(run.values(group.unit, group.module, group.register, f, group.rows)) << f.lsb
             at = np.searchsorted(group.rows, writes)
-            # a read-modify-write writes the field back as it was read, though it may have changed since
+            # A read-modify-write writes a field back as it was read, even if the field has changed in between.
             kept[at] = value[reads] & f.mask
             rows = group.rows[(wanted != 0) & (wanted != kept)]
             if len(rows):
@@ -76,8 +76,7 @@ def _of_mode(run: Run, group: Group) -> Iterator[Fault]:
 
 
 def _as_slave(run: Run, group: Group, until: Rows, chosen: Bools | bool = True) -> Rows:
-    """Return those of the chosen writes that the module makes as slave and after which it stays slave up to row
-    `until`.
+    """Return those of the chosen writes at which the module is slave and after which it stays slave up to row `until`.
 
     until: one row for each write of the group.
     """

@@ -158,9 +158,7 @@ def _title(transfer: i2c.Transfer) -> str:
 
 
 def _byte(byte: i2c.Byte, place: int) -> str:
-    """Return a byte as text: `0x68 W ACK` if it is first in a phase, else `0x1D ACK`. A byte that is cut off has its
-    bits.
-    """
+    """Return a byte as text: `0x68 W ACK` if first in a phase, else `0x1D ACK`; the bits of a byte that is cut off."""
     if byte.value is None:
         return "cut off: " + "".join(str(bit.value) for bit in byte.bits)
     if byte.acked is None:

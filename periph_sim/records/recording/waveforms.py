@@ -93,9 +93,9 @@ class RunSignals:
         self._per_second = timebase.per_second
         self._signals: dict[str, Signal] = {}
         self._wires = {name: self._signal(f"wires.{name}", initial=1) for name in WIRES}
-        # signal of the field, signal of its register, the field's lowest bit
+        # `_fields` has by place and field: the field's signal, its register's signal, and the field's lowest bit.
         self._fields: dict[tuple[str, str], tuple[Signal, Signal, int]] = {}
-        # nesting depth: interrupts and spans may be entered again before they are left
+        # `_depth` has the nesting depth, because interrupts and spans may be entered again before they are left.
         self._depth: dict[tuple[str, str], int] = {}
         for names in modules.values():
             for pin in (name.removeprefix("pin:") for name in names if name.startswith("pin:")):
@@ -135,7 +135,7 @@ class RunSignals:
         return self._capture([s for s in self.signals(end) if s.width == 1 and s.name not in fields], end)
 
     def bits(self, end: int) -> Capture:
-        """Return all signals, with a channel for each bit of a signal of several bits: `dsp.I2C_A.I2CSTR[12]`."""
+        """Return all signals. A signal of several bits has a channel for each bit: `dsp.I2C_A.I2CSTR[12]`."""
         return self._capture(self.signals(end), end)
 
     def _signal(self, name: str, width: int = 1, initial: int = 0) -> Signal:

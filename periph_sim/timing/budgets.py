@@ -211,7 +211,7 @@ class BudgetJudge:
             return value
         tenths, rest = divmod(value * 10_000_000_000, self._timebase.per_second)  # tenths of a nanosecond
         middle = 2 * rest - self._timebase.per_second
-        return (tenths + (middle > 0 or (middle == 0 and tenths % 2))) / 10_000  # a half is rounded to even
+        return (tenths + (middle > 0 or (middle == 0 and tenths % 2))) / 10_000  # a half is rounded to an even number
 
 
 def combine(measures: list[Measure]) -> list[int]:

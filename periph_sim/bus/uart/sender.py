@@ -178,7 +178,7 @@ class UartSender(EdgeSender):
         self._gap = gap
         if known >= frames:
             return
-        parts, pause = gap.denominator, gap.numerator  # in units of 1/parts bit, all begins are whole numbers
+        parts, pause = gap.denominator, gap.numerator  # in units of 1/parts bit, all times are whole numbers
         num, den = self._bit.numerator, self._bit.denominator * parts
         frame: BigInt
         for frame in range(known, frames):

@@ -108,7 +108,7 @@ class FrameHistory:
 
 RECENT = 8  # number of recent frames with which each read is compared
 KEPT = 64  # number of recent frames from which a model run may have taken its input
-COMPLETE = 256  # maximum number of chains that are all followed
+COMPLETE = 256  # up to this number of chains, all of them are followed
 PASSED_OVER = 3  # if there are more than COMPLETE chains, only those that skip up to this number of frames are followed
 MOST = 64  # if there are more than COMPLETE chains, up to this number is followed: those with the youngest frames
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from ...core.records import Topic
 
 
-I2C = "I2C"  # the place of these records
+I2C = "I2C"  # the place (`where`) of these records
 
 
 def begin_of(transfer: Transfer, phase: Phase) -> int:

@@ -105,8 +105,8 @@ class Modifies(RecordSink):
         self._clocks: list[tuple[int, Fraction]] = []  # pairs (tick, SYSCLKOUT in Hz from then on) up to now
         self._known = 0  # number of entries of `_clocks` that were evaluated
         self._spare: Access | None = None  # the first of a chain of dropped accesses, for reuse
-        self._topics: list[Topic] = []  # indexed by tag
-        self.recent: dict[str, Recent] = {}  # indexed by unit
+        self._topics: list[Topic] = []  # the topics, indexed by tag
+        self.recent: dict[str, Recent] = {}  # the accesses in the last cycles, indexed by unit
         self._registers: dict[tuple[str, str], ClearedRegister] = {}  # the judged registers, by unit and name
 
     def clock_is(self, per_second: int, clocks: list[tuple[int, Fraction]]) -> None:

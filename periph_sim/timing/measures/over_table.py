@@ -61,7 +61,7 @@ def between(
         events += [(row, START) for row in starts.tolist()]
     measure = Between(first, second, pairing, stretch)
     measure.keep()
-    for row, place in sorted(events, key=lambda event: (event[0], -event[1])):  # if in one record: START, end, begin
+    for row, place in sorted(events, key=lambda event: (event[0], -event[1])):  # order in a record: START, end, begin
         measure.happened(place, int(table.tick[row]), 0)
     if measure.again is not None:
         raise BadEvent(

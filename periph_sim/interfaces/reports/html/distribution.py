@@ -69,7 +69,7 @@ def distribution(values: Values, per_ns: int) -> Distribution:
     first = least // width
     places, counts = np.unique(data // width - first, return_counts=True)
     return Distribution(
-        unit="" if unit == "value" else unit,
+        unit=unit,
         counted=size == 1,
         bins=tuple(
             Bin((first + place) * width / size, (first + place + 1) * width / size, count)
@@ -92,7 +92,7 @@ def scale_of(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
         return name, ns * per_ns, per_ns
     if unit == "LSB":
         return unit, MILLIONTHS, MILLIONTHS // 1000
-    return unit, 1, 1
+    return "" if unit == "value" else unit, 1, 1
 
 
 WIDTH, HEIGHT = 560, 244
@@ -163,6 +163,9 @@ def plot(spread: Distribution, least_is_worst: bool = False) -> Plot:
     def rise(count: int) -> float:
         return round((bottom - TOP) * log10(1 + count) / log10(1 + most), 2)
 
+    between = f" from {number(spread.least)} to {number(spread.worst)}"
+    if spread.least == spread.worst:
+        between = f", {'all ' * (spread.count > 1)}{number(spread.worst)}"
     marked = spread.least if least_is_worst else spread.worst
     return Plot(
         bars=tuple(scale.bar(one, bottom, rise(one.count)) for one in spread.bins),
@@ -172,7 +175,7 @@ def plot(spread: Distribution, least_is_worst: bool = False) -> Plot:
         up=tuple((bottom - rise(count), f"{count}") for count in _rises(most)),
         breaks=scale.breaks,
         unit=spread.unit,
-        summary=_summary(spread),
+        summary=f"{counted(spread.count, 'value')}{between} {spread.unit}".rstrip(),
     )
 
 
@@ -258,13 +261,6 @@ def number(value: float, step: float | None = None) -> str:
     text = f"{value:.{decimals}f}"
     text = text.rstrip("0").rstrip(".") if "." in text and step is None else text
     return "0" if text in ("-0", "") else text
-
-
-def _summary(spread: Distribution) -> str:
-    count, worst = counted(spread.count, "value"), number(spread.worst)
-    if spread.least == spread.worst:
-        return f"{count}, {'all ' * (spread.count > 1)}{worst} {spread.unit}".rstrip()
-    return f"{count} from {number(spread.least)} to {worst} {spread.unit}".rstrip()
 
 
 def _rule(x: float, text: str) -> Rule:

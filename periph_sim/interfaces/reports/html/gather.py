@@ -123,15 +123,14 @@ def case_report(
     Raise the errors of a Scene and its run.
     """
     judged = result.verdict if findings is None else "fail" if findings else "pass"
-    run = _Run(case, per_second)
     end = _ticks(result.simulated_s, per_second)
     overs = [
         None if kept is None else over_time(kept, verdict, end)
         for verdict, kept in zip(result.budgets, values, strict=True)
     ]
-    found = explain_each(case, [*result.budgets, *run.others(result.budgets, overs)], typical, length)
+    found = explain_each(case, [*result.budgets, *_others(case, per_second, result.budgets, overs)], typical, length)
     budgets = [
-        run.budget(budget, verdict, kept, over, [one for one in found if one.window.verdict.name == verdict.name])
+        _budget(case, per_second, budget, verdict, kept, over, found)
         for budget, verdict, kept, over in zip(case.budget, result.budgets, values, overs, strict=True)
     ]
     return CaseReport(
@@ -174,54 +173,58 @@ def _is_known(case: Case, result: Result) -> bool:
     return bool(failed) and failed == set(case.breaks) and as_said and not result.stuck
 
 
-@dataclass(frozen=True)
-class _Run:
-    """A run of a case."""
+def _others(
+    case: Case, per_second: int, verdicts: Sequence[Verdict], overs: Sequence[OverTime | None]
+) -> list[Verdict]:
+    """Return more occurrences beyond a limit, as verdicts, for failed budgets."""
+    found = []
+    for verdict, over in zip(verdicts, overs, strict=True):
+        if over is None or not verdict.broken or verdict.name in case.breaks or verdict.at_s is None:
+            continue
+        size = {"us": 1_000_000 / per_second, "LSB": 1e-6}.get(verdict.unit, 1)  # of a value in this unit
+        shown = shown_violations(over, _ticks(verdict.at_s, per_second))
+        found += [replace(verdict, worst=value * size, at_s=at / per_second) for at, value in shown]
+    return found
 
-    case: Case
-    per_second: int
 
-    def others(self, verdicts: Sequence[Verdict], overs: Sequence[OverTime | None]) -> list[Verdict]:
-        """Return more occurrences beyond a limit, as verdicts, for failed budgets."""
-        found = []
-        for verdict, over in zip(verdicts, overs, strict=True):
-            if over is None or not verdict.broken or verdict.name in self.case.breaks or verdict.at_s is None:
-                continue
-            size = {"us": 1_000_000 / self.per_second, "LSB": 1e-6}.get(verdict.unit, 1)  # of a value in this unit
-            shown = shown_violations(over, _ticks(verdict.at_s, self.per_second))
-            found += [replace(verdict, worst=value * size, at_s=at / self.per_second) for at, value in shown]
-        return found
+def _budget(
+    case: Case,
+    per_second: int,
+    budget: Budget,
+    verdict: Verdict,
+    values: Values | None,
+    over: OverTime | None,
+    found: Sequence[Explained],
+) -> BudgetReport:
+    """Return the report of a budget. found: the explanations of all budgets, the worst occurrence of each first."""
+    must_break = verdict.name in case.breaks
+    own = [one for one in found if one.window.verdict.name == verdict.name]
+    worst, others = (own[0] if own else None), own[1:]
+    wrong = failure(verdict, must_break, None if worst is None else worst.chain, over, per_second)
+    most = MOST_OF_PASSED if wrong is None else MOST
+    return BudgetReport(
+        verdict=verdict,
+        limits=tuple(_limits(budget, verdict)),
+        source=budget.source,
+        must_break=must_break,
+        distribution=None if values is None else distribution(values, per_second // 10**9),
+        timeline=None if worst is None else _timeline(case, per_second, worst, most),
+        explanation=None if worst is None else worst.chain,
+        failure=wrong,
+        over_time=over,
+        per_second=per_second,
+        others=tuple(
+            (_ticks(one.window.verdict.at_s, per_second), only_chosen(_timeline(case, per_second, one, MOST_OF_OTHERS)))
+            for one in others
+        ),
+    )
 
-    def budget(
-        self, budget: Budget, verdict: Verdict, values: Values | None, over: OverTime | None, found: list[Explained]
-    ) -> BudgetReport:
-        """Return the report of a budget. found: the explanations of the worst occurrence and then of others."""
-        must_break = verdict.name in self.case.breaks
-        worst, others = (found[0] if found else None), found[1:]
-        wrong = failure(verdict, must_break, None if worst is None else worst.chain, over, self.per_second)
-        most = MOST_OF_PASSED if wrong is None else MOST
-        return BudgetReport(
-            verdict=verdict,
-            limits=tuple(_limits(budget, verdict)),
-            source=budget.source,
-            must_break=must_break,
-            distribution=None if values is None else distribution(values, self.per_second // 10**9),
-            timeline=None if worst is None else self._timeline(worst, most),
-            explanation=None if worst is None else worst.chain,
-            failure=wrong,
-            over_time=over,
-            per_second=self.per_second,
-            others=tuple(
-                (_ticks(one.window.verdict.at_s, self.per_second), only_chosen(self._timeline(one, MOST_OF_OTHERS)))
-                for one in others
-            ),
-        )
 
-    def _timeline(self, one: Explained, most: int) -> Timeline:
-        cycles = {name: float(self.per_second / _sysclk(unit)) for name, unit in self.case.unit.items()}
-        host = self.case.host
-        bit = 0 if host is None else round(self.per_second / (Fraction(host.baud) * (1 + host.error / 100)))
-        return timeline(one.window, cycles, bit, most)
+def _timeline(case: Case, per_second: int, one: Explained, most: int) -> Timeline:
+    cycles = {name: float(per_second / _sysclk(unit)) for name, unit in case.unit.items()}
+    host = case.host
+    bit = 0 if host is None else round(per_second / (Fraction(host.baud) * (1 + host.error / 100)))
+    return timeline(one.window, cycles, bit, most)
 
 
 def _ticks(seconds: float | None, per_second: int) -> int:

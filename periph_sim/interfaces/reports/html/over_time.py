@@ -152,8 +152,7 @@ class TimePlot:
 def shown_unit(over: OverTime, per_second: int) -> tuple[str, int]:
     """Return the unit to show, and its size in units of the values."""
     largest = max(max(abs(c.low), abs(c.high)) for c in over.columns)
-    unit, size, _ = scale_of(over.unit, largest, per_second // 10**9)
-    return "" if unit == "value" else unit, size
+    return scale_of(over.unit, largest, per_second // 10**9)[:2]
 
 
 def time_plot(over: OverTime, per_second: int) -> TimePlot:
@@ -191,12 +190,5 @@ def time_plot(over: OverTime, per_second: int) -> TimePlot:
         lines=tuple(line(*one) for one in lines),
         values="".join(dict.fromkeys(strokes)),
         broken="".join(marks),
-        summary=_summary(over),
+        summary=f"{counted(over.count, 'value')} over the run, {over.violation_count or 'none'} beyond a limit",
     )
-
-
-def _summary(over: OverTime) -> str:
-    count = f"{counted(over.count, 'value')} over the run"
-    if not over.violation_count:
-        return f"{count}, none beyond a limit"
-    return f"{count}, {over.violation_count} beyond a limit"

@@ -3,8 +3,7 @@
 0 all budgets hold or the replay agrees, 1 not so, 2 bad usage or bad input, 3 a fault of our own, or user code that
 ended the process (`supervisor`).
 
-One file of a package in `PACKAGES` that defines a click command of its own name is one subcommand, found by being
-there; its SECTION is where the help lists it, and its own help begins with its EXAMPLE.
+A file of a package in `PACKAGES` that defines a command of its own name, by the decorator `command`, is a subcommand.
 Only the one that is asked for is imported: `periph-sim decode` starts without chips and boards.
 """
 
@@ -15,9 +14,7 @@ import gc
 import importlib
 import os
 import sys
-from inspect import cleandoc
 from pathlib import Path
-from types import ModuleType
 from typing import NoReturn
 
 import click
@@ -33,15 +30,13 @@ ROOT = Path(__file__).parent
 PACKAGES = (
     "interfaces.commands",
     "imu.commands",
-)  # inside this one: each file with a click command of its name is a command
+)  # inside this one: each file with a command of its name is one
 
-OTHER = "other"
-SECTIONS = {  # of the help; a command's file says SECTION = "run"
+SECTIONS = {  # of the help; the decorator of a command names one
     "run": "Run cases",
     "understand": "Understand a run",
     "traces": "Work with traces",
     "sensors": "Model sensors",
-    OTHER: "Other commands",
 }
 
 
@@ -71,8 +66,8 @@ class Commands(click.Group):
             importlib.import_module(name)
             gc.freeze()  # and never again in a process that runs several commands: what they left would stay, too
             gc.enable()
-        module = sys.modules[name]
-        return _with_example(getattr(module, file.stem), module)
+        found: click.Command = getattr(sys.modules[name], file.stem)
+        return found
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -112,29 +107,18 @@ def _file(command: str) -> Path:
 
 
 def _is_command(file: Path) -> bool:
-    return file.is_file() and "\n@click.command" in file.read_text(encoding="utf-8")
+    return file.is_file() and "\n@command(" in file.read_text(encoding="utf-8")
 
 
 def _about(file: Path) -> tuple[str, str]:
     """Section and first sentence of a command, read from its file: importing all of them takes long."""
     import ast
 
-    section, summary = OTHER, ""
     for node in ast.parse(file.read_text(encoding="utf-8")).body:
         match node:
-            case ast.Assign(targets=[ast.Name("SECTION")], value=ast.Constant(str(said))) if said in SECTIONS:
-                section = said
-            case ast.FunctionDef() if node.name == file.stem:
-                summary = " ".join((ast.get_docstring(node) or "").partition("\n\n")[0].split())
-    return section, summary
-
-
-def _with_example(command: click.Command, module: ModuleType) -> click.Command:
-    """The command, whose help begins with the example of its file."""
-    example = f"\b\n$ {getattr(module, 'EXAMPLE', '')}"
-    if hasattr(module, "EXAMPLE") and not (command.help or "").startswith(example):
-        command.help = f"{example}\n\n{cleandoc(command.help or '')}"
-    return command
+            case ast.FunctionDef(name=file.stem, decorator_list=[ast.Call(args=[ast.Constant(str(section)), _]), *_]):
+                return section, " ".join((ast.get_docstring(node) or "").partition("\n\n")[0].split())
+    return "", ""
 
 
 @click.group(cls=Commands, context_settings={"help_option_names": ["-h", "--help"]})

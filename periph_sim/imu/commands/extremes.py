@@ -7,16 +7,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...interfaces.commands.command_frame import print_json, usage_errors_in_one_sentence
+from ...interfaces.commands.command_frame import command, print_json, usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ..numeric.estimate import Tables
 
-SECTION = "sensors"
-EXAMPLE = "periph-sim extremes --arithmetic q16"
 
-
-@click.command()
+@command("sensors", "periph-sim extremes --arithmetic q16")
 @click.option("--arithmetic", "names", multiple=True, metavar="NAME", help="float64, float32, q16, q12 saturating, ...")
 @click.option("--only", multiple=True, metavar="EXTREME", help="Run only these extremes.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, help="Seed of the search in the working range.")

@@ -9,18 +9,16 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ...interfaces.commands.command_frame import address_given, time_given, usage_errors_in_one_sentence
+from ...interfaces.commands.command_frame import address_given, command, time_given, usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ..host_frame import Encoding
 
-SECTION = "run"
-EXAMPLE = "periph-sim host-unit /tmp/dsp --flight flight.csv"
 
 WAITS = 5  # maximum time in seconds for which a port may accept no bytes
 
 
-@click.command()
+@command("run", "periph-sim host-unit /tmp/dsp --flight flight.csv")
 @click.argument("port")
 @click.option("--flight", type=click.Path(path_type=Path), metavar="CSV", help="Send a recorded flight, once.")
 @click.option("--udp", metavar="[ADDRESS:]PORT", help="Send the latest values of datagrams, as sent by Simulink.")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ...interfaces.commands.command_frame import print_json, rate_given, usage_errors_in_one_sentence
+from ...interfaces.commands.command_frame import command, print_json, rate_given, usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ...traces.formats.unit_csv import Column
@@ -19,11 +19,8 @@ if TYPE_CHECKING:
 PICTURES = (".svg", ".png")
 UNEVEN = 0.01  # maximum relative difference of the periods of two recordings
 
-SECTION = "sensors"
-EXAMPLE = "periph-sim identify rest.csv --rate '50 Hz' --plot allan.svg"
 
-
-@click.command()
+@command("sensors", "periph-sim identify rest.csv --rate '50 Hz' --plot allan.svg")
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.csv")
 @click.option("--rate", metavar="RATE", help="Sample rate, if there is no column 'time [s]': '50 Hz'.")
 @click.option("--expect", multiple=True, metavar="NAME=VALUE", help="The true mean of a column.  [0]")

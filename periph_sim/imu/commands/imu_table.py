@@ -8,16 +8,13 @@ from pathlib import Path
 
 import click
 
-from ...interfaces.commands.command_frame import print_json, usage_errors_in_one_sentence
+from ...interfaces.commands.command_frame import command, print_json, usage_errors_in_one_sentence
 
 MOST_SAMPLES = 10_000_000
 PUBLISHED = "table_5_1"
 
-SECTION = "sensors"
-EXAMPLE = "periph-sim imu-table --samples 10000"
 
-
-@click.command()
+@command("sensors", "periph-sim imu-table --samples 10000")
 @click.option(
     "--samples", type=click.IntRange(2, MOST_SAMPLES), default=10_000, show_default=True, help="Samples of every axis."
 )

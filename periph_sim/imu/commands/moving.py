@@ -8,15 +8,12 @@ from pathlib import Path
 
 import click
 
-from ...interfaces.commands.command_frame import length_given, print_json, progress, running_user_code
+from ...interfaces.commands.command_frame import command, length_given, print_json, progress, running_user_code
 
 DIFFERENT = 1  # the exit status if the bytes on the wires differ from the computed ones
 
-SECTION = "sensors"
-EXAMPLE = "periph-sim moving timing/imu_moving.toml --direct"
 
-
-@click.command()
+@command("sensors", "periph-sim moving timing/imu_moving.toml --direct")
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--seconds", type=str, help="Run this long instead of the case's duration; 10 or '10 s'.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")

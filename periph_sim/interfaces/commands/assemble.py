@@ -6,13 +6,10 @@ from pathlib import Path
 
 import click
 
-from .command_frame import usage_errors_in_one_sentence
-
-SECTION = "understand"
-EXAMPLE = "periph-sim assemble firmware/c28x/sci_echo.asm sci_echo.out"
+from .command_frame import command, usage_errors_in_one_sentence
 
 
-@click.command()
+@command("understand", "periph-sim assemble firmware/c28x/sci_echo.asm sci_echo.out")
 @click.argument("source", type=click.Path(path_type=Path))
 @click.argument("file", type=click.Path(path_type=Path))
 def assemble(source: Path, file: Path) -> None:

@@ -19,6 +19,7 @@ from .command_frame import (
     GUARANTEED,
     JSON,
     apart,
+    command,
     command_line,
     print_json,
     print_table,
@@ -28,11 +29,8 @@ from .command_frame import (
 )
 from .watched_files import note_inputs
 
-SECTION = "run"
-EXAMPLE = "periph-sim check timing --junit results.xml"
 
-
-@click.command()
+@command("run", "periph-sim check timing --junit results.xml")
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[PATH]...")
 @click.option("--tolerance", type=click.IntRange(min=0), metavar="CYCLES", help="Times may differ by this.  [0]")
 @click.option("--update-baseline", "update", is_flag=True, help="Make the figures of this run the new baselines.")

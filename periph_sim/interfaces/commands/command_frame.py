@@ -15,8 +15,9 @@ import time
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
+from inspect import cleandoc
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import click
 
@@ -28,6 +29,23 @@ from ...core.text_table import WIDTH, table_rows, together
 if TYPE_CHECKING:
     from ...records.run import Run
     from ...traces.capture.capture import Capture
+
+
+Section = Literal["run", "understand", "traces", "sensors"]
+
+
+def command(section: Section, example: str) -> Callable[[Callable[..., object]], click.Command]:
+    """Return a decorator that makes a function a command of periph-sim.
+
+    section: the section of `periph-sim --help` that lists it. example: the command line with which its own help begins.
+    """
+
+    def made(function: Callable[..., object]) -> click.Command:
+        found = click.command()(function)
+        found.help = f"\b\n$ {example}\n\n{cleandoc(found.help or '')}"
+        return found
+
+    return made
 
 
 CODES = {"bold": 1, "dim": 2, "italic": 3, "red": 31, "yellow": 33}  # of the styles of lines, in escape sequences

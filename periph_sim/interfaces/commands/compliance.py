@@ -6,13 +6,10 @@ from pathlib import Path
 
 import click
 
-from .command_frame import JSON, RATE, SALVAGE, print_answer, read_capture
-
-SECTION = "traces"
-EXAMPLE = "periph-sim compliance capture.sr --mode fast"
+from .command_frame import JSON, RATE, SALVAGE, command, print_answer, read_capture
 
 
-@click.command()
+@command("traces", "periph-sim compliance capture.sr --mode fast")
 @click.argument("capture", type=click.Path(path_type=Path))
 @click.option(
     "--mode",

@@ -19,13 +19,10 @@ from ...traces import formats
 from ...traces.capture.capture import window_of, with_channels, within
 from ...traces.capture.sampling import rate_text, resampled
 from ...traces.formats import BadCapture, psr
-from .command_frame import RATE, SALVAGE, rate_given, read_capture, usage_errors_in_one_sentence
-
-SECTION = "traces"
-EXAMPLE = "periph-sim convert capture.sr capture.vcd --window '1 ms..5 ms'"
+from .command_frame import RATE, SALVAGE, command, rate_given, read_capture, usage_errors_in_one_sentence
 
 
-@click.command()
+@command("traces", "periph-sim convert capture.sr capture.vcd --window '1 ms..5 ms'")
 @click.argument("given", metavar="IN", type=click.Path(path_type=Path))
 @click.argument("out", metavar="OUT", type=click.Path(path_type=Path))
 @RATE

@@ -18,18 +18,15 @@ from ...traces.decode.event_rows import grouped, merged
 from ...traces.decode.i2c_table import long_lows
 from . import decode_exports
 from . import decoded_text as event_text
-from .command_frame import RATE, SALVAGE, read_capture, usage_errors_in_one_sentence
+from .command_frame import RATE, SALVAGE, command, read_capture, usage_errors_in_one_sentence
 from .decode_buses import Bus, asked_for
 
 EXPORTS = ("pcapng", "hexdump", "sigrok")
 STYLES = ("table", "json", "csv", *EXPORTS)
 A_SECOND = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9, "ps": 10**12}
 
-SECTION = "traces"
-EXAMPLE = "periph-sim decode capture.sr --i2c scl=0,sda=1"
 
-
-@click.command()
+@command("traces", "periph-sim decode capture.sr --i2c scl=0,sda=1")
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--i2c", "i2cs", multiple=True, metavar="scl=CHANNEL,sda=CHANNEL", help="An I2C bus; by name or index.")
 @click.option(

@@ -7,16 +7,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .command_frame import JSON, SALVAGE, print_answer, read_capture, time_given
+from .command_frame import JSON, SALVAGE, command, print_answer, read_capture, time_given
 
 if TYPE_CHECKING:
     from ...traces.decode.uart_line import Line
 
-SECTION = "traces"
-EXAMPLE = "periph-sim diff before.sr after.sr --tolerance 1us"
 
-
-@click.command()
+@command("traces", "periph-sim diff before.sr after.sr --tolerance 1us")
 @click.argument("a", type=click.Path(path_type=Path))
 @click.argument("b", type=click.Path(path_type=Path))
 @click.option("--map", "mapping", metavar="LINE=CHANNEL,...", help="scl=0,sda=1 or rx=0; a channel by name or index.")

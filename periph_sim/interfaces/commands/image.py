@@ -6,13 +6,10 @@ from pathlib import Path
 
 import click
 
-from .command_frame import print_answer, usage_errors_in_one_sentence
-
-SECTION = "understand"
-EXAMPLE = "periph-sim image firmware.out"
+from .command_frame import command, print_answer, usage_errors_in_one_sentence
 
 
-@click.command()
+@command("understand", "periph-sim image firmware.out")
 @click.argument("image", metavar="FILE", type=click.Path(path_type=Path))
 @click.argument("function", metavar="[FUNCTION]", required=False)
 @click.option("--cycles", is_flag=True, help="Explain the cycles of FUNCTION, one instruction a line.")

@@ -6,13 +6,10 @@ from pathlib import Path
 
 import click
 
-from .command_frame import RUN_FILE, SYSCLK, open_run, print_answer, time_given, usage_errors_in_one_sentence
-
-SECTION = "understand"
-EXAMPLE = "periph-sim lint run.psr"
+from .command_frame import RUN_FILE, SYSCLK, command, open_run, print_answer, time_given, usage_errors_in_one_sentence
 
 
-@click.command()
+@command("understand", "periph-sim lint run.psr")
 @RUN_FILE
 @click.option("--bound", metavar="TIME", default="20 ms", show_default=True, help="Maximum length of a wait.")
 @SYSCLK

@@ -21,10 +21,7 @@ from ...scene.case.origin import texts_in
 from ...scene.firmware_loader import SHIPPED
 from ...traces.capture.capture import Capture
 from ..reports.baselines.files import write_all
-from .command_frame import RATE, check_file_name, read_capture, usage_errors_in_one_sentence
-
-SECTION = "run"
-EXAMPLE = "periph-sim new i2c-slave thermometer"
+from .command_frame import RATE, check_file_name, command, read_capture, usage_errors_in_one_sentence
 
 REPLAY = "replay"
 TEMPLATES = Path(__file__).with_name("templates")
@@ -39,7 +36,7 @@ __all__ = ["REPLAY", "Settings", "main"]
 Files = dict[Path, str]
 
 
-@click.command()
+@command("run", "periph-sim new i2c-slave thermometer")
 @click.argument("kind", required=False, shell_complete=lambda ctx, param, begun: _beginning(_kinds(), begun))
 @click.argument("name", required=False)
 @click.option(

@@ -10,13 +10,10 @@ from pathlib import Path
 import click
 
 from ...scene.case.load import load
-from .command_frame import CHANGES, JSON, SECONDS, apart, print_answer, progress, running_user_code
-
-SECTION = "understand"
-EXAMPLE = "periph-sim profile case.toml --lcov coverage.info"
+from .command_frame import CHANGES, JSON, SECONDS, apart, command, print_answer, progress, running_user_code
 
 
-@click.command()
+@command("understand", "periph-sim profile case.toml --lcov coverage.info")
 @click.argument("case", type=click.Path(path_type=Path))
 @SECONDS
 @CHANGES

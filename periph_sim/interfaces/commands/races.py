@@ -6,13 +6,10 @@ from pathlib import Path
 
 import click
 
-from .command_frame import JSON, RUN_FILE, SYSCLK, open_run, print_answer, usage_errors_in_one_sentence
-
-SECTION = "understand"
-EXAMPLE = "periph-sim races run.psr --register I2C-A.I2CSTR"
+from .command_frame import JSON, RUN_FILE, SYSCLK, command, open_run, print_answer, usage_errors_in_one_sentence
 
 
-@click.command()
+@command("understand", "periph-sim races run.psr --register I2C-A.I2CSTR")
 @RUN_FILE
 @click.option("--register", metavar="NAME", help="One register, or one field of it: I2C-A.I2CSTR, I2C-A.I2CSTR.RRDY.")
 @click.option("--least", type=click.IntRange(0), metavar="CYCLES", help="Exit status 1 if a read was nearer.")

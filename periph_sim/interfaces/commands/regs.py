@@ -14,7 +14,7 @@ from ...core.text_table import WIDTH
 from ...devices.chips import chip_models
 from ...f28335.parts.f28335 import PART
 from ...records.record_text import number
-from .command_frame import print_table, say
+from .command_frame import command, print_table, say
 
 OPTIONS: dict[str, type[Answers]] = {
     **PART.options_classes(),
@@ -24,11 +24,8 @@ OPTIONS: dict[str, type[Answers]] = {
 
 MAPS: dict[str, tuple[int, RegisterMap]] = {module.name: (module.base, module.registers) for module in PART.modules}
 
-SECTION = "understand"
-EXAMPLE = "periph-sim regs I2C-A.I2CSTR"
 
-
-@click.command()
+@command("understand", "periph-sim regs I2C-A.I2CSTR")
 @click.argument("name", required=False)
 @click.option("--options", "want_options", is_flag=True, help="List the open questions and their answers instead.")
 def regs(name: str | None, want_options: bool) -> None:

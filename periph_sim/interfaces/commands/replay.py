@@ -27,6 +27,7 @@ from .command_frame import (
     JSON,
     RATE,
     SALVAGE,
+    command,
     print_json,
     print_table,
     progress,
@@ -45,11 +46,8 @@ FIRST = {
 }
 BEFORE, AFTER = 14, 4  # numbers of changes that are shown before and after a divergence
 
-SECTION = "traces"
-EXAMPLE = "periph-sim replay capture.sr --case timing/responder.toml"
 
-
-@click.command()
+@command("traces", "periph-sim replay capture.sr --case timing/responder.toml")
 @click.argument("capture", type=click.Path(path_type=Path))
 @click.option("--case", "case_file", required=True, type=click.Path(path_type=Path), help="The case with the firmware.")
 @click.option(

@@ -20,6 +20,7 @@ from .command_frame import (
     JSON,
     SECONDS,
     apart,
+    command,
     command_line,
     print_json,
     progress,
@@ -30,11 +31,8 @@ from .result_text import show
 if TYPE_CHECKING:
     from ..reports.explain.chain import Chain
 
-SECTION = "run"
-EXAMPLE = "periph-sim run timing/imu_hil.toml --seconds 1 --explain"
 
-
-@click.command()
+@command("run", "periph-sim run timing/imu_hil.toml --seconds 1 --explain")
 @click.argument("case", type=click.Path(path_type=Path))
 @SECONDS
 @CHANGES

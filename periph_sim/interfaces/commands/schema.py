@@ -6,11 +6,10 @@ import json
 
 import click
 
-SECTION = "run"
-EXAMPLE = "periph-sim schema > periph-sim.schema.json"
+from .command_frame import command
 
 
-@click.command()
+@command("run", "periph-sim schema > periph-sim.schema.json")
 def schema() -> None:
     """Print the JSON schema of case files, for editors.
 

@@ -17,6 +17,7 @@ from click.core import ParameterSource
 from .command_frame import (
     CHANGES,
     address_given,
+    command,
     pace_given,
     print_json,
     running_user_code,
@@ -33,11 +34,8 @@ if TYPE_CHECKING:
     from ...scene.case.model import Case
     from ...scene.result import Result
 
-SECTION = "run"
-EXAMPLE = "periph-sim serve timing/imu_hil.toml --pty /tmp/dsp --for '10 s'"
 
-
-@click.command()
+@command("run", "periph-sim serve timing/imu_hil.toml --pty /tmp/dsp --for '10 s'")
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--pty", "link", is_flag=False, flag_value="", metavar="[LINK]", help="A pseudo-terminal; LINK names it.")
 @click.option("--port", "real", metavar="PORT", help="A real serial port instead: /dev/ttyUSB0.")

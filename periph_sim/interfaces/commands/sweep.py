@@ -11,19 +11,17 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .command_frame import JSON, SECONDS, print_json, print_table, progress, running_user_code, say
+from .command_frame import JSON, SECONDS, command, print_json, print_table, progress, running_user_code, say
 
 if TYPE_CHECKING:
     from ..reports.sweep.sweep import Sweep
 
-SECTION = "run"
-EXAMPLE = "periph-sim sweep timing/imu_hil.toml --vary 'seed=1, 2, 3' --seconds 0.1"
 
 FIGURES = ("worst", "limit", "margin", "at_s", "count", "verdict")
 MAX_LISTED = 10  # runs that are listed one by one
 
 
-@click.command()
+@command("run", "periph-sim sweep timing/imu_hil.toml --vary 'seed=1, 2, 3' --seconds 0.1")
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option(
     "--vary",

@@ -9,15 +9,12 @@ from urllib.parse import urlencode
 
 import click
 
-from .command_frame import CHANGES, pace_given, usage_errors_in_one_sentence
-
-SECTION = "run"
-EXAMPLE = "periph-sim terminal timing/uart_logger.toml --echo"
+from .command_frame import CHANGES, command, pace_given, usage_errors_in_one_sentence
 
 SHOWN = ("default", "direct", "nocontrol", "printable", "colorize", "debug")
 
 
-@click.command()
+@command("run", "periph-sim terminal timing/uart_logger.toml --echo")
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--sci", default="scia", show_default=True, help="The SCI: scia, or UNIT.SCI-A.")
 @click.option("--baud", default=115_200, show_default=True, type=click.IntRange(min=1), help="Rate of the terminal.")

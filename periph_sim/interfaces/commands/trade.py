@@ -10,16 +10,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .command_frame import CHANGES, SECONDS, print_answer, progress, running_user_code, time_given
+from .command_frame import CHANGES, SECONDS, command, print_answer, progress, running_user_code, time_given
 
 if TYPE_CHECKING:
     from ...scene.case.model import Case
 
-SECTION = "understand"
-EXAMPLE = "periph-sim trade timing/imu_hil.toml --seconds 1"
 
-
-@click.command()
+@command("understand", "periph-sim trade timing/imu_hil.toml --seconds 1")
 @click.argument("case", type=click.Path(path_type=Path))
 @SECONDS
 @CHANGES

@@ -8,18 +8,16 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .command_frame import CHANGES, GUARANTEED, say, usage_errors_in_one_sentence
+from .command_frame import CHANGES, GUARANTEED, command, say, usage_errors_in_one_sentence
 
 if TYPE_CHECKING:
     from ..reports.baselines.outcome import Outcome, RejectedCase
 
-SECTION = "run"
-EXAMPLE = "periph-sim watch timing/imu_hil.toml"
 
 PAUSE = 0.3  # seconds between checks of the files; polling needs no library and works on any file system
 
 
-@click.command()
+@command("run", "periph-sim watch timing/imu_hil.toml")
 @click.argument("case", type=click.Path(path_type=Path))
 @CHANGES
 @GUARANTEED

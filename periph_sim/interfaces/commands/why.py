@@ -6,13 +6,10 @@ from pathlib import Path
 
 import click
 
-from .command_frame import RUN_FILE, SYSCLK, open_run, print_answer, usage_errors_in_one_sentence
-
-SECTION = "understand"
-EXAMPLE = "periph-sim why run.psr 'I2C-A.I2CSTR.XRDY@12.345 ms'"
+from .command_frame import RUN_FILE, SYSCLK, command, open_run, print_answer, usage_errors_in_one_sentence
 
 
-@click.command()
+@command("understand", "periph-sim why run.psr 'I2C-A.I2CSTR.XRDY@12.345 ms'")
 @RUN_FILE
 @click.argument("question")
 @click.option(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ...core.suggest import did_you_mean
-from .command_frame import CHANGES, SECONDS, print_json, progress, running_user_code
+from .command_frame import CHANGES, SECONDS, command, print_json, progress, running_user_code
 
 if TYPE_CHECKING:
     from ...timing.verdict import Verdict
@@ -19,11 +19,8 @@ if TYPE_CHECKING:
 
 MOST = 100  # maximum number of columns of a picture
 
-SECTION = "understand"
-EXAMPLE = "periph-sim worst timing/imu_hil.toml response"
 
-
-@click.command()
+@command("understand", "periph-sim worst timing/imu_hil.toml response")
 @click.argument("case", type=click.Path(path_type=Path))
 @click.argument("budgets", nargs=-1, metavar="[BUDGET]...")
 @SECONDS

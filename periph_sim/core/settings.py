@@ -139,7 +139,7 @@ def hex_bytes(value: object) -> bytes:
 
 def _said(pattern: str, *examples: str) -> Any:
     """Return the type of a text in a file, for the schema that editors read. The converters check the text."""
-    schema = {"pattern": pattern, "examples": [*examples]}  # a plain dict, because `Meta` would compile the pattern
+    schema = {"pattern": pattern, "examples": [*examples]}  # `Meta(pattern=...)` would compile the pattern
     return Annotated[str, Meta(extra_json_schema=schema)]
 
 

@@ -34,13 +34,13 @@ FLASH = range(0x30_0000, 0x34_0000)  # addresses of flash in the F28335, the par
 class Frame(IntEnum):
     """Peripheral frames, which differ in wait states and widths of accesses (SPRS439M Table 3-5)."""
 
-    PF0 = 0  # PIE, CPU timers: 16 and 32 bits
-    PF1 = 1  # GPIO: 16 and 32 bits
-    PF2 = 2  # system control, SCI, SPI, I2C, XINT: 16 bits only
+    PF0 = 0  # PIE and CPU timers; accesses of 16 and 32 bits
+    PF1 = 1  # GPIO; accesses of 16 and 32 bits
+    PF2 = 2  # system control, SCI, SPI, I2C and XINT; accesses of 16 bits only
 
 
 class DescriptorError(ValueError):
-    """A descriptor contradicts itself, the manual's tables, or another module of its part."""
+    """Error: a descriptor contradicts itself, the manual's tables, or another module of its part."""
 
 
 class Interrupt(Struct, frozen=True):

@@ -135,7 +135,7 @@ class Look:
 
 @final
 class Looks:
-    """The last read of each field of a register. It is a list, because firmware reads few fields of one register."""
+    """The last read of each field of a register. A list suffices, because firmware reads few fields of one register."""
 
     __slots__ = ("_of",)
 
@@ -221,7 +221,10 @@ class ClearedRegister:
         return None
 
     def looked_at(self, flag: Flag, place: Text) -> int:
-        """Return the record number of the last read that showed this flag, without read-modify-writes at `place`."""
+        """Return the record number of the last read that showed this flag.
+
+        Reads that belong to read-modify-writes at `place` do not count.
+        """
         last: int = self.looks.last(flag.name)
         other: Place
         for at, other in self.places.items():

@@ -69,7 +69,10 @@ class ClockHistory(NamedTuple):
         return lengths[self._now(at)]
 
     def numbers(self, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return for each tick the number of the cycle that begins nearest to it. Cycle 0 begins the first clock."""
+        """Return for each tick the number of the cycle that begins nearest to it.
+
+        Cycle 0 is the first cycle of the first clock.
+        """
         periods = np.array([float(period) for period in self.periods])
         now = self._now(ticks)
         since = ticks - np.array(self.begins, np.int64)[now]

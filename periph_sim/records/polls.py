@@ -70,7 +70,7 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
     """Return the polls in skipped waits that are next to a change.
 
     reads: rows of the reads of one register at one place.
-    waits: for each read, True if the next access of its routine is the next of these reads.
+    waits: for each read, True if the next access of its routine is the next entry of `reads`.
     changes: rows of the changes to consider.
     looking: for each read, True if it read the fields that changed; only polls of such reads are returned.
     """

@@ -107,7 +107,7 @@ class LostFlag:
 
     @property
     def first(self) -> int | None:
-        """The first of the ticks `cleared`."""
+        """The first tick at which the flag was cleared unintentionally; None if it never was."""
         return self.cleared[0] if self.cleared else None
 
 

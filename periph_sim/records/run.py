@@ -253,7 +253,7 @@ class Run:
         return self.rows(Kind.ACCESS, unit, f"{way} {module}.{register}")
 
     def looking_at(self, reads: Rows, f: Field) -> Rows:
-        """Return those of the reads that read field `f` by name, or the whole register."""
+        """Return the reads that named field `f`, and the reads of the whole register."""
         about = np.array([name in ("", f.name) for name in self.table.names["field"]], bool)
         found: Rows = reads[about[self.table.columns["field"][reads]]]
         return found

@@ -85,7 +85,8 @@ class Hmc5883l(RegisterChip):
         self._taken = 0
         self._placed = powered  # tick at which data were last placed in the registers
         self._unread = False
-        self._to_read: set[str] = set(DATA)  # names of the data registers that have not been read since then
+        # `_to_read` has the data registers that have not been read since data were last placed in them.
+        self._to_read: set[str] = set(DATA)
         # `_gains` has GN for the next measurement and, if there are two entries, for the later ones.
         self._gains = [self.get("CRB", "GN")]
         self._mode_is_power_ons = True

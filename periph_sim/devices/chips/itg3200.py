@@ -63,7 +63,7 @@ LSB_PER_DEG_S = Fraction(115, 8)  # LSB in one deg/s: 14.375
 REGISTER_ACCESS = Fraction(20, 1000)  # seconds from power-on to the first register access
 START_UP = Fraction(50, 1000)  # seconds from power-on, or from the end of sleep, until the gyroscopes run
 PLL_SETTLING = Fraction(1, 1000)
-FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # the pointer stops at these registers, decimal 35 to 60
+FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # the pointer stops at each register of this range, decimal 35 to 60
 SHOWN = ("TEMP_OUT_H", "TEMP_OUT_L", *DATA)
 ROOM = 25.0  # default temperature in degrees Celsius
 

@@ -51,7 +51,7 @@ def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) ->
 
 def scaled(source: Source, lsb_per_unit: Fraction) -> Source:
     """Return the source with its values converted exactly from LSB to the chip's physical unit."""
-    kept: Sequence[float | Fraction] | None = None  # last value of `source`, of which `axes` is the result
+    kept: Sequence[float | Fraction] | None = None  # last value of `source`; `axes` is this value converted
     axes: Sequence[Fraction] = ZERO
 
     def at(tick: int) -> Sequence[Fraction]:

@@ -1,4 +1,4 @@
-"""The checked keys of [device.NAME] with model = "registers"."""
+"""The keys of [device.NAME] with model = "registers", and their checks."""
 
 from __future__ import annotations
 

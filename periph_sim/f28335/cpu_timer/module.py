@@ -4,17 +4,17 @@
                                                   ^   |
                                       PRDH:PRD ---+<--+ the step after zero, or TRB
 
-Cycles are not counted one by one: the count is computed when it is read, and `next_wake`
-is the next zero that is observable (TIE = 1, or TIF still 0). TIM and PSC themselves
-change without a wake-up: `register_map` marks them as free-running.
+Cycles are not counted one by one: the count is computed when it is read. `next_wake` is the cycle of the next zero that
+is observable (TIE = 1, or TIF still 0). TIM and PSC change without a wake-up, so `register_map` marks them as
+free-running.
 
 Source: SPRUFB0D section 5.5, Tables 31 to 38.
 
 Chosen:
-- Only a step to zero sets the flag, not a TRB load or a CPU write of 0. With PRD = 0 every
-  step sets it, so the period is also (PRD + 1)(TDDR + 1) there.
-- With timer_tif_point = on_reload every reload sets TIF, including the first one after reset.
-- A zero in the cycle of a TCR write precedes it; a 1 written to TIF clears its flag.
+- Only a step to zero sets TIF, not a load by TRB or a CPU write of 0. With PRD = 0 every step sets TIF, so the period
+  is (PRD + 1)(TDDR + 1) in this case as well.
+- With timer_tif_point = on_reload every reload sets TIF, including the first reload after reset.
+- If the count reaches zero in the cycle of a TCR write, this comes first. Writing 1 to TIF then clears the flag.
 - With its clock off the timer stops; its registers can be read and written.
 - The timer ignores breakpoints; FREE and SOFT are only stored.
 """
@@ -51,7 +51,7 @@ class CpuTimer(Chip):
 
     def reset(self, now: int) -> None:
         """Reset by XRS: the count becomes 0 and the period 0xFFFF, and the timer runs."""
-        self._clocked = True  # PCLKCR3 resets with the timers' clocks on
+        self._clocked = True  # the reset value of PCLKCR3 switches the clocks of the timers on
         self._tcr: int = TCR.reset
         self._prd: int = PRDH.reset << 16 | PRD.reset  # PRDH:PRD
         self._tddr = 0  # TDDRH:TDDR
@@ -160,7 +160,7 @@ class CpuTimer(Chip):
             self._event_at = self.next_wake = NEVER
             return
         steps = self._tim + 1 if self._on_reload else self._tim or self._prd + 1
-        # The next cycle at which TIF is set, visible or not.
+        # The next cycle at which TIF is set, whether this is observable or not.
         self._event_at = self._since + self._psc + 1 + (steps - 1) * (self._tddr + 1)
         visible = self._tcr & TIE or not self._tcr & TIF
         self.next_wake = self._event_at if visible else NEVER

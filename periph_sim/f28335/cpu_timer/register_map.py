@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from ...core.registers import Register, RegisterMap, Yields, field
 
-BASES = (0x0C00, 0x0C08, 0x0C10)  # timers 0, 1, 2
+BASES = (0x0C00, 0x0C08, 0x0C10)  # base addresses of timers 0, 1, 2
 
 TIM = Register(
     "TIM",

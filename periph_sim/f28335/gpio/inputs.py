@@ -154,10 +154,10 @@ class GpioInputs(GpioSettings):
         self.reset_inputs()
 
     def reset_inputs(self) -> None:
-        """Reset by XRS: every input path is on, without qualifiers and watched XINT lines."""
+        """Reset by XRS: all input paths are on, no pin has a qualifier, and no XINT line is watched."""
         self._watching = 0  # mask: XINT lines that the owner watches
         self._xints = 0  # mask: levels of the XINT lines as last reported
-        self._input_clock = True  # PCLKCR3.GPIOINENCLK
+        self._input_clock = True  # value of PCLKCR3.GPIOINENCLK
         self._qualifiers.clear()
         self._settle_at = NEVER  # cycle at which the synchronised level of a pin, as GPxDAT shows it, changes next
 

@@ -136,7 +136,7 @@ class I2cLines(Chip):
         return self._visible_changes()
 
     def _visible_changes(self) -> int:
-        """Return the kind of change that edges and timers have made. Most of them change no readable register."""
+        """Return ANY_CHANGED if edges or timers changed a readable register or added a note, else PINS_CHANGED."""
 
         before, self._readable = self._readable, self.state.readable()
         return PINS_CHANGED if before == self._readable and not self.notes else ANY_CHANGED

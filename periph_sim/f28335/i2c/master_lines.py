@@ -164,8 +164,8 @@ class I2cMasterLines:
         """Clear the state of the transfer."""
         self.counter = 0
         self._addresses: list[int] = []
-        self._starting = False  # our START, or repeated START, has not been detected yet
-        self._stopping = False  # our STOP has not been detected yet
+        self._starting = False  # our START, or repeated START, is on the lines but has not been detected yet
+        self._stopping = False  # our STOP is on the lines but has not been detected yet
         self._own_restart = False
         self._restart_next: list[int] = []  # addresses after an automatic repeated START
 

@@ -93,7 +93,10 @@ class I2cSlave(I2cSlaveData):
     # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------------
 
     def waits_for_byte(self) -> bool:
-        """Return True if SCL is low before the first bit of a byte of eight bits, which needs only clock edges."""
+        """Return True if SCL is low before the first bit of a byte of eight bits.
+
+        Return False if the byte needs more than clock edges.
+        """
         if self.bit or self._n != 8 or self.due != NEVER or self.pulls & SCL:
             return False
         return self.phase != TRANSMIT or self._shifting

@@ -115,7 +115,7 @@ class SciLines(Chip):
         return ANY_CHANGED
 
     def gate(self, now: int, on: bool) -> None:
-        """Switch the module's clock, as its bit in PCLKCR0 does."""
+        """Switch the module's clock on or off. PCLKCR0 takes effect in cycle `now`."""
         self._run(now)
         self._gated = not on
         self._set_clocks(now, self._tx.stopping)

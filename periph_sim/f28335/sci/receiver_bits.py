@@ -60,7 +60,7 @@ class SciRxBits:
         self.next_tick = FAR
         self.word = 0
         self.address = 0
-        self.watch_idle = False  # an idle line produces an event
+        self.watch_idle = False  # `step` returns IDLE for an idle line
         self._layout = layout  # format of the next frame
         self._options = options
         self._touched = touched
@@ -89,7 +89,7 @@ class SciRxBits:
         self._line = level
         toggles = self._toggles
         if toggles and toggles[-1] >= tick:
-            toggles.pop()  # the previous level was not sampled
+            toggles.pop()  # the previous level fell between two samples
         else:
             toggles.append(tick)
         if self._sure:

@@ -24,9 +24,9 @@ from ..register_maps import register_of
 from ..run import Rows, Run
 
 RECORDED, INFERRED = "recorded", "inferred"
-MOST_LOOKS = 8  # number of looks, at different places or fields, after which the search before a write ends
-MOST_ACCESSES = 10_000  # maximum number of accesses of the routine that are searched for looks before a write
-MOST_ROUTINES = 3  # maximum number of service routines shown as delays of the firmware: the longest ones
+MOST_LOOKS = 8  # the search before a write ends after this number of looks at different places or fields
+MOST_ACCESSES = 10_000  # the search for looks before a write covers at most this number of accesses of the routine
+MOST_ROUTINES = 3  # maximum number of service routines shown as delays of the firmware; the longest are chosen
 SEEN = "the last change of what it read"
 NEWEST = "the read before it that saw the newest change"
 
@@ -160,10 +160,11 @@ def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
 
 
 def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
-    """Return links to the read half of a write's read-modify-write, and to the change of a flag that the write kept.
+    """Return links to the read half of a write's read-modify-write and, if one is found, to an earlier change of a
+    flag.
 
-    The list is empty if the write does not belong to a read-modify-write. The second link exists only if the write
-    wrote back what had been read.
+    The flag is the one in `flag`. The change is linked if the write only wrote back the flag as the read half saw it.
+    The list is empty if the write does not belong to a read-modify-write.
     flag: the change whose causes led to this write, or None.
     """
     read = read_modify_writes(run, record.where).read_of(row)

@@ -96,9 +96,9 @@ def _of_loops(run: Run, unit: str, bound: int) -> Iterator[Fault]:
 
 
 def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> Iterator[tuple[int, int]]:
-    """Yield the first and last index of each stretch of at least two equal passes of `reads` reads.
+    """Yield the first and last index of each stretch in which the same `reads` reads are made at least twice in a row.
 
-    A stretch whose passes consist of shorter equal passes is left out.
+    A stretch is left out if a shorter series of reads repeats in it.
     """
     if len(ids) < 2 * reads:
         return

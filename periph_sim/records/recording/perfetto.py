@@ -90,7 +90,7 @@ class PerfettoWriter(RecordingWriter):
         track = self._track("bus", "transfers")
         per_second = Fraction(self._per_second)
         for transfer in i2c.transfers(Capture(Path(), per_second, length, channels, sampled=False)):
-            if not transfer.phases:  # the START is earlier than the recording
+            if not transfer.phases:  # the recording began after the START
                 continue
             self._begin(track, _title(transfer), transfer.phases[0].start.at)
             for place, byte in ((place, byte) for phase in transfer.phases for place, byte in enumerate(phase.bytes)):

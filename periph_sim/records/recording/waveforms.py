@@ -260,7 +260,7 @@ class FstWriter(WaveformWriter):
 
     def __init__(self, file: IO[bytes], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
         try:
-            library()  # raise an error for a missing library before the run, not after it
+            library()  # a missing library raises its error before the run, not after it
         except NoFstLibrary as error:
             raise BadRecording(str(error)) from None
         super().__init__(file, timebase, modules)

@@ -158,36 +158,24 @@ class _Settling:
         return AHEAD if both_end else len(items)
 
 
-@dataclass(frozen=True)
-class LineErrors:
-    """The errors of one channel.
+def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequence[Event]) -> tuple[int, str]:
+    """Return the errors of a channel that was decoded as `line`, and the doubt about that format that follows.
 
-    wrong: number of frames with a framing or parity error, without breaks and ambiguous frames.
-    frames: number of all frames.
-    doubt: a sentence with evidence that the channel has another format; "" without such evidence.
+    The errors are the number of frames with a framing or parity error, except breaks and frames that a glitch makes
+    ambiguous. The doubt is a sentence with the evidence that the channel has another format; empty if there is none.
     """
-
-    wrong: int
-    frames: int
-    doubt: str
-
-
-def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequence[Event]) -> LineErrors:
-    """Return the errors of a channel that was decoded in the format `line`, and a possible doubt about this format."""
     frames = [event for event in events if event.kind is UartRowKind.FRAME]
     breaks = {event.at for event in events if event.kind is UartRowKind.BREAK}
     breaks |= _break_at_end(capture, channel, line)
     wrong = sum((one.frame_error or one.parity_error) and not one.unsure and one.at not in breaks for one in frames)
-    found = LineErrors(wrong, len(frames), "")
-    better = _better(capture, channel, line, found) if wrong else None
-    if better is None and wrong <= MOST * len(frames):
-        return found
+    share = Fraction(wrong, max(1, len(frames)))
+    better = _better(capture, channel, line, share) if wrong else None
+    if better is None and share <= MOST:
+        return wrong, ""
     advice = "expected few; check rate, format and polarity of the line" if better is None else _advice(better)
-    return LineErrors(
-        wrong,
-        len(frames),
+    return wrong, (
         f"read at {float(line.baud):g} baud, {line.shape}, {wrong} of {counted(len(frames), 'frame')} in the capture "
-        f"({wrong / len(frames):.1%}) have framing or parity errors; {advice}",
+        f"({float(share):.1%}) have framing or parity errors; {advice}"
     )
 
 
@@ -203,20 +191,19 @@ def _break_at_end(capture: Capture, channel: str | int, line: Line) -> set[int]:
     return {last} if capture.length - last >= line.frame * capture.rate / Fraction(line.baud) else set()
 
 
-def _better(capture: Capture, channel: str | int, line: Line, found: LineErrors) -> Guess | None:
+def _better(capture: Capture, channel: str | int, line: Line, share: Fraction) -> Guess | None:
     """Return the format that the edges suggest, if it differs from `line` and has fewer errors; else None."""
     try:
         other = guess(capture, channel)
     except ValueError:
         return None
-    many = found.wrong > MOST * found.frames
     same_rate = abs(Fraction(other.line.baud) / Fraction(line.baud) - 1) <= NEAR
     if same_rate and other.line.invert == line.invert:
         # The same format is not better. Nine data bits are not better, because a bad stop bit then counts as data.
         hides = other.line.shape == line.shape or other.line.bits > SCI_BITS
-        if hides or not many:
+        if hides or share <= MOST:
             return None
-    return other if other.sure >= SURE and other.errors < found.wrong / found.frames else None
+    return other if other.sure >= SURE and other.errors < float(share) else None
 
 
 def _advice(better: Guess) -> str:

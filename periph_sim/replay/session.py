@@ -140,7 +140,7 @@ class SessionReplay(I2cReplay):
         dsp = scene.units[self._answering.unit]
         line = line_of(dsp) if self._wanted is None else self._wanted
         words = line_events(self._serial, self._rx, line)
-        self._serial_doubt = line_errors(self._serial, self._rx, line, words).doubt
+        self._serial_doubt = line_errors(self._serial, self._rx, line, words)[1]
         frames = [word for word in words if word.kind is uart.UartRowKind.FRAME]
         per_position = scene.timebase.per_second / self._serial_rate
         character = line.frame * scene.timebase.per_second / Fraction(line.baud)

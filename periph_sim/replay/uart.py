@@ -172,7 +172,7 @@ class UartReplay(Replay):
         line, events = self._line, self._events
         frames = [event for event in events if event.kind is UartRowKind.FRAME]
         breaks = [event for event in events if event.kind is UartRowKind.BREAK]
-        errors = line_errors(self._capture, self._channel.index, line, events)
+        wrong, doubt = line_errors(self._capture, self._channel.index, line, events)
         judged = settled(events, line, self._rate, self.received())
         outcome = compare(judged.expected, judged.found)
         divergence = outcome.divergence
@@ -196,7 +196,7 @@ class UartReplay(Replay):
                 f"low for a frame or longer, {longest:.1f} bits at most: {counted(len(breaks), 'time')}; "
                 "the SCI sets BRKDT after ten bits beyond a missing stop bit"
             )
-        unjudged = errors.doubt if frames else "there is no frame on the line, so nothing was required of the firmware"
+        unjudged = doubt if frames else "there is no frame on the line, so nothing was required of the firmware"
         if unjudged and divergence is not None:
             notes.insert(0, unjudged)
         return self._summary(
@@ -207,7 +207,7 @@ class UartReplay(Replay):
             verdict=verdict_of(divergence is not None, not unjudged, len(judged.ambiguous)),
             events=len(frames),
             ambiguous=len(judged.ambiguous),
-            captured_errors=errors.wrong,
+            captured_errors=wrong,
             unjudged=unjudged,
             bytes=len(self._words),
             errors=self.errors,

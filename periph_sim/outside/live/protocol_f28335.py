@@ -14,7 +14,7 @@ from __future__ import annotations
 import threading
 import time
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import ceil
 from typing import Any
@@ -50,8 +50,7 @@ class _Queue:
     def __init__(self, line: SerialLine) -> None:
         self.line: SerialLine | None = line
         self._to_line = bytearray()
-        self._setting: tuple[int, str] | None = None  # rate and format to set in the next turn
-        self._breaks: list[bool] = []
+        self._requests: list[Callable[[SerialLine], None]] = []  # changes of the line, for the next turn
         self.came = Backlog()
         self.changed = threading.Condition()
 
@@ -63,12 +62,9 @@ class _Queue:
             assert self.line is not None
             self.line.write(bytes(self._to_line))
             self._to_line.clear()
-            if self._setting is not None:
-                self.line.set(*self._setting)
-                self._setting = None
-            for on in self._breaks:
-                self.line.hold_break(on)
-            self._breaks.clear()
+            for request in self._requests:
+                request(self.line)
+            self._requests.clear()
             got = self.line.read()
             if got:
                 self.came.add(got)
@@ -94,11 +90,11 @@ class _Queue:
         with self.changed:
             if self.line is not None:
                 self.line.checked(baud, form)
-                self._setting = baud, form
+                self._requests.append(lambda line: line.set(baud, form))
 
     def hold_break(self, on: bool) -> None:
         with self.changed:
-            self._breaks.append(on)
+            self._requests.append(lambda line: line.hold_break(on))
 
 
 class ClosedError(PortNotOpenError):  # type: ignore[misc]

@@ -175,45 +175,35 @@ class Report:
         """
         if self.verdict is Verdict.NOT_JUDGED:
             raise AssertionError(f"{self.name}: no time of the I2C limits was measured; the trace has no whole bit")
-        if self.verdict is Verdict.FAIL or (strict and self.verdict is Verdict.UNDECIDABLE):
-            raise AssertionError(failure(self, strict))
+        wanted = {Verdict.FAIL, Verdict.UNDECIDABLE} if strict else {Verdict.FAIL}
+        if self.verdict not in wanted:
+            return
+        lines = [f"{self.name} does not keep the I2C limits of mode {self.mode.value}:"]
+        for row in self.rows:
+            if row.verdict in wanted:
+                lines.append(
+                    f"  {row.limit.symbol} ({row.limit.begins} -> {row.limit.ends}) {row.verdict.value}: "
+                    f"{limit_text(row.bounds)}, {row.failed or row.undecided} of {row.count}"
+                )
+                lines.extend(f"    {_place(self, place)}" for place in row.worst)
+        raise AssertionError("\n".join(lines))
 
     def seconds(self, position: int) -> Fraction:
         return position / self.resolution.rate
 
     def __str__(self) -> str:
-        return table(self)
+        """Format a table with the measured times and the worst place of each limit, notes and the verdict."""
+        lines = text_table(MEASURED, [_measured(self, row) for row in self.rows], (2, 3, 4))
+        rules = text_table(RULES, [_rule(self, row) for row in self.rows], (2,))
+        period = self.resolution.period
+        exactness = f"each time good to {_short(period)} either way" if period else "times exact"
+        title = f"{self.name}: I2C limits of mode {self.mode.value}, {exactness}"
+        remarks = [line for note in _remarks(self) for line in paragraph(f"note: {note}")]
+        return "\n".join([title, "", *lines, "", *rules, "", *remarks, _conclusion(self)])
 
 
 MEASURED = ("symbol", "limit", "min", "max", "count", "verdict")
 RULES = ("symbol", "from -> to", "worst begins at", "by")
-
-
-def table(report: Report) -> str:
-    """Format the report as a table with the measured times and the worst place of each limit, notes and the verdict."""
-    lines = text_table(MEASURED, [_measured(report, row) for row in report.rows], (2, 3, 4))
-    rules = text_table(RULES, [_rule(report, row) for row in report.rows], (2,))
-    period = report.resolution.period
-    exactness = f"each time good to {_short(period)} either way" if period else "times exact"
-    title = f"{report.name}: I2C limits of mode {report.mode.value}, {exactness}"
-    remarks = [line for note in _remarks(report) for line in paragraph(f"note: {note}")]
-    return "\n".join([title, "", *lines, "", *rules, "", *remarks, _conclusion(report)])
-
-
-def failure(report: Report, strict: bool) -> str:
-    """Format the rows that do not pass, with their worst places, for an AssertionError."""
-    wanted = {Verdict.FAIL, Verdict.UNDECIDABLE} if strict else {Verdict.FAIL}
-    lines = [f"{report.name} does not keep the I2C limits of mode {report.mode.value}:"]
-    for row in report.rows:
-        if row.verdict in wanted:
-            beyond = row.failed or row.undecided
-            begins, ends = row.limit.begins, row.limit.ends
-            lines.append(
-                f"  {row.limit.symbol} ({begins} -> {ends}) {row.verdict.value}: {limit_text(row.bounds)}, "
-                f"{beyond} of {row.count}"
-            )
-            lines.extend(f"    {_place(report, place)}" for place in row.worst)
-    return "\n".join(lines)
 
 
 def as_json(report: Report) -> dict[str, object]:

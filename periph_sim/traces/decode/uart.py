@@ -149,7 +149,7 @@ def uart_table(capture: Capture, channel: str | int, line: Line, glitch: int = 0
 
 
 def _table(wire: Channel, line: Line, width: Fraction, end: int, step: int, vote: bool) -> UartTable:
-    frames, rejected = _frames(wire, line, width, end, step, vote)
+    frames, rejected = frames_of(wire, line, width, end, step, vote)
     breaks = breaks_of(wire, line, width)
     if not len(breaks.at) and not len(rejected.at):
         return frames
@@ -157,16 +157,13 @@ def _table(wire: Channel, line: Line, width: Fraction, end: int, step: int, vote
     return select(both, np.argsort(both.at, kind="stable"))
 
 
-def frames_of(wire: Channel, line: Line, width: Fraction, end: int, step: int = 1) -> UartTable:
-    """Decode the frames of a line that is known up to `end`.
+def frames_of(
+    wire: Channel, line: Line, width: Fraction, end: int, step: int, vote: bool
+) -> tuple[UartTable, UartTable]:
+    """Decode a line that is known up to `end`. Return its frames and its rejected starts.
 
-    width, step: the length of a bit and of a sample, in positions.
+    width, step: the length of a bit and of a sample, in positions. vote: as for `uart_table`.
     """
-    return _frames(wire, line, width, end, step, vote=False)[0]
-
-
-def _frames(wire: Channel, line: Line, width: Fraction, end: int, step: int, vote: bool) -> tuple[UartTable, UartTable]:
-    """Return (frames, rejected starts)."""
     low = int(line.invert)  # level of the wire during a start bit
     edges = wire.edges
     first = int(wire.initial == low)  # index of the first edge that may start a frame

@@ -203,7 +203,7 @@ def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
             continue
         some = replace(part, edges=edges)
         end = int(edges[-1]) + ceil(line.frame * width)
-        table = frames_of(some, line, width, end, sample)
+        table, _ = frames_of(some, line, width, end, sample, vote=False)
         table = select(table, table.kind == UartRowKind.FRAME)
         breaks = breaks_of(some, line, width).at
         table = select(table, ~np.isin(table.at, breaks, assume_unique=True))

@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 from ..capture.capture import Capture
 from ..decode.uart import Line
-from .matching import Event, Group, Pair, i2c_groups, pairs, uart_groups
+from .matching import Event, Group, Pair, Pairing, i2c_groups, uart_groups
 
 __all__ = ["ChangePoint", "Entry", "TraceDiff", "diff_i2c", "diff_uart"]
 
@@ -67,7 +67,7 @@ def _diff(a: Capture, b: Capture, of_a: list[Group], of_b: list[Group], toleranc
             raise ValueError(f"{capture.path}: differences in time need a rate and the file states none; state it")
         rates.append(capture.rate)
     both = rates[0], rates[1]
-    return compared(pairs(of_a, of_b, both), (str(a.path), str(b.path)), both, tolerance)
+    return compared(Pairing(both).pairs(of_a, of_b), (str(a.path), str(b.path)), both, tolerance)
 
 
 class Entry(NamedTuple):

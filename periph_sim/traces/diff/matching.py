@@ -145,19 +145,14 @@ FEW_EVENTS = 5_000  # up to this number, events are aligned one by one, also acr
 FEW_GROUPS = 60  # up to this number, each group is compared with every group of the other capture
 
 
-def pairs(a: Sequence[Group], b: Sequence[Group], rates: tuple[Fraction, Fraction]) -> list[Pair]:
-    """Return all events of both captures in pairs, in order.
+class Pairing:
+    """Pairs the events of two captures. rates: positions per second of A and B."""
 
-    rates: positions per second of A and B.
-    """
-    return list(_Pairing(rates).pairs(a, b))
-
-
-class _Pairing:
     def __init__(self, rates: tuple[Fraction, Fraction]) -> None:
         self._rates = tuple(map(float, rates))  # times are used only to choose between equal events
 
     def pairs(self, a: Sequence[Group], b: Sequence[Group]) -> Iterator[Pair]:
+        """Yield all events of both captures in pairs, in order."""
         texts = [_text(group) for group in a], [_text(group) for group in b]
         begins = [group[0].at for group in a], [group[0].at for group in b]
         for run, left, right in _between(self._aligned(*texts, *begins), a, b):

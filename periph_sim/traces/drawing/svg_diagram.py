@@ -88,7 +88,7 @@ def timing_diagram(
     begin, end = window
     if not lanes or end <= begin:
         raise ValueError(f"a diagram of {len(lanes)} lanes from {begin} s to {end} s; expected a lane and a later end")
-    return _Diagram(lanes, begin, end, marks, title, axis).text()
+    return str(_Diagram(lanes, begin, end, marks, title, axis).page.as_svg())
 
 
 class _Diagram:
@@ -107,8 +107,8 @@ class _Diagram:
             y += LANE
         self._bottom = y
         self._height = y + AXIS
-        self._page = svg.Drawing(WIDTH, self._height, font_family=FONT)
-        self._page.append(svg.Rectangle(0, 0, WIDTH, self._height, fill="white"))
+        self.page = svg.Drawing(WIDTH, self._height, font_family=FONT)
+        self.page.append(svg.Rectangle(0, 0, WIDTH, self._height, fill="white"))
         if title:
             self._words(title, MARGIN, MARGIN + 14, 15, weight="bold")
         self._draw_axis(axis)
@@ -118,9 +118,6 @@ class _Diagram:
         for lane, top in self._rows:
             self._draw_lane(lane, top)
         self._draw_marks(marks)
-
-    def text(self) -> str:
-        return str(self._page.as_svg())
 
     # Places -----------------------------------------------------------------------
 
@@ -144,13 +141,13 @@ class _Diagram:
         weight: str = "normal",
         family: str = FONT,
     ) -> None:
-        self._page.append(
+        self.page.append(
             svg.Text(text, size, x, y, text_anchor=anchor, fill=fill, font_weight=weight, font_family=family)
         )
 
     def _line(self, x1: float, y1: float, x2: float, y2: float, stroke: str, width: float, dash: str = "") -> None:
         more = {"stroke_dasharray": dash} if dash else {}
-        self._page.append(svg.Line(x1, y1, x2, y2, stroke=stroke, stroke_width=width, **more))
+        self.page.append(svg.Line(x1, y1, x2, y2, stroke=stroke, stroke_width=width, **more))
 
     # Parts ------------------------------------------------------------------------
 
@@ -168,7 +165,7 @@ class _Diagram:
         if mark.wrong and self._seen(mark.at):
             x = self._x(mark.at)
             band = svg.Rectangle(x - 5, self._top, 10, self._bottom - self._top, fill=WRONG_PALE)
-            self._page.append(band)
+            self.page.append(band)
 
     def _draw_marks(self, marks: Sequence[Mark]) -> None:
         free = [float("-inf"), float("-inf")]  # the places at which the labels in both rows end
@@ -220,7 +217,7 @@ class _Diagram:
             path.L(x, place(level)).L(x, place(value))
             level = value
         path.L(WIDTH - MARGIN, place(level))
-        self._page.append(path)
+        self.page.append(path)
 
     def _draw_box(self, box: Box, colour: str, low: float, high: float) -> None:
         if box.end < self._begin or box.begin > self._end:
@@ -229,7 +226,7 @@ class _Diagram:
         edge = WRONG if box.wrong else colour
         fill = WRONG_PALE if box.wrong else PALE.get(colour, "white")
         width = max(right - x, 1)
-        self._page.append(
+        self.page.append(
             svg.Rectangle(x, high, width, low - high, fill=fill, stroke=edge, stroke_width=2 if box.wrong else 1, rx=2)
         )
         if len(box.text) * CHARACTER <= width + 2:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 
 from periph_sim.traces.diff import TraceDiff, compared
-from periph_sim.traces.diff.matching import Event, Group, pairs
+from periph_sim.traces.diff.matching import Event, Group, Pairing
 
 MHZ = Fraction(10**6)
 
@@ -31,7 +31,7 @@ def diffed(
     tolerance: Fraction | None = None,
     rates: tuple[Fraction, Fraction] = (MHZ, MHZ),
 ) -> TraceDiff:
-    return compared(pairs(a, b, rates), ("a", "b"), rates, tolerance)
+    return compared(Pairing(rates).pairs(a, b), ("a", "b"), rates, tolerance)
 
 
 def told(diff: TraceDiff) -> list[str]:

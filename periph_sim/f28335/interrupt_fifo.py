@@ -72,7 +72,7 @@ class InterruptFifo:
         return self.words.pop(0)
 
     def is_released(self) -> bool:
-        """Return True if the register's reset bit does not hold the FIFO empty."""
+        """Return False while the register's reset bit holds the FIFO empty, else True."""
         return self.control & RELEASE > 0
 
     def is_requesting(self) -> bool:

@@ -60,7 +60,7 @@ class RegisterTable(Table, frozen=True, kw_only=True):
 
     @property
     def full(self) -> int:
-        """Mask of all its bits."""
+        """Mask of all bits of the register."""
         return (1 << self.width) - 1
 
     def mask(self, bits: Mask) -> int:

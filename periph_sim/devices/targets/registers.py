@@ -5,7 +5,8 @@
 
 The value of a register is latched when its first byte is read, and stored when its last byte is written, so all bytes
 belong to one value. The pointer survives STOP and repeated START. With `updates` and `every` the device changes its
-registers by itself. These updates are applied on access; events apply them only if a pin shows them.
+registers by itself. These updates are applied on access. Events are scheduled for them only if there is an interrupt
+pin.
 """
 
 from __future__ import annotations

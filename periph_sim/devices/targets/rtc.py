@@ -1,7 +1,7 @@
 """A real-time clock with two-byte register addresses, ISL12026 or X1226: its time and control registers.
 
-    START, 0x6F+W, 00 3f 02, STOP       WEL      writes of other registers are not acknowledged before
-    START, 0x6F+W, 00 3f 06, STOP       RWEL     and ignored before
+    START, 0x6F+W, 00 3f 02, STOP       sets WEL: without it, writes of other registers are not acknowledged
+    START, 0x6F+W, 00 3f 06, STOP       sets RWEL: without it, writes of other registers are ignored
     START, 0x6F+W, 00 30, SC MN HR DT MO YR DW Y2K, STOP     the time, from the STOP on
     START, 0x6F+W, 00 30, START, 0x6F+R, SC MN ...           the time as it was when the read began
 

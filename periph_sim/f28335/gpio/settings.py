@@ -97,7 +97,7 @@ def module_of(signal: str) -> str:
 
 
 ALL = (1 << PINS) - 1
-SYNCHRONISED_ONLY = 64  # this pin and all above: port C has no QSEL
+SYNCHRONISED_ONLY = 64  # number of the first pin of port C, whose pins have no QSEL
 GROUPS = 8  # number of groups of eight pins that share a sampling period
 DIRECTIONS = tuple(at.GPIO[f"GP{port}DIR"].offset for port in "ABC")
 PULL_UPS = tuple(at.GPIO[f"GP{port}PUD"].offset for port in "ABC")

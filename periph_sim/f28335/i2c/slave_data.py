@@ -48,7 +48,7 @@ class I2cSlaveData:
         self._n = 8
         self._shift = self._sent = 0
         self._nack_armed = self._first_byte = False
-        self._read = False  # the last byte that was compared with the own address requests data from this module
+        self._read = False  # R/W = 1 in the last byte that was compared with the own address
         self._latched = 0  # latched value of I2COAR, for the values of `oar_latch` other than "live"
         self.reset()
 

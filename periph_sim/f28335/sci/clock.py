@@ -35,7 +35,7 @@ class SciClock:
         self.phase = 0
         self.brr = 0
         self.period = 8
-        self._tick = 0  # the first tick of the mapping
+        self._tick = 0  # number of the tick that is at cycle `_cycle`
         self._cycle = NEVER  # cycle of tick `_tick`
         self._left = 2  # while stopped: number of LSPCLK edges up to tick `_tick`
 
@@ -45,7 +45,7 @@ class SciClock:
         return self._tick - 1 if ahead < 0 else self._tick + ahead // self.period
 
     def from_cycle(self, cycle: int) -> int:
-        """Return the first tick of the mapping at or after `cycle`."""
+        """Return the first tick at or after `cycle`, but not before `_tick`."""
         ahead = cycle - self._cycle
         return self._tick if ahead <= 0 else self._tick - (-ahead // self.period)
 
@@ -110,7 +110,7 @@ class SciClock:
         self._left = 2
 
     def _rebase(self, now: int) -> None:
-        """Begin the mapping at the first tick after `now`."""
+        """Set `_tick` and `_cycle` to the first tick after `now`."""
         if now >= self._cycle:
             past = (now - self._cycle) // self.period + 1
             self._tick += past

@@ -1,1 +1,1 @@
-"""Causes of the value of a field, wire, span or interrupt: the walk back from a record."""
+"""Search for the causes of the value of a field, wire, span or interrupt."""

@@ -244,7 +244,7 @@ class SrWriter(WaveformWriter):
 
 
 def rate_for(seconds: Fraction) -> Fraction:
-    """Return the samples per second of .sr for a run of this length."""
+    """Return the sample rate of an .sr file, in Hz, for a run of this length."""
     return next((rate for rate in RATES if seconds * rate <= MOST_SAMPLES), RATES[-1])
 
 

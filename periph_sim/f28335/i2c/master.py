@@ -252,7 +252,7 @@ class I2cMaster(I2cMasterData):
         self._release_after_low(now)
 
     def fell(self, now: int) -> None:
-        """Process a fall of SCL after the filter. A fall that another device causes in our high phase ends the phase."""
+        """Process a fall of SCL after the filter. If another device makes it in our high phase, our phase ends."""
         if not self.active or self.lines & SCL:
             return
         if self._step == STARTED:  # our START was not over yet

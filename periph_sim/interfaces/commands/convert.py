@@ -54,8 +54,7 @@ def convert(
             said, notes = f"{len(table)} records, {float(length):g} s", []
         else:
             _check_suffix(out, part)
-            source = read_capture(given, rate, salvage)
-            ready = _part(source, channels, window)
+            ready = _part(read_capture(given, rate, salvage), channels, window)
             ready = ready if sample is None else resampled(ready, rate_given("--sample", sample))
             ready = formats.ready_for(out, ready)
             notes = [*ready.notes, *formats.write(ready, out), *_not_kept(ready, out)]

@@ -16,7 +16,6 @@ from ...traces.capture.capture import Capture
 from ...traces.capture.sampling import sample_step
 from ...traces.decode.event_rows import grouped, merged
 from ...traces.decode.i2c_table import long_lows
-from . import decode_exports
 from . import decoded_text as event_text
 from .command_frame import RATE, SALVAGE, command, read_capture, usage_errors_in_one_sentence
 from .decode_buses import Bus, asked_for
@@ -97,7 +96,7 @@ def _text(found: list[Bus], capture: Capture, style: str, full: bool, whole: boo
     clock = None if capture.rate is None else event_text.Clock.for_rate(capture.rate, 2 * capture.length)
     rows = merged([bus.rows for bus in found])
     if style == "sigrok":
-        return decode_exports.in_sigrok(rows, protocols)
+        return in_sigrok(rows, protocols)
     if not whole and style not in EXPORTS:
         return event_text.events(rows, names, clock, style, full)
     rows, first = grouped(rows, [bus.silence for bus in found])
@@ -111,12 +110,12 @@ def _text(found: list[Bus], capture: Capture, style: str, full: bool, whole: boo
     if clock is None:
         raise click.ClickException(f"--format {style}: {capture.path} states no rate; packets have times, state --rate")
     if style == "pcapng":
-        return decode_exports.in_pcapng(rows, first, names, protocols, clock)
+        return in_pcapng(rows, first, names, protocols, clock)
     if len(set(protocols)) > 1:
         raise click.ClickException(
             "a hex dump holds one kind of bus; choose with --i2c, --uart or --spi, or write pcapng"
         )
-    return decode_exports.in_hexdump(rows, first, clock)
+    return in_hexdump(rows, first, clock)
 
 
 def _shortest(text: str, capture: Capture) -> int:

@@ -101,8 +101,7 @@ def new(
             if kind == REPLAY:
                 recorded = place.with_name(f"{place.name}.vcd") if capture is None else capture
                 if capture is not None:
-                    given = read_capture(capture, rate)
-                    files = _as_captured(files, given, mapping)
+                    files = _as_captured(files, read_capture(capture, rate), mapping)
                 following = _replay(recorded, case, mapping, rate)
         write(files)
     click.echo("\n".join([*(f"written: {file}" for file in files), *_go_on(files, case, following)]))

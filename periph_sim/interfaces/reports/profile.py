@@ -9,7 +9,7 @@ profiles); geninfo(1), "TRACEFILE FORMAT".
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
 
 from ...core.text_table import paragraph, text_table
@@ -110,8 +110,7 @@ def speedscope(
 
     def number(unit: str, function: str) -> int:
         place = place_of(unit, function)
-        frame = function, getattr(place, "path", ""), getattr(place, "line", 0)
-        return frames.setdefault(frame, len(frames))
+        return frames.setdefault((function, getattr(place, "path", ""), getattr(place, "line", 0)), len(frames))
 
     made: list[dict[str, object]] = []
     for unit, profile in profiles.items():
@@ -146,24 +145,20 @@ class FileCoverage:
     """The coverage of one source file.
 
     lines: the count of each line.
-    branches: for each (line, address), how often the branch was not taken and taken.
-    functions: the line and the count of each function.
+    branches: for each (line, address, way), how often the branch was not taken (way 0) or taken (way 1).
+    functions: for each (line, name), the count of the function.
     """
 
     def __init__(self) -> None:
-        self.lines: dict[int, int] = {}
-        self.branches: dict[tuple[int, int], tuple[int, int]] = {}
-        self.functions: dict[str, tuple[int, int]] = {}
+        self.lines: Counter[int] = Counter()
+        self.branches: Counter[tuple[int, int, int]] = Counter()
+        self.functions: Counter[tuple[int, str]] = Counter()
 
     def add(self, other: FileCoverage) -> None:
         """Add the counts of another unit for the same file."""
-        for line, count in other.lines.items():
-            self.lines[line] = self.lines.get(line, 0) + count
-        for branch, (on, jumped) in other.branches.items():
-            before_on, before_jumped = self.branches.get(branch, (0, 0))
-            self.branches[branch] = (before_on + on, before_jumped + jumped)
-        for name, (line, count) in other.functions.items():
-            self.functions[name] = (line, self.functions.get(name, (0, 0))[1] + count)
+        self.lines.update(other.lines)
+        self.branches.update(other.branches)
+        self.functions.update(other.functions)
 
 
 Covered = tuple[Image, FunctionMap, Coverage]
@@ -189,12 +184,12 @@ def _files(image: Image, functions: FunctionMap, counts: Coverage) -> dict[str, 
             continue
         of_file = found[place.file]
         count, jumped = counts.executed_at[at], counts.jumped_at[at]
-        of_file.lines[place.line] = max(of_file.lines.get(place.line, 0), count)
+        of_file.lines[place.line] = max(of_file.lines[place.line], count)
         if instruction.target is not None and instruction.goes_on and not instruction.is_call:  # a conditional branch
-            of_file.branches[place.line, at] = (count - jumped, jumped)
+            of_file.branches.update({(place.line, at, 0): count - jumped, (place.line, at, 1): jumped})
         inside = functions.at(at)
         if inside is not None and inside.address == at:
-            of_file.functions[inside.name] = (place.line, count)
+            of_file.functions[place.line, inside.name] = count
     return found
 
 
@@ -206,18 +201,16 @@ def tracefile(files: dict[str, FileCoverage], name: str) -> str:
 def _record(file: str, of_file: FileCoverage, name: str) -> Iterator[str]:
     yield f"TN:{name}"
     yield f"SF:{file}"
-    functions = sorted(of_file.functions.items(), key=lambda item: item[1])
-    yield from (f"FN:{line},{function}" for function, (line, _) in functions)
-    yield from (f"FNDA:{count},{function}" for function, (_, count) in functions)
+    functions = sorted(of_file.functions.items())
+    yield from (f"FN:{line},{function}" for (line, function), _ in functions)
+    yield from (f"FNDA:{count},{function}" for (_, function), count in functions)
     yield f"FNF:{len(functions)}"
-    yield f"FNH:{sum(count > 0 for _, (_, count) in functions)}"
-    ways = 0
-    for (line, address), counts in sorted(of_file.branches.items()):
-        for way, count in enumerate(counts):
-            ways += count > 0
-            yield f"BRDA:{line},{address},{way},{count if any(counts) else '-'}"
-    yield f"BRF:{2 * len(of_file.branches)}"
-    yield f"BRH:{ways}"
+    yield f"FNH:{sum(count > 0 for _, count in functions)}"
+    for (line, address, way), count in sorted(of_file.branches.items()):
+        executed = count or of_file.branches[line, address, 1 - way]
+        yield f"BRDA:{line},{address},{way},{count if executed else '-'}"
+    yield f"BRF:{len(of_file.branches)}"
+    yield f"BRH:{sum(count > 0 for count in of_file.branches.values())}"
     yield from (f"DA:{line},{count}" for line, count in sorted(of_file.lines.items()))
     yield f"LF:{len(of_file.lines)}"
     yield f"LH:{sum(count > 0 for count in of_file.lines.values())}"

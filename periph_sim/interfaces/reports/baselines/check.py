@@ -260,8 +260,7 @@ def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start
         if run is not None and baseline is not None and tolerance is not None:
             now = one.outcome.figures.budgets
             worse = {c.budget for c in one.changes if c.budget in now and c.figure == now[c.budget].chain_of}
-            moved = [] if worse else moved_accesses(baseline, one.outcome.figures, chains, tolerance)
-            one.changes[:0] = moved
+            one.changes[:0] = [] if worse else moved_accesses(baseline, one.outcome.figures, chains, tolerance)
             one.state = _state(one.changes)
         if baseline is not None:
             explain(one.changes, baseline, one.outcome.figures, one.outcome.result.first_wrong)

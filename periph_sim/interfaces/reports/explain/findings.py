@@ -208,8 +208,7 @@ def _refused(evidence: Evidence, ends: Ends) -> Finding:
     phase = next((p for p in there if ends.thing == "refused" or p.answered == at), None)
     if phase is None or phase.answered is None:
         return Finding()
-    doing = evidence.doing_step(phase.answered)
-    steps = [*asked(evidence, phase, phase.answered), doing]
+    steps = [*asked(evidence, phase, phase.answered), evidence.doing_step(phase.answered)]
     if is_master(evidence, phase.answered):
         return Finding(steps)
     lacks = missing_condition(evidence, phase.answered)

@@ -11,7 +11,7 @@ the state at the beginning. So memory does not grow with the length of the run.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
@@ -215,18 +215,19 @@ class _Keeper:
                 self._records.append(record)
         self._seen[thing] = record
 
-    def windows(self, name: str, wires: Iterable[str], modules: Mapping[str, tuple[str, ...]]) -> list[Window]:
+    def windows(self, name: str, wires: Collection[str], modules: Mapping[str, tuple[str, ...]]) -> list[Window]:
         self._before += [self._seen] * (len(self._ranges) - len(self._before))  # the remaining ranges have no records
         self._records.sort(key=lambda r: r.tick)
-        names = list(wires)
-        return [_with_stretch(self._window(one, name, names, modules)) for one in self._wanted]
+        return [_with_stretch(self._window(one, name, wires, modules)) for one in self._wanted]
 
     def _between(self, begin: int, end: int) -> list[Record]:
         """Return the records from one tick up to, but not including, another."""
         first, last = (bisect_left(self._records, tick, key=lambda r: r.tick) for tick in (begin, end))
         return self._records[first:last]
 
-    def _window(self, one: _Wanted, name: str, wires: list[str], modules: Mapping[str, tuple[str, ...]]) -> Window:
+    def _window(
+        self, one: _Wanted, name: str, wires: Collection[str], modules: Mapping[str, tuple[str, ...]]
+    ) -> Window:
         ranges = [max(n for n, ours in enumerate(self._ranges) if ours.begin <= span.begin) for span in one.kept]
         first = one.kept[0].begin
         early: dict[object, Record] = {r[2:5]: r for r in self._between(self._ranges[ranges[0]].begin, first)}

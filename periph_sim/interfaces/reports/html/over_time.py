@@ -176,8 +176,7 @@ def time_plot(over: OverTime, per_second: int) -> TimePlot:
 
     def line(name: str, value: int) -> Line:
         inside = begin <= value <= end
-        text = f"{name} {number(value / size)} {unit}".rstrip()
-        return Line(text, y(value) if inside else None, value > end)
+        return Line(f"{name} {number(value / size)} {unit}".rstrip(), y(value) if inside else None, value > end)
 
     strokes = (f"M{x(c.at):g} {y(c.high):g}v{round(y(c.low) - y(c.high), 1):g}" for c in over.columns)
     marks = (f"M{x(c.at):g} {y(c.low if over.which == 'min' else c.high):g}v0" for c in over.columns if c.beyond)

@@ -109,8 +109,7 @@ def bytes_of(transfers: Iterable[i2c.Transfer], end: int) -> Iterator[Box]:
             for place, byte in enumerate(phase.bytes):
                 yield from _byte(phase, place, byte, end)
         if transfer.stop is not None and transfer.phases:
-            since = transfer.stop.at - (transfer.stop.high or 0)
-            yield since, transfer.stop.at, "P", "STOP"
+            yield transfer.stop.at - (transfer.stop.high or 0), transfer.stop.at, "P", "STOP"
 
 
 def _byte(phase: i2c.Phase, place: int, byte: i2c.Byte, end: int) -> Iterator[Box]:

@@ -27,7 +27,7 @@ from .command_frame import (
     running_user_code,
     say,
 )
-from .watched_files import note_inputs
+from .watch import note_inputs
 
 
 @command("run", "periph-sim check timing --junit results.xml")

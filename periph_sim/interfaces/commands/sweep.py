@@ -7,15 +7,19 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
+import numpy as np
 
+from ...scene.case.model import BadCase
+from ...timing.verdict import figure, limit
+from ...traces.formats import atomic_write
+from ..reports.sweep.plan import values_of
+from ..reports.sweep.sweep import Sweep, SweepStopped
+from ..reports.sweep.sweep import sweep as swept
 from .command_frame import JSON, SECONDS, command, print_json, print_table, progress, running_user_code, say
-
-if TYPE_CHECKING:
-    from ..reports.sweep.sweep import Sweep
-
+from .watch import note_inputs
 
 FIGURES = ("worst", "limit", "margin", "at_s", "count", "verdict")
 MAX_LISTED = 10  # runs that are listed one by one
@@ -49,12 +53,6 @@ def sweep(
     Exit status 0: every run passes; 1: otherwise; 2: a run could not be made (the others were), or
     Ctrl-C or SIGTERM stopped the sweep (the finished runs are shown).
     """
-    from ...scene.case.model import BadCase
-    from ...traces.formats import atomic_write
-    from ..reports.sweep.sweep import SweepStopped
-    from ..reports.sweep.sweep import sweep as swept
-    from .watched_files import note_inputs
-
     with running_user_code(), ExitStack() as outputs:
         varied = _varied(vary)
         fixed = {key.strip(): [value.strip()] for key, value in (_parts("--set", change) for change in changes)}
@@ -91,8 +89,6 @@ def _parts(option: str, change: str) -> tuple[str, str]:
 
 
 def _varied(vary: tuple[str, ...]) -> dict[str, list[str]]:
-    from ..reports.sweep.plan import values_of
-
     found: dict[str, list[str]] = {}
     for text in vary:
         key, values = _parts("--vary", text)
@@ -184,10 +180,6 @@ def _why(came: Sweep, row: int) -> str:
 
 def _rows(came: Sweep) -> tuple[list[tuple[tuple[str, ...], str]], list[int]]:
     """Return the cells and the style of each budget, and the numbers of the runs that are in the table."""
-    import numpy as np
-
-    from ...timing.verdict import figure, limit
-
     rows: list[tuple[tuple[str, ...], str]] = []
     shown: dict[int, None] = {}
     for name, budget in came.budgets.items():

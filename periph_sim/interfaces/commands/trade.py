@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from fractions import Fraction
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from ...scene.case.load import load
+from ...scene.case.model import Case
+from ..reports.trade import trade as report
+from ..reports.trade.rows import chosen, rows_of
 from .command_frame import CHANGES, SECONDS, command, print_answer, progress, running_user_code, time_given
-
-if TYPE_CHECKING:
-    from ...scene.case.model import Case
 
 
 @command("understand", "periph-sim trade timing/imu_hil.toml --seconds 1")
@@ -47,10 +47,6 @@ def trade(
     occurrence of a time, and of the n-th sample in a chip's answers. The case as given and the most accurate row are
     always run.
     """
-    from ...scene.case.load import load
-    from ..reports.trade import trade as report
-    from ..reports.trade.rows import chosen, rows_of
-
     with running_user_code():
         bound = inf if max_error is None else float(time_given("--max-error", max_error))
         loaded = load(case, list(changes))

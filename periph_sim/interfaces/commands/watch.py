@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 import time
+import tomllib
+from collections.abc import Iterable, Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from ...core.input_files import note_inputs_of, read_regular
+from ...scene.case.origin import named_files, texts_in
+from ..reports.baselines.compare import compare
+from ..reports.baselines.files import BadCheck, path_for, read
+from ..reports.baselines.outcome import Outcome, RejectedCase, run_case
 from .command_frame import CHANGES, GUARANTEED, command, say, usage_errors_in_one_sentence
-
-if TYPE_CHECKING:
-    from ..reports.baselines.outcome import Outcome, RejectedCase
-
+from .result_text import broken_lines, budget_table, title
 
 PAUSE = 0.3  # seconds between checks of the files; polling needs no library and works on any file system
 
@@ -28,9 +31,6 @@ def watch(case: Path, changes: tuple[str, ...]) -> int:
     names, and its baseline. After the first run only the verdict is printed, and the figures
     that changed since the run before.
     """
-    from ..reports.baselines.outcome import run_case
-    from .watched_files import stamps
-
     try:
         with usage_errors_in_one_sentence():
             before: Outcome | None = None
@@ -46,11 +46,6 @@ def watch(case: Path, changes: tuple[str, ...]) -> int:
 
 def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome | None:
     """Print a run. Return the outcome with which the next run is compared."""
-    from ..reports.baselines.compare import compare
-    from ..reports.baselines.files import BadCheck, path_for, read
-    from ..reports.baselines.outcome import RejectedCase
-    from .result_text import broken_lines, budget_table, title
-
     if isinstance(came, RejectedCase):
         say(f"Error: {came.why}")
         return before
@@ -70,3 +65,38 @@ def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome 
         count = sum(not change.note for change in compare(baseline, came.figures))
         say(f"  baseline: {f'{count} figures differ' if count else 'equal'}")
     return came
+
+
+Stamps = dict[Path, tuple[int, int]]
+
+
+def stamps(case: Path) -> Stamps:
+    """Return the time of the last change and the size of each file of a case that exists."""
+    found: Stamps = {}
+    for file in {*files_of(case)}:
+        try:
+            status = file.stat()
+        except (OSError, ValueError):
+            continue
+        found[file] = (status.st_mtime_ns, status.st_size)
+    return found
+
+
+def note_inputs(cases: Iterable[Path], but_baselines: bool = False) -> None:
+    """Register the files of these cases as inputs of the command, which must not write to them.
+
+    Commands call this if worker processes read the files, since this process then does not notice it.
+    """
+    for case in cases:
+        note_inputs_of(file for file in files_of(case) if not (but_baselines and file == path_for(case)))
+
+
+def files_of(case: Path) -> Iterator[Path]:
+    """Yield the case, its baseline, and the files that its texts name."""
+    yield case
+    yield path_for(case)
+    try:
+        tree = tomllib.loads(read_regular(case).decode("utf-8"))
+    except (OSError, ValueError):
+        return
+    yield from named_files(case.parent, texts_in(tree))

@@ -6,16 +6,16 @@ import re
 from fractions import Fraction
 from pathlib import Path
 from shutil import get_terminal_size
-from typing import TYPE_CHECKING
 
 import click
 
 from ...core.suggest import did_you_mean
+from ...scene.case.load import load
+from ...scene.scene import Scene
+from ...timing.verdict import Verdict
+from ..reports.explain import chain as chains
+from ..reports.explain.explain import Explained, explain
 from .command_frame import CHANGES, SECONDS, command, print_json, progress, running_user_code
-
-if TYPE_CHECKING:
-    from ...timing.verdict import Verdict
-    from ..reports.explain.explain import Explained
 
 MOST = 100  # maximum number of columns of a picture
 
@@ -39,10 +39,6 @@ def worst(
 
     BUDGET selects budgets by name; the default is all. Exit status as of run: 0 if they hold, 1 if not.
     """
-    from ...scene.case.load import load
-    from ...scene.scene import Scene
-    from ..reports.explain.explain import explain
-
     if svg is not None and not svg.is_dir():
         raise click.ClickException(f"--svg: {svg} is no folder; create it, or give another")
     with running_user_code():
@@ -59,12 +55,8 @@ def worst(
         if svg is not None:
             _write(svg, found)
     if as_json:
-        from ..reports.explain.chain import as_json as chain_as_json
-
-        chains = {
-            verdict.name: chain_as_json(found[verdict.name].chain) for verdict in verdicts if verdict.name in found
-        }
-        print_json("worst", {"case": result.case, "budgets": chains})
+        shown = {name: chains.as_json(one.chain) for name, one in found.items()}
+        print_json("worst", {"case": result.case, "budgets": shown})
     elif not verdicts:
         click.echo(f"{result.case}: it has no budget, so there is no worst case")
     else:
@@ -74,7 +66,6 @@ def worst(
 
 def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
     """Return the explanation and the picture of a worst occurrence, or one line if the verdict has no instant."""
-    from ..reports.explain.chain import text
     from ..reports.explain.picture import text_picture
 
     if one is None:
@@ -82,7 +73,7 @@ def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
         said = nothing if verdict.worst is None else f"{verdict.worst}: it never happened"
         return [f"{verdict.name}: {said}"]
     columns = min(MOST, max(80, get_terminal_size().columns))
-    return [*text(one.chain), "", *text_picture(one.window, columns)]
+    return [*chains.text(one.chain), "", *text_picture(one.window, columns)]
 
 
 def _write(folder: Path, found: dict[str, Explained]) -> None:

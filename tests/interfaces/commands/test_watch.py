@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.interfaces.commands.watched_files import files_of
+from periph_sim.interfaces.commands.watch import files_of
 from tests.interfaces.commands.conftest import Run
 from tests.interfaces.reports.baselines.desk import put
 

@@ -94,7 +94,8 @@ def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
 
 
 def _counts(races: Races, place: PlaceRaces) -> tuple[str, ...]:
-    at = parsed(place.place)  # None unless the place is in an image; the table above has its source line
+    # None if the place is not in an image; the table above has the source line of one in an image
+    at = parsed(place.place)
     short = place.place if at is None else f"{at.function} {at.pc:#08x}"
     return (_name(races, place), short, str(place.reads), str(place.polls), *map(str, place.histogram))
 

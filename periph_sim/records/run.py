@@ -230,7 +230,7 @@ class Run:
 
     @cached_property
     def accesses(self) -> tuple[Group, ...]:
-        """All accesses to known registers, grouped by unit, way and register."""
+        """All accesses to known registers, grouped by unit, register and whether they read or write."""
         table = self.table
         rows = self.rows(Kind.ACCESS)
         where, what = table.columns["where"][rows].astype(np.int64), table.columns["what"][rows].astype(np.int64)

@@ -140,7 +140,7 @@ class Fifo:
 
     @property
     def watermark(self) -> bool:
-        """True if the FIFO has the number of entries in FIFO_CTL. At power-on both are 0, so INT_SOURCE reads 0x02."""
+        """True if the FIFO has at least FIFO_CTL.Samples entries. At power-on both are 0, so INT_SOURCE reads 0x02."""
         return self.entries >= self.samples
 
     def set_up(self, mode: int, samples: int) -> None:
@@ -224,7 +224,7 @@ class Adxl345(RegisterChip):
 
     @property
     def lsb_per_unit(self) -> Fraction:
-        """Number of LSB in one g, right-justified, with the present DATA_FORMAT."""
+        """Number of LSB in one g with the present DATA_FORMAT, for right-justified data."""
         return Fraction(LSB_PER_G, 1 if self.get("DATA_FORMAT", "FULL_RES") else 2 ** self.get("DATA_FORMAT", "Range"))
 
     def begin(self, now: int) -> bool:

@@ -23,9 +23,9 @@ class Settings(Table, frozen=True, kw_only=True):
     """The expected blinking of a wire.
 
     rate: periods a second.
-    duty: the part of a period for which the wire is high; it is not checked if it is not given.
+    duty: the part of a period for which the wire is high; without it the on-times are not checked.
     after: edges up to this time are ignored.
-    first: the deadline of the first rise; two periods after `after` if it is not given.
+    first: the deadline of the first rise; the default is two periods after `after`.
     """
 
     rate: Frequency

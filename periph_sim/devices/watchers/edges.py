@@ -25,7 +25,7 @@ KIND = "edges"
 class Settings(Table, frozen=True, kw_only=True):
     """The expected edges of a wire.
 
-    edges: their times, counted from `since`, and kinds.
+    edges: the time of each edge, counted from `since`, and its kind.
     after: edges up to this time are ignored.
     more: further edges are allowed.
     """

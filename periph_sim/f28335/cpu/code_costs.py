@@ -2,11 +2,12 @@
 
 These are the instructions that the processor executes itself; `c28x/encodings.toml` has the cycles of all others.
 
-`CodeCosts` was counted in the 127 different F28335 images (COFF, TI compilers 5.2 to 22.6, 3380 functions) of eight
-public repositories, without pipeline stalls; docs/fidelity.md describes the method and shows the sequences.
+The figures in `CodeCosts` were counted in the 127 different F28335 images (COFF, TI compilers 5.2 to 22.6, 3380
+functions) of eight public repositories, without pipeline stalls. docs/fidelity.md describes the method and shows the
+sequences.
 
-Source: SPRU430F chapter 6, the CYC line of each instruction; SPRUEO2A (FPU), SPRS439M Table 3-5 (wait states); for
-interrupt delays, the comment at each.
+Source: SPRU430F chapter 6, the CYC line of each instruction; SPRUEO2A (FPU), SPRS439M Table 3-5 (wait states). The
+comments at the interrupt delays have the sources of these.
 """
 
 from __future__ import annotations

@@ -1,5 +1,4 @@
-"""Undocumented behaviours of the I2C module as named options. The default is first, then the other values and the
-question.
+"""Undocumented behaviours of the I2C module as named options, each with its default, its other values and its question.
 
 The project's list of open questions has the questions, their sources and the experiment that would decide each. Times
 are in module clocks (IPSC + 1 cycles of SYSCLKOUT) or SYSCLKOUT cycles, according to the unit.

@@ -168,7 +168,7 @@ I2C_MAP = RegisterMap(
     ),
 )
 
-# Word offsets, as indices of the stored values.
+# Word offsets of the registers.
 OAR, IER, STR, CLKL, CLKH, CNT, DRR, SAR, DXR, MDR, ISRC, EMDR, PSC = range(0x0D)
 FFTX, FFRX = 0x20, 0x21
 

@@ -55,9 +55,9 @@ def end_of_walk(run: Run, steps: Sequence[Link], depth: int) -> str:
 
 
 def causes(run: Run, row: int, record: Record, flag: Record | None = None) -> list[Link]:
-    """Return links to the cause of a record and to the records that are shown beside it. The cause, if known, is the
-    last.
+    """Return links to the cause of a record and to the records that are shown beside it.
 
+    If the cause is known, the last link is the cause.
     flag: the change of a field whose causes led to this record, or None.
     """
     kind = record.kind

@@ -50,7 +50,7 @@ class Link(NamedTuple):
 
 
 def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
-    """Return links to the cause of an access and to the records that are shown beside it. The cause is the last.
+    """Return links to the cause of an access and to the records that are shown beside it. The last link is the cause.
 
     If the last link is `aside`, no cause was found. An access of the main program has no cause if no change or earlier
     look explains it.

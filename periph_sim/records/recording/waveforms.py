@@ -42,7 +42,7 @@ WIRES = ("SCL", "SDA", "RX", "TX")
 MAPS = {"I2C": I2C_MAP, "SCI": SCI_MAP}
 
 RATES = [Fraction(mhz * 10**6) for mhz in (100, 50, 20, 10, 5, 2, 1)]  # sample rates of .sr files, in Hz
-MOST_SAMPLES = 1 << 28  # 2.7 s at 100 MHz; packing them takes two to three seconds
+MOST_SAMPLES = 1 << 28  # 2.7 s at 100 MHz; it takes two to three seconds to pack them
 PICOSECONDS = 10**12
 # Text signals of .fst with values such as "0x68 R ACK" and "0x55". Each value is kept until the next record.
 SAID = {Kind.BUS: "bus.I2C.text", Kind.FRAME: "bus.UART.text"}

@@ -52,7 +52,7 @@ class ChipModel:
     at_rest: Shown
 
     def run(self, number: int, values: tuple[int, ...] | None, before: Shown) -> Shown:
-        """Return the result of a run of the model for the values of a frame.
+        """Return the result of one run of the model, which processes the values of a frame.
 
         number: the number of the run, from 0.
         values: the values; None before the first frame. A run without values has no effect on the next one.

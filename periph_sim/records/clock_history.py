@@ -133,7 +133,7 @@ def history(
                 begins.append(tick)
                 periods.append(period)
     found = ClockHistory(tuple(begins), tuple(periods))
-    before: dict[int, int] = {}  # by index of a clock: the tick of the first access under it
+    before: dict[int, int] = {}  # maps the index of a clock to the tick of the first access under it
     for tick in accesses:
         number = bisect_right(begins, tick)
         if (tick - before.setdefault(number, tick)) % found.at(tick):

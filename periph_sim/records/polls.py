@@ -25,7 +25,7 @@ SHORTEST_PASS, LONGEST_PASS = 4, 400  # minimum and maximum cycles of a pass of 
 MOST_READS = 3  # maximum number of reads of one register in a pass
 # Shares that must fit: of passes with one read, of passes with several reads, and of gaps that contain a change.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
-FEW_GAPS = 3  # with this number of gaps or more, their greatest common divisor can be taken as the length of a pass
+FEW_GAPS = 3  # number of gaps from which on their greatest common divisor is taken as the length of a pass
 
 
 class Polls(NamedTuple):

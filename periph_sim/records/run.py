@@ -259,7 +259,7 @@ class Run:
         return found
 
     def by_place(self, rows: Rows) -> Iterator[tuple[str, Rows]]:
-        """Yield each place in the firmware, such as "function:line", with those of the rows that have it."""
+        """Yield each place in the firmware, such as "function:line", with the rows at this place."""
         codes = self.table.columns["text"][rows]
         for code in sorted(set(codes.tolist())):
             yield self.table.names["text"][code], rows[codes == code]

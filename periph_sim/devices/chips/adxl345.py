@@ -172,7 +172,7 @@ class Fifo:
         return self.output
 
 
-ADDRESSES = (0x53, 0x1D)  # with the pin SDO/ALT ADDRESS low, high
+ADDRESSES = (0x53, 0x1D)  # I2C addresses with the pin SDO/ALT ADDRESS low and high
 LSB_PER_G = 256
 OFFSETS_PER_G = 64  # number of LSB of an offset register in one g: 15.6 mg/LSB
 TURN_ON = Fraction(11, 10_000)  # seconds from the start to the first sample, in addition to one period

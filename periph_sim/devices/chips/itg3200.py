@@ -58,7 +58,7 @@ MAP = RegisterMap(
 )
 
 
-ADDRESSES = (0x68, 0x69)  # with the pin AD0 low, high
+ADDRESSES = (0x68, 0x69)  # I2C addresses with the pin AD0 low and high
 LSB_PER_DEG_S = Fraction(115, 8)  # LSB in one deg/s: 14.375
 REGISTER_ACCESS = Fraction(20, 1000)  # seconds from power-on to the first register access
 START_UP = Fraction(50, 1000)  # seconds from power-on, or from the end of sleep, until the gyroscopes run

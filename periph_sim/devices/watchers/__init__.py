@@ -20,7 +20,7 @@ from typing import Any, Protocol, cast
 from ...core.discover import modules_with
 from ...core.table import Table
 
-EDGE_NAMES = ("fall", "rise")  # by the level after the edge
+EDGE_NAMES = ("fall", "rise")  # names of edges, by the level after the edge
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from msgspec import Struct
 SIMPLE = 1
 
 SB_NOT_TAKEN = 4
-SB_ALWAYS = 4  # of SB with the condition UNC, which always holds
+SB_ALWAYS = 4  # cycles of SB with the condition UNC, which always holds
 
 # Cycles of the instructions that control interrupts.
 CLRC_INTM = SETC_INTM = 2  # EINT and DINT are the same instructions
@@ -29,8 +29,8 @@ IRET = 8
 IDLE = 5
 
 # Cycles on the path of an interrupt.
-IFR_DELAY = 4  # from a request to the CPU's IFR bit (share of the 14 cycles of `int_latency`, E2E thread)
-VECTOR_AND_SAVE = 9  # from the vector fetch to the first instruction, SPRUFB0D section 8
+IFR_DELAY = 4  # cycles from a request to the CPU's IFR bit (share of the 14 cycles of `int_latency`, E2E thread)
+VECTOR_AND_SAVE = 9  # cycles from the vector fetch to the first instruction, SPRUFB0D section 8
 
 
 class CodeCosts(Struct, frozen=True):

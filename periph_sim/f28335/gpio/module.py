@@ -40,7 +40,7 @@ from .settings import ALL
 CONFIGURATION_DELAY = 2  # cycles from a write to MUX or QSEL to its effect
 CONFIGURES = ("CTRL", "QSEL1", "QSEL2", "MUX1", "MUX2")
 
-HALVES = {  # by word offset: the register, and the shift of its half
+HALVES = {  # maps a word offset to the register and the shift of its half
     register.offset + shift // 16: (register, shift) for register in at.GPIO for shift in range(0, register.width, 16)
 }
 PADS = tuple(f"GPIO{n}" for n in range(PINS))

@@ -43,7 +43,7 @@ class Routes:  # core: python
     def __init__(self, mux: Sequence[int]) -> None:
         self.source: dict[str, int | None] = {}
         self.sink: dict[str, tuple[int, ...]] = {}
-        self.signal_at: dict[int, str] = {}  # by pin: the input signal that only this pin feeds
+        self.signal_at: dict[int, str] = {}  # maps a pin to the input signal that only this pin feeds
         self.crowded: dict[str, tuple[int, ...]] = {}  # input signals with more than one pin, and these pins
         given: dict[str, list[int]] = {}
         self.gpio = 0  # mask: pins that are general-purpose

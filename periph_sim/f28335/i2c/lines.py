@@ -157,7 +157,7 @@ class I2cLines(Chip):
             else:
                 self._timer_due(timer)
             if self.state.mdr & MDR_DLB:
-                self._update_lines(min(timer, edge), self._levels())  # in loopback it receives its own outputs
+                self._update_lines(min(timer, edge), self._levels())  # in loopback the module receives its own outputs
             self._timer = self._next_timer()
 
     def _next_timer(self) -> int:

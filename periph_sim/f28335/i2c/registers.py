@@ -54,7 +54,7 @@ class I2cRegisters(I2cRequests):
 
     def __init__(self, options: I2cOptions) -> None:
         super().__init__(options)
-        self.loaded = 0  # as `Chip.loaded`, for I2CDRR and I2CDXR
+        self.loaded = 0  # like `Chip.loaded`, for I2CDRR and I2CDXR
         self.reset()
 
     def reset(self) -> None:

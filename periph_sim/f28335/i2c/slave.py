@@ -270,7 +270,7 @@ class I2cSlave(I2cSlaveData):
     def _address_flags(self, now: int) -> None:
         state = self.state
         whole = self.phase == ADDRESS_LOW or self._read or self._shift & 0xFF == GENERAL_CALL
-        if state.mdr & MDR_XA and not whole:  # after the first byte of a 10-bit address
+        if state.mdr & MDR_XA and not whole:  # only the first byte of a 10-bit address has arrived
             return
         flags = STR_AAS
         if self._read:

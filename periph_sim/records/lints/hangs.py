@@ -114,7 +114,7 @@ def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> 
 
 
 def _parts(reads: int) -> list[int]:
-    """Return the lengths of the shorter passes of which a pass of `reads` reads may consist."""
+    """Return the possible lengths of shorter equal passes within a pass of `reads` reads."""
     return [part for part in range(1, reads) if reads % part == 0]
 
 

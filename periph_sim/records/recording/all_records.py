@@ -14,7 +14,7 @@ from ...traces.formats.record_table import Columns
 from ..record_text import bus_byte, on_the_bus
 from . import RecordingWriter
 
-VERSION = 2  # of the .jsonl format
+VERSION = 2  # version of the .jsonl format
 
 
 class PsrWriter(RecordingWriter):

@@ -8,9 +8,8 @@ In this package, "our" pins are those of the case, and "the outside" is the code
 
 from __future__ import annotations
 
-from .door import Change
 from .errors import OutsideError
 from .replay import replay
-from .session import Session
+from .session import Change, Session
 
 __all__ = ["Change", "OutsideError", "Session", "replay"]

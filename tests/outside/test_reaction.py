@@ -11,8 +11,7 @@ import pytest
 
 from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.outside import OutsideError
-from periph_sim.outside.door import Change
-from periph_sim.outside.session import Session
+from periph_sim.outside.session import Change, Session
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.firmware_loader import Firmware
 from tests.outside.sessions import BUS, FIRMWARE, Records, case

@@ -10,11 +10,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.core.records import Kind
+from periph_sim.core.kernel import Kernel
+from periph_sim.core.records import Kind, Recorder
+from periph_sim.core.sampler import watch
+from periph_sim.core.wire import Wire
 from periph_sim.outside import OutsideError
-from periph_sim.outside.door import Change
 from periph_sim.outside.replay import replay
-from periph_sim.outside.session import Session
+from periph_sim.outside.session import Change, Door, Session
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.outside_log import LogReader
@@ -366,3 +368,22 @@ def test_nothing_grows_where_nobody_asks_for_the_next_output() -> None:
         asked.next_output()
     assert len(session._reaction._put) <= 130
     assert session.next_output() == asked.next_output()
+
+
+def test_a_hold_that_does_not_outlast_its_instant_is_no_change() -> None:
+    """A chip lets SDA go as soon as its fall has settled; at 7 it pulls again, and holds it."""
+    kernel = Kernel()
+    sda, scl = (Wire(kernel, name, Recorder()) for name in ("SDA", "SCL"))
+    door = Door(kernel, {"SDA": sda, "SCL": scl}, lambda tick, levels: None)
+    chip, clock = sda.attach("chip"), scl.attach("chip")
+    held = iter([1, 1, 0])  # what the chip does once its pull has settled
+    watch([sda], lambda tick, level: None if level else chip.drive(next(held)))
+    kernel.call_at(3, lambda: chip.drive(0))
+    kernel.call_at(5, lambda: clock.drive(0))
+    kernel.call_at(5, lambda: chip.drive(0))
+    kernel.call_at(7, lambda: chip.drive(0))
+    kernel.run_until(4)
+    assert door.changes() == []
+    kernel.run_until(8)
+    assert door.changes() == [Change(5, "SCL", 0), Change(7, "SDA", 0)]
+    assert door.changes() == []

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from datetime import UTC, datetime
 from fractions import Fraction
-from math import gcd
+from math import ceil, gcd
 from pathlib import Path
 
 import numpy as np
@@ -41,7 +41,7 @@ def resampled(capture: Capture, rate: Fraction) -> Capture:
         )
     ratio = rate / capture.rate
     last = max((int(channel.edges[-1]) for channel in capture.channels if len(channel.edges)), default=0)
-    length = max(_ceil(capture.length * ratio), _ceil(last * ratio) + 1)  # no edge is after the last sample
+    length = max(ceil(capture.length * ratio), ceil(last * ratio) + 1)  # no edge is after the last sample
     if length > MOST_POSITION:
         raise BadCapture(capture.path, "its length", f"{length} samples", f"at most {MOST_POSITION}", "use less --rate")
     moved = [_moved(channel, ratio, length) for channel in capture.channels]
@@ -66,7 +66,7 @@ def _moved(channel: Channel, ratio: Fraction, length: int) -> tuple[Channel, int
     """Return the channel at the new rate and the number of lost pulses."""
     at, changes = np.unique(_up(channel.edges, ratio), return_counts=True)
     lost = int((changes // 2).sum())
-    spans = ((_ceil(hole.begin * ratio), min(_ceil(hole.end * ratio), length)) for hole in channel.unknown)
+    spans = ((ceil(hole.begin * ratio), min(ceil(hole.end * ratio), length)) for hole in channel.unknown)
     unknown = tuple(Span(begin, end) for begin, end in spans if begin < end)
     edges = at[changes & 1 == 1]
     return Channel(channel.name, channel.index, channel.initial, edges, unknown), lost
@@ -78,10 +78,6 @@ def _up(positions: Positions, ratio: Fraction) -> Positions:
     if len(positions) and int(positions[-1]) * top + bottom >= 1 << 63:
         positions = positions.astype(object)
     return (-(-positions * top // bottom)).astype(np.int64)
-
-
-def _ceil(value: Fraction) -> int:
-    return -(-value.numerator // value.denominator)
 
 
 def grid_of(channels: tuple[Channel, ...]) -> int:

@@ -87,10 +87,11 @@ class Entry(NamedTuple):
         return self.a is not None and self.b is not None and self.a.word != self.b.word
 
     @property
-    def kind(self) -> str:
+    def event(self) -> Event:
+        """The event in A, or that in B if it is missing in A."""
         event = self.a or self.b
         assert event is not None, "an entry has at least one event"
-        return event.kind
+        return event
 
 
 class ChangePoint(NamedTuple):
@@ -189,7 +190,7 @@ class TraceDiff:
         """One summary for each kind of event, in order of first appearance."""
         sorted_out: dict[str, list[Entry]] = {}
         for entry in self.entries:
-            sorted_out.setdefault(entry.kind, []).append(entry)
+            sorted_out.setdefault(entry.event.kind, []).append(entry)
         return [_summary(kind, entries) for kind, entries in sorted_out.items()]
 
     @cached_property

@@ -99,8 +99,7 @@ def _lateness(diff: TraceDiff, kind: KindSummary) -> tuple[str, ...]:
 def _said(diff: TraceDiff, entry: Entry) -> str:
     """Format one entry: `event 12: byte 1D changed to byte 1E, at A ... and B ...`."""
     if entry.b is None:
-        assert entry.a is not None
-        return f"event {entry.number}: {entry.a.word} is missing in B, at A {_at(diff.time_a(entry))}"
+        return f"event {entry.number}: {entry.event.word} is missing in B, at A {_at(diff.time_a(entry))}"
     if entry.a is None:
         return f"event {entry.number}: {entry.b.word} is inserted in B, at B {_at(diff.time_b(entry))}"
     what = f"{entry.a.word} changed to {entry.b.word}" if entry.changed else entry.a.word
@@ -117,7 +116,7 @@ def _apart(diff: TraceDiff) -> list[str]:
         if _sort(row[0]) is None or len(row) == 1:
             found.extend(_said(diff, entry) for entry in row)
             continue
-        words = [event.word for event in (entry.a or entry.b for entry in row) if event is not None]
+        words = [entry.event.word for entry in row]
         shown = ", ".join(words[:WORDS]) + (", ..." if len(words) > WORDS else "")
         where = _said(diff, row[0]).partition(" is ")[2]
         found.append(f"events {row[0].number} to {row[-1].number}: {shown}: {where}")
@@ -131,10 +130,9 @@ def _sort(entry: Entry) -> str | None:
 def _step(diff: TraceDiff, point: ChangePoint) -> str:
     """Format a change point with the event just before it, which may be in only one of the two captures."""
     before = diff.entries[point.entry.number - 1]
-    event = before.b or before.a
-    assert event is not None, "an entry has at least one event"
     only = "" if before.later is not None else ", which is inserted" if before.a is None else ", which is missing"
-    return f"{duration(diff.seconds(point.step))} from {_said(diff, point.entry)}; after {event.word}{only}"
+    after = (before.b or before.event).word
+    return f"{duration(diff.seconds(point.step))} from {_said(diff, point.entry)}; after {after}{only}"
 
 
 def _list(title: str, lines: list[str], everything: bool) -> list[str]:

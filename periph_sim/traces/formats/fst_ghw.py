@@ -34,8 +34,6 @@ from ..capture.capture import UNKNOWN, BadCapture, Capture, Channel, changes, ch
 from ..capture.sampling import nearest, on_grid
 from .vcd import LETTERS, OURS, channel_names, timescale_of
 
-__all__ = ["NAME", "SUFFIXES", "WRITTEN", "read", "recognises", "write"]
-
 NAME = "FST or GHW waveform"
 SUFFIXES = (".fst", ".ghw")
 WRITTEN = (".fst",)

@@ -101,8 +101,6 @@ def channel_names(capture: Capture) -> list[str]:
     return names
 
 
-__all__ = ["NAME", "SUFFIXES", "read", "recognises", "write"]
-
 NAME = "value change dump (.vcd)"
 SUFFIXES = (".vcd",)
 

@@ -1,7 +1,7 @@
-r"""The noise filter of SCL and SDA, which removes pulses shorter than its width.
+"""The noise filter of SCL and SDA, which removes pulses shorter than its width.
 
-    pins     SCL ~~~\_____________      SDA ~~~~~~\_/~~~~~~
-    levels   SCL ~~~~~~~~\________      SDA ~~~~~~~~~~~~~~~      width = 5 cycles
+    pins     SCL ~~~\\_____________      SDA ~~~~~~\\_/~~~~~~
+    levels   SCL ~~~~~~~~\\________      SDA ~~~~~~~~~~~~~~~      width = 5 cycles
 
 A level passes once it has lasted for the filter's width; a shorter pulse has no effect. Edges of both lines that arrive
 in one cycle leave in one cycle, as one change. TI does not document how the filter works, so the options

@@ -12,9 +12,10 @@ import msgspec
 from ...scene.project import project_of
 from ...timing.verdict import BROKEN, NOT_JUDGED, SEEN
 from ...traces.formats import atomic_write
-from ..reports.baselines.check import CaseCheck
+from ..reports.baselines.check import CaseCheck, case_files, workers
 from ..reports.baselines.check import check as checked
 from ..reports.baselines.outcome import RejectedCase
+from ..reports.explain import chain as chains
 from .command_frame import (
     GUARANTEED,
     JSON,
@@ -71,8 +72,6 @@ def check(
     with running_user_code(), ExitStack() as outputs:
         project = project_of(Path())
         if junit_file is not None or html_file is not None:
-            from ..reports.baselines.check import case_files
-
             note_inputs(case_files(paths or project.cases()), but_baselines=update)
         # Outputs are opened before the runs, so that a file that cannot be written is reported at once.
         unfinished, unfinished_html = (
@@ -119,8 +118,6 @@ def check(
 
 
 def _object(checks: list[CaseCheck], refused: list[RejectedCase], passed: bool) -> dict[str, object]:
-    from ..reports.explain.chain import as_json
-
     return {
         "verdict": "pass" if passed else "fail",
         "cases": [
@@ -133,7 +130,7 @@ def _object(checks: list[CaseCheck], refused: list[RejectedCase], passed: bool) 
                 "not_judged": [name for name in one.outcome.not_passed if name not in one.outcome.broken],
                 "baseline": {"file": one.baseline.as_posix(), "state": one.state},
                 "findings": [asdict(finding) for finding in one.findings],
-                "causes": {name: as_json(chain) for name, chain in one.causes.items()},
+                "causes": {name: chains.as_json(chain) for name, chain in one.causes.items()},
                 "changes": [asdict(change) for change in one.changes],
                 "figures": msgspec.to_builtins(one.outcome.figures),
             }
@@ -145,7 +142,6 @@ def _object(checks: list[CaseCheck], refused: list[RejectedCase], passed: bool) 
 
 def _html(checks: list[CaseCheck], jobs: int | None) -> str:
     """Return the HTML report. Each case is run again to get the timelines."""
-    from ..reports.baselines.check import workers
     from ..reports.html.gather import report_of_file
     from ..reports.html.page import page
 
@@ -168,7 +164,6 @@ def _html(checks: list[CaseCheck], jobs: int | None) -> str:
 
 
 def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
-    from ..reports.explain.chain import text
     from .result_text import budget_table, legend
 
     say(f"check: {sum(one.passed for one in checks)} of {len(checks) + len(refused)} as they should be", style="bold")
@@ -184,7 +179,7 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
             say(*legend(one.outcome.verdicts))
         say(*(f"{one.outcome.path.as_posix()}, line {finding.line}: {finding.text}" for finding in one.findings))
         for chain in one.causes.values():
-            click.echo("\n".join(["", *text(chain)]))
+            click.echo("\n".join(["", *chains.text(chain)]))
     for one in checks:
         notes = [str(change) for change in one.changes if change.note]
         if notes and one.state != "written":

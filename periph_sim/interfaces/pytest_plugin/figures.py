@@ -9,8 +9,7 @@ The code that runs cases is not imported here, because another process may have 
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...core.text_table import WIDTH, table_rows
@@ -44,32 +43,31 @@ def _plain(value: float | int | None) -> float | int | str:
     return "" if value is None else value
 
 
-@dataclass
-class Judged:
-    """One budget that a test judged, read back from its properties."""
-
-    label: str  # the text "case/budget"
-    test: str
-    expected: bool  # True if the test was expected to fail
-    figures: dict[str, Any] = field(default_factory=dict)
-
-    @property
-    def verdict(self) -> str:
-        verdict: str = self.figures[FIRST]
-        if verdict == "pass":
-            return "seen"
-        word = "broken" if verdict == "fail" else verdict
-        return f"{word}, as expected" if self.expected else word
-
-    def value(self, name: str) -> Any:
-        value = self.figures.get(f"{name}_us", self.figures.get(name, ""))
-        return None if value == "" else value
+Judged = tuple[str, str, dict[str, Any]]  # the text "case/budget", the test, and the figures without their units
 
 
-def judged(reports: Iterable[Any]) -> list[Judged]:
-    """Return the budgets in the reports of tests, ordered by test. The last report of a test has all of its budgets.
+def judged(longest: Mapping[str, Sequence[Property]]) -> list[Judged]:
+    """Return the budgets in the properties of tests, ordered by test.
 
     A budget that a test judged several times with the same figures is returned once.
+    """
+    found: list[Judged] = []
+    for test, given in longest.items():
+        for name, value in given:
+            if not str(name).startswith(HEAD):
+                continue
+            label, _, what = name.removeprefix(HEAD).rpartition("/")
+            if what == FIRST:
+                found.append((label, test, {}))
+            if found:
+                found[-1][2][what.removesuffix("_us")] = None if value == "" else value
+    return [one for number, one in enumerate(found) if one not in found[:number]]
+
+
+def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
+    """Return the lines of the terminal summary, each with True if it is good. Empty if no budget was judged.
+
+    The last report of a test has all of its budgets.
     """
     longest: dict[str, Sequence[Property]] = {}
     expected: set[str] = set()
@@ -79,38 +77,24 @@ def judged(reports: Iterable[Any]) -> list[Judged]:
         given = getattr(report, "user_properties", ())
         if len(given) > len(longest.get(report.nodeid, ())):
             longest[report.nodeid] = given
-    found: list[Judged] = []
-    for test, given in longest.items():
-        for name, value in given:
-            if not str(name).startswith(HEAD):
-                continue
-            label, _, what = name.removeprefix(HEAD).rpartition("/")
-            if what == FIRST:
-                found.append(Judged(label, test, test in expected))
-            if found:
-                found[-1].figures[what] = value
-    return [one for number, one in enumerate(found) if one not in found[:number]]
-
-
-def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
-    """Return the lines of the terminal summary, each with True if it is good. Empty if no budget was judged."""
-    budgets = judged(reports)
+    budgets = judged(longest)
     if not budgets:
         return []
     from ...timing.verdict import figure, instant, limit
 
     titles: tuple[str, ...] = ("case/budget", "seen", "limit", "when", "", "judged by")
     rows: list[tuple[str, ...]] = []
-    for one in budgets:
-        unit = one.figures.get("unit", "")
-        numbers = (figure(one.value("worst"), unit), limit(one.value("limit"), unit, one.figures.get("which", "")))
-        by = "" if ".toml::" in one.test else one.test
-        rows.append((one.label, *numbers, instant(one.value("at_s")), one.verdict, by))
+    good: list[bool] = []
+    for label, test, of in budgets:
+        numbers = (figure(of["worst"], of["unit"]), limit(of["limit"], of["unit"], of["which"]), instant(of["at_s"]))
+        word = {"pass": "seen", "fail": "broken"}.get(of[FIRST], str(of[FIRST]))
+        known = test in expected and of[FIRST] != "pass"
+        rows.append((label, *numbers, f"{word}, as expected" if known else word, "" if ".toml::" in test else test))
+        good.append(known or of[FIRST] == "pass")
     width = UNBROKEN
     if not any(row[-1] for row in rows):
         titles, rows, width = titles[:-1], [row[:-1] for row in rows], WIDTH
     head, *body = table_rows(titles, rows, right=range(1, 4), width=width)
-    good = [one.figures[FIRST] == "pass" or one.expected for one in budgets]
     return [(line, True) for line in head] + [
         (line, well) for lines, well in zip(body, good, strict=True) for line in lines
     ]

@@ -20,7 +20,7 @@ from pathlib import Path
 from typing import Literal, Protocol, TypeVar, TypeVarTuple
 
 from ....scene.case.discover import cases_below
-from ....timing.verdict import Verdict, broken
+from ....timing.verdict import broken
 from ..explain.chain import Chain
 from ..processes import DIED, end_workers, processes
 from .compare import Change, compare, explain, moved_accesses
@@ -56,12 +56,6 @@ class CaseCheck:
     diff: str = ""
     causes: dict[str, Chain] = field(default_factory=dict)
     findings: list[Finding] = field(default_factory=list)
-
-    @property
-    def broken(self) -> list[Verdict]:
-        """The verdicts of budgets that broke unexpectedly."""
-        outcome = self.outcome
-        return [v for v in outcome.verdicts if v.broken and v.name not in outcome.breaks]
 
     @property
     def passed(self) -> bool:
@@ -285,11 +279,15 @@ def _chains(
 
 def _find_causes(checks: list[CaseCheck], start: Start) -> None:
     """Run cases with unexpectedly broken budgets again and set their causes."""
-    failed = [one for one in checks if one.broken]
-    runs = [
-        start(run_explained, one.outcome.path, one.outcome.changes, one.broken, one.outcome.typical) for one in failed
+    failed = [
+        (one, [v for v in one.outcome.verdicts if v.broken and v.name not in one.outcome.breaks]) for one in checks
     ]
-    for one, run in zip(failed, runs, strict=True):
+    runs = [
+        (one, start(run_explained, one.outcome.path, one.outcome.changes, verdicts, one.outcome.typical))
+        for one, verdicts in failed
+        if verdicts
+    ]
+    for one, run in runs:
         one.causes = run()
 
 

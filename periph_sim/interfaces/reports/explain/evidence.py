@@ -378,14 +378,10 @@ def in_order(*steps: Iterable[Step]) -> tuple[Step, ...]:
     """
     together: list[Step] = []
     for step in (step for some in steps for step in some):
-        same = next((one for one in together if _same(one, step)), None)
+        there = (one for one in together if (one.at, one.length, one.place) == (step.at, step.length, step.place))
+        same = next((o for o in there if o.what.startswith(step.what) or step.what.startswith(o.what)), None)
         if same is None:
             together.append(step)
         elif len(step.what) > len(same.what):
             together[together.index(same)] = step
     return tuple(sorted(together, key=lambda step: step.at))
-
-
-def _same(one: Step, other: Step) -> bool:
-    alike = one.what.startswith(other.what) or other.what.startswith(one.what)
-    return alike and (one.at, one.length, one.place) == (other.at, other.length, other.place)

@@ -81,17 +81,14 @@ def _template() -> Template:
     pages.filters |= {"data": _data, "figure": figure, "instant": instant, "limit": limit, "share": _share}
     pages.filters |= {"standing": _standing, "instants": _instants}
     pages.filters |= {"gist": _gist, "allowed": _allowed, "parts": _parts}
-    pages.globals |= {"plot": plot, "time_plot": time_plot, "style": _joined(STYLES), "script": _joined(SCRIPTS)}
+    style, script = (Markup("\n".join(map(_text, names))) for names in (STYLES, SCRIPTS))
+    pages.globals |= {"plot": plot, "time_plot": time_plot, "style": style, "script": script}
     return pages.get_template("report.html")
 
 
 def _text(name: str) -> str:
     text: str = (files(__package__) / "assets" / name).read_text(encoding="utf-8")
     return text
-
-
-def _joined(names: Sequence[str]) -> Markup:
-    return Markup("\n".join(_text(name) for name in names))
 
 
 def _data(value: object) -> Markup:

@@ -48,7 +48,7 @@ def test_an_access_that_moved_is_told_with_its_line_though_no_budget_did(cases: 
     """20 cycles before each I2CDXR write: far from its deadline. A tolerance of a cycle does not hide it."""
     put(cases, wait=20)
     (one,) = check([cases], jobs=1, tolerance=tolerance)
-    assert one.state == "changed" and not one.broken
+    assert one.state == "changed" and not one.outcome.broken
     (moved,) = [text for text in texts(one) if "I2C-A.I2CDXR written by dsp 20 cycles later" in text]
     assert "holds, but an access moved: " in moved and "[" in moved and ".py:" in moved
 
@@ -62,7 +62,7 @@ def test_an_access_that_moved_is_told_though_no_figure_and_no_count_did(cases: P
     firmware.write_text(text.replace(first + second, second + first), encoding="utf-8")
     (one,) = check([cases], jobs=1)
     assert not [change for change in one.changes if change.budget is None]
-    assert one.state == "changed" and not one.broken
+    assert one.state == "changed" and not one.outcome.broken
     (moved,) = texts(one)
     assert "holds, but an access moved: I2C-A.I2C" in moved and moved.endswith("[small_firmware.py:105 (batch_read)]")
 

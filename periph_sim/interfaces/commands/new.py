@@ -92,7 +92,10 @@ def new(
             files = _example(example, folder)
             case, following = folder / f"{example}.toml", None
         else:
-            kind = _known(kind)
+            if kind is None:
+                raise click.UsageError(f"give a kind: {', '.join(_kinds())}; or --example CASE")
+            if kind not in _kinds():
+                raise click.UsageError(f"there is no kind {kind!r}; {did_you_mean(kind, _kinds())}")
             if capture is not None and kind != REPLAY:
                 raise click.UsageError(f"--from is for replay, not for {kind}")
             place = Path(name or kind.replace("-", "_"))
@@ -118,15 +121,6 @@ def _cases() -> dict[str, Path]:
 
 def _beginning(names: Iterable[str], begun: str) -> list[str]:
     return [name for name in names if name.startswith(begun)]
-
-
-def _known(kind: str | None) -> str:
-    kinds = _kinds()
-    if kind is None:
-        raise click.UsageError(f"give a kind: {', '.join(kinds)}; or --example CASE")
-    if kind not in kinds:
-        raise click.UsageError(f"there is no kind {kind!r}; {did_you_mean(kind, kinds)}")
-    return kind
 
 
 def _replay(capture: Path, case: Path, mapping: str | None, rate: str | None) -> str:

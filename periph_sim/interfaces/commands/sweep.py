@@ -15,7 +15,7 @@ import numpy as np
 from ...scene.case.model import BadCase
 from ...timing.verdict import figure, limit
 from ...traces.formats import atomic_write
-from ..reports.sweep.plan import values_of
+from ..reports.sweep.runs import values_of
 from ..reports.sweep.sweep import Sweep, SweepStopped
 from ..reports.sweep.sweep import sweep as swept
 from .command_frame import JSON, SECONDS, command, print_json, print_table, progress, running_user_code, say

@@ -22,7 +22,7 @@ from signal import SIG_DFL, SIGINT, signal
 from threading import Thread
 
 SERVER = "forkserver"
-IMPORTED = ["periph_sim.interfaces.reports.baselines.outcome", "periph_sim.interfaces.reports.sweep.one_run"]
+IMPORTED = ["periph_sim.interfaces.reports.baselines.outcome", "periph_sim.interfaces.reports.sweep.runs"]
 DIED = "its process died before it finished; periph-sim run shows how far it gets"
 _pools: set[ProcessPoolExecutor] = set()
 

@@ -7,10 +7,11 @@ firmware, so their changes are only notes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
+from ....core.table import Table
 from .event_chain import PART, EventLine, first_divergence, first_moved
 from .files import Baseline, Figures
 
@@ -51,11 +52,7 @@ def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]
 
     tolerance: the number of cycles by which times may differ.
     """
-    changes = []
-    for figure in ("case", "simulated", "ticks_per_second", "ticks_per_cycle"):
-        old, new = getattr(before, figure), getattr(now, figure)
-        if old != new:
-            changes.append(Change(None, figure, old, new, f"{figure} {old} -> {new}"))
+    changes = _settings("", None, before, now, ("case", "simulated", "ticks_per_second", "ticks_per_cycle"))
     for name in [*now.budgets, *(name for name in before.budgets if name not in now.budgets)]:
         old_one, new_one = before.budgets.get(name), now.budgets.get(name)
         if old_one is None:
@@ -66,14 +63,19 @@ def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]
             changes += _budget(name, before, old_one, now, new_one, tolerance)
     is_earlier = not before.counts.keys().isdisjoint(EARLIER)
     notes = NOTES + EARLIER + (NOT_EARLIER if is_earlier else ())
-    counts = {"events": (before.events, now.events)}
-    for key in sorted({*before.counts, *now.counts}):
-        counts[key] = (before.counts.get(key, 0), now.counts.get(key, 0))
-    for key, (was, came) in counts.items():
+    old_counts, new_counts = ({"events": of.events} | of.counts for of in (before, now))
+    for key in ["events", *sorted({*before.counts, *now.counts})]:
+        was, came = old_counts.get(key, 0), new_counts.get(key, 0)
         if was != came:
             shown = key.replace("_", " ")
             changes.append(Change(None, key, was, came, f"{shown} {was} -> {came}", note=key in notes))
     return changes + _bus_bytes(before.bus_bytes, now.bus_bytes)
+
+
+def _settings(prefix: str, budget: str | None, before: Table, now: Table, keys: Sequence[str]) -> list[Change]:
+    """Return a change for each of these keys that differs in two tables."""
+    values = [(key, getattr(before, key), getattr(now, key)) for key in keys]
+    return [Change(budget, key, old, new, f"{prefix}{key} {old} -> {new}") for key, old, new in values if old != new]
 
 
 def _bus_bytes(before: list[str], now: list[str]) -> list[Change]:
@@ -92,11 +94,7 @@ def _bus_bytes(before: list[str], now: list[str]) -> list[Change]:
 
 
 def _budget(name: str, before: Baseline, old: Figures, now: Baseline, new: Figures, tolerance: int) -> list[Change]:
-    changes = []
-    for figure in ("measure", "unit"):
-        was, came = getattr(old, figure), getattr(new, figure)
-        if was != came:
-            changes.append(Change(name, figure, was, came, f"{name} {figure} {was} -> {came}"))
+    changes = _settings(f"{name} ", name, old, new, ("measure", "unit"))
     for figure in _figures(old, new):
         was, came = getattr(old, figure), getattr(new, figure)
         timed = figure in INSTANTS or (figure in VALUES and new.unit == "time" == old.unit)

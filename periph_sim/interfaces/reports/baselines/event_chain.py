@@ -130,7 +130,7 @@ def first_divergence(before: list[str], now: list[str], cycles: Callable[[int], 
     apart = _apart(then_at, now_at, 0)
     if not apart:
         return ""
-    first = _first(apart, then_at, now_at)
+    first = apart[0]
     moved = [key for key in apart if key in then_at and key in now_at]
     most = max(moved, key=lambda key: abs(now_at[key] - then_at[key]), default=first)
     differences = [_moved(key[0], then_at.get(key), now_at.get(key), cycles) for key in dict.fromkeys((most, first))]
@@ -146,23 +146,22 @@ def first_moved(before: list[str], now: EventLine, cycles: Callable[[int], str],
     far = _apart(then_at, now_at, tolerance)
     if not far:
         return ""
-    first = _first(far, then_at, now_at)
+    first = far[0]
     place = now.places[list(now_at).index(first)] if first in now_at else ""
     return f"{_moved(first[0], then_at.get(first), now_at.get(first), cycles)}{f' [{place}]' if place else ''}"
 
 
 def _apart(then_at: Times, now_at: Times, tolerance: int) -> list[tuple[str, int]]:
-    """Return the events that are missing in one of the chains, or whose times differ by more than `tolerance` ticks."""
-    return [
+    """Return the events that are missing in one of the chains, or whose times differ by more than `tolerance` ticks.
+
+    They are in the order of their earliest time in any of the chains.
+    """
+    apart = [
         key
         for key in {**then_at, **now_at}
         if key not in then_at or key not in now_at or abs(now_at[key] - then_at[key]) > tolerance
     ]
-
-
-def _first(events: list[tuple[str, int]], *chains: Times) -> tuple[str, int]:
-    """Return the event with the earliest time in any of the chains."""
-    return min(events, key=lambda key: min(at[key] for at in chains if key in at))
+    return sorted(apart, key=lambda key: min(at[key] for at in (then_at, now_at) if key in at))
 
 
 def _moved(event: str, then: int | None, now: int | None, cycles: Callable[[int], str]) -> str:

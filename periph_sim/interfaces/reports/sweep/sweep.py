@@ -27,8 +27,7 @@ from ....scene.firmware_loader import Firmware
 from ....scene.result import Result
 from ....timing.verdict import Verdict
 from ..processes import DIED, processes
-from .one_run import Job, Row, rows_of
-from .plan import Changes, runs_of, texts_of
+from .runs import Changes, Job, Row, rows_of, runs_of, texts_of
 
 NO_RESULT = Result("", "error", 0.0, 0.0, 0, 0, 0, [], {}, [], [], [])  # of a run that could not be made
 Column = NDArray[Any]

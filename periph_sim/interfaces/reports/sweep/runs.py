@@ -1,8 +1,9 @@
-"""The values of each run of a sweep, as `key=value` texts.
+"""The runs of a sweep: their values as `key=value` texts, with which a worker process executes them.
 
 {"seed": (1, 2), "host.jitter": ("0 us", "50 us")}  --> a run for each combination; the last key changes fastest
 [{"seed": 1}, {"seed": 2, "start": "1 ms"}]         --> two runs with these values
 ["seed=1", ["seed=2", "start=1 ms"]]                --> the same two runs, in the form of `--set`
+Job, values of some runs                            --> a Row each, both of which can be sent between processes
 
 The values of a key can be one text: "1, 2, 5" or "0 ms to 20 ms step 10 us". A range ends with its last value if a
 step falls on it. Its values are exact, in the unit of the step.
@@ -11,16 +12,25 @@ step falls on it. Its values are exact, in the unit of the step.
 from __future__ import annotations
 
 import json
+import os
 import re
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from decimal import Context, Decimal
 from fractions import Fraction
+from functools import lru_cache
 from itertools import product
+from pathlib import Path
 from typing import TypeAlias
 
 from ....core.settings import HERTZ
 from ....core.time import UNITS
 from ....scene.case.model import BadCase
+from ....scene.case.toml_file import text_of
+from ....scene.firmware_loader import Firmware
+from ....scene.prepared import PreparedScene
+from ....scene.result import Result
+from .. import REFUSED
 
 Value: TypeAlias = object  # a number, a boolean, a text as after "=" in `--set`, or a list or table of these
 Run: TypeAlias = Mapping[str, Value]
@@ -97,7 +107,9 @@ def values_of(key: str, text: str) -> list[str]:
 def _range(key: str, *texts: str) -> list[str]:
     shown = "{} to {} step {}".format(*texts)
     (first, of_first), (last, of_last), (step, unit) = (_number(key, text, shown) for text in texts)
-    scales = _scales(unit)
+    families = ({name: UNITS[name] for name in ("ns", "us", "ms", "s")}, HERTZ)  # units that differ by powers of ten
+    family = next((units for units in families if unit in units), {unit: 1})
+    scales = {name: Fraction(size) for name, size in family.items()}
     if not {of_first, of_last} <= scales.keys():
         what = f"its units {of_first or 'none'}, {of_last or 'none'} and {unit or 'none'} do not match"
         raise BadCase(f"--vary {key}={shown}: {what}")
@@ -122,14 +134,6 @@ def _number(key: str, text: str, shown: str) -> tuple[Fraction, str]:
     return Fraction(found[1]), found[2]
 
 
-def _scales(unit: str) -> dict[str, Fraction]:
-    """Return the units that differ from this one by a power of ten, with their sizes."""
-    for units in ({name: UNITS[name] for name in ("ns", "us", "ms", "s")}, HERTZ):
-        if unit in units:
-            return {name: Fraction(size) for name, size in units.items()}
-    return {unit: Fraction(1)}
-
-
 def _apart(text: str) -> list[str]:
     """Split at commas outside brackets, braces and quotes."""
     parts, depth, quote = [""], 0, ""
@@ -145,3 +149,45 @@ def _apart(text: str) -> list[str]:
         else:
             parts[-1] += sign
     return [part.strip() for part in parts]
+
+
+Row = Result | str  # the result of a run, or the reason why it could not be made
+
+
+@dataclass(frozen=True)
+class Job:
+    """The data that all runs of a sweep share.
+
+    shown: the path of the file as the caller wrote it, for messages.
+    length: the duration of each run in seconds, in place of that of the case.
+    """
+
+    file: str
+    shown: str
+    length: Fraction | None
+    programs: Mapping[str, Firmware]
+
+
+def rows_of(job: Job, runs: Sequence[Sequence[str]]) -> list[Row]:
+    """Execute some runs one after the other and return their rows. runs: the changes of each run, as for `--set`."""
+    return [_row(job, changes) for changes in runs]
+
+
+@lru_cache(maxsize=4)
+def _prepared(file: str, text: str) -> PreparedScene:
+    """Return the prepared scene of a file. A worker keeps it for later runs, as long as the file has the same text."""
+    return PreparedScene(file)
+
+
+def _row(job: Job, changes: Sequence[str]) -> Row:
+    try:
+        prepared = _prepared(job.file, text_of(Path(job.file), "case"))
+        return prepared.scene(changes, None, job.programs).run(job.length)
+    except REFUSED as error:
+        return _as_named(job, str(error))
+
+
+def _as_named(job: Job, text: str) -> str:
+    """Return a message with the path of the case as the caller wrote it."""
+    folder, shown = (str(Path(path).parent) for path in (job.file, job.shown))
+    return text.replace(job.file, job.shown).replace(f"{folder}{os.sep}", "" if shown == "." else f"{shown}{os.sep}")

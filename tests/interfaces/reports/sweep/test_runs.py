@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.interfaces.reports.sweep.plan import values_of
+from periph_sim.interfaces.reports.sweep.runs import values_of
 from periph_sim.scene.case.model import BadCase
 
 

@@ -126,7 +126,7 @@ class Dsp(FirmwareView):
         self.processor = Processor(
             kernel, self.clock, recorder, plan.name, self.memory, self.core, self.pie, plan.system, strict=plan.strict
         )
-        self._lines.interrupts = self.processor.interrupts
+        self._lines.processor = self.processor
         self.cpu = Cpu(self.processor, self.clock, recorder, plan.code)
         self.waits = Waits(self.cpu, plan.system.pf2_read_ws, plan.code.poll_pass, plan.skip_polls)
         self.cpu.program.stall_limit = plan.stall_limit

@@ -1,6 +1,6 @@
 """One CPU: its time, bus and interrupts, and the program that runs on them.
 
-    kernel --wake-up--> Processor --run--> Program --> Bus, Interrupts, CpuTime
+    kernel --wake-up--> Processor --run--> Program --> Bus, CpuTime
                             ^--- reach, rest, take_interrupt, iret: steps that take time; stops
 
 Steps that take time are requested here. True means that the step is complete, and the program continues in the same
@@ -10,6 +10,13 @@ A program executes instructions: it advances `CpuTime.cycle`, makes its accesses
 checks at each boundary between two instructions whether an interrupt is due (`Processor.take_interrupt`, which calls
 `enter`). It keeps its position between two calls of `run`: Python firmware in a greenlet, an instruction-set simulator
 in its registers and the pending access.
+
+    request --> CpuInterrupts --> due --> take_interrupt --vector_delay--> fetch --> entered ... iret --> returned
+                                            |                               |                     |
+                                    context to the stack             PIE, vector table    context from the stack
+
+The saved context of an interrupt is only in memory, so firmware may return through another frame, or through one that
+it built. Source: SPRU430F section 3.4, Table 3-4 (context); SPRUFB0D sections 8.1 to 8.5, Table 112 (vectors).
 """
 
 # core: compiled
@@ -21,24 +28,29 @@ from enum import Enum
 from typing import NamedTuple, final
 
 from ..core.agent import Agent
+from ..core.chip import NEVER
 from ..core.kernel import Kernel
-from ..core.records import Recorder
+from ..core.records import Kind, Recorder
 from ..core.state import State
 from ..core.time import Clock
 from ..f28335.cpu import code_costs as cpu_costs
-from ..f28335.cpu.interrupts import CONTEXT_WORDS, CpuInterrupts
+from ..f28335.cpu.interrupts import CONTEXT_WORDS, IER_WORD, ST1_WORD, CpuInterrupts, frame_of
 from ..f28335.memory.memory_map import AddressMap
+from ..f28335.memory.ram import block_at
 from ..f28335.pie.module import Pie
+from ..f28335.pie.register_map import GROUPS, VECTOR_TABLE, VECTORS
 from ..f28335.system_options import SystemOptions
 from ..form.c_types import Text
 from .bus import Bus
 from .cpu_time import CpuTime
 from .firmware_notes import FirmwareNotes
-from .interrupts import Interrupts
 from .polling import Spin
 from .source_location import SourceLocation
+from .user_code import InterruptFault
 
 NOTHING_SAVED = (0,) * CONTEXT_WORDS
+NAME_OF = {address: name for name, address in VECTORS.items()}
+CODE_ADDRESS = 0x3F_FFFF  # valid bits of a vector
 
 
 class Stop(Enum):
@@ -136,9 +148,16 @@ NONE, FETCHES, ENTERS, RETURNS = range(4)  # the pending step: fetch of the vect
 
 @final
 class Processor(Agent):
-    """Processor of a unit. stopped: the reason of the last stop; None before the first."""
+    """Processor of a unit.
 
-    STATE = State("time notes bus interrupts stopped _under_way _vector", cycles="_goal", records="_cause")
+    stopped: the reason of the last stop; None before the first.
+    core: masks, flags and timing of its interrupts.
+    taken: the name of the vector of the last interrupt that was taken.
+    """
+
+    STATE = State(
+        "time notes bus core taken stopped _under_way _vector _number", cycles="_goal", records="_cause _causes"
+    )
 
     def __init__(
         self,
@@ -159,7 +178,14 @@ class Processor(Agent):
         self.time = CpuTime(kernel, clock, self)
         self.notes = FirmwareNotes(kernel, clock, recorder, name, strict, self.causing_statement)
         self.bus = Bus(name, self.time, clock, recorder, memory, core, self.notes, options, self._place)
-        self.interrupts = Interrupts(name, core, pie, self.bus.ram, self.time, clock, recorder, self.notes)
+        self.core = core
+        self.taken = ""
+        self.unrequested = False  # True if no line was flagged and enabled when the last vector was fetched
+        self._pie = pie
+        self._clock = clock
+        self._records_irq = recorder.wants(Kind.IRQ)
+        self._number = 0  # of the interrupt being taken
+        self._causes: list[tuple[str, int]] = []  # by entry: vector, and the interrupted cause
         self._recorder = recorder
         self._program: Program | None = None
         self._cause = 0  # the record under which the program continues
@@ -194,7 +220,7 @@ class Processor(Agent):
         """Cancel all that the program is waiting for."""
         self.time.stop()
         self.bus.forget()
-        self.interrupts.forget()
+        self._causes.clear()
         self._under_way = NONE
         self._goal = 0
 
@@ -247,25 +273,33 @@ class Processor(Agent):
         """Sleep to `cycle`, or to the boundary at which an interrupt can be taken."""
         now = self.time.cycle
         self._goal = 0
-        return self.time.rest(min(cycle, max(now, self.interrupts.core.earliest())))
+        return self.time.rest(min(cycle, max(now, self.core.earliest())))
 
     def next_output(self, cycle: int) -> int:
         """Return the cycle before which no write of the program can land. cycle: that of the next wake-up."""
         first = max(cycle, self._goal)
         if self._under_way == FETCHES:
-            first = max(first, self.interrupts.core.ready)
+            first = max(first, self.core.ready)
         return min(self.time.lands, first + self.bus.lands_after)
 
     def take_interrupt(self, number: int) -> bool:
-        """Take this interrupt at the present boundary: store the context, fetch the vector, enter the routine."""
-        self.interrupts.take_interrupt(self.time.cycle, number, self.program.context())
-        core = self.interrupts.core
+        """Take this interrupt at the present boundary: store the context, fetch the vector, enter the routine.
+
+        Raise InterruptFault if the stack is outside of memory.
+        """
+        core, words = self.core, list(self.program.context())
+        self._number = number
+        saved = core.enter(self.time.cycle, number)
+        words[ST1_WORD], words[IER_WORD] = saved.st1, saved.ier
+        self.bus.ram.put_words(self._frame(self.time.cycle, saved.sp), words)
         self._under_way = FETCHES
         return self.reach(core.ready - core.entry_cycles + core.vector_delay) and self._go_on()
 
     def iret(self) -> bool:
         """Execute IRET: restore the context, and return to the interrupted code after its 8 cycles."""
-        words = self.interrupts.iret(self.time.cycle)
+        core, cycle = self.core, self.time.cycle
+        words: list[int] = list(self.bus.ram.words(self._frame(cycle, core.returning_sp), CONTEXT_WORDS))
+        core.iret(cycle, words[ST1_WORD], words[IER_WORD])
         self.program.restore(words)
         self._under_way = RETURNS
         return self.reach(self.time.cycle + cpu_costs.IRET) and self._go_on()
@@ -273,14 +307,75 @@ class Processor(Agent):
     def _go_on(self) -> bool:
         """Continue the pending step, up to its end or until time has to pass."""
         if self._under_way == FETCHES:
-            self._vector = self.interrupts.fetch(self.time.cycle)
+            self._vector = self._fetch(self.time.cycle)
             self._under_way = ENTERS
-            if not self.reach(self.interrupts.core.ready):
+            if not self.reach(self.core.ready):
                 return False
         under_way, self._under_way = self._under_way, NONE
+        recorder, tick = self._recorder, self._clock.tick(self.time.cycle)
         if under_way == ENTERS:
             where = self.program.enter(self._vector)
-            self.interrupts.entered(self.time.cycle, where)
-        else:
-            self.interrupts.returned(self.time.cycle)
+            self._causes.append((self.taken, recorder.cause))
+            if self._records_irq:
+                recorder.cause = recorder.emit(tick, Kind.IRQ, self.name, self.taken, 1, where)
+            return True
+        if self._causes:
+            vector, outer = self._causes.pop()
+            if self._records_irq:
+                recorder.emit(tick, Kind.IRQ, self.name, vector, 0)
+            recorder.cause = outer
+        self.take_notes(self.time.cycle)
         return True
+
+    def _fetch(self, cycle: int) -> int:
+        """Fetch the vector of the interrupt that was taken, a code address, from the table in memory."""
+        number = self._number
+        self.unrequested = number <= GROUPS and not self._pie.has_request(number)
+        if number > GROUPS:
+            address, self.taken = self._pie.cpu_vector(number), f"INT{number}"
+        else:
+            line, address = self._pie.vector(cycle, number)
+            self.taken = f"INT{number}.{line}"
+        routine = self._routine(cycle, address, f"INT{number}")
+        self.taken = NAME_OF.get(address, self.taken)
+        return routine
+
+    def fetch_for_trap(self, cycle: int, number: int) -> int:
+        """Fetch the vector of TRAP or INTR, a code address, from the table in memory."""
+        address = self._pie.cpu_vector(number)
+        if self._pie.notes:
+            self.notes.move_from(cycle, self._pie.notes)
+        return self._routine(cycle, address, f"the vector {number} of TRAP or INTR")
+
+    def _routine(self, cycle: int, address: int, what: str) -> int:
+        """Return the vector at an address. Raise InterruptFault if it is in boot ROM."""
+        if address in VECTOR_TABLE:
+            return self.bus.ram.word32(address) & CODE_ADDRESS
+        raise InterruptFault(
+            f"{self.name}: {what} was taken at cycle {cycle} with PIECTRL.ENPIE = 0, so its vector "
+            f"comes from boot ROM ({address:#x}), which has no routine of this firmware; "
+            "set ENPIE before interrupts are enabled"
+        )
+
+    def _frame(self, cycle: int, sp: int) -> int:
+        """Return the address of the context's first word, from SP at the entry. Raise InterruptFault outside of RAM."""
+        first = frame_of(sp)
+        for address in (first, first + CONTEXT_WORDS - 1):
+            if block_at(address) is None:
+                raise InterruptFault(f"{self.name}: SP = {sp:#x} at cycle {cycle}; {address:#06x} is not memory")
+        return first
+
+    # Requests ------------------------------------------------------------------------
+
+    def request(self, cycle: int, number: int) -> None:
+        """Receive a pulse of INTn at `cycle`."""
+        core = self.core
+        core.raise_line(cycle, number)
+        if self.time.asleep or self.time.watching:
+            due = core.next_wake if core.idlestat else core.earliest()
+            if due < NEVER:
+                self.time.resume_by(max(due, cycle))
+
+    def take_notes(self, cycle: int) -> None:
+        if self.core.notes:
+            self.notes.move_from(cycle, self.core.notes)

@@ -82,7 +82,7 @@ class Bench:
         pulses, self.pie.pulses = self.pie.pulses, 0
         for n in range(12):
             if pulses >> n & 1:
-                self.processor.interrupts.request(cycle, n + 1)
+                self.processor.request(cycle, n + 1)
 
     def note(self, what: str) -> None:
         """Firmware writes down where it is and when."""

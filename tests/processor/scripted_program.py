@@ -55,7 +55,7 @@ class ScriptedProgram(Program):
         processor, time = self._processor, self._processor.time
         while True:
             if self._doing == BOUNDARY:
-                number = processor.interrupts.core.next_taken(time.cycle)
+                number = processor.core.next_taken(time.cycle)
                 if number:
                     if not processor.take_interrupt(number):
                         return Stop.WAITS
@@ -77,7 +77,7 @@ class ScriptedProgram(Program):
                     return Stop.WAITS
             self.pc += 1
             self._doing = BOUNDARY
-            processor.interrupts.core.owes_instruction = False
+            processor.core.owes_instruction = False
 
     def _access_at(self, step: Step) -> int:
         bus, cycle = self._processor.bus, self._processor.time.cycle

@@ -100,7 +100,7 @@ def test_firmware_that_is_ended_in_its_sleep_is_not_woken_by_an_interrupt():
     bench.cpu.start(lambda: bench.cpu.compute(1000))
     bench.kernel.run_until(10 * TICKS)
     bench.processor.kill(GreenletExit)
-    bench.processor.interrupts.request(20, NMI)
+    bench.processor.request(20, NMI)
     assert bench.kernel.next_time() == NEVER
 
 

@@ -172,7 +172,7 @@ class LoggedRun(Run):
 def log_at_rest(firmware: HostFirmware) -> AccessLog | None:
     """Return the log if it can end here: main computes, and the CPU sleeps in that; otherwise None."""
     run, processor = firmware.run, firmware.dsp.processor
-    can_end = processor.time.asleep and not processor.interrupts.core.nested
+    can_end = processor.time.asleep and not processor.core.nested
     if not isinstance(run, LoggedRun) or not run.computing or not can_end:
         return None
     return AccessLog(run.log, len(run.log), run.computing)

@@ -231,7 +231,7 @@ class ImageCpu(ImageMemory):
 
     def enter(self, vector: int) -> None:
         """Execute TRAP or INTR regardless of masks, with the context at SP."""
-        routine = self._processor.interrupts.fetch_for_trap(self._time.cycle, vector)
+        routine = self._processor.fetch_for_trap(self._time.cycle, vector)
         self.hand_over()
         context = self.context()
         saved = self._core.trap(self._time.cycle, vector)

@@ -48,7 +48,7 @@ class ImageMemory(Engine):
     STATE = State("elsewhere timing polls watched _tested _written _slots_seen")
 
     def __init__(self, processor: Processor, options: SystemOptions, skip_polls: bool) -> None:
-        self._core = processor.interrupts.core
+        self._core = processor.core
         super().__init__()
         self._slots_seen: set[int] = set()  # addresses of FPU instructions whose delay slots were checked
         self._time = processor.time

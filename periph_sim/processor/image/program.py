@@ -113,7 +113,7 @@ class ImageProgram(LoadedImage):
 
     def _run(self) -> Stop:
         cpu, time, processor = self.cpu, self._processor.time, self._processor
-        core, timing, polls = processor.interrupts.core, cpu.timing, cpu.polls
+        core, timing, polls = processor.core, cpu.timing, cpu.polls
         pipeline = timing.pipeline
         if polls.asleep and polls.skips:
             self._woken(time.cycle)
@@ -304,7 +304,7 @@ class ImageProgram(LoadedImage):
 
     def _slept(self) -> bool:
         """Wait in IDLE. Return True once an interrupt that IER enables has ended it."""
-        processor, core = self._processor, self._processor.interrupts.core
+        processor, core = self._processor, self._processor.core
         time = processor.time
         if not self._idle_began:
             self._idle_began = True
@@ -341,7 +341,7 @@ class ImageProgram(LoadedImage):
 
     def enter(self, vector: int) -> Text:
         if not vector:
-            taken = self._processor.interrupts.taken
+            taken = self._processor.taken
             raise FirmwareLost(self.error_text(f"interrupt {taken} was taken, but its vector is 0"))
         interrupted = self.cpu.pc
         if self._unmodelled is not None and not self._unmodelled.goes_on(self.cpu):

@@ -57,7 +57,7 @@ class Cpu:
         self.processor = processor
         self.time: CpuTime = processor.time
         self.bus: Bus = processor.bus
-        self.core: CpuInterrupts = processor.interrupts.core
+        self.core: CpuInterrupts = processor.core
         self.program = PythonProgram(processor)
         self.records_waits = recorder.wants(Kind.WAIT)
         self.keeps_waits: bool = recorder.makes_records(Kind.WAIT) or recorder.makes_records(Kind.ACCESS)
@@ -147,7 +147,7 @@ class Cpu:
         self.instruction(cpu_costs.SIMPLE)
 
     def _note_and_pass(self, cycles: int) -> None:
-        self.processor.interrupts.take_notes(self.time.cycle)
+        self.processor.take_notes(self.time.cycle)
         self.instruction(cycles)
 
     # Instructions ----------------------------------------------------------------------

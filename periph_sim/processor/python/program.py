@@ -284,9 +284,9 @@ class PythonProgram(Program):
     def enter(self, vector: int) -> Text:
         routine = self._code.get(vector)
         if routine is None:
-            taken = self._processor.interrupts.taken
+            taken = self._processor.taken
             advice = f"Give it one with dsp.handle({taken!r}, routine)."
-            if self._processor.interrupts.unrequested:
+            if self._processor.unrequested:
                 advice = (
                     "No line of its group was both flagged and enabled when the CPU fetched the vector, so it took "
                     "that of line 1 (SPRUFB0D section 8.3.3): a flag was cleared after its request, or PIEACK was "

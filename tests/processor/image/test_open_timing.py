@@ -118,7 +118,7 @@ def test_open_fpu_delay_slot_is_noted_once_a_place():
         "fpu_delay_slot selects whether it gets the new result"
     ]
     assert list(rig.dsp.processor.notes.counts.values()) == [1]
-    assert "fpu_delay_slot" in rig.dsp.processor.interrupts.core.touched
+    assert "fpu_delay_slot" in rig.dsp.processor.core.touched
 
 
 def test_the_flags_of_an_overflow_come_with_the_result():

@@ -123,7 +123,9 @@ class Bus:
 
     def operand(self, place: ModuleRange, register: Register, words: int, field: Field | None = None) -> Operand:
         """Return the operand of these words of a register of the map, or of a field in them."""
-        operand = Operand(place, register, words, field, self._waits, self._wanted(register))
+        names, subjects = (register.name, register.upper), self._subjects
+        recorded = self._records_access and (subjects is None or any(name in subjects for name in names))
+        operand = Operand(place, register, words, field, self._waits, recorded)
         if operand.recorded:
             kind, recorder = Kind.ACCESS, self._recorder  # an attribute of an enumeration costs as much as a call
             reads = recorder.topic(kind, self._name, f"R {operand.name}")
@@ -176,12 +178,6 @@ class Bus:
         """Return the operand of these words of the register at an address, with a field of it named if one is given."""
         found = self.at(address + 1 if words == HIGH else address, 32 if words == BOTH else 16)
         return self.naming(found, found.register[field].mask >> found.shift) if field else found
-
-    def _wanted(self, register: Register) -> bool:
-        """Return True if any subscriber records accesses to this register."""
-        if not self._records_access:
-            return False
-        return self._subjects is None or register.name in self._subjects or register.upper in self._subjects
 
     @property
     def lands_after(self) -> int:

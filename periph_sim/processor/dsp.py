@@ -122,7 +122,18 @@ class Dsp(FirmwareView):
                 raise ValueError(
                     f"{plan.name}: there is no module {name!r}; {did_you_mean(name, plan.part.selectable)}"
                 )
-        self._build(plan)
+        # Modules that every unit has, and those that the plan names, whose code is imported here.
+        self._add(plan.part.by_name["SYS"], self.control)
+        self._add(plan.part.by_name["PIE"], self.pie)
+        self.sockets["SYS"].after = self._follow_control
+        self.sockets["PIE"].after = self._lines.follow_pie
+        options = {"system": plan.system, **plan.options}
+        for descriptor in (plan.part.by_name[name] for name in plan.modules):
+            chip = descriptor.build(options)
+            chip.set_sysclk(0, self.control.sysclk_hz)
+            self._add(descriptor, chip)
+            if descriptor.clock == "LSPCLK":
+                chip.set_lspclk(self.clock.cycle_at(kernel.now), *self._lspclk)
         self.processor = Processor(
             kernel, self.clock, recorder, plan.name, self.memory, self.core, self.pie, plan.system, strict=plan.strict
         )
@@ -191,20 +202,6 @@ class Dsp(FirmwareView):
         return found
 
     # Building ------------------------------------------------------------------
-
-    def _build(self, plan: DspPlan) -> None:
-        """Add the modules that every unit has, and those that the plan names; their code is imported here."""
-        self._add(self.plan.part.by_name["SYS"], self.control)
-        self._add(self.plan.part.by_name["PIE"], self.pie)
-        self.sockets["SYS"].after = self._follow_control
-        self.sockets["PIE"].after = self._lines.follow_pie
-        options = {"system": plan.system, **plan.options}
-        for descriptor in (self.plan.part.by_name[name] for name in plan.modules):
-            chip = descriptor.build(options)
-            chip.set_sysclk(0, self.control.sysclk_hz)
-            self._add(descriptor, chip)
-            if descriptor.clock == "LSPCLK":
-                chip.set_lspclk(self.clock.cycle_at(self._kernel.now), *self._lspclk)
 
     def _add(self, descriptor: ModuleDescriptor, chip: Chip) -> None:
         name = descriptor.name

@@ -52,7 +52,7 @@ def evaluate(text: str, symbols: Mapping[str, int], here: int) -> int:
     """Evaluate an expression. here: the value of `$`. Raise BadExpression or Undefined."""
     source = re.sub(r"'(.)'", lambda found: str(ord(found[1])), text.strip())
     source = re.sub(r"\b(\d[0-9A-Fa-f]*)h\b", r"0x\1", source).replace("/", "//")
-    source = re.sub(r"(?<!\w)[A-Za-z_.$][\w.$]*", lambda found: HERE if found[0] == "$" else _quoted(found[0]), source)
+    source = re.sub(r"(?<!\w)[A-Za-z_.$][\w.$]*", _identifier, source)
     try:
         tree = ast.parse(source, mode="eval").body
     except (SyntaxError, ValueError, RecursionError, MemoryError):
@@ -63,9 +63,9 @@ def evaluate(text: str, symbols: Mapping[str, int], here: int) -> int:
         raise BadExpression(f"{text.strip()!r} divides by 0") from None
 
 
-def _quoted(name: str) -> str:
-    """Encode a symbol as a Python identifier; symbols of this assembler may contain `.` and `$`."""
-    return "s_" + name.encode().hex()
+def _identifier(symbol: re.Match[str]) -> str:
+    """Return a Python identifier for a symbol, which may contain `.` and `$`, or for `$` itself."""
+    return HERE if symbol[0] == "$" else "s_" + symbol[0].encode().hex()
 
 
 def _value(node: ast.expr, symbols: Mapping[str, int], here: int) -> int:
@@ -141,7 +141,7 @@ def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
 
 
 @cache
-def _forms() -> Mapping[str, tuple[Encoding, ...]]:
+def _forms() -> Mapping[str, list[Encoding]]:
     """The forms by mnemonic, shorter ones first; aliases after the forms they stand for.
 
     If equal, forms with fewer operands come first: `MOVL P,ACC` rather than `MOVL loc32,ACC`.
@@ -152,11 +152,9 @@ def _forms() -> Mapping[str, tuple[Encoding, ...]]:
         if encoding.also:
             also = replace(encoding, mnemonic=encoding.also.partition(" ")[0], syntax=encoding.also)
             forms.setdefault(also.mnemonic, []).append(also)
-    return {name: tuple(sorted(rows, key=_before_others)) for name, rows in forms.items()}
-
-
-def _before_others(row: Encoding) -> tuple[int, bool, int]:
-    return row.words, bool(row.alias_of), sum(part.read is not None for part in parts_of(row))
+    for rows in forms.values():
+        rows.sort(key=lambda row: (row.words, row.alias_of > "", sum(part.read is not None for part in parts_of(row))))
+    return forms
 
 
 @cache

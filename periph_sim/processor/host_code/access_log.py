@@ -138,22 +138,18 @@ class LoggedRun(Run):
             self.enter(self.library.loaded_at + offset)
         earlier = self._earlier[self._next.value]
         if (earlier ^ item) >> (PLACE if item >> KIND == Access.READ else 0):
-            raise self._differs(item)
+            place, number = self.place(), self._next.value
+            where = f"access {number + 1}" + ("" if place is None else f" at {place} of {place.path}")
+            raise NotRestorable(
+                f"{self.dsp.name}, {where}: the C sources {self._described(item)}, but before the snapshot they "
+                f"{self._described(earlier)}; what they do depends on more than their accesses, for example "
+                "on time(), rand() or a file of the host"
+            )
         self._next.value += 1
         self.re_executes = self._next.value < len(self._earlier)
         self.dsp.processor.time.cycle += 1  # so the firmware does not count as stalled
         value = earlier & VALUE
         return value - (value >> PLACE - 1 << PLACE)
-
-    def _differs(self, item: int) -> NotRestorable:
-        """Return the error for an access that is not the next one of the log."""
-        place, number = self.place(), self._next.value
-        where = f"access {number + 1}" + ("" if place is None else f" at {place} of {place.path}")
-        return NotRestorable(
-            f"{self.dsp.name}, {where}: the C sources {self._described(item)}, but before the snapshot they "
-            f"{self._described(self._earlier[number])}; what they do depends on more than their accesses, for example "
-            "on time(), rand() or a file of the host"
-        )
 
     def _described(self, item: int) -> str:
         value, place = item & VALUE, item >> PLACE & (1 << SIZE - PLACE) - 1

@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 import shutil
 import subprocess
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from msgspec import Struct
@@ -101,7 +101,9 @@ def compiled(sources: Sources, folder: Path) -> Objects:
             "-MMD",
         ]
         _compile(command, (file.parent, *sources.folders), aliases)
-        note_inputs_of(_included(Path(objects[-1]).with_suffix(".d")))
+        rule = Path(objects[-1]).with_suffix(".d").read_text(encoding="utf-8", errors="surrogateescape")  # for make
+        names = re.split(r"(?<!\\)\s+", rule.partition(":")[2].replace("\\\n", " "))
+        note_inputs_of(Path(name.replace("\\ ", " ")) for name in names)
     runtime = str(folder / "runtime.o")
     _run([compiler, "-std=gnu11", "-c", "-O1", "-fPIC", "-w", str(RUNTIME), "-o", runtime])
     return Objects(compiler, (*objects, runtime), sources.undefined)
@@ -132,13 +134,6 @@ def _compile(command: Sequence[str], folders: Sequence[Path], aliases: Path) -> 
             if not found or alias.exists():
                 raise
             alias.symlink_to(found[0].resolve())
-
-
-def _included(rule: Path) -> Iterator[Path]:
-    """Yield the files of an object, by the rule for make that gcc writes with -MMD."""
-    _, _, files = rule.read_text(encoding="utf-8", errors="surrogateescape").partition(":")
-    for name in re.split(r"(?<!\\)\s+", files.replace("\\\n", " ")):
-        yield Path(name.replace("\\ ", " "))
 
 
 def _run(command: Sequence[str]) -> None:

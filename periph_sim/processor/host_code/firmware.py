@@ -188,7 +188,11 @@ class Run:
             elif what == ANNOUNCED:
                 said = self._announced(at, size)
             elif what == WRITE:
-                self._write(self._places[detail - PROTECTED - 1])
+                place = self._places[detail - PROTECTED - 1]
+                value = int.from_bytes(self.library.memory[place.at : place.at + place.size], "little")
+                if place.word in VECTORS:
+                    value = self._vector(place, value)
+                self.write_register(place.word, value & (1 << place.width) - 1, place.width)
             elif what == TOUCHED:
                 self._stores[pc] = at - (detail >> 8), size
                 said = self._begin_write(self._stored(detail >> 8, detail & 0xFF))
@@ -265,13 +269,6 @@ class Run:
             value -= 1 << place.width
         value &= (1 << 8 * place.size) - 1
         self.library.memory[place.at : place.at + place.size] = value.to_bytes(place.size, "little")
-
-    def _write(self, place: Place) -> None:
-        """Write the register of a place written in memory."""
-        value = int.from_bytes(self.library.memory[place.at : place.at + place.size], "little")
-        if place.word in VECTORS:
-            value = self._vector(place, value)
-        self.write_register(place.word, value & (1 << place.width) - 1, place.width)
 
     def _vector(self, place: Place, pointer: int) -> int:
         """Return the code address for a function pointer that is stored in the CPU's vector table."""

@@ -230,7 +230,13 @@ class RepeatedPass:
         for number in (before, added, exact):
             self._bound(number, bound)
         if target:
-            self._put(target, Number(exact.value & 2 * bound - 1, exact.step))
+            low = Number(exact.value & M16, exact.step)
+            if len(target) > 1:  # its upper word must not change, so the lower one must not overflow
+                self._bound(low, WORD)
+            for place in target:
+                self.counters.pop(place, None)
+            if exact.step:
+                self.counters[target[0]] = low
         return True
 
     def _number(self, words: Sequence[Place], value: int) -> Number:
@@ -239,19 +245,6 @@ class RepeatedPass:
             raise NotCounting
         low = self.counters.get(words[0])
         return Number(value, 0 if low is None else low.step)
-
-    def _put(self, words: Sequence[Place], number: Number) -> None:
-        """Make the result a counter, or none if its step is 0.
-
-        The upper word must not change, so the passes are limited to those before the lower word overflows.
-        """
-        low = Number(number.value & M16, number.step)
-        if len(words) > 1:
-            self._bound(low, WORD)
-        for place in words:
-            self.counters.pop(place, None)
-        if number.step:
-            self.counters[words[0]] = low
 
     def _bound(self, number: Number, unit: int) -> None:
         self.passes = min(self.passes, passes_within(number, unit))

@@ -81,7 +81,17 @@ class InstructionTiming:
         """Return the cycles before the instruction can leave D2. Further passes of RPT do not wait: N + 1 cycles."""
         if cpu.passes:
             return 0
-        waits = self._fetch(f, cycle) if f.waited else 0
+        waits: int = 0
+        if f.waited:
+            if f.address != self.queue.expected:
+                bits: int
+                first: int
+                later: int
+                bits, first, later = self._elsewhere.fetches(f.address)
+                if bits == PREFETCHED:
+                    self._options.flash_model.assume(self._core.touched)
+                self.queue.begin(cycle, f.address, bits, first, later, self._ahead if bits == PREFETCHED else DEPTH)
+            waits = self.queue.wait(cycle, f.address, f.next)
         if self.pipeline.pending:
             more = self.pipeline.stall(f, cpu.arp)
             if more:
@@ -122,14 +132,3 @@ class InstructionTiming:
         if count <= 0xFF:
             return count
         return count & (1 << self._options.rptc_width.assume(self._core.touched)) - 1
-
-    def _fetch(self, f: Operation, cycle: int) -> int:
-        if f.address != self.queue.expected:
-            bits: int
-            first: int
-            later: int
-            bits, first, later = self._elsewhere.fetches(f.address)
-            if bits == PREFETCHED:
-                self._options.flash_model.assume(self._core.touched)
-            self.queue.begin(cycle, f.address, bits, first, later, self._ahead if bits == PREFETCHED else DEPTH)
-        return self.queue.wait(cycle, f.address, f.next)

@@ -183,8 +183,10 @@ class ImageProgram(LoadedImage):
                     if not f.loops:
                         polls.soil()
                     self._calls.jumped(f, cpu.pc, cycle)
-            if cpu.sp > self._stack_end or cpu.sp < self._stack_begin:
-                self._left_stack(f)
+            if (cpu.sp > self._stack_end or cpu.sp < self._stack_begin) and self._left_stack(f):
+                how = "grew beyond" if cpu.sp > self._stack_end else "was popped below"
+                section = f"{self._stack_begin:#06x} to {self._stack_end - 1:#06x}"
+                raise IllegalOperation(f"the stack {how} its section .stack, {section}")
             self._sp = cpu.sp
             for watch in self._watches:
                 watch.executed(f, cpu, cycle)
@@ -358,11 +360,6 @@ class ImageProgram(LoadedImage):
         if self._calls is not None:
             self._calls.on_return(self.cpu.pc, self._processor.time.cycle + cpu_costs.IRET)
 
-    # Stack --------------------------------------------------------------------------
-
-    def _left_stack(self, f: Operation) -> None:
-        """Check SP outside of its section: it may be set to another stack, but not leave the section step by step."""
-        begin, end = self._stack_begin, self._stack_end
-        if begin <= self._sp <= end and not (f.l == SP_FIELD and f.accesses & WRITES):
-            how = "grew beyond" if self.cpu.sp > end else "was popped below"
-            raise IllegalOperation(f"the stack {how} its section .stack, {begin:#06x} to {end - 1:#06x}")
+    def _left_stack(self, f: Operation) -> bool:
+        """Return True if SP was in its section: it may be set to another stack, but not leave step by step."""
+        return self._stack_begin <= self._sp <= self._stack_end and not (f.l == SP_FIELD and f.accesses & WRITES)

@@ -38,6 +38,7 @@ MOST_INCLUDES = 8  # nesting depth
 LABEL = re.compile(r"([A-Za-z_$][\w.$]*)\s*:\s*(.*)")
 SETS = re.compile(r"([A-Za-z_$][\w.$]*)\s+\.set\s+(.+)", re.IGNORECASE)
 INCLUDES = re.compile(r'\s*\.include\s+"([^"]+)"', re.IGNORECASE)
+COMMENT = re.compile(r'((?:"[^"]*"|\'.\'|[^;"])*);.*')
 SHIPPED = EXAMPLES / "firmware" / "c28x"
 NOP = 0x7700
 MOST_WORDS = 0x40_0000  # per section: the size of program space
@@ -106,7 +107,7 @@ class _Source:
         for number, line in enumerate(text.splitlines(), 1):
             outer, self._place = self._place, _Place(path, number, included)
             with _errors_at(self._place):
-                self._line(_without_comment(line).strip())
+                self._line(re.sub(COMMENT, r"\1", line).strip())
             self._place = outer
 
     def _line(self, text: str) -> None:
@@ -122,12 +123,9 @@ class _Source:
         if text.startswith("."):
             directive, _, rest = text.partition(" ")
             self._directive(directive.lower(), rest.strip())
-        elif text:
-            self._instructions(text)
-
-    def _instructions(self, text: str) -> None:
+            return
         repeat, bars, repeated = text.partition("||")
-        for one in (repeat, repeated) if bars and repeat.upper().startswith("RPT ") else (text,):
+        for one in (repeat, repeated) if bars and repeat.upper().startswith("RPT ") else (text,) if text else ():
             parsed: Parsed = parse(one, self.here.at, self.symbols)
             self._put(parsed.encoding.words, parsed.words)
             self.here.has_code = True
@@ -246,10 +244,6 @@ def assemble(text: str, path: Path | None = None) -> Image:
         rows = [([(at, place.path, place.line) for place, at, _ in block.pieces], block.at) for block in blocks]
         debug = debug_sections(str(path), rows)
     return Image("assembled", source.symbols[source.entry], (*sections, *source.reserved), symbols, debug=debug)
-
-
-def _without_comment(line: str) -> str:
-    return re.sub(r'((?:"[^"]*"|\'.\'|[^;"])*);.*', r"\1", line)
 
 
 def sources_of(path: Path) -> list[Path]:

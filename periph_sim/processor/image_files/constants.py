@@ -85,7 +85,8 @@ def _accesses(instruction: Instruction, known: Known) -> Iterator[Access]:
     if "l" in values and encoding.accesses:
         address = _address(values["l"], known, _width(instruction))
         if address is not None:
-            value = _stored(instruction, known)
+            source = XAR.fullmatch(encoding.syntax.rpartition(",")[2])
+            value = known.xar[int(source[1])] if source and encoding.mnemonic == "MOVL" else None
             yield Access(address, _width(instruction), encoding.accesses, value, instruction)
     if "*(0:16)" in encoding.syntax and values["c"] not in FPU_REGISTERS:
         written = encoding.syntax.partition(" ")[2].startswith("*(0:16)")
@@ -114,11 +115,6 @@ def _address(field: int, known: Known, width: int) -> int | None:
         index = known.xar[mode - 2]
         return None if index is None else base + (index & 0xFFFF)
     return None
-
-
-def _stored(instruction: Instruction, known: Known) -> int | None:
-    source = XAR.fullmatch(instruction.encoding.syntax.rpartition(",")[2])
-    return known.xar[int(source[1])] if source and instruction.encoding.mnemonic == "MOVL" else None
 
 
 def _follow(instruction: Instruction, known: Known) -> None:

@@ -163,7 +163,11 @@ def text(found: Inspection, every: bool = False) -> str:
         *_function_lines(found, every),
     ]
     if found.unknown:
-        lines += ["", *_unknown_lines(found)]
+        lines += ["", "words of code that are not instructions of the F28335:"]
+        rows = [
+            (f"{one.address:#08x}", f"{one.word:#06x}", one.function, other_unit(one.word)) for one in found.unknown
+        ]
+        lines += [line.rstrip() for line in columns(rows)]
     return "\n".join(lines)
 
 
@@ -219,12 +223,6 @@ def _function_lines(found: Inspection, every: bool) -> list[str]:
     lines = text_table(("function", "address", "words", "source"), rows, right=(2,))
     left_out = len(found.functions) - len(shown)
     return [*lines, f"and {left_out} smaller functions; -v lists all"] if left_out else lines
-
-
-def _unknown_lines(found: Inspection) -> Iterator[str]:
-    yield "words of code that are not instructions of the F28335:"
-    rows = [(f"{one.address:#08x}", f"{one.word:#06x}", one.function, other_unit(one.word)) for one in found.unknown]
-    yield from (line.rstrip() for line in columns(rows))
 
 
 def as_json(found: Inspection) -> dict[str, object]:

@@ -271,7 +271,9 @@ class Cpu:
                 if operand.recorded:
                     bus.record_poll(at, operand, value, where)
             else:
-                value = self._fetch(operand)
+                if operand.meets:
+                    time.meet()
+                value = bus.fetch(at, operand)
         if spin is not None:
             spin.note(operand, value, where)
             self._reads = 0
@@ -342,11 +344,6 @@ class Cpu:
         """Let the cycles of an access pass whose width the frame does not support; it has no effect."""
         self.instruction(1 + self.bus.read_waits(operand))
         self.bus.note_width(self.time.cycle, operand)
-
-    def _fetch(self, operand: Operand) -> int:
-        if operand.meets:
-            self.time.meet()
-        return self.bus.fetch(self.time.cycle, operand)
 
     def _wait_for_writes(self, operand: Operand, spin: Spin | None) -> None:
         free, cycle = self.bus.free(operand), self.time.cycle

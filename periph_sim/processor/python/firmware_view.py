@@ -113,7 +113,9 @@ class FirmwareView:
 
         Each call draws a whole number of cycles from a spread, all of them equally likely.
         """
-        self.cpu.compute(self._drawn(cost) if isinstance(cost, Spread) else self._cycles(cost), name)
+        if isinstance(cost, Spread):
+            cost = self._random.randint(self._cycles(cost.least), self._cycles(cost.most))
+        self.cpu.compute(self._cycles(cost), name)
 
     def _cycles(self, cost: Fraction | int) -> BigInt:
         if isinstance(cost, Fraction):
@@ -136,9 +138,6 @@ class FirmwareView:
         if cycles > left + time.cycle:
             raise Misuse(f"{what} exceeds the longest possible run, of {left + time.cycle} cycles")
         return min(cycles, left)
-
-    def _drawn(self, spread: Spread) -> BigInt:
-        return self._random.randint(self._cycles(spread.least), self._cycles(spread.most))
 
     def span(self, name: Text) -> Span:
         """Return a context manager that names a span of firmware, for budgets and recordings; it costs no cycles."""
@@ -187,7 +186,11 @@ class FirmwareView:
 
     def handle(self, name: Text, handler: Callable[[], None]) -> tuple[int, int]:
         """Make `handler` the service routine of a vector. Return its PIE group and line, (n, 0) for INTn."""
-        _routine(name, handler)
+        if not callable(handler):
+            raise Misuse(f"the routine of {name!r} is {handler!r}; give the function itself, without calling it")
+        what = flaw_of(handler, 0)
+        if what:
+            raise Misuse(f"the routine of {name!r} {what}; a service routine is a plain function without arguments")
         if name not in pie_map.VECTORS:
             raise KeyError(f"there is no vector {name!r}; {did_you_mean(name, [*pie_map.LINES, *pie_map.CPU_VECTORS])}")
         self.cpu.program.handle(name, handler)
@@ -203,12 +206,3 @@ def _require(number: BigInt, numbers: range, what: Text) -> None:
 def _no_condition(what: Text, given: object) -> Misuse:
     way = "write dsp.spin(lambda: ...), so that each pass evaluates it again"
     return Misuse(f"dsp.{what} needs a function to call in each pass, but got {given!r}; {way}")
-
-
-def _routine(name: Text, handler: Callable[[], None]) -> None:
-    """Raise Misuse if this cannot be a service routine."""
-    if not callable(handler):
-        raise Misuse(f"the routine of {name!r} is {handler!r}; give the function itself, without calling it")
-    what = flaw_of(handler, 0)
-    if what:
-        raise Misuse(f"the routine of {name!r} {what}; a service routine is a plain function without arguments")

@@ -134,10 +134,13 @@ class PythonProgram(Program):
     def _execute(self, firmware: Callable[[], None], after_main: Callable[[], None]) -> None:
         """Execute the program. Raise FirmwareError for errors of the firmware."""
         self._watched = self.thread = get_ident()
+        processor = self._processor
         try:
             firmware()
-            self._land()
-            self.returned_at = self._processor.time.cycle
+            while processor.time.lands < NEVER:  # main's posted writes take effect before it counts as finished
+                if not processor.reach(processor.time.lands + 1):
+                    self.yield_turn()
+            self.returned_at = processor.time.cycle
             after_main()
         except NoProgress as stopped:
             self._processor.time.meet()  # the run ends now
@@ -247,13 +250,6 @@ class PythonProgram(Program):
     def instant(self) -> tuple[int, int]:
         """Return values that change with simulated time."""
         return self._processor.time.instant()
-
-    def _land(self) -> None:
-        """Let main's posted writes take effect before main counts as finished."""
-        processor = self._processor
-        while processor.time.lands < NEVER:
-            if not processor.reach(processor.time.lands + 1):
-                self.yield_turn()
 
     # Places and routines ---------------------------------------------------------
 

@@ -324,7 +324,7 @@ class Processor(Agent):
             if self._records_irq:
                 recorder.emit(tick, Kind.IRQ, self.name, vector, 0)
             recorder.cause = outer
-        self.take_notes(self.time.cycle)
+        self.notes.move_from(self.time.cycle, self.core.notes)
         return True
 
     def _fetch(self, cycle: int) -> int:
@@ -343,8 +343,7 @@ class Processor(Agent):
     def fetch_for_trap(self, cycle: int, number: int) -> int:
         """Fetch the vector of TRAP or INTR, a code address, from the table in memory."""
         address = self._pie.cpu_vector(number)
-        if self._pie.notes:
-            self.notes.move_from(cycle, self._pie.notes)
+        self.notes.move_from(cycle, self._pie.notes)
         return self._routine(cycle, address, f"the vector {number} of TRAP or INTR")
 
     def _routine(self, cycle: int, address: int, what: str) -> int:
@@ -375,7 +374,3 @@ class Processor(Agent):
             due = core.next_wake if core.idlestat else core.earliest()
             if due < NEVER:
                 self.time.resume_by(max(due, cycle))
-
-    def take_notes(self, cycle: int) -> None:
-        if self.core.notes:
-            self.notes.move_from(cycle, self.core.notes)

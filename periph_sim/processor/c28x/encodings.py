@@ -135,7 +135,9 @@ def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
     take = columns.pop
     syntax, digits = take("syntax"), take("bits")
     bits = digits.ljust(PAIR, ".")
-    cycles = take("cycles", 1)
+    cycles, repeated = take("cycles", 1), take("cycles_rpt", "N+0")
+    if not repeated.startswith("N+"):
+        raise ValueError(f"{repeated!r} is not the cycles of N + 1 executions, such as 'N+1'")
     found = Encoding(
         id=name,
         mnemonic=syntax.partition(" ")[0],
@@ -152,7 +154,7 @@ def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
         cycles=cycles,
         not_taken=take("not_taken", cycles),
         cycles_where=take("cycles_where", ""),
-        repeated=_repeated(take("cycles_rpt", "")),
+        repeated=int(repeated[2:]),
         latency=take("latency", ""),
         flags=take("flags", ""),
         depends=take("depends", ""),
@@ -167,13 +169,6 @@ def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
         what = f"{found.cycles_where!r} is not a field condition with its cycles"
         raise ValueError(f"{what}, such as 'k = 15: 4'")
     return found
-
-
-def _repeated(cycles: str) -> int:
-    """Return the 2 of "N+2"; 0 if not repeatable."""
-    if cycles and not cycles.startswith("N+"):
-        raise ValueError(f"{cycles!r} is not the cycles of N + 1 executions, such as 'N+1'")
-    return int(cycles[2:] or 0)
 
 
 def _fields(bits: str) -> dict[str, BitField]:

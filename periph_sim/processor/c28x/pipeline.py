@@ -51,7 +51,7 @@ def hazards(encoding: Encoding, field: int, n: int, m: int) -> tuple[int, int]:
     makes = 0 if is_held(encoding) else _in_phase("E", encoding.writes, numbers)
     if field >= 0:
         needs |= addressing(field)
-        register = _register(field)
+        register = 1 << (field & 7) if 0xA0 <= field < 0xA8 else SP if field == SP_FIELD else 0  # if it names one
         if "r" in encoding.accesses:
             needs |= register
         if "w" in encoding.accesses:
@@ -103,13 +103,6 @@ def addressing(field: int) -> int:
     if field == CIRCULAR:
         return 1 << 6 | 1 << 1
     return BY_ARP | (1 if field in (0xAE, 0xAF, 0xBB, 0xBC) else 0)
-
-
-def _register(field: int) -> int:
-    """Return the register that a field names, if it is an XAR or SP."""
-    if 0xA0 <= field < 0xA8:
-        return 1 << (field & 7)
-    return SP if field == SP_FIELD else 0
 
 
 # Fetch queue ------------------------------------------------------------------------------------------------------

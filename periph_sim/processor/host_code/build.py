@@ -17,6 +17,7 @@ from msgspec import Struct
 from ...core.input_files import note_input, note_inputs_of
 from .register_layout import BYTES_A_WORD, COPIED, SYMBOLS
 
+GCC = "gcc"
 RUNTIME = Path(__file__).with_name("runtime.c")
 HOOKS = (
     "-fsanitize=thread",
@@ -27,7 +28,7 @@ HOOKS = (
 KEYWORDS = ("-Dinterrupt=", "-D__interrupt=", "-Dcregister=", "-Dfar=", "-Dasm(text)=c28x_assembly(text)")
 UNDEFINED = ("-fsanitize=undefined", "-fno-sanitize=alignment")
 COMPLAINT = re.compile(r"(?m)^(.+?):(\d+):(?:\d+:)? (?:fatal )?error: (.+)$")
-HEADER = re.compile(r"([^/\\]+): No such file or directory")
+HEADER = re.compile(r"gcc says: ([^/\\]+): No such file or directory$")
 MISSING = re.compile(r"undefined reference to [`']([^']+)'")
 ENDING = ("exit", "_exit", "_Exit", "quick_exit", "abort", "__assert_fail")  # runtime.c replaces them
 OWN_DECLARATIONS = "void c28x_assembly(const char *);"
@@ -35,14 +36,6 @@ OWN_DECLARATIONS = "void c28x_assembly(const char *);"
 
 class BadSources(ValueError):
     """C sources cannot be compiled for the host; the message is one sentence."""
-
-
-class MissingHeader(BadSources):
-    """A header is missing. name: as in the include."""
-
-    def __init__(self, sentence: str, name: str) -> None:
-        super().__init__(sentence)
-        self.name = name
 
 
 class Sources(Struct, frozen=True):
@@ -58,18 +51,9 @@ class Sources(Struct, frozen=True):
     undefined: bool = False
 
 
-class Objects(Struct, frozen=True):
-    """Compiled objects before linking."""
-
-    compiler: str
-    files: tuple[str, ...]
-    undefined: bool
-
-
-def compiled(sources: Sources, folder: Path) -> Objects:
+def compiled(sources: Sources, folder: Path) -> list[str]:
     """Compile the sources to objects in `folder`. Raise BadSources if gcc fails."""
-    compiler = shutil.which("gcc")
-    if compiler is None:
+    if shutil.which(GCC) is None:
         raise BadSources("gcc, which compiles C sources for the host, is not found; install it, or run an image")
     for file in sources.files:
         if not note_input(file).is_file():
@@ -87,7 +71,7 @@ def compiled(sources: Sources, folder: Path) -> Objects:
     for number, file in enumerate(sources.files):
         objects.append(str(folder / f"{number}.o"))
         command = [
-            compiler,
+            GCC,
             "-std=gnu99",
             "-c",
             "-O0",
@@ -105,20 +89,20 @@ def compiled(sources: Sources, folder: Path) -> Objects:
         names = re.split(r"(?<!\\)\s+", rule.partition(":")[2].replace("\\\n", " "))
         note_inputs_of(Path(name.replace("\\ ", " ")) for name in names)
     runtime = str(folder / "runtime.o")
-    _run([compiler, "-std=gnu11", "-c", "-O1", "-fPIC", "-w", str(RUNTIME), "-o", runtime])
-    return Objects(compiler, (*objects, runtime), sources.undefined)
+    _run([GCC, "-std=gnu11", "-c", "-O1", "-fPIC", "-w", str(RUNTIME), "-o", runtime])
+    return [*objects, runtime]
 
 
-def linked(objects: Objects, base: int, library: Path) -> Path:
+def linked(objects: Sequence[str], undefined: bool, base: int, library: Path) -> Path:
     """Link the library. base: host address of the chip's word 0. Raise BadSources if something is missing."""
     places = [f"-Wl,--defsym={name}={base + BYTES_A_WORD * address:#x}" for name, address in SYMBOLS.items()]
     places += [f"-Wl,--defsym={name}=0" for name in COPIED]
     replaced = [f"-Wl,--wrap={name}" for name in ENDING]
-    checked = ["-fsanitize=undefined"] if objects.undefined else []
+    checked = ["-fsanitize=undefined"] if undefined else []
     listed = library.with_suffix(".list")
     listed.write_text(f"{{ {'; '.join(SYMBOLS)}; }};\n", encoding="utf-8")  # bound at load time, so they stay
     shared = ["-shared", f"-Wl,--dynamic-list={listed}", "-Wl,--no-relax", "-Wl,-z,defs", *replaced, *checked]
-    _run([objects.compiler, *shared, *places, *objects.files, "-o", str(library), "-lm"])
+    _run([GCC, *shared, *places, *objects, "-o", str(library), "-lm"])
     return library
 
 
@@ -128,9 +112,11 @@ def _compile(command: Sequence[str], folders: Sequence[Path], aliases: Path) -> 
         try:
             _run(command)
             return
-        except MissingHeader as error:
-            alias = aliases / error.name
-            found = [path for one in folders for path in one.glob("*") if path.name.lower() == error.name.lower()]
+        except BadSources as error:
+            missing = HEADER.search(str(error))
+            name = "" if missing is None else missing[1]
+            alias = aliases / name
+            found = [path for one in folders for path in one.glob("*") if path.name.lower() == name.lower()]
             if not found or alias.exists():
                 raise
             alias.symlink_to(found[0].resolve())
@@ -142,9 +128,7 @@ def _run(command: Sequence[str]) -> None:
         return
     complaint = COMPLAINT.search(came.stderr)
     if complaint:
-        sentence = f"{complaint[1]}, line {complaint[2]}: gcc says: {complaint[3]}"
-        header = HEADER.fullmatch(complaint[3])
-        raise MissingHeader(sentence, header[1]) if header else BadSources(sentence)
+        raise BadSources(f"{complaint[1]}, line {complaint[2]}: gcc says: {complaint[3]}")
     missing = MISSING.search(came.stderr)
     if missing:
         raise BadSources(f"no source defines {missing[1]!r}; add the file that does to sources")

@@ -75,9 +75,9 @@ class HostFirmware:
         self.make_run: Callable[[Dsp, Path, int, RegisterLayout], Run] = Run
         self.run: Run | None = None
         self._folder = TemporaryDirectory(prefix="periph_sim_", ignore_cleanup_errors=True)
-        self._objects = compiled(sources, Path(self._folder.name))
+        self._objects, self._undefined = compiled(sources, Path(self._folder.name)), sources.undefined
         self._begun = 0
-        library = linked(self._objects, FIRST_BASE, Path(self._folder.name) / "checked.so")
+        library = linked(self._objects, self._undefined, FIRST_BASE, Path(self._folder.name) / "checked.so")
         self.contents = contents_of(library)
         try:
             self._layout = RegisterLayout(library)
@@ -95,7 +95,7 @@ class HostFirmware:
         base = next(base for base in count(FIRST_BASE, ROOM) if base not in _taken)
         _taken.add(base)
         try:
-            path = linked(self._objects, base, Path(self._folder.name) / f"{self._begun}.so")
+            path = linked(self._objects, self._undefined, base, Path(self._folder.name) / f"{self._begun}.so")
             self.run = self.make_run(self.dsp, path, base, self._layout)
             self.run.main()
         finally:

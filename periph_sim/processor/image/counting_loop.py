@@ -76,13 +76,7 @@ class Traced(NamedTuple):
     values: Mapping[Place, int]
 
 
-class Store(NamedTuple):
-    """A word of memory that an instruction writes: cycle, address, value, and its change in the next pass."""
-
-    at: int
-    address: int
-    value: int
-    step: int
+Store = tuple[int, int, int, int]  # a word that an instruction writes: cycle, address, value, change in the next pass
 
 
 class Number(NamedTuple):
@@ -210,7 +204,7 @@ class RepeatedPass:
         for place in writes(traced):
             if place in traced.values and isinstance(place, int):
                 number = self.counters.get(place)
-                self.stores.append(Store(traced.at, place, traced.values[place], number.step if number else 0))
+                self.stores.append((traced.at, place, traced.values[place], number.step if number else 0))
 
     def _counts(self, traced: Traced, done: Sum) -> bool:
         """Compute the result of a sum, which is a counter, too. Return False if no operand is a counter."""
@@ -349,9 +343,9 @@ class CountingLoop(InstructionWatch):
 
     def cut_off(self, cycles: int) -> None:
         """Make the stores of the next pass up to a reset, which occurs this number of cycles after its begin."""
-        for store in self._stores:
-            if store.at - self._began < cycles:
-                self._memory.put(store.address, store.value + store.step * (self._moved + 1) & M16)
+        for at, address, value, step in self._stores:
+            if at - self._began < cycles:
+                self._memory.put(address, value + step * (self._moved + 1) & M16)
 
     def move(self, passes: int) -> None:
         """Advance the counters by this number of passes."""

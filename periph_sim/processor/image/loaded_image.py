@@ -38,23 +38,18 @@ IDLE = "IDLE"
 ENDLESS = "endless loop"  # one that reads no register
 
 
-class LoopRange(NamedTuple):
-    """The addresses of a loop's first and last instructions."""
-
-    first: int
-    branch: int
-
-
 class UnmodelledWait(NamedTuple):
     """A wait for unmodelled registers, which continues across interrupts.
 
-    since: the cycle at which it began. addresses: the unmodelled words that it reads.
-
-    sp: the stack pointer in the loop. routines: number of service routines active there.
+    since: the cycle at which it began.
+    loop: the addresses of its first and last instructions.
+    sp: the stack pointer in the loop.
+    routines: number of service routines active there.
+    addresses: the unmodelled words that it reads.
     """
 
     since: int
-    loop: LoopRange
+    loop: tuple[int, int]
     sp: int
     routines: int
     addresses: list[int]
@@ -163,19 +158,19 @@ class LoadedImage(Program):
 
     # Waits -----------------------------------------------------------------------------
 
-    def _awaited(self, loop: LoopRange, operands: Sequence[Operand], elsewhere: Sequence[int]) -> Awaited:
+    def _awaited(self, loop: tuple[int, int], operands: Sequence[Operand], elsewhere: Sequence[int]) -> Awaited:
         """Return what a loop waits for that reads these registers of modules, and these unmodelled words."""
-        cpu, first = self.cpu, loop.first
+        cpu, (first, branch) = self.cpu, loop
         words: tuple[int, ...] = ()
-        if loop.branch - first < LONGEST:
-            words = tuple([cpu.word_at(address) for address in range(first, loop.branch + 2)])
+        if branch - first < LONGEST:
+            words = tuple([cpu.word_at(address) for address in range(first, branch + 2)])
         if operands or elsewhere:
             mask = mask_of(first, words)
             texts = [f"{operand.name}.{fields_of(operand.register, mask)}" for operand in operands]
             texts += [f"{full_name(address)} & {mask:#06x}" for address in elsewhere]
             return Awaited(" and ".join(dict.fromkeys(texts)), self._unanswered(elsewhere) if elsewhere else "")
         steps = list(_instructions(first, words))
-        if not any(_is_exit(one, loop) for one in steps):
+        if not any(_is_exit(one, first, branch) for one in steps):
             return Awaited("")
         found = accesses(steps, frozenset(), Known(cpu.dp, cpu.xar, cpu.sp))
         read = dict.fromkeys(one.address for one in found if "r" in one.how)
@@ -264,9 +259,9 @@ def _instructions(first: int, words: tuple[int, ...]) -> Iterator[Instruction]:
         yield found
 
 
-def _is_exit(one: Instruction, loop: LoopRange) -> bool:
+def _is_exit(one: Instruction, first: int, branch: int) -> bool:
     """Return True if the loop can end here; a loop without an exit is the end of a program."""
     goal = one.target
     if goal is None or one.is_call or not one.goes_on:
         return False
-    return one.address == loop.branch or not loop.first <= goal <= loop.branch
+    return one.address == branch or not first <= goal <= branch

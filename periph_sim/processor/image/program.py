@@ -31,7 +31,7 @@ from ..processor import Awaited, Processor, Stop
 from ..user_code import FirmwareLost, InterruptFault
 from .counting_loop import CountingLoop
 from .cpu import ImageCpu
-from .loaded_image import LAST_JUMPS, LoadedImage, LoopRange, UnmodelledWait
+from .loaded_image import LAST_JUMPS, LoadedImage, UnmodelledWait
 from .polls import FEWEST
 
 
@@ -242,7 +242,7 @@ class ImageProgram(LoadedImage):
         """Keep the loop of equal passes if they read unmodelled words only."""
         polls, cpu = self.cpu.polls, self.cpu
         if polls.elsewhere and not polls.reads_modules:
-            loop = LoopRange(cpu.pc, self._at)
+            loop = (cpu.pc, self._at)
             self._unmodelled = UnmodelledWait(since, loop, cpu.sp, polls.routines, list(polls.elsewhere))
 
     def _sleeps_counting(self) -> Spin | None:
@@ -293,7 +293,7 @@ class ImageProgram(LoadedImage):
 
     def awaited(self) -> Awaited:
         """See `Program.awaited`."""
-        operands, loop = [] if self.spin is None else self.spin.polls, LoopRange(self.cpu.pc, self._at)
+        operands, loop = [] if self.spin is None else self.spin.polls, (self.cpu.pc, self._at)
         return self._awaited(loop, operands, self.cpu.polls.elsewhere)
 
     def unanswered_wait(self) -> Awaited | None:
@@ -302,7 +302,7 @@ class ImageProgram(LoadedImage):
         if wait is None or not wait.goes_on(self.cpu):
             return None
         found = self._awaited(wait.loop, [], wait.addresses)
-        return found._replace(since=wait.since, place=self.place_at(wait.loop.branch))
+        return found._replace(since=wait.since, place=self.place_at(wait.loop[1]))
 
     def _slept(self) -> bool:
         """Wait in IDLE. Return True once an interrupt that IER enables has ended it."""

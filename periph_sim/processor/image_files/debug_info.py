@@ -15,7 +15,6 @@ from typing import NamedTuple, TypeVar
 
 from elftools.dwarf.compileunit import CompileUnit
 from elftools.dwarf.dwarfinfo import DebugSectionDescriptor, DwarfConfig, DWARFInfo
-from elftools.dwarf.lineprogram import LineProgram
 
 from .load import Image
 
@@ -113,13 +112,10 @@ def _lines(dwarf: DWARFInfo, unit: CompileUnit) -> Iterator[tuple[int, SourceLin
         if state.end_sequence:
             yield state.address, None
         elif after is None or after.end_sequence or after.address != state.address:  # the last line of an address wins
-            yield state.address, SourceLine(_file(program, state.file), state.line)
-
-
-def _file(program: LineProgram, number: int) -> str:
-    files = program["file_entry"]
-    place = number if program["version"] >= 5 else number - 1
-    return text_of(files[place].name) if 0 <= place < len(files) else "?"
+            files = program["file_entry"]
+            place = state.file if program["version"] >= 5 else state.file - 1
+            file = text_of(files[place].name) if 0 <= place < len(files) else "?"
+            yield state.address, SourceLine(file, state.line)
 
 
 def text_of(raw: bytes | str) -> str:

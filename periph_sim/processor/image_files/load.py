@@ -21,7 +21,7 @@ from ...f28335.descriptor import Part
 from ...f28335.memory.address_space import Content, area_at, not_loadable
 from ...f28335.parts.f28335 import PART
 
-OTHER_PARTS = {"Cla1": "a part with a CLA (F2803x, F2806x or F2837x)"}  # by prefix of section names
+OTHER_PART = "a part with a CLA (F2803x, F2806x or F2837x)"  # whose sections begin with Cla1
 ELF_MAGIC = b"\x7fELF"
 WAY_OUT = "give the linker's .out file, or assembly (.asm)"
 LARGEST = 1 << 28  # bytes of a file; most are debug symbols
@@ -62,9 +62,8 @@ def parse(data: bytes) -> Image:
     else:
         raise BadImage(f"it is neither TI COFF nor ELF; {WAY_OUT}")
     for section in image.sections:
-        for beginning, part in OTHER_PARTS.items():
-            if section.name.startswith(beginning) and section.size:
-                raise BadImage(f"section {quoted(section.name)} belongs to {part}, not to the F28335")
+        if section.name.startswith("Cla1") and section.size:
+            raise BadImage(f"section {quoted(section.name)} belongs to {OTHER_PART}, not to the F28335")
     loaded = sorted(image.loaded, key=lambda section: section.address)
     if not loaded:
         raise BadImage("it has no loaded section, so there is nothing to run")

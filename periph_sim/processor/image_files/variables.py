@@ -243,23 +243,19 @@ class Variables:
                 raise BadVariable(f"the debug data do not describe {outer}, so {name!r} is unknown; {way}")
             return Variable(name, found.address + int(index[1]), 1, UNSIGNED)
         try:
-            return _part(name, found, kind, path)
+            offset, inner = inside(kind, outer, path)
+            number = number_type(inner)
+            if number is None:
+                parts = members_of(inner)
+                one = f"give one of its members, {', '.join(parts)}"
+                way = one if parts else _by_word(name, found.address + offset)
+                raise BadVariable(f"{name} is not a number of 16 or 32 bits; {way}")
+            return Variable(name, found.address + offset, *number)
         except BadVariable:
             raise
         except Exception as error:  # the library raises many types for damaged data
             what = f"the debug data of {outer} cannot be read ({type(error).__name__})"
             raise BadVariable(f"{what}; {_by_word(outer, found.address)}") from None
-
-
-def _part(name: str, outer: Variable, kind: DIE, path: str) -> Variable:
-    """Return a member or element of a variable. Raise BadVariable if it is missing or not a number."""
-    offset, inner = inside(kind, outer.name, path)
-    number = number_type(inner)
-    if number is None:
-        parts = members_of(inner)
-        way = f"give one of its members, {', '.join(parts)}" if parts else _by_word(name, outer.address + offset)
-        raise BadVariable(f"{name} is not a number of 16 or 32 bits; {way}")
-    return Variable(name, outer.address + offset, *number)
 
 
 def _by_word(outer: str, address: int) -> str:

@@ -147,7 +147,7 @@ class Cpu:
         self.instruction(cpu_costs.SIMPLE)
 
     def _note_and_pass(self, cycles: int) -> None:
-        self.processor.take_notes(self.time.cycle)
+        self.processor.notes.move_from(self.time.cycle, self.core.notes)
         self.instruction(cycles)
 
     # Instructions ----------------------------------------------------------------------

@@ -91,7 +91,9 @@ class Port:
     def _assign(self, name: Text, value: BigInt) -> None:
         field: PortField | None = self._fields.get(name)
         if field is None:
-            raise cannot_be_written(self.where, name, self.fields)
+            if name not in self.fields:
+                raise no_such_name(self.where, name, self.fields)
+            raise AttributeError(f"{self.where}.{name} cannot be assigned to; it has names of its own, which can")
         field.assign(self, value)
 
     def when(self, *, mask: object = None, value: object = None, **wanted: object) -> Condition:
@@ -218,13 +220,6 @@ class PortField:
 
 def no_such_name(where: str, name: str, names: tuple[str, ...]) -> AttributeError:
     return AttributeError(f"{where} has no field {name!r}; {did_you_mean(name, names)}")
-
-
-def cannot_be_written(where: str, name: str, names: tuple[str, ...]) -> AttributeError:
-    """Return the error for an assignment to an unknown name, or to one that has names of its own."""
-    if name not in names:
-        return no_such_name(where, name, names)
-    return AttributeError(f"{where}.{name} cannot be assigned to; it has names of its own, which can")
 
 
 class RegisterPort(Port):  # core: python

@@ -142,8 +142,8 @@ def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Fi
 
 def _started_sources(case: Case, name: str, unit: Unit, dsp: Dsp) -> Firmware:
     """Make the unit run its C sources from main on. The returned firmware represents them in lists of firmware."""
-    from ..processor.host_code.build import BadSources, Sources
     from ..processor.host_code.firmware import HostFirmware
+    from ..processor.host_code.library import BadSources, Sources
 
     given = unit.compile
     files, folders = (tuple(map(Path, paths)) for paths in (unit.sources, given.include))

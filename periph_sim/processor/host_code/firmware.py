@@ -24,7 +24,6 @@ from ..dsp import Dsp
 from ..image.elsewhere import UnmappedMemory
 from ..source_location import SourceLocation
 from ..user_code import FirmwareError, FirmwareLost
-from .build import BadSources, Sources, compiled, linked
 from .library import (
     ANNOUNCED,
     ASSEMBLY,
@@ -40,11 +39,15 @@ from .library import (
     UNWINDS,
     UNWOUND,
     WRITE,
+    BadSources,
     Library,
+    Sources,
+    compiled,
     contents_of,
     enter_c,
     kept_in_c,
     leave_c,
+    linked,
 )
 from .register_layout import BYTES_A_WORD, IER, IFR, LARGEST, VECTORS, WORD, BadLayout, Place, RegisterLayout
 

@@ -95,13 +95,10 @@ class LoadedImage(Program):
 
     def load(self) -> None:
         """Put the image into memory."""
-        cpu = self.cpu
-        for section in self.image.loaded:
-            for offset, word in enumerate(section.words):
-                cpu.fill(section.address + offset, word)
-        for address, words in self.image.initial:
+        loaded = [(section.address, section.words) for section in self.image.loaded]
+        for address, words in (*loaded, *self.image.initial):
             for offset, word in enumerate(words):
-                cpu.fill(address + offset, word)
+                self.cpu.fill(address + offset, word)
 
     # Places -------------------------------------------------------------------------
 

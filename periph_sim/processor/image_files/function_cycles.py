@@ -7,6 +7,7 @@ chip and wait states of memory are known only in a run.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
 from ...core.suggest import did_you_mean
@@ -15,7 +16,7 @@ from ..c28x.decoder import UNC, Instruction, decode_at
 from ..c28x.encodings import places
 from ..c28x.execution.operations import operation
 from ..c28x.pipeline import DP, SP, Pipeline, hazards
-from .debug_info import DebugInfo, Function, FunctionMap
+from .debug_info import Function, FunctionMap
 from .load import BadImage, Image
 
 WAITED = range(0xC000, 0x1_0000)  # L4 to L7: a fetch of 32 bits takes 2 cycles
@@ -54,73 +55,61 @@ def function_cycles(image: Image, name: str) -> FunctionCycles:
     if name not in functions:
         raise BadImage(f"there is no function {name!r}; {did_you_mean(name, functions)}")
     function = functions[name]
-    reader = _Reader(image, found.debug)
+    code = {section.run + offset: word for section in image.code for offset, word in enumerate(section.words)}
+    pages = {DP: 0, SP: 0}  # how often each changed; between changes an operand is the same word
+    pipeline, rows, least = Pipeline(), [], 0
     address = function.address
     while address < function.address + function.size:
-        address += reader.read(address)
-    return FunctionCycles(function, tuple(reader.rows), reader.least)
-
-
-class _Reader:
-    """Reads a function and models its pipeline."""
-
-    def __init__(self, image: Image, debug: DebugInfo) -> None:
-        self.rows: list[Row] = []
-        self.least = 0
-        self._debug = debug
-        self._pipeline = Pipeline()
-        self._words = {
-            section.run + offset: word for section in image.code for offset, word in enumerate(section.words)
-        }
-        self._pages = {DP: 0, SP: 0}  # how often each changed; between changes an operand is the same word
-
-    def read(self, address: int) -> int:
-        """Add the row of an instruction. Return its number of words."""
-        first, second = self._words.get(address, 0), self._words.get(address + 1, 0)
-        found = decode_at(address, first, second)
-        if found is None:
-            self.rows.append(Row(address, f".word {first:#06x}", "", 0, "not an instruction", ""))
-            return 1
-        f, pipeline = operation(found), self._pipeline
-        f.needs, f.makes = hazards(found.encoding, f.l, f.n, f.m)
-        before = pipeline.pending
+        first, second = code.get(address, 0), code.get(address + 1, 0)
+        one = decode_at(address, first, second)
+        if one is None:
+            rows.append(Row(address, f".word {first:#06x}", "", 0, "not an instruction", ""))
+            address += 1
+            continue
+        f = operation(one)
+        f.needs, f.makes = hazards(one.encoding, f.l, f.n, f.m)
+        pending = pipeline.pending
         registers = pipeline.stall(f, 0)
-        why = [f"waits for {_names(f.needs, before)}"] if registers else []
-        words = self._word(found, f.wide)
-        late = pipeline.read(words[0], words[1]) if words and "r" in found.encoding.accesses else 0
+        names = (*(f"XAR{n}" for n in range(8)), "DP", "SP")
+        unready = f.needs & (pending | pending >> 10 | pending >> 20)
+        waited = " and ".join(name for bit, name in enumerate(names) if unready >> bit & 1)
+        why = [f"waits for {waited}"] if registers else []
+        words = _word(one, f.wide, pages)
+        late = pipeline.read(words[0], words[1]) if words and "r" in one.encoding.accesses else 0
         if late:
             why.append("reads what was just written")
-        if words and "w" in found.encoding.accesses:
+        if words and "w" in one.encoding.accesses:
             pipeline.wrote(words[0], words[1], 1 if f.at_once else f.cycles)
-        always = "k" in found.values and f.k == UNC
+        always = "k" in one.values and f.k == UNC
         taken = f.cycles
         cycles = taken if always else f.not_taken
         pipeline.issued(f, cycles)
         if address in WAITED:
             why.append("fetched with 1 wait state")
-        option = "b_unc_cycles" if always and found.encoding.id == UNC_BRANCH else OPEN.get(found.text, "")
+        option = "b_unc_cycles" if always and one.encoding.id == UNC_BRANCH else OPEN.get(one.text, "")
         if option:
             why.append(f"open: {option}")
-        source = self._debug.line_at(address)
+        source = found.debug.line_at(address)
         published = str(cycles) if cycles == taken else f"{taken}/{cycles}"
-        self.rows.append(
-            Row(address, found.text, published, registers + late, ", ".join(why), str(source.line) if source else "")
-        )
-        self.least += cycles + registers + late
-        if not found.goes_on:
+        line = str(source.line) if source else ""
+        rows.append(Row(address, one.text, published, registers + late, ", ".join(why), line))
+        least += cycles + registers + late
+        if not one.goes_on:
             pipeline.drain()
-        for register in self._pages:
-            self._pages[register] += (f.makes | _written_early(found)) & register > 0
-        return found.words
+        for register in pages:
+            pages[register] += (f.makes | _written_early(one)) & register > 0
+        address += one.words
+    return FunctionCycles(function, tuple(rows), least)
 
-    def _word(self, found: Instruction, wide: bool) -> tuple[int, int] | None:
-        """Return (key, words) of an operand relative to DP or SP; None for others. Equal keys are equal addresses."""
-        field = found.values.get("l", 0xFF)
-        if field >= 0x80:
-            return None
-        place = 0x40 - (field & 0x3F) if field >= 0x40 else field
-        page = self._pages[SP if field >= 0x40 else DP] * 4 + (field >= 0x40)
-        return page << 8 | place & ~wide, 1 + wide
+
+def _word(found: Instruction, wide: bool, pages: Mapping[int, int]) -> tuple[int, int] | None:
+    """Return (key, words) of an operand relative to DP or SP; None for others. Equal keys are equal addresses."""
+    field = found.values.get("l", 0xFF)
+    if field >= 0x80:
+        return None
+    place = 0x40 - (field & 0x3F) if field >= 0x40 else field
+    page = pages[SP if field >= 0x40 else DP] * 4 + (field >= 0x40)
+    return page << 8 | place & ~wide, 1 + wide
 
 
 def _written_early(found: Instruction) -> int:
@@ -128,12 +117,6 @@ def _written_early(found: Instruction) -> int:
     writes = places(found.encoding.writes)
     moved = SP if found.values.get("l", 0) in (0xBD, 0xBE) else 0
     return (DP if "DP" in writes else 0) | (SP if "SP" in writes else 0) | moved
-
-
-def _names(needs: int, pending: int) -> str:
-    late = needs & (pending | pending >> 10 | pending >> 20)
-    names = [*(f"XAR{n}" for n in range(8)), "DP", "SP"]
-    return " and ".join(name for bit, name in enumerate(names) if late >> bit & 1)
 
 
 def cycles_text(found: FunctionCycles) -> str:

@@ -100,13 +100,11 @@ class Port:
         """Return the condition that a field has a value, when(XRDY=1), or that register & mask == value."""
         if len(wanted) + (mask is not None or value is not None) != 1 or (mask is None) != (value is None):
             raise Misuse(f"{self.where}.when needs one field and its number, when(NAME=1), or a mask= and a value=")
-        for name, number in wanted.items():
-            if name not in self._fields:
-                raise no_such_name(self.where, name, self.fields)
-            return self._fields[name].condition(self, number)
-        if "all" not in self._fields:
-            raise no_such_name(self.where, "all", self.fields)
-        return self._fields["all"].masked(self, mask, value)
+        name = next(iter(wanted), "all")
+        if name not in self._fields:
+            raise no_such_name(self.where, name, self.fields)
+        field = self._fields[name]
+        return field.condition(self, wanted[name]) if wanted else field.masked(self, mask, value)
 
     def comparison(self, name: Text, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
         """Return the condition that compares a field with a number; None if `PortField.comparison` returns none."""
@@ -159,12 +157,8 @@ class PortField:
 
     def condition(self, port: Port, number: object) -> Condition:
         """Return the condition that this field has a value. Raise Misuse if it cannot have it."""
-        value = self.in_place(number)
+        value = self._whole(f"{self._where} == {number!r} never holds", number, self._most) << self._lsb
         return Condition(port._cpu, port._operands[self.number] or self._operand(port), self.mask, value)
-
-    def in_place(self, number: object) -> BigInt:
-        """Return the number shifted to the field's bits. Raise Misuse if the field cannot have it."""
-        return self._whole(f"{self._where} == {number!r} never holds", number, self._most) << self._lsb
 
     def comparison(self, port: Port, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
         """Return the condition that compares this field with a number. where: its statement in the firmware.

@@ -142,10 +142,26 @@ class Lease(ChipObserver):
         self._spin: Spin | None = None
         self._sockets = NO_SOCKETS
 
-    def set_pass(self, spin: Spin) -> None:
-        """Set the pass, which has just ended."""
+    def begin(self, spin: Spin) -> bool:
+        """Wait for a change of what this pass, which has just ended, has read. Return False if it has changed already.
+
+        The modules that were read wake the sleeping CPU when a bit changes.
+        """
         self._first = self._time.cycle
         self._spin = spin
+        if self.broken(self._first):
+            return False
+        place: int
+        for place in range(spin.made):
+            read: Poll = spin.reads[place]
+            socket: Socket = read.operand.socket
+            if not self._sockets:
+                self._sockets = [socket]
+                socket.watch(self)
+            elif socket not in self._sockets:
+                self._sockets.append(socket)
+                socket.watch(self)
+        return True
 
     def broken(self, cycle: int) -> bool:
         """Return True if a pass begun at `cycle` could differ."""
@@ -159,21 +175,6 @@ class Lease(ChipObserver):
             if (value ^ read.value) & operand.mask:
                 return True
         return False
-
-    def begin(self) -> None:
-        """Subscribe to the modules that were read, to wake the sleeping CPU when a bit changes."""
-        spin = self._spin
-        assert spin is not None
-        place: int
-        for place in range(spin.made):
-            read: Poll = spin.reads[place]
-            socket: Socket = read.operand.socket
-            if not self._sockets:
-                self._sockets = [socket]
-                socket.watch(self)
-            elif socket not in self._sockets:
-                self._sockets.append(socket)
-                socket.watch(self)
 
     def end(self) -> None:
         sockets, self._sockets = self._sockets, NO_SOCKETS

@@ -215,10 +215,8 @@ class PollSkipper:
         if time.lands < NEVER or self._core.earliest() < NEVER:
             return None
         spin.since = self.since
-        lease.set_pass(spin)
-        if lease.broken(time.cycle):
+        if not lease.begin(spin):
             return None
-        lease.begin()
         self._most, until = most, NEVER
         if most < NEVER:
             self._failed.pop(self._branch, None)

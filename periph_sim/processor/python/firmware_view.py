@@ -88,8 +88,7 @@ class FirmwareView:
         """
         if not callable(condition):
             raise _no_condition("spin", condition)
-        if pass_cycles is not None:
-            pass_cycles = self._pass("spin", pass_cycles)
+        pass_cycles = self._pass("spin", pass_cycles)
         return self.waits.spin(condition, pass_cycles, None if timeout is None else self._cycles(timeout))
 
     def spin_either(
@@ -98,12 +97,12 @@ class FirmwareView:
         """Wait as `while (!ready) if (over) break;` does. Return True if `over` ended it. pass_cycles: see `spin`."""
         if not (callable(ready) and callable(over)):
             raise _no_condition("spin_either", over if callable(ready) else ready)
-        if pass_cycles is not None:
-            pass_cycles = self._pass("spin_either", pass_cycles)
-        return self.waits.spin_either(ready, over, pass_cycles)
+        return self.waits.spin_either(ready, over, self._pass("spin_either", pass_cycles))
 
-    def _pass(self, what: Text, cycles: BigInt) -> BigInt:
-        """Return the cycles. Raise Misuse if a pass of a wait cannot take this number."""
+    def _pass(self, what: Text, cycles: BigInt | None) -> BigInt | None:
+        """Return the cycles, if they are given. Raise Misuse if a pass of a wait cannot take this number."""
+        if cycles is None:
+            return None
         if type(cycles) is not int or cycles < 1:
             raise Misuse(f"dsp.{what}: pass_cycles is {cycles!r}; expected a whole number of cycles above 0")
         return self._fitting(cycles, f"dsp.{what}: pass_cycles = {cycles}") if cycles > LONG else cycles

@@ -244,12 +244,10 @@ class Waits:
             spin.last = [(read.operand, read.value) for read in spin.reads[: spin.made]]
             return False
         lease = self._lease
-        lease.set_pass(spin)
-        if lease.broken(time.cycle):
+        if not lease.begin(spin):
             return False
         first = time.cycle
         period = first - spin.start
-        lease.begin()
         if spin.ends < NEVER:
             time.wake_at(first - (first - spin.ends) // period * period)  # the end of the pass that times out
         time.sleep(NEVER)

@@ -13,13 +13,6 @@ ByteOrder = Literal["little", "big"]
 T = TypeVar("T")
 
 
-class FrameEncoding(Protocol):
-    """Settings of [host.encoding]."""
-
-    @property
-    def byte_order(self) -> ByteOrder: ...
-
-
 class FrameSource(Protocol):
     """The values of the frames of a motion: call it with the number of a frame.
 
@@ -53,8 +46,11 @@ class HostFrames(Protocol):
     def motion_settings(self) -> Mapping[str, type[object]]:
         """Return the dataclass of each kind of [host.motion]."""
 
-    def encoding_of(self, given: dict[str, object]) -> FrameEncoding:
-        """Return the encoding of the frames. Raise BadSetting with the name of the setting if one is wrong."""
+    def encoding_of(self, given: dict[str, object]) -> Any:
+        """Return the encoding of the frames, which has a `byte_order`.
+
+        Raise BadSetting with the name of the setting if one is wrong.
+        """
 
     def frames_of(self, given: dict[str, object], encoding: Any, first: Fraction, period: Fraction) -> FrameSource:
         """Return the frames of the motion in `given`. Raise BadSetting with the name of the setting if one is wrong."""

@@ -16,8 +16,9 @@ from ..models.parameters import AccelerometerParameters, GyroscopeParameters, Im
 from ..models.quantity import BadParameter
 from ..numeric import arithmetic_names as named
 from ..numeric.arithmetic import Arithmetic
+from ..numeric.q import Q
 from .frames import REFERENCE, Ints, codes_of
-from .sweep import EVERY, Finding, Happens
+from .sweep import EVERY, Finding, Happens, overflow_of
 from .working_range import Worst
 
 DAY = 86_400.0
@@ -53,9 +54,7 @@ def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Fin
         lost = np.flatnonzero(off > allowed)
         happens: Happens = "agrees"
         if len(lost):
-            q = named.format_of(name)
-            over = q is not None and bool(double.overflown[lost[0]])
-            happens = "full scale" if not over else "wraps" if q is not None and q.overflow == "wrap" else "saturates"
+            happens = overflow_of(name) if double.overflown[lost[0]] else "full scale"
         begins = float(rates[lost[0]]) if len(lost) else None
         yield Finding("lost or doubled frame", name, happens, begins, "deg/s", float(off.max()))
 
@@ -75,13 +74,13 @@ def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
     """
     period = ImuParameters().period
     for name in names:
-        a, q = named.scalar(name), named.format_of(name)
-        end = MONTH if q is None else min(MONTH, 2.0 ** (31 - q.bits) - 2.0**-q.bits)
+        a = named.scalar(name)
+        end = min(MONTH, 2.0 ** (31 - a.bits) - 2.0**-a.bits) if isinstance(a, Q) else MONTH
         begins = _first_time(a, end, lambda grown: abs(grown - period) > period / 2)
         halts = _first_time(a, end, lambda grown: grown == 0)
         happens: Happens = "agrees"
         if begins is not None:
-            happens = "off" if q is None else "saturates" if q.overflow == "saturate" else "wraps"
+            happens = overflow_of(name) if isinstance(a, Q) else "off"
         note = f"{(float(a.value(a.constant(period))) / period - 1) * DAY:+.3g} s a day"
         if halts is not None:
             note += f", halts at {halts / 3600:.4g} h"

@@ -15,12 +15,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..models import parameters
-from ..numeric import arithmetic_names as named
 from .frames import REFERENCE, SENSORS, Codes, Ints, codes_of
 from .working_range import Worst
 
 # agrees: as near as in the working range. exact: no deviation. full scale: the converter's last code, as intended.
 Happens = Literal["agrees", "exact", "off", "full scale", "saturates", "wraps", "NaN", "refused"]
+
+
+def overflow_of(arithmetic: str) -> Happens:
+    """Return the effect of an overflow in a Q format."""
+    return "saturates" if arithmetic.endswith("saturating") else "wraps"
 
 
 EVERY = "every"  # in place of an arithmetic if a finding involves none
@@ -134,10 +138,7 @@ class Grid:
         """Return the reason of the deviation at the first point."""
         if np.isnan(self.codes.exact[:, 0]).any():
             return "NaN"
-        q = named.format_of(arithmetic)
-        if q is not None and self.codes.overflown[0]:
-            return "saturates" if q.overflow == "saturate" else "wraps"
-        return "off"
+        return overflow_of(arithmetic) if self.codes.overflown[0] else "off"
 
 
 @lru_cache(maxsize=256)

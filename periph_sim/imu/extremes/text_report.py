@@ -63,7 +63,7 @@ def _cost_rows(report: Report) -> Rows:
     costs = [report.costs[name] for name in report.names]
     return [
         ["part", *report.names],
-        *([part, *(_span(*cost.part(part)) for cost in costs)] for part in costs[0].parts),
+        *([part, *(_span(*cost.parts[part]) for cost in costs)] for part in costs[0].parts),
         ["not explained", *(_rest(*cost.left_of()) for cost in costs)],
     ]
 
@@ -161,8 +161,8 @@ def _arithmetic(report: Report, name: str) -> dict[str, object]:
         "library": cost.library.name,
         "guessed": cost.guessed,
         "cycles": [cost.low, cost.high],
-        "parts": {part: list(cost.part(part)) for part in cost.parts},
-        "operations": dict(cost.counts()),
+        "parts": {part: list(cycles) for part, cycles in cost.parts.items()},
+        "operations": dict(cost.counts),
         "not_explained_cycles": list(cost.left_of()),
         "error_lsb": {sensor: 0.0 if error is None else error.error[sensor] for sensor in SENSORS},
         "error_at": {} if error is None else {sensor: error.at[sensor].tolist() for sensor in SENSORS},

@@ -39,17 +39,13 @@ class Mean:
         return sqrt(self.white**2 + self.drift**2 + self.quantisation**2)
 
     def less(self, other: Mean) -> Mean:
-        """Return the difference of two independent means, of which the second is that without a disturbance."""
+        """Return the difference of two independent means, of which the second is expected, or without a disturbance."""
         return Mean(
             self.value - other.value,
             sqrt(self.white**2 + other.white**2),
             sqrt(self.drift**2 + other.drift**2),
             sqrt(self.quantisation**2 + other.quantisation**2),
         )
-
-    def minus(self, expected: float) -> Mean:
-        """Return the difference of the mean from an exactly known value."""
-        return Mean(self.value - expected, self.white, self.drift, self.quantisation)
 
 
 def mean(series: Series, found: Allan, noise: Density) -> Mean:
@@ -136,7 +132,7 @@ def identify(
     found, noise, terms = _fitted(given, slow)
     level = mean(given, found, noise)
     if undisturbed is None:
-        bias = level.minus(expected)
+        bias = level.less(Mean(expected, 0.0, 0.0, 0.0))
     else:
         other = series(f"{name} undisturbed", undisturbed, period)
         bias = level.less(mean(other, *_fitted(other, slow)[:2]))

@@ -187,60 +187,35 @@ SYSCLK = 150_000_000  # SYSCLKOUT of the dissertation's board in Hz
 MEASURED = Fraction(250, 1_000_000)  # seconds that section 5.4 measured from GPIO high to low, with code in RAM
 
 
-class Line(Struct, frozen=True):
-    """One kind of operation in one part of the model.
+class Estimate(Struct, frozen=True):
+    """The cycles of a model.
 
-    low, high: the cycles of all these operations.
-    operands: the additional cycles for loads and stores.
+    parts: the cycles of each part, as (low, high).
+    counts: the number of operations of each kind in all parts together.
     """
 
-    part: str
-    kind: str
-    count: int
-    low: int
-    high: int
-    operands: int
-
-
-class Estimate(Struct, frozen=True):
     library: Library
     tables: Tables
-    lines: tuple[Line, ...]
+    parts: Mapping[str, tuple[int, int]]
+    counts: Mapping[str, int]
 
     @property
     def low(self) -> int:
         """The cycles of all operations with their operands, with the lower ends of the ranges."""
-        return sum(line.low + line.operands for line in self.lines)
+        return sum(low for low, _ in self.parts.values())
 
     @property
     def high(self) -> int:
-        return sum(line.high + line.operands for line in self.lines)
+        return sum(high for _, high in self.parts.values())
 
     @property
     def guessed(self) -> bool:
         """True if any figure is a guess."""
-        return any(self.library.costs[line.kind].guessed for line in self.lines)
+        return any(self.library.costs[kind].guessed for kind in self.counts)
 
     def seconds(self) -> Fraction:
         """Return the time in the middle of the range, for uses that need a single number."""
         return Fraction(self.low + self.high, 2) / SYSCLK
-
-    @property
-    def parts(self) -> list[str]:
-        """The names of all parts, in order."""
-        return list(dict.fromkeys(line.part for line in self.lines))
-
-    def part(self, name: str) -> tuple[int, int]:
-        """Return the cycles of one part with its operands, as (low, high)."""
-        own = [line for line in self.lines if line.part == name]
-        return sum(line.low + line.operands for line in own), sum(line.high + line.operands for line in own)
-
-    def counts(self) -> Counter[str]:
-        """Return the number of operations of each kind in all parts together."""
-        found: Counter[str] = Counter()
-        for line in self.lines:
-            found[line.kind] += line.count
-        return found
 
     def left_of(self, measured: Fraction = MEASURED) -> tuple[int, int]:
         """Return the least and the most cycles of a measured time that the estimate does not explain."""
@@ -250,11 +225,14 @@ class Estimate(Struct, frozen=True):
 
 def estimate(counts: Mapping[str, Mapping[str, int]], library: Library, tables: Tables = "RAM") -> Estimate:
     """Estimate the cycles. counts: for each part the number of operations of each kind."""
-    lines = []
+    parts: dict[str, tuple[int, int]] = {}
+    total: Counter[str] = Counter()
     for part, kinds in counts.items():
+        low = high = 0
         for kind, count in sorted(kinds.items()):
-            cost = library.costs[kind]
-            rom = library.rom.get(kind, 0) if tables == "boot ROM" else 0
-            operands = 0 if kind in library.with_operands else count * OPERANDS[kind]
-            lines.append(Line(part, kind, count, count * (cost.low + rom), count * (cost.high + rom), operands))
-    return Estimate(library, tables, tuple(lines))
+            cost, operands = library.costs[kind], 0 if kind in library.with_operands else OPERANDS[kind]
+            more = operands + (library.rom.get(kind, 0) if tables == "boot ROM" else 0)
+            low, high = low + count * (cost.low + more), high + count * (cost.high + more)
+            total[kind] += count
+        parts[part] = low, high
+    return Estimate(library, tables, parts, total)

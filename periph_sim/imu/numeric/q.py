@@ -93,7 +93,6 @@ def length_of(x: BigInt, y: BigInt) -> int:
 
 
 Overflow = Literal["wrap", "saturate"]
-Product = Literal["cut", "rounded"]
 Triple = tuple[int, int, int]
 
 LOW, HIGH = -(1 << 31), (1 << 31) - 1
@@ -126,13 +125,6 @@ def factor_of(lsb: float, bits: int) -> tuple[int, int]:
     return round(ldexp(lsb, shift)), shift - bits
 
 
-def name_of(bits: int, overflow: Overflow, product: Product) -> str:
-    """Return a name such as "q16", "q16 saturating", "q16 rounded"."""
-    if overflow == "saturate":
-        return f"q{bits} saturating"
-    return f"q{bits}" if product == "cut" else f"q{bits} rounded"
-
-
 class Q:
     """The arithmetic of a Q format for single numbers. T = int: value * 2**bits.
 
@@ -140,15 +132,17 @@ class Q:
     """
 
     name: str
-    product: Product = "cut"
+    saturates: bool
 
     def __init__(self, bits: int = 16, overflow: Overflow = "wrap") -> None:
         if not 1 <= bits <= 29:
             raise DoesNotFit(f"Q{bits}: IQmath has angles up to pi in Q1 to Q29 only")
-        self.name = name_of(bits, overflow, self.product)
+        self.name = f"q{bits}"
         self.bits = bits
         self.overflows = 0
-        self._saturates = overflow == "saturate"
+        self.saturates = overflow == "saturate"
+        if self.saturates:
+            self.name += " saturating"
         self._factors: dict[float, tuple[int, int]] = {}
         self._one, self._half = 1 << bits, 1 << (bits - 1)
 
@@ -268,7 +262,7 @@ class Q:
         return LOW if x < 0 else HIGH
 
     def _overflow(self, x: int) -> int:
-        if self._saturates:
+        if self.saturates:
             return self._saturated(x)
         self.overflows += 1
         return ((x - LOW) & 0xFFFFFFFF) + LOW
@@ -277,7 +271,10 @@ class Q:
 class RoundedQ(Q):
     """A Q format whose products are rounded to nearest and not truncated."""
 
-    product: Product = "rounded"
+    def __init__(self, bits: int = 16, overflow: Overflow = "wrap") -> None:
+        super().__init__(bits, overflow)
+        if not self.saturates:
+            self.name += " rounded"
 
     def mul(self, x: int, y: int) -> int:
         product = (x * y + self._half) >> self.bits

@@ -50,8 +50,8 @@ def test_an_estimate_is_counts_times_cycles_and_operands() -> None:
     counts = {"one": {"sincos": 2, "add": 3}, "two": {"mul": 4, "add": 1}}
     iq = estimate(counts, IQMATH)
     assert (iq.low, iq.high) == (2 * 90 + 3 + 4 * 6 + 1 + 2 * 3 + 4 * 3, iq.low)  # IQmpy's 6 have its operands
-    assert iq.part("one") == (2 * 90 + 3 + 2 * 3 + 3 * 3,) * 2
-    assert iq.counts()["add"] == 4
+    assert iq.parts["one"] == (2 * 90 + 3 + 2 * 3 + 3 * 3,) * 2
+    assert iq.counts["add"] == 4
     assert estimate(counts, IQMATH, "boot ROM").low == iq.low + 2 * 4
     assert iq.seconds() == Fraction(iq.low, 150_000_000)
     assert iq.left_of(Fraction(1, 1_000_000)) == (150 - iq.low,) * 2
@@ -97,6 +97,6 @@ def test_derived_figures_of_iqmath_are_those_of_their_instructions() -> None:
 
 def test_kinds_and_parts_add_up_to_the_estimate() -> None:
     found = estimate({"one": {"sincos": 2, "add": 3}, "two": {"mul": 4, "add": 1, "select": 2}}, IQMATH)
-    parts = [found.part(name) for name in ("one", "two")]
+    parts = [found.parts[name] for name in ("one", "two")]
     assert sum(low for low, _ in parts) == found.low and sum(high for _, high in parts) == found.high > found.low
-    assert found.counts() == {"sincos": 2, "add": 4, "mul": 4, "select": 2}
+    assert found.counts == {"sincos": 2, "add": 4, "mul": 4, "select": 2}

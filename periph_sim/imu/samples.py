@@ -84,15 +84,13 @@ class SampleLog:
 
     start: the tick of time 0.
     ticks: the number of ticks per second.
-    chips: chips whose scale differs from that of their driver, indexed by the names in SENSORS.
     """
 
-    def __init__(self, head: SensorHead, start: int, ticks: int, chips: dict[str, ChipData] | None = None) -> None:
-        self._chips = SENSORS | (chips or {})
+    def __init__(self, head: SensorHead, start: int, ticks: int) -> None:
         self._start = start
         self._ticks = ticks
         self._due = array("q")
-        self._counts = {name: array("h") for name in self._chips}
+        self._counts = {name: array("h") for name in SENSORS}
         self._round: dict[str, tuple[int, ...]] = {}
         head.on_transfer.append(self._transfer)
         head.on_round.append(self._round_over)
@@ -102,7 +100,7 @@ class SampleLog:
         seconds = (np.array(self._due, np.int64) - self._start) / self._ticks
         counts = self.counts()
         gyro, accel, mag = (
-            in_units(self._chips[name], counts[name]) for name in ("gyroscope", "accelerometer", "magnetometer")
+            in_units(SENSORS[name], counts[name]) for name in ("gyroscope", "accelerometer", "magnetometer")
         )
         return Samples(seconds, gyro, accel, mag)
 
@@ -112,13 +110,13 @@ class SampleLog:
 
     def _transfer(self, transfer: Transfer) -> None:
         for phase in transfer.phases:
-            for name, chip in self._chips.items():
+            for name, chip in SENSORS.items():
                 if phase.read and phase.address == chip.address and len(phase.got) == 6:
                     self._round[name] = chip.values(bytes(phase.got))
 
     def _round_over(self, over: Round) -> None:
         found, self._round = self._round, {}
-        if len(found) == len(self._chips):
+        if len(found) == len(SENSORS):
             self._due.append(over.due)
             for name, values in found.items():
                 self._counts[name].extend(values)

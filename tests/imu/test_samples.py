@@ -11,7 +11,7 @@ import pytest
 
 from periph_sim.devices.chips.sensed_values import held
 from periph_sim.imu.attitude import errors, estimate
-from periph_sim.imu.moving import direct_computation as direct
+from periph_sim.imu.moving import experiment as direct
 from periph_sim.imu.rotations import quaternions
 from periph_sim.imu.samples import Readings, SampleLog, Samples, in_units
 from periph_sim.imu.sensors import SENSORS as CHIPS
@@ -120,7 +120,7 @@ cross_axis = 0.03
 def test_the_body_s_own_rates_gravity_and_field_come_back(tmp_path: Path):
     (tmp_path / "set.toml").write_text(SET)
     one = without_noise(subject("3", TWO_ANGLES, f"unit.dsp.settings.parameters={tmp_path / 'set.toml'}"))
-    read = direct.sensors(one).samples(one.sensors)
+    read = direct.computed_sensors(one).samples(one.sensors)
     attitude = one.motion.attitude(read.seconds)
     rates = np.degrees(body_rates(attitude, one.motion.rates(read.seconds)))
     assert np.abs(rates).max(axis=0).min() > 10, "every axis turns"
@@ -142,7 +142,10 @@ def test_an_overflow_of_any_axis_is_no_field():
 
 def test_real_sensors_have_another_noise_than_the_emulator():
     one = subject("6", STILL)
-    emulated, real = (readings.codes["gyroscope"][10:, 0] for readings in (direct.emulator(one), direct.sensors(one)))
+    emulated, real = (
+        readings.codes["gyroscope"][10:, 0]
+        for readings in (direct.computed_emulator(one), direct.computed_sensors(one))
+    )
     assert abs(np.corrcoef(emulated, real)[0, 1]) < 0.2
-    again = direct.sensors(one).codes["gyroscope"][10:, 0]
+    again = direct.computed_sensors(one).codes["gyroscope"][10:, 0]
     assert np.array_equal(real, again), "but each time the same"

@@ -12,14 +12,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 
 from ..attitude import Errors, NoAttitude, errors, estimate
+from ..host_frames import FRAME_BYTES, decode, encode
+from ..imu_noise import ImuNoise
+from ..model_codes import model_codes
 from ..models.parameters import Rates
+from ..models.sensed_motion import SensedMotion
 from ..rotations import Floats, quaternions
-from ..samples import Readings
-from . import direct_computation as direct
+from ..samples import Ints, Readings
+from ..sensors import SENSORS
 from . import on_wires
 from .subject import EmulatorUnderTest
 
@@ -71,6 +76,65 @@ def _continuous(attitudes: Floats) -> Floats:
     turns = np.sign(np.sum(attitudes[1:] * attitudes[:-1], axis=1))
     signs = np.concatenate([[1.0], np.cumprod(np.where(turns == 0, 1.0, turns))])
     return np.asarray(attitudes * signs[:, np.newaxis], np.float64)
+
+
+BITS_OF_REQUEST = 3 + 9 * 9  # bits for START, repeated START and STOP; two addresses, a pointer, six bytes
+BITS_OF_BYTE = 10  # number of bits of a character: start, eight, stop
+
+
+def computed_emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings:
+    """Return the readings of the emulator in each round, calculated without wires.
+
+    Run n of the models has the noise with number n. Run 0 is before the first frame and uses zeros. The frame that a
+    run uses depends on timing. It is given, or calculated from a schedule without jitter.
+
+    Runs of the models before the first frame do not affect later runs. The rates of the first frame are zero, as in the
+    firmware.
+
+    frames: the frame that each run of the models uses, -1 for none; then the readings are those of each run.
+    """
+    carried = frames_by_schedule(subject) if frames is None else frames
+    models = model_codes(subject.sensors, subject.arithmetic, subject.seed)
+    shown, rows = models.at_rest, []
+    for run, number in enumerate(carried.tolist()):
+        values = None if number < 0 else decode(encode(subject.frames(number), subject.frames.byte_order))
+        shown = models.run(run, values, shown)
+        rows.append([chip.values(shown.data(chip.address)) for chip in SENSORS.values()])
+    codes = dict(zip(SENSORS, np.array(rows, np.int64).reshape(-1, len(SENSORS), 3).swapaxes(0, 1), strict=True))
+    return Readings(_due(subject, len(carried)), codes, _scales(subject))
+
+
+def computed_sensors(subject: EmulatorUnderTest) -> Readings:
+    """Return the readings of real sensors that sample when a round is due. Their noise is not that of the emulator."""
+    seconds = _due(subject, subject.rounds)
+    felt = SensedMotion(subject.sensors, subject.frames.motion)
+    noise = None if subject.seed is None else ImuNoise(subject.sensors, subject.seed + 1)
+    rows = [felt.at(at, None if noise is None else noise.at(n)) for n, at in enumerate(seconds.tolist())]
+    codes = {name: np.rint([row[name] for row in rows]).astype(np.int64).reshape(-1, 3) for name in SENSORS}
+    return Readings(seconds, codes, _scales(subject))
+
+
+def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
+    """Return the frame that the run before each round uses if nothing is late, int64[rounds]; -1 for none."""
+    host, controller = subject.host, subject.controller
+    request = BITS_OF_REQUEST / controller.rate + controller.gap
+    over = controller.first + 3 * request - controller.gap  # end of round 0, at which the models begin
+    sent = host.first + (FRAME_BYTES * BITS_OF_BYTE + (FRAME_BYTES - 1) * host.gap) / host.baud  # end of frame 0
+    found = [-1]
+    for number in range(1, subject.rounds):
+        begun = over + (number - 1) * controller.period
+        last = ceil((begun - sent) / host.period) - 1
+        found.append(max(-1, last if host.frames is None else min(last, host.frames - 1)))
+    return np.array(found[: subject.rounds], np.int64)
+
+
+def _due(subject: EmulatorUnderTest, rounds: int) -> Floats:
+    controller = subject.controller
+    return np.array([float(controller.first + n * controller.period) for n in range(rounds)])
+
+
+def _scales(subject: EmulatorUnderTest) -> dict[str, float]:
+    return {name: getattr(subject.sensors, name).scale for name in SENSORS}
 
 
 RATES: tuple[Rates, ...] = ("as built", "corrected")
@@ -150,16 +214,16 @@ def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], Non
     def part(number: int) -> Callable[[float], None] | None:
         return None if progress is None else lambda done: progress((number + done) / parts)
 
-    real = on_wires.chips(subject, part(0)) if wires else direct.sensors(subject)
+    real = on_wires.chips(subject, part(0)) if wires else computed_sensors(subject)
     read, different = {}, 0
     for number, rates in enumerate(RATES):
         one = subject.with_rates(rates)
         if wires:
             came = on_wires.emulator(one, part(number + 1))
             read[rates] = came.readings
-            different += _different(came, direct.emulator(one, came.frames))
+            different += _different(came, computed_emulator(one, came.frames))
         else:
-            read[rates] = direct.emulator(one)
+            read[rates] = computed_emulator(one)
     seconds = _common([real, *read.values()])
     if not len(seconds):
         raise NoAttitude("no round of the three chips was complete before the end; run longer")

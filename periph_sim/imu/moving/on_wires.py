@@ -7,11 +7,9 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from fractions import Fraction
 from typing import Any
 
 import numpy as np
-from msgspec import structs
 
 from ...core.records import Kind, Record, Recorder
 from ...core.time import Timebase
@@ -102,7 +100,7 @@ def emulator(subject: EmulatorUnderTest, progress: Progress | None = None) -> Em
     heard = ModelRuns()
     scene = Scene(subject.case, heard.subscribe)
     heard.listen(scene)
-    scales = {name: Fraction(getattr(subject.sensors, name).scale) for name in SENSORS}
+    scales = {name: getattr(subject.sensors, name).scale for name in SENSORS}
     readings = _read(scene, subject, scales, progress)
     return Emulated(readings, np.array(heard.frames, np.int64), np.array(heard.runs, np.int64))
 
@@ -115,7 +113,7 @@ def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readi
     clock = Timebase()
     scene = Scene(case, sources=sources(subject, clock.per_second, clock.ticks(case.start, "nearest")))
     assert scene.timebase.per_second == clock.per_second
-    readings = _read(scene, subject, {name: chip.lsb_per_unit for name, chip in SENSORS.items()}, progress)
+    readings = _read(scene, subject, {name: float(chip.lsb_per_unit) for name, chip in SENSORS.items()}, progress)
     return replace(readings, overflow=SENSORS["magnetometer"].overflow)
 
 
@@ -144,9 +142,8 @@ def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Sou
     return {name: source(name) for name in SENSORS}
 
 
-def _read(scene: Scene, subject: EmulatorUnderTest, scales: dict[str, Fraction], progress: Progress | None) -> Readings:
+def _read(scene: Scene, subject: EmulatorUnderTest, scales: dict[str, float], progress: Progress | None) -> Readings:
     assert scene.head is not None
-    known = {name: structs.replace(SENSORS[name], lsb_per_unit=scale) for name, scale in scales.items()}
-    log = SampleLog(scene.head, scene.start, scene.timebase.per_second, known)
+    log = SampleLog(scene.head, scene.start, scene.timebase.per_second)
     scene.run(subject.duration, progress)
-    return Readings(log.samples().seconds, log.counts(), {name: float(scale) for name, scale in scales.items()})
+    return Readings(log.samples().seconds, log.counts(), scales)

@@ -10,7 +10,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from periph_sim.imu.moving import direct_computation as direct
+from periph_sim.imu.moving import experiment as direct
 from tests.interfaces.commands.conftest import Run
 from tests.scene.runs import TIMING
 
@@ -37,14 +37,14 @@ def test_json_has_the_figures_of_the_table(desk: Path, periph_sim: Run):
 
 
 def test_bytes_that_differ_are_status_1(desk: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
-    right = direct.emulator
+    right = direct.computed_emulator
 
     def wrong(*given: object) -> object:
         readings = right(*given)
         readings.codes["magnetometer"][5, 2] ^= 0x0101
         return readings
 
-    monkeypatch.setattr("periph_sim.imu.moving.direct_computation.emulator", wrong)
+    monkeypatch.setattr("periph_sim.imu.moving.experiment.computed_emulator", wrong)
     came = periph_sim("moving", CASE, "--seconds", "0.2")
     assert came.status == 1
     assert came.out.endswith("\n356 of 360 bytes read from the emulator equal those computed without wires\n")

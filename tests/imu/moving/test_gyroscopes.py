@@ -9,7 +9,7 @@ import pytest
 
 from periph_sim.imu.attitude import errors
 from periph_sim.imu.models.parameters import Rates
-from periph_sim.imu.moving import direct_computation as direct
+from periph_sim.imu.moving import experiment as direct
 from periph_sim.imu.moving.experiment import attitudes, truth
 from periph_sim.imu.moving.subject import EmulatorUnderTest
 from periph_sim.imu.samples import Readings
@@ -38,7 +38,7 @@ def turned(attitude: np.ndarray, rates: np.ndarray, period: float) -> np.ndarray
 def drift(one: EmulatorUnderTest, rates: Rates) -> float:
     """Degrees between truth and what the gyroscope alone tells, at the end; each round shows the frame before."""
     one = without_noise(one).with_rates(rates)
-    found = direct.emulator(one).samples(one.sensors).gyro
+    found = direct.computed_emulator(one).samples(one.sensors).gyro
     host = one.host
     times = np.array([float(host.first + n * host.period) for n in range(one.rounds - 1)])
     attitude = truth(one, times[:1])[0]
@@ -58,14 +58,14 @@ def test_corrected_rates_integrate_to_the_true_attitude_and_those_as_built_do_no
 def test_they_agree_while_one_angle_moves_from_zero(angle: str):
     wave = f'host.motion={{kind = "sines", angles = [{{of = "{angle}", amplitude = "40 deg", frequency = "0.3 Hz"}}]}}'
     one = subject("2", wave)
-    built, corrected = (direct.emulator(one.with_rates(rates)).codes for rates in ("as built", "corrected"))
+    built, corrected = (direct.computed_emulator(one.with_rates(rates)).codes for rates in ("as built", "corrected"))
     assert all(np.array_equal(built[name], corrected[name]) for name in built)
 
 
 def test_the_servo_sequence_moves_one_angle_at_a_time_and_shows_no_difference():
     """As appendix B says of the published experiment."""
     one = subject("6")
-    built, corrected = (direct.emulator(one.with_rates(rates)).codes for rates in ("as built", "corrected"))
+    built, corrected = (direct.computed_emulator(one.with_rates(rates)).codes for rates in ("as built", "corrected"))
     assert np.array_equal(built["gyroscope"], corrected["gyroscope"])
 
 
@@ -75,7 +75,7 @@ def through_half_a_turn(tmp_path: Path, wrap: str, *changes: str) -> tuple[Emula
     path.write_text("time [s],phi [deg],theta [deg],psi [deg],ax [g],ay [g],az [g]\n0,0,0,150,0,0,0\n3,0,0,210,0,0,0\n")
     (tmp_path / "set.toml").write_text(f'wrap = "{wrap}"\n')
     one = subject("3", flight(str(path)), f"unit.dsp.settings.parameters={tmp_path / 'set.toml'}", *changes)
-    return one, direct.emulator(one)
+    return one, direct.computed_emulator(one)
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from periph_sim.imu.moving import direct_computation as direct
+from periph_sim.imu.moving import experiment as direct
 from periph_sim.imu.moving import on_wires
 from tests.imu.moving.subjects import TWO_ANGLES, flight, subject, without_noise
 
@@ -37,7 +37,7 @@ def test_bytes_are_those_computed_without_wires(changes: tuple[str, ...]):
     one = subject("0.6", TWO_ANGLES, *changes)
     came = on_wires.emulator(one)
     assert len(came.readings.seconds) == len(came.runs) >= 20
-    computed = direct.emulator(one, came.frames)
+    computed = direct.computed_emulator(one, came.frames)
     assert agree(came, computed.codes)
     assert len(np.unique(came.readings.codes["accelerometer"][:, 0])) > 8, "something moves, and noise is alive"
 
@@ -48,15 +48,15 @@ def test_of_a_frame_that_ends_as_the_models_begin_it_is_known_whether_they_got_i
     """The models begin at 7.62 ms; a frame takes 1.04 ms, and its last bits may come after it was taken."""
     one = subject("0.07", TWO_ANGLES, f"host.first={first_ns} ns")
     came = on_wires.emulator(one)
-    assert agree(came, direct.emulator(one, came.frames).codes)
+    assert agree(came, direct.computed_emulator(one, came.frames).codes)
 
 
 def test_other_noise_other_frames_or_another_arithmetic_would_be_other_bytes():
     one = subject("0.6", TWO_ANGLES)
     came = on_wires.emulator(one)
     for change in ("unit.dsp.settings.noise_seed=2", "unit.dsp.settings.arithmetic=q8"):
-        assert not agree(came, direct.emulator(subject("0.6", TWO_ANGLES, change), came.frames).codes)
-    assert not agree(came, direct.emulator(one, np.maximum(came.frames - 1, -1)).codes)
+        assert not agree(came, direct.computed_emulator(subject("0.6", TWO_ANGLES, change), came.frames).codes)
+    assert not agree(came, direct.computed_emulator(one, np.maximum(came.frames - 1, -1)).codes)
 
 
 @pytest.mark.parametrize(
@@ -76,7 +76,7 @@ def test_the_schedule_says_which_frame_each_run_works_on(changes: tuple[str, ...
     one = subject("0.6", *changes)
     came = on_wires.emulator(one)
     assert came.frames[: one.rounds].tolist() == direct.frames_by_schedule(one).tolist()
-    assert came.readings.seconds == pytest.approx(direct.emulator(one).seconds)
+    assert came.readings.seconds == pytest.approx(direct.computed_emulator(one).seconds)
 
 
 def test_frames_that_do_not_come_leave_the_values_but_not_the_noise():
@@ -84,7 +84,9 @@ def test_frames_that_do_not_come_leave_the_values_but_not_the_noise():
     came = on_wires.emulator(subject("0.6", TWO_ANGLES, "host.frames=9")).readings.codes["gyroscope"][14:]
     assert np.abs(came.mean(axis=0) - 14.375 * np.array([-3.0272, 3.5388, 0.0500])).max() < 1.5, "its bias is left"
     assert all(len(np.unique(axis)) > 2 for axis in came.T)
-    without = direct.emulator(without_noise(subject("0.6", TWO_ANGLES, "host.frames=9"))).codes["gyroscope"][14:]
+    without = direct.computed_emulator(without_noise(subject("0.6", TWO_ANGLES, "host.frames=9"))).codes["gyroscope"][
+        14:
+    ]
     assert (without == without[0]).all()
 
 
@@ -113,7 +115,7 @@ def test_real_chips_sample_the_motion_within_their_own_periods():
     """Where all is still both read the same but for noise and LSB; the chips' data are of the last 13.4 ms."""
     one = subject("0.4", 'host.motion={kind = "static", theta = "20 deg"}')
     quiet = without_noise(one)
-    chips, computed = on_wires.chips(quiet), direct.sensors(quiet)
+    chips, computed = on_wires.chips(quiet), direct.computed_sensors(quiet)
     for name, codes in chips.codes.items():
         assert (codes == computed.codes[name]).all()
     assert chips.overflow == -4096

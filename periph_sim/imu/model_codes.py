@@ -35,6 +35,8 @@ class ModelCodes(ChipModel):
     """
 
     _model: Imu[Any]
+    _noise: ImuNoise | None
+    _remembered: Callable[..., Any]
 
     def __init__(self, parameters: ImuParameters, arithmetic: str, noise_seed: int | None = None) -> None:
         self._model = Imu(named.scalar(arithmetic), parameters)

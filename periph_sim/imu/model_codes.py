@@ -121,5 +121,7 @@ def model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
 class ModelNoise:
     """The noise of a model's samples, for firmware of earlier versions. at: returns sample n."""
 
+    at: Callable[[int], Noise[Any]]
+
     def __init__(self, arithmetic: str, parameters: ImuParameters, seed: int | None) -> None:
         self.at = ModelCodes(parameters, arithmetic, seed).noise

@@ -49,39 +49,29 @@ def named(name: str) -> ImuParameters:
 def load(path: Path) -> ImuParameters:
     """Return the parameters in a file. Raise BadCase, with file, line, name, value and range, if one is wrong."""
     text, tree = read(path, "parameter")
-    source = Source(path, text)
-    given = {}
-    for one in parameters_of(ImuParameters):
-        if isinstance(one.kind, type) and issubclass(one.kind, Checked) and one.name in tree:
-            given[one.name] = _set(source, (one.name,), one.kind, tree.pop(one.name))
-    return _made(source, (), ImuParameters, given | _values(source, (), ImuParameters, tree))
+    return _set(Source(path, text), (), ImuParameters, tree)
 
 
 def _set(source: Source, place: Place, kind: type[C], table: Any) -> C:
     if not isinstance(table, dict):
         raise _wrong(source, place, f"expected a table, but it is {table!r}")
-    return _made(source, place, kind, _values(source, place, kind, table))
-
-
-def _made(source: Source, place: Place, kind: type[C], given: dict[str, Any]) -> C:
-    try:
-        return kind(**given)
-    except BadParameter as error:
-        key = error.name.split(".")[1]
-        raise _wrong(source, (*place, key), f"{error.what}", error.name.split(".")[2:]) from None
-
-
-def _values(source: Source, place: Place, kind: type[Checked], table: dict[str, Any]) -> dict[str, Any]:
     known = {one.name: one for one in parameters_of(kind)}
     for name in table:
         if name not in known:
             key = ".".join(str(part) for part in (*place, name))
             raise BadCase(f"{source.where((*place, name))}: there is no parameter {key!r}; {did_you_mean(name, known)}")
-    return {name: _value(source, (*place, name), known[name], value) for name, value in table.items()}
+    given = {name: _value(source, (*place, name), known[name], value) for name, value in table.items()}
+    try:
+        return kind(**given)
+    except BadParameter as error:
+        _, key, *inside = error.name.split(".")
+        raise _wrong(source, (*place, key), error.what, inside) from None
 
 
 def _value(source: Source, place: Place, parameter: Parameter, value: Any) -> Any:
     says = parameter.says
+    if says is None:
+        return _set(source, place, parameter.kind, value)
     if not isinstance(says, Quantity):
         return value
     try:

@@ -23,7 +23,6 @@ from ..numeric.arithmetic import Arithmetic, Triple
 
 Ints = NDArray[np.int64]
 
-INT16 = 0x8000
 SENSORS = ("gyroscope", "accelerometer", "magnetometer")
 REFERENCE = "float64"
 
@@ -77,9 +76,3 @@ def _sample(model: Imu[Any], counts: Any) -> tuple[list[Any], list[Any]]:
 
 def _scaled(a: Arithmetic[Any], rows: Any, lsb: float) -> Triple[Any]:
     return a.scaled(rows[0], lsb), a.scaled(rows[1], lsb), a.scaled(rows[2], lsb)
-
-
-def counted(radians: Any) -> Ints:
-    """Return angles as the counts in a frame of a host without range checks, which are int16 that wrap."""
-    counts: Ints = (np.rint(np.asarray(radians) / ANGLE).astype(np.int64) + INT16) % (2 * INT16) - INT16
-    return counts

@@ -22,11 +22,12 @@ from ..models.parameters import (
     Norm,
     Spherical,
 )
-from .frames import Ints, counted
-from .sweep import Sample, Sweep
+from .frames import Ints
+from .sweep import Floats, Sample, Sweep
 
 Attitude = tuple[float, float, float]  # roll, pitch, yaw in rad
 
+INT16 = 0x8000
 AS_BUILT = ImuParameters()
 CORRECTED = ImuParameters(gyroscope=GyroscopeParameters(rates="corrected"))
 UNWRAPPED = ImuParameters(wrap="unwrapped")
@@ -36,21 +37,19 @@ ONE_COUNT = 5.0  # maximum LSB of the gyroscope for one count of an angle: 4.1, 
 
 
 def sent(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Ints:
-    """Return the counts that a host sends, in int16 that wrap, int64[12].
+    """Return the counts that a host without range checks sends, which are int16 that wrap, int64[12]."""
+    counts: Ints = (meant(attitude, acceleration) + INT16) % (2 * INT16) - INT16
+    return counts
+
+
+def meant(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Ints:
+    """Return the counts of a host whose frames have no range limit, int64[12].
 
     attitude: returns the attitude 2, 1 and 0 samples ago. acceleration: in g.
     """
-    return np.concatenate([*(counted(attitude(k)) for k in (2, 1, 0)), _acceleration(acceleration)])
-
-
-def meant(attitude: Callable[[int], Attitude]) -> Ints:
-    """Return the counts of a host whose frames have no range limit for angles, int64[12]."""
-    angles = [np.rint(np.asarray(attitude(k)) / ANGLE).astype(np.int64) for k in (2, 1, 0)]
-    return np.concatenate([*angles, _acceleration(0.0)])
-
-
-def _acceleration(g: float) -> Ints:
-    return np.full(3, round(g / ACCELERATION), dtype=np.int64)
+    angles = [np.asarray(attitude(k)) / ANGLE for k in (2, 1, 0)]
+    exact: Floats = np.concatenate([*angles, np.full(3, acceleration / ACCELERATION)])
+    return np.rint(exact).astype(np.int64)
 
 
 def pitching(value: float, imu: ImuParameters) -> Sample:

@@ -22,24 +22,12 @@ from ..core.input_error import InputError
 from .firmware_model import resting_attitude
 from .rotations import Floats, angle_between, angles, quaternions, wrapped
 
+VARIANCES = 0.3**2, 0.5**2, 0.8**2  # those of the library
 LEAST_ANGLE = 1e-6  # minimum angle in radians between gravity and field, below which yaw is undefined
 
 
 class NoAttitude(InputError):
     """An attitude cannot be estimated, because samples have the wrong shape or the library is missing."""
-
-
-@dataclass(frozen=True)
-class Noise:
-    """Variances that the filter assumes. The defaults are those of the library.
-
-    gyro: in (rad/s)^2.
-    accel, mag: variances of vectors that are scaled to length 1.
-    """
-
-    gyro: float = 0.3**2
-    accel: float = 0.5**2
-    mag: float = 0.8**2
 
 
 @dataclass(frozen=True)
@@ -63,7 +51,7 @@ def estimate(
     accel: ArrayLike,
     mag: ArrayLike,
     field: ArrayLike,
-    noise: Noise | None = None,
+    variances: tuple[float, float, float] = VARIANCES,
     start: ArrayLike | None = None,
 ) -> Floats:
     """Return the attitude at each sample as quaternions of `rotations`, float64[n, 4].
@@ -72,6 +60,7 @@ def estimate(
     gyro, accel, mag: samples in deg/s, g and gauss, float64[n, 3]. A sample of accel or mag that is zero or NaN (an
         overflow) is skipped.
     field: the north, east and down components of the magnetic field at the body; only its direction counts.
+    variances: those that the filter assumes of gyro in (rad/s)^2, and of accel and mag as vectors scaled to length 1.
     start: the attitude at the first sample; by default the one that fits its accel and mag.
 
     Raise NoAttitude if the input is invalid.
@@ -82,7 +71,7 @@ def estimate(
         raise NoAttitude(f"field is {reference.tolist()}; expected north, east, down, not all of them 0")
     if not len(times):
         return np.empty((0, 4))
-    ekf = _filter(reference, noise or Noise())
+    ekf = _filter(reference, variances)
     found = np.empty((len(times), 4))
     found[0] = _at_rest(-gravity[0], magnetic[0], reference) if start is None else np.asarray(start, np.float64)
     steps = np.diff(times)
@@ -136,7 +125,7 @@ def _checked(seconds: ArrayLike, gyro: ArrayLike, accel: ArrayLike, mag: ArrayLi
     return times, np.radians(three["gyro"]), -three["accel"], three["mag"]
 
 
-def _filter(field: Floats, noise: Noise) -> Any:
+def _filter(field: Floats, variances: tuple[float, float, float]) -> Any:
     """Return the library's filter before its first sample."""
     try:
         from ahrs.filters import EKF
@@ -144,5 +133,4 @@ def _filter(field: Floats, noise: Noise) -> Any:
         raise NoAttitude(
             "attitude estimation needs the library ahrs; install it with: pip install 'periph-sim[attitude]'"
         ) from None
-    variances = [noise.gyro, noise.accel, noise.mag]
-    return EKF(frame="NED", magnetic_ref=field.tolist(), noises=variances)
+    return EKF(frame="NED", magnetic_ref=field.tolist(), noises=[*variances])

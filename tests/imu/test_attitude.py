@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import pytest
 
-from periph_sim.imu.attitude import NoAttitude, Noise, errors, estimate
+from periph_sim.imu.attitude import VARIANCES, NoAttitude, errors, estimate
 from periph_sim.imu.rotations import quaternions
 from tests.devices.aerospace import FIELD, at_rest, body_rates, to_body
 
@@ -96,14 +96,14 @@ def test_noise_says_whom_to_trust():
     samples = still((0, 0, 0), 1500)
     samples["gyro"] = samples["gyro"] + [3, 0, 0]
     truth = quaternions(np.zeros((1500, 3)))
-    little, much = (errors(estimate(**samples, noise=Noise(gyro, 0.01, 0.01)), truth).total[-1] for gyro in (1.0, 1e-6))
+    little, much = (errors(estimate(**samples, variances=(gyro, 0.01, 0.01)), truth).total[-1] for gyro in (1.0, 1e-6))
     assert little < 0.5 < 5 < much
 
 
 def test_without_noise_given_it_is_the_librarys():
     filters = pytest.importorskip("ahrs.filters", reason="ahrs is not installed: the extra attitude has it")
     own = filters.EKF(magnetic_ref=FIELD.tolist())
-    assert [own.g_noise, own.a_noise, own.m_noise] == [Noise().gyro, Noise().accel, Noise().mag]
+    assert [own.g_noise, own.a_noise, own.m_noise] == [*VARIANCES]
 
 
 def test_uneven_steps_count_as_long_as_they_are():

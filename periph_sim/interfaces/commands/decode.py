@@ -13,7 +13,6 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from math import ceil
 from pathlib import Path
-from typing import NamedTuple
 
 import click
 import numpy as np
@@ -170,22 +169,6 @@ SIGROK = {
 }
 
 
-class Packet(NamedTuple):
-    """One packet of an export.
-
-    time: in units of 10**-DECIMALS s.
-    wire: the address byte and the data of a message, the bytes of a burst, or SPI words. A word is a whole number of
-        bytes, the most significant one first.
-    said: the packet in the notation of the I2C-bus specification, with ACKs and the final condition.
-    """
-
-    bus: int
-    time: int
-    wire: bytes
-    flags: int
-    said: str
-
-
 def in_pcapng(
     rows: Rows, first: Numbers, buses: Sequence[str], protocols: Sequence[str], clock: event_text.Clock
 ) -> Iterator[bytes]:
@@ -193,18 +176,17 @@ def in_pcapng(
     yield pcapng.section()
     for name, protocol in zip(buses, protocols, strict=True):
         yield pcapng.interface(pcapng.I2C_LINUX if protocol == "i2c" else pcapng.USER0, name, DECIMALS)
-    for one in packets(rows, first, clock):
-        of_i2c = protocols[one.bus] == "i2c"
-        content = pcapng.i2c_content(one.bus, one.flags, one.wire) if of_i2c else one.wire
-        yield pcapng.packet(one.bus, one.time, content, one.said)
+    for bus, time, wire, flags, said in packets(rows, first, clock):
+        content = pcapng.i2c_content(bus, flags, wire) if protocols[bus] == "i2c" else wire
+        yield pcapng.packet(bus, time, content, said)
 
 
 def in_hexdump(rows: Rows, first: Numbers, clock: event_text.Clock) -> Iterator[bytes]:
     """Export for `text2pcap -t %s.%f -l 209` (147 for a serial line or SPI), which adds the link type."""
-    for one in packets(rows, first, clock):
-        lines = [f"# {one.said}", f"{one.time // 10**DECIMALS}.{one.time % 10**DECIMALS:0{DECIMALS}}"]
-        for begin in range(0, len(one.wire), PER_LINE):
-            lines.append(f"{begin:06x}  {one.wire[begin : begin + PER_LINE].hex(' ')}")
+    for _, time, wire, _, said in packets(rows, first, clock):
+        begins = range(0, len(wire), PER_LINE)
+        lines = [f"# {said}", f"{time // 10**DECIMALS}.{time % 10**DECIMALS:0{DECIMALS}}"]
+        lines += [f"{begin:06x}  {wire[begin : begin + PER_LINE].hex(' ')}" for begin in begins]
         yield ("\n".join(lines) + "\n\n").encode()
 
 
@@ -243,8 +225,13 @@ def _as_sigrok_says(event: str, value: int | None, bits: int, detail: str) -> st
     )
 
 
-def packets(rows: Rows, first: Numbers, clock: event_text.Clock) -> Iterator[Packet]:
+def packets(rows: Rows, first: Numbers, clock: event_text.Clock) -> Iterator[tuple[int, int, bytes, int, str]]:
     """Yield the packets in order of time. A packet is a burst, or a message of an I2C transfer.
+
+    It has the number of the bus, the time in units of 10**-DECIMALS s, bytes, flags of an I2C message, and a text in
+    the notation of the I2C-bus specification, with ACKs and the final condition. The bytes are the address byte and the
+    data of a message, the bytes of a burst, or SPI words. A word is a whole number of bytes, the most significant one
+    first.
 
     first: the rows with which transfers and bursts begin. A message without a complete address byte is left out.
     """
@@ -272,6 +259,5 @@ def packets(rows: Rows, first: Numbers, clock: event_text.Clock) -> Iterator[Pac
             elif event == WORD:
                 wire += value.to_bytes(-(-bits // 8), "big")
         if wire:
-            bus = own[0][0]
             said = " ".join(event_text.said_in_transfer(*row[1:]) for row in own)
-            yield Packet(bus, time, bytes(wire), flags, said)
+            yield own[0][0], time, bytes(wire), flags, said

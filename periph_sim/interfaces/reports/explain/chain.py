@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from pathlib import Path
 
 from ....core.text_table import columns, together
@@ -133,12 +132,12 @@ class Chain:
             candidates = sorted((p for p in self.more if sign * p.length > 0), key=lambda part: -sign * part.length)
         return next((part for part in candidates or self.parts if part.place is not None), None)
 
-    def us(self, ticks: int) -> Fraction:
-        return Fraction(ticks * 1_000_000, self.timebase.per_second)
+    def us(self, ticks: int) -> float:
+        return ticks * 1_000_000 / self.timebase.per_second
 
     def figure(self, ticks: int) -> str:
         """Format a length in the same way as `timing.verdict.figure`."""
-        return figure(float(self.us(ticks)), "us")
+        return figure(self.us(ticks), "us")
 
 
 def parts_of(stretches: Iterable[Stretch]) -> tuple[Part, ...]:
@@ -233,20 +232,20 @@ def as_json(chain: Chain) -> dict[str, object]:
     """
     return {
         "steps": [
-            {"at_us": _number(chain, step.at), "what": step.what}
-            | ({} if step.length is None else {"length_us": _number(chain, step.length)})
+            {"at_us": round(chain.us(step.at), 4), "what": step.what}
+            | ({} if step.length is None else {"length_us": round(chain.us(step.length), 4)})
             | _json_place(step.place)
             for step in chain.steps
         ],
         "parts": [_json_part(chain, part) for part in chain.parts],
-        "length_us": _number(chain, chain.length),
-        "typical_us": None if chain.typical is None else _number(chain, chain.typical),
+        "length_us": round(chain.us(chain.length), 4),
+        "typical_us": None if chain.typical is None else round(chain.us(chain.typical), 4),
         "more": [_json_part(chain, part) for part in chain.more],
     }
 
 
 def _json_part(chain: Chain, part: Part) -> dict[str, object]:
-    row = {"what": str(part), "length_us": _number(chain, part.length), "count": part.count}
+    row = {"what": str(part), "length_us": round(chain.us(part.length), 4), "count": part.count}
     return row | _json_place(part.place)
 
 
@@ -264,7 +263,3 @@ def relative(file: Path) -> Path:
         return file.relative_to(Path.cwd())
     except ValueError:
         return file
-
-
-def _number(chain: Chain, ticks: int) -> float:
-    return round(float(chain.us(ticks)), 4)

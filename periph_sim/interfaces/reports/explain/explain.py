@@ -234,7 +234,7 @@ def _instant(evidence: Evidence, ends: Ends) -> Chain:
     found = [finding(evidence, ends) for finding in FINDINGS]
     now = evidence.doing_step(at)
     own: Part | None = None
-    steps = [step for one in found for step in one.steps]
+    steps = [step for some, _ in found for step in some]
     if (
         ends.begin is not None
         and not ends.measure.kinds & DERIVED_FROM.keys()
@@ -247,7 +247,7 @@ def _instant(evidence: Evidence, ends: Ends) -> Chain:
     of_phase = bool(ends.measure.kinds & DERIVED_FROM.keys()) and any(phase.begin == at for phase in evidence.phases)
     if not of_phase and not any(step.what.startswith(f"{evidence.unit}: ") for step in steps):
         steps.append(now)
-    blame = next((one.blame for one in found if one.blame is not None), None)
+    blame = next((cause for _, cause in found if cause is not None), None)
     doing = None if of_phase else evidence.blame_at(at)
     return evidence.chain(in_order(steps), (), own or blame or doing)
 

@@ -11,11 +11,10 @@ words in the FIFO                            --> the last read before, the next 
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import groupby, pairwise
-from typing import NamedTuple
 
 from ....core.records import UNWANTED, Kind, Record
 from ....records.record_text import bus_byte, happened, on_the_bus
@@ -120,15 +119,9 @@ WORDS = "SCIFFRX.RXFFST"
 PROMPT = Fraction(1, 10**6)  # in seconds; accesses and changes within this time are shown together
 
 
-class Finding(NamedTuple):
-    """A finding about an instant.
-
-    steps: the steps, in any order.
-    blame: the cause, if it is known. It has priority over the firmware's activity at the instant.
-    """
-
-    steps: Iterable[Step] = ()
-    blame: Part | None = None
+# A finding about an instant: its steps, in any order, and the cause, if it is known. The cause has priority over the
+# firmware's activity at the instant.
+Finding = tuple[list[Step], Part | None]
 
 
 def asked(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
@@ -203,18 +196,18 @@ def _refused(evidence: Evidence, ends: Ends) -> Finding:
     """
     at = evidence.window.begin
     if not ends.measure.kinds & {Kind.BUS, Kind.TRANSFER, Kind.ROUND} or ends.thing in LATE:
-        return Finding()
+        return [], None
     there = (p for p in evidence.phases if not p.acked and p.answered is not None and p.end > at)
     phase = next((p for p in there if ends.thing == "refused" or p.answered == at), None)
     if phase is None or phase.answered is None:
-        return Finding()
+        return [], None
     steps = [*asked(evidence, phase, phase.answered), evidence.doing_step(phase.answered)]
     if is_master(evidence, phase.answered):
-        return Finding(steps)
+        return steps, None
     lacks = missing_condition(evidence, phase.answered)
     own, wrong = own_address(evidence, phase.answered, phase.address)
     steps += [*lacks, *own, *unread(evidence, phase.answered), *stale(evidence, phase)]
-    return Finding(steps, evidence.blame_at(phase.answered) or _blamed(lacks or wrong))
+    return steps, evidence.blame_at(phase.answered) or _blamed(lacks or wrong)
 
 
 def _transfer(evidence: Evidence, ends: Ends) -> Finding:
@@ -222,10 +215,10 @@ def _transfer(evidence: Evidence, ends: Ends) -> Finding:
     at = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin == at), None)
     if Kind.TRANSFER not in ends.measure.kinds or phase is None or ends.thing == "refused":
-        return Finding()
+        return [], None
     prompt = "SCL rises as soon as the controller releases it, everywhere in this phase"
     free = [] if evidence.stretches(phase.begin, phase.end) else [evidence.say(at, prompt)]
-    return Finding([*asked(evidence, phase, at), *free])
+    return [*asked(evidence, phase, at), *free], None
 
 
 def _refused_byte(evidence: Evidence, ends: Ends) -> Finding:
@@ -235,9 +228,9 @@ def _refused_byte(evidence: Evidence, ends: Ends) -> Finding:
     phase = evidence.phase_at(at)
     refused = record is not None and (record.what == "NACK" or (carried is not None and not carried.acked))
     if phase is None or phase.answered == at or not refused:
-        return Finding()
+        return [], None
     to_blame = [] if is_master(evidence, at) else refusing(evidence, at)
-    return Finding([*asked(evidence, phase, at), *to_blame, *unread(evidence, at)], _blamed(to_blame))
+    return [*asked(evidence, phase, at), *to_blame, *unread(evidence, at)], _blamed(to_blame)
 
 
 def _blamed(steps: list[Step]) -> Part | None:
@@ -255,10 +248,10 @@ def _bytes(evidence: Evidence, ends: Ends) -> Finding:
     at = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin >= at), None)
     if Kind.DATA not in ends.measure.kinds or phase is None:
-        return Finding()
+        return [], None
     if sender(evidence, phase):
         noted, cause = note_of_device(evidence, phase)
-        return Finding([*noted, *asked(evidence, phase, at), *bytes_of_device(evidence, phase)], cause)
+        return [*noted, *asked(evidence, phase, at), *bytes_of_device(evidence, phase)], cause
     evidence = answering(evidence, phase)
     steps = [*asked(evidence, phase, at), *stale(evidence, phase)]
     blame: Part | None = None
@@ -279,7 +272,7 @@ def _bytes(evidence: Evidence, ends: Ends) -> Finding:
     if blame is None and all(write is not None for _, write, _ in bytes_sent(evidence, phase)):
         before = episodes(evidence.window, evidence.unit, evidence.window.kept[0].begin, at)
         steps += [evidence.episode_step(one, at) for one in before if one.doing in ("interrupt", "span")]
-    return Finding([*steps, *unread(evidence, phase.end)], blame or written)
+    return [*steps, *unread(evidence, phase.end)], blame or written
 
 
 def _round_before(evidence: Evidence, ends: Ends) -> Finding:
@@ -287,7 +280,7 @@ def _round_before(evidence: Evidence, ends: Ends) -> Finding:
     due = evidence.window.begin
     before = max(due - evidence.period, evidence.window.kept[0].begin)
     if Kind.ROUND not in ends.measure.kinds or ends.thing == "refused":
-        return Finding()
+        return [], None
     steps = transfers(evidence, before, due)
     shows = next((phase for phase in evidence.phases if phase.begin == due), None)
     begins, lacks = "a round is due", "but the one before still runs"
@@ -296,27 +289,27 @@ def _round_before(evidence: Evidence, ends: Ends) -> Finding:
     else:
         old = [step for phase in evidence.phases if before <= phase.begin < due for step in stale(evidence, phase)]
         steps += [*held(evidence, before, due), *evidence.story(before, due, waits=False), *old[-1:]]
-    return Finding([*steps, evidence.say(due, f"{begins}, {lacks}" if ends.thing == "missed" else begins)])
+    return [*steps, evidence.say(due, f"{begins}, {lacks}" if ends.thing == "missed" else begins)], None
 
 
 def _hung(evidence: Evidence, ends: Ends) -> Finding:
     """Find the lines that are low, the wait that does not end, and the byte that was not read."""
     at = evidence.window.begin
     if ends.thing not in LATE or any(phase.begin == at for phase in evidence.phases):
-        return Finding()
+        return [], None
     falls = [
         evidence.say(since, f"{name} falls, and stays low", at - since)
         for name in (("SCL", "SDA") if ends.thing == "stuck" else ())
         if (since := evidence.low_since(name, at)) is not None
     ]
-    return Finding([*falls, *waited_for(evidence, at), *unread(evidence, at)])
+    return [*falls, *waited_for(evidence, at), *unread(evidence, at)], None
 
 
 def _fifo(evidence: Evidence, ends: Ends) -> Finding:
     """Find the time since which the firmware has not read the FIFO, and its activities in this time."""
     at = evidence.window.begin
     if Kind.RECEIVER not in ends.measure.kinds and (ends.begin is None or ends.begin.what not in (*FIFO, WORDS)):
-        return Finding()
+        return [], None
     first, over = evidence.window.kept[0].begin, evidence.window.kept[-1].end
     since = max((r.tick for r in evidence.flags(first, at, WORDS) if not r.value), default=first)
     frames = [r for r in evidence.window.between(since, at, Kind.FRAME) if r.what == "byte"]
@@ -333,16 +326,16 @@ def _fifo(evidence: Evidence, ends: Ends) -> Finding:
     steps += [evidence.say(at, f"{flag.value} words in the FIFO") for flag in words]
     later = evidence.accesses(at, over, f"R {SCI}.SCIRXBUF")[:1]
     steps += [evidence.step(r, f"SCIRXBUF read, {evidence.span(r.tick - at)} later") for r in later]
-    return Finding([*steps, *evidence.story(since, at, waits=False)])
+    return [*steps, *evidence.story(since, at, waits=False)], None
 
 
 def _beside(evidence: Evidence, ends: Ends) -> Finding:
     """Find the accesses and changes of a register around an instant, if the measure compares these."""
     at, near = evidence.window.begin, evidence.window.timebase.ticks(PROMPT, "nearest")
     if ends.measure.kinds != {Kind.ACCESS, Kind.FLAG}:
-        return Finding()
+        return [], None
     found = [r for r in evidence.window.records if abs(r.tick - at) <= near and looks_at(ends.measure, r)]
-    return Finding([evidence.step(r) for r in found])
+    return [evidence.step(r) for r in found], None
 
 
 def _periods(evidence: Evidence, ends: Ends) -> Finding:
@@ -354,7 +347,7 @@ def _periods(evidence: Evidence, ends: Ends) -> Finding:
         or evidence.window.verdict.unit != "us"
         or not looks_at(ends.measure, record)
     ):
-        return Finding()
+        return [], None
     ticks = [r.tick for r in evidence.window.records if (r[2:6]) == record[2:6]]
     around = [*[tick for tick in ticks if tick < at][-1:], at, *[tick for tick in ticks if tick > at][:1]]
     name = f"{evidence.step(record).what}: a period of"
@@ -362,7 +355,7 @@ def _periods(evidence: Evidence, ends: Ends) -> Finding:
         evidence.say(begin, "then one of" if number else name, end - begin)
         for number, (begin, end) in enumerate(pairwise(around))
     ]
-    return Finding([*steps, *evidence.story(around[0], around[-1])])
+    return [*steps, *evidence.story(around[0], around[-1])], None
 
 
 FINDINGS: tuple[Callable[[Evidence, Ends], Finding], ...] = (

@@ -87,8 +87,7 @@ def _template() -> Template:
 
 
 def _text(name: str) -> str:
-    text: str = (files(__package__) / "assets" / name).read_text(encoding="utf-8")
-    return text
+    return (files(__package__) / "assets" / name).read_text(encoding="utf-8")
 
 
 def _data(value: object) -> Markup:

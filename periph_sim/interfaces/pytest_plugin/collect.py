@@ -93,7 +93,7 @@ class CaseItem(pytest.Item):
         self.user_properties.extend(properties(run.result.case, verdict))
         if not verdict.passed and not verdict.broken and self.get_closest_marker("xfail") is not None:
             pytest.fail(f"{verdict.name} is not judged, so it is unknown if it breaks: {verdict.found}", pytrace=False)
-        run.assert_verdict(self._number)
+        run.assert_budgets(verdict.name)
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **more: Any) -> Any:
         """Return the broken budgets, or the sentence of a user's error. Only internal errors have a traceback."""

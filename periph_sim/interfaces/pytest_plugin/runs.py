@@ -31,7 +31,7 @@ from ...timing.verdict import NOTHING_PROVEN, Verdict, figure, instant, limit
 from ...traces.capture.capture import Capture
 from ...traces.formats.record_table import Columns, RecordTable
 from ..reports.explain.chain import Chain, text
-from ..reports.explain.explain import chain_of, explain
+from ..reports.explain.explain import chain_of, explain_each
 from ..reports.explain.window import Window, windows_of_edges, windows_of_table
 
 OnJudged = Callable[["Run", Sequence[Verdict]], None]
@@ -145,8 +145,8 @@ class Run:
         """
         case = self.plan.case
         if not self.plan.programs:
-            found = explain(case, verdicts, self._typical, self.plan.length)
-            return [(found[verdict.name].window, found[verdict.name].chain) for verdict in verdicts]
+            found = explain_each(case, verdicts, self._typical, self.plan.length)
+            return [(one.window, one.chain) for one in found]
         if self.records is not None:
             seen = windows_of_table(case.name, self.records, verdicts, self.start)
             return [(window, chain_of(case, window)) for window in seen]
@@ -179,11 +179,6 @@ class Run:
         __tracebackhide__ = True
         if self.hangs:
             raise AssertionError("\n".join([f"{self.result.case} hangs:", *self.hangs]))
-
-    def assert_verdict(self, number: int) -> None:
-        """Call `assert_budgets` for the budget of the case with this number, counted from 0."""
-        __tracebackhide__ = True
-        self._judge(self.result.budgets[number : number + 1])
 
     def _judge(self, verdicts: Sequence[Verdict], guaranteed: bool = False) -> None:
         __tracebackhide__ = True

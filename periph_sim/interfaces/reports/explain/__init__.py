@@ -20,13 +20,6 @@ come from the case and not from a record: the text of a reply and the edges of a
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
-from ....core.registered import lazy_names
-
-if TYPE_CHECKING:
-    from .window import Window, windows, windows_of_table
+from .window import Window, windows, windows_of_table
 
 __all__ = ["Window", "windows", "windows_of_table"]
-
-__getattr__ = lazy_names(__name__, {"window": ("Window", "windows", "windows_of_table")})

@@ -122,20 +122,16 @@ def is_master(evidence: Evidence, tick: int) -> bool:
 
 
 def stale(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
-    """Return steps for waits in a transfer that ended at once, because their flag was set before the transfer."""
-    steps = []
-    for look_at in evidence.accesses(phase.begin, phase.end, f"R {I2C}.I2CSTR"):
-        if look_at.field not in WAITED:
-            continue
+    """Return a step for the first wait in a transfer that ended at once, as its flag was set before; else none."""
+    starts = (p.begin for p in reversed(evidence.phases) if p.begin <= phase.begin and p.start == "START")
+    first = next(starts, phase.begin)
+    for look_at in (r for r in evidence.accesses(phase.begin, phase.end, f"R {I2C}.I2CSTR") if r.field in WAITED):
         rose = evidence.last_set(look_at.tick, f"I2CSTR.{look_at.field}")
-        first = next(
-            (p.begin for p in reversed(evidence.phases) if p.begin <= phase.begin and p.start == "START"), phase.begin
-        )
         if rose is not None and rose.tick < first:
             early = evidence.span(first - rose.tick)
             text = f"the firmware sees I2CSTR.{look_at.field}, which rose {early} before this transfer began"
-            steps.append(evidence.step(look_at, text))
-    return steps[:1]
+            return [evidence.step(look_at, text)]
+    return []
 
 
 def unread(evidence: Evidence, tick: int) -> list[Step]:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.interfaces.reports.explain.explain import explain
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import Verdict
 from tests.imu.moving.subjects import TWO_ANGLES
+from tests.interfaces.reports.explain.made import explain
 from tests.scene.runs import TIMING, run_file
 
 AGES = 'budget=[{name = "age", measure = "age", max = "9 s"}, {name = "model age", measure = "model age", max = "9 s"}]'

@@ -100,32 +100,33 @@ def check(
         raise click.ClickException(f"there is nothing to check: {outside[0].why}")
     passed = all(one.passed for one in checks) and not refused
     if as_json:
-        answer = {
-            "verdict": "pass" if passed else "fail",
-            "cases": [
-                {
-                    "case": one.outcome.figures.case,
-                    "file": one.outcome.path.as_posix(),
-                    "verdict": "pass" if one.passed else "fail",
-                    "breaks": list(one.outcome.breaks),
-                    "broken": one.outcome.broken,
-                    "not_judged": [name for name in one.outcome.not_passed if name not in one.outcome.broken],
-                    "baseline": {"file": one.baseline.as_posix(), "state": one.state},
-                    "findings": [asdict(finding) for finding in one.findings],
-                    "causes": {name: chains.as_json(chain) for name, chain in one.causes.items()},
-                    "changes": [asdict(change) for change in one.changes],
-                    "figures": msgspec.to_builtins(one.outcome.figures),
-                }
-                for one in checks
-            ],
-            "refused": [{"file": one.path.as_posix(), "why": one.why} for one in refused],
-            "driven_from_outside": [{"file": one.path.as_posix(), "why": one.why} for one in outside],
-        }
-        print_json("check", answer)
+        print_json(
+            "check",
+            {
+                "verdict": "pass" if passed else "fail",
+                "cases": [
+                    {
+                        "case": one.outcome.figures.case,
+                        "file": one.outcome.path.as_posix(),
+                        "verdict": "pass" if one.passed else "fail",
+                        "breaks": list(one.outcome.breaks),
+                        "broken": one.outcome.broken,
+                        "not_judged": [name for name in one.outcome.not_passed if name not in one.outcome.broken],
+                        "baseline": {"file": one.baseline.as_posix(), "state": one.state},
+                        "findings": [asdict(finding) for finding in one.findings],
+                        "causes": {name: chains.as_json(chain) for name, chain in one.causes.items()},
+                        "changes": [asdict(change) for change in one.changes],
+                        "figures": msgspec.to_builtins(one.outcome.figures),
+                    }
+                    for one in checks
+                ],
+                "refused": [{"file": one.path.as_posix(), "why": one.why} for one in refused],
+                "driven_from_outside": [{"file": one.path.as_posix(), "why": one.why} for one in outside],
+            },
+        )
     else:
         _show(checks, refused)
-        for one in outside:
-            click.echo(f"{one.path.as_posix()}: driven from outside, so not run here")
+        say(*(f"{one.path.as_posix()}: driven from outside, so not run here" for one in outside))
     if annotations is not None:
         from ..reports.baselines.ci_output import github
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import json
 from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
@@ -65,7 +66,10 @@ def run(
     """Run CASE and judge its budgets: exit status 0 if all hold, else 1."""
     apart(record=record, html=html)
     with running_user_code(), ExitStack() as outputs:
-        changes += _as_changes(disable, fidelity or ("auto" if max_error else None))
+        if disable:
+            changes += (f"disable={json.dumps(disable)}",)
+        if fidelity or max_error:
+            changes += (f"fidelity={fidelity or 'auto'}",)
         loaded = load(case, list(changes))
         unfinished = None
         if html is not None:
@@ -77,7 +81,12 @@ def run(
             scene = Scene(loaded, subscribe, keep_values=html is not None)
             result = scene.run(length, on_progress)
         ended_at(scene.kernel.now, scene.clocks())
-        chains = _chains(scene, result, length) if explain else {}
+        chains: dict[str, Chain] = {}
+        if explain:
+            from ..reports.explain.explain import explain as explained
+
+            found = explained(scene.case, result.budgets, scene.typical(), length)
+            chains = {one.window.verdict.name: one.chain for one in found}
         if unfinished is not None:
             from ...timing.values import values_of
             from ..reports.html.gather import case_report
@@ -97,20 +106,6 @@ def run(
             for chain in chains.values():
                 click.echo("\n".join(["", *text(chain)]))
     return 0 if result.verdict == "pass" else 1
-
-
-def _as_changes(disable: tuple[str, ...], fidelity: str | None) -> tuple[str, ...]:
-    """Return the changes of the case that correspond to these options."""
-    names = ", ".join(f'"{name}"' for name in disable)
-    changes = (f"disable=[{names}]",) if disable else ()
-    return changes if fidelity is None else (*changes, f"fidelity={fidelity}")
-
-
-def _chains(scene: Scene, result: Result, length: Fraction | None) -> dict[str, Chain]:
-    from ..reports.explain.explain import explain
-
-    found = explain(scene.case, result.budgets, scene.typical(), length)
-    return {name: one.chain for name, one in found.items()}
 
 
 def _object(result: Result, chains: dict[str, Chain] | None) -> dict[str, object]:

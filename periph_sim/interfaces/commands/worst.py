@@ -51,7 +51,8 @@ def worst(
         with progress(loaded.name) as on_progress:
             result = scene.run(length, on_progress)
         verdicts = [verdict for verdict in result.budgets if not budgets or verdict.name in budgets]
-        found = explain(loaded, verdicts, scene.typical(), length)
+        explained = explain(loaded, verdicts, scene.typical(), length)
+        found = {one.window.verdict.name: one for one in explained}
         if svg is not None:
             _write(svg, found)
     if as_json:

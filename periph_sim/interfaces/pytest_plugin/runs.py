@@ -31,7 +31,7 @@ from ...timing.verdict import NOTHING_PROVEN, Verdict, figure, instant, limit
 from ...traces.capture.capture import Capture
 from ...traces.formats.record_table import Columns, RecordTable
 from ..reports.explain.chain import Chain, text
-from ..reports.explain.explain import chain_of, explain_each
+from ..reports.explain.explain import chain_of, explain
 from ..reports.explain.window import Window, windows_of_edges, windows_of_table
 
 OnJudged = Callable[["Run", Sequence[Verdict]], None]
@@ -145,7 +145,7 @@ class Run:
         """
         case = self.plan.case
         if not self.plan.programs:
-            found = explain_each(case, verdicts, self._typical, self.plan.length)
+            found = explain(case, verdicts, self._typical, self.plan.length)
             return [(one.window, one.chain) for one in found]
         if self.records is not None:
             seen = windows_of_table(case.name, self.records, verdicts, self.start)

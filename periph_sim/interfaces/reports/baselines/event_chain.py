@@ -190,22 +190,19 @@ def _length(cycles: str) -> str:
 BYTES = 16
 
 
-class EventDigest:
-    """Calculation of the digest of a run's events. start: the first tick of the run, from which times are counted."""
+def event_digest(recorder: Recorder, start: int) -> Callable[[], str]:
+    """Return a function that returns the digest of a run's events so far, in hexadecimal.
 
-    def __init__(self, recorder: Recorder, start: int) -> None:
-        self._start = start
-        self._hash = blake2b(digest_size=BYTES)
-        recorder.subscribe(KINDS, self._add)
+    start: the first tick of the run, from which times are counted.
+    """
+    digest = blake2b(digest_size=BYTES)
 
-    def _add(self, record: Record) -> None:
+    def add(record: Record) -> None:
         if record.kind is not Kind.ACCESS or record.what.startswith("W "):
-            self._hash.update(f"{record.tick - self._start} {description(record)}\n".encode())
+            digest.update(f"{record.tick - start} {description(record)}\n".encode())
 
-    @property
-    def text(self) -> str:
-        """The digest of all events so far, in hexadecimal."""
-        return self._hash.hexdigest()
+    recorder.subscribe(KINDS, add)
+    return digest.hexdigest
 
 
 PART = 64  # number of bus bytes after which a digest is stored

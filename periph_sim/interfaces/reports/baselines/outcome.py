@@ -5,6 +5,7 @@ This module uses no terminal, command line or table.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -21,7 +22,7 @@ from ....timing.verdict import Verdict
 from .. import REFUSED
 from ..explain.chain import Chain
 from ..explain.explain import explain
-from .event_chain import BusBytes, EventDigest, EventLine, Wanted, chains
+from .event_chain import BusBytes, EventLine, Wanted, chains, event_digest
 from .files import BadCheck, Baseline, Figures
 
 
@@ -99,17 +100,18 @@ def run_explained(
 ) -> dict[str, Chain]:
     """Run a case again and return the chains that explain the worst occurrences in `verdicts`, by budget name."""
     try:
-        return {name: one.chain for name, one in explain(load(path, list(changes)), verdicts, typical).items()}
+        found = explain(load(path, list(changes)), verdicts, typical)
     except REFUSED as error:
         raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
+    return {one.window.verdict.name: one.chain for one in found}
 
 
 def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool) -> Outcome:
-    digests: list[EventDigest] = []
+    digests: list[Callable[[], str]] = []
     sent: list[BusBytes] = []
 
     def subscribe(recorder: Recorder, timebase: Timebase) -> None:
-        digests.append(EventDigest(recorder, timebase.ticks(case.start, "nearest")))
+        digests.append(event_digest(recorder, timebase.ticks(case.start, "nearest")))
         sent.append(BusBytes(recorder))
 
     scene = Scene(case, subscribe, keep_values=keep_values)
@@ -117,7 +119,7 @@ def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool
     trouble = scene.deadlocks()
     if scene.stuck.hangs() and not trouble:
         trouble = scene.stuck.sentences[-1:]
-    figures = baseline_of(scene, result).model_copy(update={"digest": digests[0].text, "bus_bytes": sent[0].digests})
+    figures = baseline_of(scene, result).model_copy(update={"digest": digests[0](), "bus_bytes": sent[0].digests})
     return Outcome(
         path=path,
         figures=figures,

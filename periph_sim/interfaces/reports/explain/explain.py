@@ -283,25 +283,14 @@ def explain(
     typical: Iterable[Verdict] = (),
     length: Fraction | None = None,
     programs: Mapping[str, Firmware] | None = None,
-) -> dict[str, Explained]:
-    """Return the explanation of each worst occurrence that has an instant, indexed by the name of its budget.
+) -> list[Explained]:
+    """Return the explanation of each worst occurrence that has an instant, in the order of the verdicts.
 
-    All data comes from one more run of the case.
+    Several verdicts may be of the same budget. All data comes from one more run of the case.
 
     typical: the least critical occurrences, with which the worst occurrences of the same budgets are compared.
     length, programs: as for `windows`.
     """
-    return {one.window.verdict.name: one for one in explain_each(case, verdicts, typical, length, programs)}
-
-
-def explain_each(
-    case: Case,
-    verdicts: Iterable[Verdict],
-    typical: Iterable[Verdict] = (),
-    length: Fraction | None = None,
-    programs: Mapping[str, Firmware] | None = None,
-) -> list[Explained]:
-    """Return the explanations in the order of the verdicts. Several verdicts may be of the same budget."""
     worst = [verdict for verdict in verdicts if verdict.at_s is not None]
     names = {verdict.name for verdict in worst}
     usual = [verdict for verdict in typical if verdict.at_s is not None and verdict.name in names]

@@ -28,7 +28,7 @@ from ....timing.budget_schema import Budget, Condition
 from ....timing.values import Values
 from ....timing.verdict import Verdict, figure, in_words, instant, percentile
 from ..explain.chain import Chain, Part, bound
-from ..explain.explain import Explained, explain_each
+from ..explain.explain import Explained, explain
 from .distribution import Distribution, distribution
 from .over_time import OverTime, over_time, shown_violations
 from .timeline import MOST, Timeline, only_chosen, timeline
@@ -128,7 +128,7 @@ def case_report(
         None if kept is None else over_time(kept, verdict, end)
         for verdict, kept in zip(result.budgets, values, strict=True)
     ]
-    found = explain_each(case, [*result.budgets, *_others(case, per_second, result.budgets, overs)], typical, length)
+    found = explain(case, [*result.budgets, *_others(case, per_second, result.budgets, overs)], typical, length)
     budgets = [
         _budget(case, per_second, budget, verdict, kept, over, found)
         for budget, verdict, kept, over in zip(case.budget, result.budgets, values, overs, strict=True)

@@ -15,10 +15,10 @@ from typing import NamedTuple
 import pytest
 
 from periph_sim.interfaces.reports.explain.chain import text
-from periph_sim.interfaces.reports.explain.explain import explain
 from periph_sim.scene.case.load import load
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
+from tests.interfaces.reports.explain.made import explain
 
 TIMING = Path(__file__).parents[4] / "timing"
 LENGTHS = {

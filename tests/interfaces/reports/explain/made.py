@@ -7,12 +7,21 @@ from __future__ import annotations
 
 from fractions import Fraction
 from pathlib import Path
+from typing import Any
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.core.time import Timebase
+from periph_sim.interfaces.reports.explain.explain import Explained
+from periph_sim.interfaces.reports.explain.explain import explain as explain_all
 from periph_sim.interfaces.reports.explain.window import Window
 from periph_sim.timing.verdict import Verdict
 from periph_sim.traces.capture.capture import Capture, Span
+
+
+def explain(*case_and_verdicts: Any, **names: Any) -> dict[str, Explained]:
+    """The explanations of worst occurrences, by the names of their budgets."""
+    return {one.window.verdict.name: one for one in explain_all(*case_and_verdicts, **names)}
+
 
 KINDS = {"span": Kind.SPAN, "irq": Kind.IRQ, "wait": Kind.WAIT}
 TIMEBASE = Timebase(150_000_000)

@@ -15,14 +15,13 @@ import pytest
 
 from periph_sim.firmware import start_pin
 from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Part, Step, as_json, relative, text
-from periph_sim.interfaces.reports.explain.explain import explain
 from periph_sim.interfaces.reports.html.gather import failure
 from periph_sim.processor.dsp import Dsp
 from periph_sim.processor.image_files.assemble import SHIPPED
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import Verdict
-from tests.interfaces.reports.explain.made import TIMEBASE
+from tests.interfaces.reports.explain.made import TIMEBASE, explain
 from tests.records.scenes import line_of
 from tests.scene.small import case
 

@@ -17,7 +17,7 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from periph_sim.interfaces.reports.explain.chain import Chain, as_json, text
-from periph_sim.interfaces.reports.explain.explain import chain_of, explain
+from periph_sim.interfaces.reports.explain.explain import chain_of
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case
@@ -26,7 +26,7 @@ from periph_sim.timing.budget_schema import Budget
 from periph_sim.timing.measures.registry import MEASURES, Sentence
 from periph_sim.timing.verdict import Verdict
 from periph_sim.traces.capture.capture import Channel, Span
-from tests.interfaces.reports.explain.made import drawn
+from tests.interfaces.reports.explain.made import drawn, explain
 from tests.interfaces.reports.explain.test_fault_evidence import explained
 from tests.interfaces.reports.explain.test_master_explained import REQUESTS, SCRIPT
 from tests.interfaces.reports.explain.test_master_explained import chain as chain_of_master

@@ -13,7 +13,7 @@ import pytest
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_i2c
 from periph_sim.interfaces.reports.explain.evidence import Evidence, RecordedPhase
-from periph_sim.interfaces.reports.explain.explain import Explained, explain
+from periph_sim.interfaces.reports.explain.explain import Explained
 from periph_sim.interfaces.reports.explain.fault_evidence import answering, bytes_sent
 from periph_sim.interfaces.reports.explain.findings import FINDINGS, Ends
 from periph_sim.interfaces.reports.explain.picture import text_picture
@@ -22,7 +22,7 @@ from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
 from periph_sim.traces.capture.capture import Channel
-from tests.interfaces.reports.explain.made import drawn
+from tests.interfaces.reports.explain.made import drawn, explain
 from tests.records.scenes import line_of
 from tests.scene.runs import TIMING
 from tests.scene.small import case

@@ -6,9 +6,9 @@ from fractions import Fraction
 from typing import Any
 
 from periph_sim.interfaces.reports.explain.chain import Chain, text
-from periph_sim.interfaces.reports.explain.explain import explain
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene
+from tests.interfaces.reports.explain.made import explain
 
 SCRIPT = ["50 W 00 10 11 22", "50 W", "50 W", "50 W", "50 W 00 10 Sr 50 R 2"]
 REQUEST = {"address": 0x50, "pointer": 0, "count": 0}

@@ -10,12 +10,13 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.interfaces.reports.explain.explain import Explained, explain
+from periph_sim.interfaces.reports.explain.explain import Explained
 from periph_sim.interfaces.reports.explain.picture import text_picture
 from periph_sim.interfaces.reports.html.gather import failure
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import Verdict
+from tests.interfaces.reports.explain.made import explain
 from tests.scene.serial.programs import answers, says, unit
 from tests.scene.small import case
 

@@ -13,19 +13,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from fractions import Fraction
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 from greenlet import GreenletExit
 from msgspec import Struct, field
 
 from ..core.chip import Chip, Note
 from ..core.kernel import CHIP, PADS, Kernel
-from ..core.options import Answers, options_from
+from ..core.options import Answers
 from ..core.records import Recorder
 from ..core.sampler import watch
 from ..core.socket import Socket
 from ..core.state import State
-from ..core.suggest import did_you_mean
 from ..core.time import Clock, Timebase
 from ..core.wire import Wire
 from ..f28335.cpu.code_costs import CodeCosts
@@ -51,8 +50,6 @@ if TYPE_CHECKING:
     from .image_files.load import Image
     from .pin_router import Port, Router
 
-
-T = TypeVar("T", bound=Answers)
 
 WATCHDOG_OFF = 0x68  # WDCR: WDDIS with its check bits
 
@@ -83,11 +80,6 @@ class DspPlan(Struct):
     system: SystemOptions = field(default_factory=SystemOptions)
     options: dict[str, Answers] = field(default_factory=dict)
 
-    def answers(self, kind: type[T]) -> T:
-        """Return the answers of this class, or its defaults."""
-        found = next((one for one in self.options.values() if isinstance(one, kind)), None)
-        return options_from(kind, {}) if found is None else found
-
 
 class Dsp(FirmwareView):
     """A running F28335, passed to firmware as a `FirmwareView`."""
@@ -117,11 +109,6 @@ class Dsp(FirmwareView):
         self.note_places: dict[tuple[str, int], SourceLocation] = {}  # of violated duties, by module and tick
         self.watchdog_resets: list[tuple[int, SourceLocation | None]] = []  # tick and statement
         self.on_reset: list[Callable[[], None]] = []
-        for name in plan.modules:
-            if name not in plan.part.selectable:
-                raise ValueError(
-                    f"{plan.name}: there is no module {name!r}; {did_you_mean(name, plan.part.selectable)}"
-                )
         # Modules that every unit has, and those that the plan names, whose code is imported here.
         self._add(plan.part.by_name["SYS"], self.control)
         self._add(plan.part.by_name["PIE"], self.pie)

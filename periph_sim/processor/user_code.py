@@ -309,22 +309,19 @@ class UserCode:
 
     def in_time(self, function: Callable[..., Returned], *arguments: object) -> Returned:
         """Return the result. The function's exceptions pass. Raise FirmwareStalled, with the line, for a timeout."""
-        try:
-            return self._watched(function, *arguments)
-        except NoProgress as stopped:
-            at, limit = raised_at(stopped), f"{self.stall_limit:g} s of CPU time"
-            raise FirmwareStalled(f"{self.who} did not return within {limit} at {at}") from None
-
-    def _watched(self, function: Callable[..., Returned], *arguments: object) -> Returned:
         if not self.stall_limit or self.thread:  # a nested call belongs to the call around it
             return function(*arguments)
         self._calls += 1
         self.thread = get_ident()
         try:
-            return function(*arguments)
-        finally:
-            self.thread = 0
-            watch.leave(get_ident())
+            try:
+                return function(*arguments)
+            finally:
+                self.thread = 0
+                watch.leave(get_ident())
+        except NoProgress as stopped:
+            at, limit = raised_at(stopped), f"{self.stall_limit:g} s of CPU time"
+            raise FirmwareStalled(f"{self.who} did not return within {limit} at {at}") from None
 
 
 class _Nowhere(io.TextIOBase):

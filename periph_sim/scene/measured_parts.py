@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, cast
 
 from . import parts
 
 if TYPE_CHECKING:
     from ..core.wire import Wire
     from ..devices.watchers import WireWatcher
+    from ..f28335.i2c.options import I2cOptions
     from ..processor.dsp import Dsp
     from ..timing.measures.expectations import Expected, Reply, WatchedWire
     from .bus_side import BusSide
@@ -79,10 +80,8 @@ class MeasuredParts:
         return self._units[unit or next(iter(self._units))].clock_history
 
     def i2c_release_delay(self, unit: str) -> ReleaseDelay:
-        from ..f28335.i2c.options import I2cOptions
-
         dsp = self._units[unit]
-        i2c = dsp.plan.answers(I2cOptions)
+        i2c = cast("I2cOptions", dsp.plan.options["i2c"])
         return parts.release_delay.ReleaseDelay(
             self._context.kernel, dsp.clock, dsp.sockets["I2C-A"], i2c, dsp.plan.system
         )

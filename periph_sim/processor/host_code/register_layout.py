@@ -260,7 +260,12 @@ class RegisterLayout:
 
     def _bits(self, member: DIE) -> int:
         """Return the bits of a numeric type on the chip."""
-        names, kind = _names_of_type(member), _stripped(member)
+        kind, die = _stripped(member), member
+        names = []  # of the typedefs in its declaration
+        while "DW_AT_type" in die.attributes and die.tag in (member.tag, "DW_TAG_typedef", *QUALIFIERS):
+            die = die.get_DIE_from_attribute("DW_AT_type")
+            if die.tag == "DW_TAG_typedef":
+                names.append(_name(die))
         if kind.tag == "DW_TAG_pointer_type":
             return 2 * WORD
         bits = CHIP_BITS.get(_name(kind), WORD)
@@ -294,16 +299,6 @@ def _value(die: DIE, attribute: str) -> int:
 
 def _members(compound: DIE) -> list[DIE]:
     return [die for die in compound.iter_children() if die.tag == "DW_TAG_member"]
-
-
-def _names_of_type(member: DIE) -> list[str]:
-    """Return the names of the typedefs in a member's declaration."""
-    names, die = [], member
-    while "DW_AT_type" in die.attributes and die.tag in (member.tag, "DW_TAG_typedef", *QUALIFIERS):
-        die = die.get_DIE_from_attribute("DW_AT_type")
-        if die.tag == "DW_TAG_typedef":
-            names.append(_name(die))
-    return names
 
 
 def _stripped(member: DIE) -> DIE:

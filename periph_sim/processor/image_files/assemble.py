@@ -313,7 +313,16 @@ def debug_sections(file: str, sequences: Sequence[tuple[Sequence[Row], int]]) ->
     unit = b"\1" + _text(file) + struct.pack("<IH", 0, ASSEMBLER) + _text("periph-sim assemble")
     head = struct.pack("<HIB", VERSION, 0, ADDRESS_BYTES)
     numbers = {file: 1}
-    program = b"".join(_sequence(rows, end, numbers) for rows, end in sequences)
+    program = b""
+    for rows, end in sequences:
+        at, line = rows[0][0], 1
+        program += bytes((0, 1 + ADDRESS_BYTES, SET_ADDRESS)) + struct.pack("<I", at)
+        for address, source, number in rows:
+            place = numbers.setdefault(source, len(numbers) + 1)
+            program += bytes((SET_FILE,)) + _leb(place) + _advance(address - at)
+            program += bytes((ADVANCE_LINE,)) + _leb(number - line) + bytes((COPY,))
+            at, line = address, number
+        program += _advance(end - at) + bytes((0, 1, END_SEQUENCE))
     names = b"".join(_text(name) + b"\0\0\0" for name in numbers)  # folder, time and length are left 0
     files = b"\0" + names + b"\0"
     rest = struct.pack("<BBbBB", 1, 1, -5, 14, len(OPERANDS) + 1) + OPERANDS + files
@@ -322,17 +331,6 @@ def debug_sections(file: str, sequences: Sequence[tuple[Sequence[Row], int]]) ->
         ".debug_info": _sized(head + unit),
         ".debug_line": _sized(struct.pack("<HI", VERSION, len(rest)) + rest + program),
     }
-
-
-def _sequence(rows: Sequence[Row], end: int, numbers: dict[str, int]) -> bytes:
-    """Encode one sequence. numbers: of files; new files are added."""
-    at, line = rows[0][0], 1
-    program = bytes((0, 1 + ADDRESS_BYTES, SET_ADDRESS)) + struct.pack("<I", at)
-    for address, file, number in rows:
-        program += bytes((SET_FILE,)) + _leb(numbers.setdefault(file, len(numbers) + 1)) + _advance(address - at)
-        program += bytes((ADVANCE_LINE,)) + _leb(number - line) + bytes((COPY,))
-        at, line = address, number
-    return program + _advance(end - at) + bytes((0, 1, END_SEQUENCE))
 
 
 def _advance(words: int) -> bytes:

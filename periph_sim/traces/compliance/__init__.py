@@ -1,6 +1,6 @@
 """Check of a trace against the timing limits of the I2C-bus specification, for the command and for tests.
 
-    Capture --measure--> times of every limit --judge--> Report: pass, fail, or undecidable at this sample rate
+    Capture --measure--> times of every limit --row_of--> Report: pass, fail, or undecidable at this sample rate
 
 In a test: `check(capture, "SCL", "SDA", Mode.FAST).assert_compliant()`.
 """
@@ -9,9 +9,9 @@ from __future__ import annotations
 
 from ..capture.capture import Capture, gap_notes
 from ..capture.sampling import stamp_notes
-from .limits import Mode, resolution_of
+from .limits import LIMITS, Mode, resolution_of
 from .measure import measure
-from .report import Report, Row, Verdict, judge
+from .report import Report, Row, Verdict, row_of
 
 __all__ = ["Mode", "Report", "Row", "Verdict", "check"]
 
@@ -38,5 +38,5 @@ def check(
         notes.append(
             f"pulses that mode {mode.value} allows may be shorter than a sample and lie between two: no limit passes"
         )
-    rows = judge(measures, mode, resolution)
+    rows = tuple(row_of(limit, measures, mode, resolution) for limit in LIMITS)
     return Report(str(capture.path), mode, resolution, rows, measures.starts, len(measures.shared), tuple(notes))

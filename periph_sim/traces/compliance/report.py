@@ -17,7 +17,7 @@ import numpy as np
 
 from ...core.text_table import paragraph, text_table
 from ..decode.i2c import Party
-from .limits import LIMITS, STRETCHED, Bounds, Limit, Mode, Resolution
+from .limits import STRETCHED, Bounds, Limit, Mode, Resolution
 from .measure import PARTY, Flags, Measured, Measures
 
 PLACES = 3  # number of worst places that a row lists
@@ -66,12 +66,8 @@ class Row:
     worst: tuple[Occurrence, ...] = ()
 
 
-def judge(measures: Measures, mode: Mode, resolution: Resolution) -> tuple[Row, ...]:
-    """Return one row for each limit, in the order of the specification's table."""
-    return tuple(_row(limit, measures, mode, resolution) for limit in LIMITS)
-
-
-def _row(limit: Limit, measures: Measures, mode: Mode, resolution: Resolution) -> Row:
+def row_of(limit: Limit, measures: Measures, mode: Mode, resolution: Resolution) -> Row:
+    """Return the verdict on one limit of a mode."""
     found = measures.times.get(limit.symbol)
     bounds = limit.bounds[mode]
     if not limit.seen:

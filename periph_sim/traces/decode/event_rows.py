@@ -111,13 +111,15 @@ def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
         same &= value[lows[known]] >> 8 == value[again] & 3
         value[again[same]] = value[lows[known[same]]]
         bits[again[same]] = 10
-    return Rows(table.at, table.end, _all(bus, table), table.kind, value, bits, detail)
+    return Rows(table.at, table.end, np.full_like(table.kind, bus), table.kind, value, bits, detail)
 
 
 def uart_rows(table: UartTable, bus: int = 0) -> Rows:
     """Return the rows of a UART table."""
     detail = OF_FAULTS[table.parity_error + 2 * table.frame_error + 4 * table.glitched]
-    return Rows(table.at, table.end, _all(bus, table), OF_UART[table.kind], table.value, table.bits, detail)
+    return Rows(
+        table.at, table.end, np.full_like(table.kind, bus), OF_UART[table.kind], table.value, table.bits, detail
+    )
 
 
 def spi_rows(events: Sequence[spi.Event], is_mosi: bool, bus: int = 0) -> Rows:
@@ -137,10 +139,6 @@ def merged(parts: Sequence[Rows]) -> Rows:
         return parts[0]
     rows = joined(parts)
     return select(rows, np.argsort(rows.at, kind="stable"))
-
-
-def _all(bus: int, table: I2cTable | UartTable) -> NDArray[np.uint8]:
-    return np.full(len(table.at), bus, np.uint8)
 
 
 def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np.int64]]:

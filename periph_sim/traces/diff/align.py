@@ -80,7 +80,7 @@ def _piece(a: NDArray[np.int64], b: NDArray[np.int64]) -> tuple[list[Run], int, 
     for edits in range(MOST_EDITS + 1):
         history.append(dict(reach))
         for k in range(-edits, edits + 1, 2):
-            x = _step(reach, k, edits)
+            x, _ = _step(reach, k, edits)
             y = x - k
             if x > len(a) or y > len(b) or y < 0:
                 reach[k] = x  # outside of the matrix, so this diagonal ends
@@ -94,11 +94,14 @@ def _piece(a: NDArray[np.int64], b: NDArray[np.int64]) -> tuple[list[Run], int, 
     return _way_back(history, x, y), x, y
 
 
-def _step(reach: dict[int, int], k: int, edits: int) -> int:
-    """Return the x at which a path enters diagonal k: down from k + 1 (insertion) or right from k - 1 (deletion)."""
+def _step(reach: dict[int, int], k: int, edits: int) -> tuple[int, int]:
+    """Return the x at which a path enters diagonal k, and the diagonal from which it comes.
+
+    It comes down from k + 1 (insertion) or right from k - 1 (deletion).
+    """
     if k == -edits or (k != edits and reach[k - 1] < reach[k + 1]):
-        return reach[k + 1]
-    return reach[k - 1] + 1
+        return reach[k + 1], k + 1
+    return reach[k - 1] + 1, k - 1
 
 
 def _way_back(history: list[dict[int, int]], x: int, y: int) -> list[Run]:
@@ -106,12 +109,11 @@ def _way_back(history: list[dict[int, int]], x: int, y: int) -> list[Run]:
     for edits in range(len(history) - 1, -1, -1):
         reach = history[edits]
         k = x - y
-        entered = _step(reach, k, edits)
+        entered, came = _step(reach, k, edits)
         if x > entered:
             found.append(Run(entered, entered - k, x - entered))
-        down = k == -edits or (k != edits and reach[k - 1] < reach[k + 1])
-        x = entered if down else entered - 1
-        y = x - (k + 1 if down else k - 1)
+        x = entered if came > k else entered - 1
+        y = x - came
     return found[::-1]
 
 

@@ -15,7 +15,6 @@ same settings reads the same bytes with the same errors, so agreement between ca
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import NamedTuple
 
@@ -46,34 +45,24 @@ class Word(NamedTuple):
         return Happened(byte_words(self.value, self.frame_error, self.parity_error), self.at)
 
 
-@dataclass
 class Settled:
     """The events of a line that can be judged.
+
+    events: the events of the decoded capture.
+    rate: the number of positions per second in the capture.
+    received: the words that the firmware received.
 
     expected, found: the events of the capture and of the receiver, which must be equal.
     ambiguous: the frames that are not judged.
     """
 
-    expected: list[Happened] = field(default_factory=list)
-    found: list[Happened] = field(default_factory=list)
-    ambiguous: list[Event] = field(default_factory=list)
-
-
-def settled(events: Sequence[Event], line: Line, rate: Fraction, found: Sequence[Word]) -> Settled:
-    """Return the events of a line that can be judged, and the ambiguous frames.
-
-    events: the events of the decoded capture.
-    rate: the number of positions per second in the capture.
-    found: the words that the firmware received.
-    """
-    return _Settling(events, line, rate, found).result()
-
-
-class _Settling:
-    def __init__(self, events: Sequence[Event], line: Line, rate: Fraction, found: Sequence[Word]) -> None:
+    def __init__(self, events: Sequence[Event], line: Line, rate: Fraction, received: Sequence[Word]) -> None:
+        self.expected: list[Happened] = []
+        self.found: list[Happened] = []
+        self.ambiguous: list[Event] = []
         self._line = line
         self._rate = rate
-        self._found = found
+        self._received = received
         width = rate / Fraction(line.baud)
         self._items = [
             event
@@ -83,33 +72,26 @@ class _Settling:
         ]
         # If the next start is at least this many positions later, a receiver has finished the frame in any case.
         self._pause = 2 * line.frame * width
-
-    def result(self) -> Settled:
-        done = Settled()
         item = word = 0
         while item < len(self._items):
             event = self._items[item]
-            if event.kind is UartRowKind.FRAME and not event.unsure:
-                self._compare(done, event, word)
-                item, word = item + 1, word + 1
-            elif event.kind is UartRowKind.FRAME and not event.unsure & 1:
-                if word < len(self._found) and self._fits(event, self._found[word]):
-                    done.ambiguous.append(event)
+            if event.kind is UartRowKind.FRAME and not event.unsure & 1:
+                if event.unsure and word < len(received) and self._fits(event, received[word]):
+                    self.ambiguous.append(event)
                 else:
-                    self._compare(done, event, word)
+                    self._compare(event, word)
                 item, word = item + 1, word + 1
             else:
                 frames, words = self._until_agreed(item, word)
-                done.ambiguous += [one for one in self._items[item : item + frames] if one.kind is UartRowKind.FRAME]
+                self.ambiguous += [one for one in self._items[item : item + frames] if one.kind is UartRowKind.FRAME]
                 item, word = item + frames, word + words
-        done.found += [one.happened for one in self._found[word:]]
-        return done
+        self.found += [one.happened for one in received[word:]]
 
-    def _compare(self, done: Settled, frame: Event, word: int) -> None:
+    def _compare(self, frame: Event, word: int) -> None:
         words = byte_words(frame.value, frame.frame_error, frame.parity_error)
-        done.expected.append(Happened(words, frame.at / self._rate))
-        if word < len(self._found):
-            done.found.append(self._found[word].happened)
+        self.expected.append(Happened(words, frame.at / self._rate))
+        if word < len(self._received):
+            self.found.append(self._received[word].happened)
 
     def _fits(self, frame: Event, word: Word) -> bool:
         """Return True if a receiver may read the frame as this word."""
@@ -148,13 +130,13 @@ class _Settling:
 
         Also return AHEAD if items and words end together, or if all words up to the next uncertain start bit fit.
         """
-        items, found = self._items[item : item + AHEAD], self._found[word : word + AHEAD]
+        items, found = self._items[item : item + AHEAD], self._received[word : word + AHEAD]
         for number, event in enumerate(items):
             if event.kind is not UartRowKind.FRAME or event.unsure & 1:
                 return AHEAD
             if number == len(found) or not self._fits(event, found[number]):
                 return number
-        both_end = len(items) == len(self._found) - word
+        both_end = len(items) == len(self._received) - word
         return AHEAD if both_end else len(items)
 
 

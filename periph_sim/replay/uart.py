@@ -30,7 +30,7 @@ from ..traces.decode import uart as decode
 from ..traces.decode.uart import UartRowKind
 from . import BadReplay
 from .divergence_history import AS_RECEIVER
-from .doubtful_frames import Word, line_errors, settled
+from .doubtful_frames import Settled, Word, line_errors
 from .picture import Side
 from .replay import Progress, Replay
 from .report import NOTHING, Divergence, Report, compare, verdict_of
@@ -173,7 +173,7 @@ class UartReplay(Replay):
         frames = [event for event in events if event.kind is UartRowKind.FRAME]
         breaks = [event for event in events if event.kind is UartRowKind.BREAK]
         wrong, doubt = line_errors(self._capture, self._channel.index, line, events)
-        judged = settled(events, line, self._rate, self.received())
+        judged = Settled(events, line, self._rate, self.received())
         outcome = compare(judged.expected, judged.found)
         divergence = outcome.divergence
         notes = self._notes + self._rate_notes(line) + self._ambiguous_notes(judged.ambiguous, len(frames))

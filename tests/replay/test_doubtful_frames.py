@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.replay import BadReplay
-from periph_sim.replay.doubtful_frames import Settled, Word, settled
+from periph_sim.replay.doubtful_frames import Settled, Word
 from periph_sim.replay.report import Report, headline
 from periph_sim.replay.session import SessionReplay
 from periph_sim.replay.uart import LEAD, UartReplay, line_format, line_settings
@@ -168,7 +168,7 @@ PLAIN = Line(100_000)  # ten samples a bit at 1 MHz
 def judged(events: list[Event], *words: int, line: Line = PLAIN) -> tuple[list[str], list[str], int]:
     """(words expected, words found, frames that are ambiguous)"""
     found = [Word(word, False, False, Fraction(n)) for n, word in enumerate(words)]
-    result: Settled = settled(events, line, Fraction(10**6), found)
+    result = Settled(events, line, Fraction(10**6), found)
     return [e.words for e in result.expected], [f.words for f in result.found], len(result.ambiguous)
 
 
@@ -195,17 +195,17 @@ def test_an_unsure_bit_may_be_read_either_way_and_no_other_may(word: int, ambigu
 def test_an_unsure_stop_bit_leaves_a_frame_error_open_and_any_other_bit_the_parity():
     even = Line(100_000, parity="even")
     stop, parity, data = 1 << 10, 1 << 9, 1 << 3
-    (found,) = settled([frame(0, 0x41, stop)], even, Fraction(10**6), [Word(0x41, True, False, Fraction(0))]).ambiguous
+    (found,) = Settled([frame(0, 0x41, stop)], even, Fraction(10**6), [Word(0x41, True, False, Fraction(0))]).ambiguous
     assert found.value == 0x41
-    (found,) = settled(
+    (found,) = Settled(
         [frame(0, 0x41, parity)], even, Fraction(10**6), [Word(0x41, False, True, Fraction(0))]
     ).ambiguous
     assert found.value == 0x41
-    (found,) = settled([frame(0, 0x41, data)], even, Fraction(10**6), [Word(0x45, False, True, Fraction(0))]).ambiguous
+    (found,) = Settled([frame(0, 0x41, data)], even, Fraction(10**6), [Word(0x45, False, True, Fraction(0))]).ambiguous
     assert found.value == 0x41
-    refused = settled([frame(0, 0x41, data)], even, Fraction(10**6), [Word(0x41, True, False, Fraction(0))])
+    refused = Settled([frame(0, 0x41, data)], even, Fraction(10**6), [Word(0x41, True, False, Fraction(0))])
     assert not refused.ambiguous and [e.words for e in refused.expected] == ["41"]
-    refused = settled([frame(0, 0x41, stop)], even, Fraction(10**6), [Word(0x41, False, True, Fraction(0))])
+    refused = Settled([frame(0, 0x41, stop)], even, Fraction(10**6), [Word(0x41, False, True, Fraction(0))])
     assert not refused.ambiguous, "an unsure stop bit does not excuse a parity error"
 
 
@@ -263,7 +263,7 @@ def test_a_word_fits_a_frame_if_only_what_a_glitch_left_open_differs(line: Line,
     mask = sum(1 << places.index(bit) for bit in unsure)
     value = sum(1 << bit for bit in flipped - {"parity", "stop"})
     word = Word(value, "stop" in flipped, "parity" in flipped, Fraction(0))
-    found = settled([frame(0, 0, mask)], line, Fraction(10**6), [word])
+    found = Settled([frame(0, 0, mask)], line, Fraction(10**6), [word])
     is_open = unsure | ({"parity"} if unsure - {"parity", "stop"} else set())
     assert bool(found.ambiguous) == (flipped <= is_open)
 

@@ -28,11 +28,10 @@ from ..core.records import Recorder
 from ..core.time import Timebase
 from ..core.wire import Wire
 from ..scene.case.model import Case
-from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c as decode
 from .i2c_script import controllers_half, hurried, moves, stretched_answers, usual_hold
-from .replay import BusReplay, Progress
+from .replay import Progress, SlaveReplay
 from .report import (
     CONDITIONS,
     FAIL,
@@ -46,7 +45,7 @@ from .report import (
     i2c_words,
     verdict_of,
 )
-from .setup import HOLD, LEAD, PATIENCE, STEP, TAIL, Played, alone, answering, played, tolerance_of
+from .setup import HOLD, LEAD, PATIENCE, STEP, TAIL, Played
 from .wire_log import WireLog
 
 if TYPE_CHECKING:
@@ -190,7 +189,7 @@ def asked_once_more(expected: Sequence[Happened], first: Divergence, own: Sequen
     )
 
 
-class I2cReplay(BusReplay):
+class I2cReplay(SlaveReplay):
     """Closed-loop replay of an I2C capture: agents play the controller, and the firmware is a target.
 
     addresses: the addresses of the firmware; if empty, `answering` determines them.
@@ -219,26 +218,17 @@ class I2cReplay(BusReplay):
         patience: Fraction = PATIENCE,
     ) -> None:
         self._repeated = partial(I2cReplay, case, capture, scl, sda, addresses, first, longest_low, patience=patience)
-        self._first = first
         self._patience = patience
-        part = played(capture, scl, sda, first)
-        self._answering = found = answering(case, part, addresses, lead)
-        prepared, self._filled = alone(case, found.unit, "controller", found.forced, found.offered)
-        scene = self._build(case, prepared, subscribe)
-        wires = scene.wire("SCL"), scene.wire("SDA")
-        super().__init__(scene, found.unit, lead, part, wires)
-        self._tolerance = tolerance
+        super().__init__(case, capture, scl, sda, addresses, first, subscribe, tolerance, lead)
+        part, found, scene = self._part, self._answering, self._scene
         low = None if longest_low is None else longest_low * part.rate
         self._agents = Plan(part, found.own, scene.timebase, self.origin, low, self._least_gap())
-        self._controller = CapturedController(self._agents, scene.kernel, *wires, self._plan_end)
+        self._controller = CapturedController(self._agents, scene.kernel, *self._wires, self._plan_end)
         self._player = self._controller.player
         self._over = False
         others = ", ".join(f"{address:02X}" for address in sorted(part.answers_of_others(found.own)))
         if others:
             part.notes.append(f"an agent answers for {others}, as captured")
-
-    def _build(self, case: Case, prepared: Case, subscribe: Subscribe | None) -> Scene:
-        return Scene(prepared, subscribe)
 
     def _least_gap(self) -> int | None:
         """Return `Plan.least_gap`, the minimum time between two transfers in ticks."""
@@ -280,9 +270,8 @@ class I2cReplay(BusReplay):
     def _report(self, stuck: list[str]) -> Report:
         part, own = self._part, self._answering
         events, found = self._decoded()
-        tolerance = tolerance_of(self._tolerance, part.sample_rate, self._scene)
         self._compared = i2c_words(part.expected, part.rate), found
-        outcome = self._with_agents(compare(*self._compared, tolerance), tolerance)
+        outcome = self._with_agents(compare(*self._compared, self._allowed))
         failed = outcome.divergence is not None or (self._tolerance is not None and bool(outcome.ranked))
         verdict = verdict_of(bool(stuck) or failed, bool(own.asked))
         unjudged = own.unjudged
@@ -294,7 +283,7 @@ class I2cReplay(BusReplay):
             outcome,
             events,
             own.own,
-            tolerance,
+            self._allowed,
             stuck + part.notes,
             verdict=verdict,
             unjudged=unjudged,
@@ -303,7 +292,7 @@ class I2cReplay(BusReplay):
             stretch_total_us=float((self._player.delay + held) * us),
         )
 
-    def _with_agents(self, outcome: Comparison, tolerance: Fraction) -> Comparison:
+    def _with_agents(self, outcome: Comparison) -> Comparison:
         """Return the outcome, with a cause for each divergence that also occurs without the firmware.
 
         If the first judged divergence is certainly no error of the firmware, set `_agents_parted` to the reason;
@@ -313,8 +302,8 @@ class I2cReplay(BusReplay):
         self._other_events = False  # True if the agents cause the first judged divergence and it is not of kind TIMING
         if not outcome.ranked:
             return outcome
-        alone = without_firmware(self._agents, self._scene.start, self.kernel.now, tolerance)
-        outcome = replace(outcome, ranked=tuple(_marked(one, alone.ranked, tolerance) for one in outcome.ranked))
+        alone = without_firmware(self._agents, self._scene.start, self.kernel.now, self._allowed)
+        outcome = replace(outcome, ranked=tuple(_marked(one, alone.ranked, self._allowed) for one in outcome.ranked))
         judged = [one for one in outcome.ranked if self._tolerance is not None or one.kind != TIMING]
         first = min(judged, key=lambda one: one.index, default=None)
         if first is not None:

@@ -63,7 +63,6 @@ class I2cMasterReplay(BusReplay):
         patience: Fraction = PATIENCE,
     ) -> None:
         self._repeated = partial(I2cMasterReplay, case, capture, scl, sda, first, patience=patience)
-        self._tolerance = tolerance
         part = played(capture, scl, sda, first)
         unit = unit_with(case, "I2C-A")
         timebase = Timebase(*(int(one.oscclk * one.pll / 2) for one in case.unit.values()))
@@ -80,9 +79,8 @@ class I2cMasterReplay(BusReplay):
         }
         prepared, self._filled = alone(case, unit, "controller", {}, offered)
         scene = Scene(prepared, subscribe)
-        wires = scene.wire("SCL"), scene.wire("SDA")
-        super().__init__(scene, unit, Fraction(0) if self._scripted else LEAD, part, wires)
-        ScriptedTarget(scene.kernel, *wires, half.answers, scene.timebase.ticks(HOLD))
+        super().__init__(scene, unit, Fraction(0) if self._scripted else LEAD, part, tolerance)
+        ScriptedTarget(scene.kernel, *self._wires, half.answers, scene.timebase.ticks(HOLD))
         self._silence = scene.timebase.ticks(max(pauses) + patience, "nearest")
         self._most_edges = EDGES * len(events_of(half.done))
         self._notes = list(part.notes)

@@ -32,9 +32,9 @@ from ..scene.context import SceneWires
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture, Channel
 from ..traces.decode import i2c as decode
-from .replay import BusReplay, Progress
+from .replay import Progress, SlaveReplay
 from .report import TIMING, Divergence, Report, compare, i2c_words, verdict_of
-from .setup import LEAD, TAIL, Played, alone, answering, events_of, played, tolerance_of
+from .setup import LEAD, TAIL, Played, events_of
 
 if TYPE_CHECKING:
     from ..records.recording import Subscribe
@@ -64,7 +64,7 @@ class _Held:
     bit: str  # the name of the bit in messages
 
 
-class I2cOpenReplay(BusReplay):
+class I2cOpenReplay(SlaveReplay):
     """A replay like `I2cReplay`, in which the controller does not wait while the chip holds SCL low."""
 
     LOOP = "open"
@@ -82,22 +82,19 @@ class I2cOpenReplay(BusReplay):
         tolerance: Fraction | None = None,
     ) -> None:
         self._repeated = partial(I2cOpenReplay, case, capture, scl, sda, addresses, first)
-        part = played(capture, scl, sda, first)
-        self._answering = found = answering(case, part, addresses)
-        prepared, self._filled = alone(case, found.unit, "controller", found.forced, found.offered)
-        scene = OpenScene(prepared, subscribe)
-        wires = scene.wire("SCL"), scene.wire("SDA")
-        back = [wire.back for wire in wires if isinstance(wire, OneWayWire)]
-        super().__init__(scene, found.unit, LEAD, part, back)
-        self._tolerance = tolerance
+        super().__init__(case, capture, scl, sda, addresses, first, subscribe, tolerance, LEAD)
+        part, scene = self._part, self._scene
         stop = part.transfers[-1].stop
         end = capture.length if first is None or stop is None else stop.at
         self._end_tick = self._tick(end) + self.timebase.ticks(TAIL, "nearest")
-        for wire, line, edges in zip(wires, part.lines, _edges(*part.lines, part.half_sample, end), strict=True):
+        for wire, line, edges in zip(self._wires, part.lines, _edges(*part.lines, part.half_sample, end), strict=True):
             ticks = [(self._tick(at), level) for at, level in edges]
             if not line.initial:  # the line falls before the module is enabled, so the fall is no START
                 ticks.insert(0, (scene.start, 0))
             EdgePlayer(scene.kernel, wire, ticks)
+
+    def _build(self, case: Case, prepared: Case, subscribe: Subscribe | None) -> Scene:
+        return OpenScene(prepared, subscribe)
 
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
         if until is None:
@@ -186,11 +183,10 @@ class I2cOpenReplay(BusReplay):
         self._replayed = driven = self.log.capture(self.timebase, self.kernel.now)
         self._transfers = self._would_be(driven.channel("SDA"))
         events = events_of(self._transfers)
-        tolerance = tolerance_of(self._tolerance, part.sample_rate, self._scene)
         self._compared = i2c_words(part.expected, part.rate), i2c_words(events, part.rate)
         outcome = compare(*self._compared)
         held = self._holds(driven.channel("SCL"))
-        late = [one for one in held if one.late > tolerance]
+        late = [one for one in held if one.late > self._allowed]
         first_late = tuple(self._late(one, part) for one in late[:1])
         ranked = tuple(sorted(outcome.ranked + first_late, key=lambda divergence: divergence.index))
         us = 1_000_000
@@ -198,7 +194,7 @@ class I2cOpenReplay(BusReplay):
             replace(outcome, ranked=ranked),
             events,
             own.own,
-            tolerance,
+            self._allowed,
             part.notes + self._pauses(held, late),
             verdict=verdict_of(bool(ranked), bool(own.asked)),
             unjudged=own.unjudged,

@@ -10,9 +10,10 @@ from collections.abc import Callable, Sequence
 from fractions import Fraction
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from ..core.wire import Wire
+from ..bus.edge_player import OneWayWire
+from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c
@@ -20,8 +21,11 @@ from ..traces.decode.i2c_table import I2cRowKind
 from .divergence_history import AS_SLAVE, FlagHistory, with_history
 from .picture import LINES, Side, divergence_picture, last_agreed
 from .report import Comparison, Divergence, Happened, Report, i2c_words
-from .setup import Played, events_of
+from .setup import Played, alone, answering, events_of, played, tolerance_of
 from .wire_log import WireLog
+
+if TYPE_CHECKING:
+    from ..records.recording import Subscribe
 
 Progress = Callable[[float], None]
 STEPS = 100  # number of progress reports in a run
@@ -114,18 +118,19 @@ class Replay:
 
 
 class BusReplay(Replay):
-    """A replay of SCL and SDA. log: the edges of the given wires."""
+    """A replay of SCL and SDA. log: the edges of both, or of the pulls of our side if the capture drives them alone."""
 
     NAME = "replay"  # name of the replayed side in a picture
     _filled: list[str]  # names of the settings taken from the capture
     _compared: tuple[Sequence[Happened], Sequence[Happened]]
     _replayed: Capture
 
-    def __init__(self, scene: Scene, unit: str, lead: Fraction, part: Played, wires: Sequence[Wire]) -> None:
+    def __init__(self, scene: Scene, unit: str, lead: Fraction, part: Played, tolerance: Fraction | None) -> None:
         super().__init__(scene, unit, lead)
-        self._part = part
+        self._part, self._tolerance = part, tolerance
         self._per_position = scene.timebase.per_second / part.rate
-        self.log = WireLog(*wires)
+        self._wires = scene.wire("SCL"), scene.wire("SDA")
+        self.log = WireLog(*(wire.back if isinstance(wire, OneWayWire) else wire for wire in self._wires))
 
     def _bus_summary(
         self,
@@ -178,3 +183,30 @@ class BusReplay(Replay):
         None instead of (rate, origin): the positions are those of `log`.
         """
         return i2c.transfers(self._replayed, *LINES), None
+
+
+class SlaveReplay(BusReplay):
+    """A replay in which the firmware is a target. The arguments are those of `I2cReplay`."""
+
+    def __init__(
+        self,
+        case: Case,
+        capture: Capture,
+        scl: str | int,
+        sda: str | int,
+        addresses: Sequence[int],
+        first: int | None,
+        subscribe: Subscribe | None,
+        tolerance: Fraction | None,
+        lead: Fraction,
+    ) -> None:
+        self._first = first
+        part = played(capture, scl, sda, first)
+        self._answering = found = answering(case, part, addresses, lead)
+        prepared, self._filled = alone(case, found.unit, "controller", found.forced, found.offered)
+        super().__init__(self._build(case, prepared, subscribe), found.unit, lead, part, tolerance)
+        self._allowed = tolerance_of(tolerance, part.sample_rate, self._scene)
+
+    def _build(self, case: Case, prepared: Case, subscribe: Subscribe | None) -> Scene:
+        """Return the scene. prepared: the case as `alone` returns it."""
+        return Scene(prepared, subscribe)

@@ -8,8 +8,49 @@ In this package, "our" pins are those of the case, and "the outside" is the code
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..records.recording import Subscribe
+from ..scene.case.load import load
+from ..scene.case.model import Case
+from ..scene.firmware_loader import Firmware
+from ..scene.outside_log import BadLog, LogReader
+from ..scene.result import Result
 from .errors import OutsideError
-from .replay import replay
 from .session import Change, Session
 
 __all__ = ["Change", "OutsideError", "Session", "replay"]
+
+
+def replay(
+    case: Case | str | Path,
+    log: str | Path,
+    *,
+    subscribe: Subscribe | None = None,
+    programs: Mapping[str, Firmware] | None = None,
+) -> Result:
+    """Run the case with the moves of a log. The run has the same records as the session that wrote it.
+
+    Raise OutsideError if the log is damaged or has ticks of another length.
+    """
+    case = case if isinstance(case, Case) else load(Path(case))
+    try:
+        reader = LogReader(Path(log))
+        with Session(case, reader.head.wires, subscribe=subscribe, programs=programs) as session:
+            if reader.head.ticks_per_second != session.ticks_per_second:
+                found = f"case {reader.head.case} with {reader.head.ticks_per_second} ticks a second"
+                other = f"case {case.name} has {session.ticks_per_second}"
+                raise OutsideError(f"{log}: it is the log of {found}, and {other}; replay it with its own case")
+            for tick, levels, sent in reader.instants():
+                for wire, count in sent.items():
+                    session.scene.uart.sent(wire, count)
+                session.apply(tick, levels)
+                session.advance(tick + 1)
+            if reader.end > session.now:
+                session.advance(reader.end)
+            result = session.finish()
+    except BadLog as error:
+        raise OutsideError(str(error)) from None
+    result.notes += [reader.unfinished] if reader.unfinished else []
+    return result

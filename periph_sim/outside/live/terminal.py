@@ -6,11 +6,9 @@ Source: pyserial 3.5, serial.tools.miniterm.
 from __future__ import annotations
 
 from serial import SerialException
-from serial.tools.miniterm import TRANSFORMATIONS, Miniterm
+from serial.tools.miniterm import Miniterm
 
 from .protocol_f28335 import Serial
-
-FILTERS = tuple(TRANSFORMATIONS)
 
 
 class Terminal(Miniterm):  # type: ignore[misc]

@@ -14,8 +14,7 @@ from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.sampler import watch
 from periph_sim.core.wire import Wire
-from periph_sim.outside import OutsideError
-from periph_sim.outside.replay import replay
+from periph_sim.outside import OutsideError, replay
 from periph_sim.outside.session import Change, Door, Session
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase

@@ -1,4 +1,4 @@
-"""Start-up functions of a program in the style of TI's code: they set up clocks of modules, pins and PIE.
+"""Start-up functions of a program: they switch on the clocks of modules and set up pins and the PIE, as TI's code does.
 
 Source: SPRUFB0D sections 5.1 (PCLKCR), 6 (GPIO), 8.3 (PIE); SPRUFZ5A and SPRUG03B for the modules.
 """
@@ -72,7 +72,7 @@ def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
     """Enable the PIE and some interrupts. handlers: the service routine of each of them, by the interrupt's name."""
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1
-    pie.PIEACK.all = 0xFFF  # before PIEIER, because otherwise this write requests a pending interrupt again
+    pie.PIEACK.all = 0xFFF  # written before PIEIER: a pending interrupt would be requested twice otherwise
     for name, handler in handlers.items():
         group, line = dsp.handle(name, handler)
         setattr(pie[f"PIEIER{group}"], f"INTx{line}", 1)

@@ -78,7 +78,7 @@ class BusSide:
 
     @property
     def passed(self) -> int:
-        """The number of bytes in which bits were skipped."""
+        """The number of bytes of which seven bits were simulated in one step."""
         return 0 if self.bit_skip is None else self.bit_skip.passed
 
     def finish(self, now: int) -> None:

@@ -132,7 +132,10 @@ MODEL_PIN = "MODEL"  # name, in a case, of the pin that is high while the firmwa
 
 
 def _origins_of(scene: Scene) -> Origins:
-    """Return the object that finds the host frame from which the bytes of a read come. Raise BadCase if it cannot."""
+    """Return an object that finds the host frame from which the bytes of a read come.
+
+    Raise BadCase if the case does not allow this.
+    """
     from ..core.sampler import watch
     from ..devices.host_frames import host_frames
     from ..timing.derived.origins import FrameOrigins, ModelOrigins

@@ -199,7 +199,10 @@ def _operation_key(cpu: ImageCpu, operation: Operation) -> tuple[object, ...] | 
 
 
 def finds_of(scene: Scene) -> dict[str, Finds]:
-    """Return, by module and class, the function that finds the object of the scene for a key in a snapshot."""
+    """Return functions that find the scene's object for a key in a snapshot, by module and by class of the object.
+
+    A module's name is as in `modules_of`, such as "dsp.I2C-A"; a class's name is that of the Python class.
+    """
     samplers = _samplers(scene)
     found: dict[str, Finds] = {}
     for module in modules_of(scene):

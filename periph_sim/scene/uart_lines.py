@@ -24,7 +24,10 @@ SCICCR = SCI_MAP["SCICCR"]
 
 
 class UartLines:
-    """Observers of the UART lines. senders: by wire, rate and format of a sender that is no unit, such as the host."""
+    """Observers of the UART lines.
+
+    senders: a dictionary from a wire to the rate and format of its sender, where this is the host or another non-unit.
+    """
 
     def __init__(
         self,

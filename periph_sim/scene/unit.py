@@ -43,7 +43,7 @@ class FirmwareModel(Protocol):
         """Raise BadCase if the case does not meet the requirements of the model."""
 
     def codes(self) -> ChipModel | None:
-        """Return the model of the bytes that the chips should show; None if the settings do not determine it."""
+        """Return the model of the bytes that the unit should send; None if the settings do not determine them."""
 
     def truth(self, motion: Any, first: Fraction) -> Truth:
         """Return the true values during a motion. first: the time in the motion at which frame 0 is due, in seconds."""

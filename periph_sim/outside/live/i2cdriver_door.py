@@ -33,7 +33,7 @@ class I2cDriverDoor(TerminalDoor):
 
     def turn(self) -> None:
         """Execute received commands, at most a few kilobytes of them. Later turns execute the rest."""
-        if self._terminal.clients()[1]:  # a new client must not receive answers to the previous one
+        if self._terminal.openings.passed()[1]:  # a new client must not receive answers to the previous one
             self.back.clear()
             self._terminal.discard_unread()
         if len(self.back) < MOST:

@@ -84,6 +84,7 @@ class PseudoTerminal:
     path: the path that clients open.
     link: the path of a symbolic link to `path`, or None.
     file: the file descriptor of the server's side, which never blocks.
+    openings: the counter of clients.
     kept: the file descriptor of the clients' side. It stays open, so that the terminal outlives its last client.
     """
 
@@ -92,7 +93,7 @@ class PseudoTerminal:
         tty.setraw(self.kept)
         os.set_blocking(self.file, False)
         self.path = os.ttyname(self.kept)
-        self._openings = Openings(self.path)
+        self.openings = Openings(self.path)
         self._link = link
         if link is not None:
             try:
@@ -115,13 +116,9 @@ class PseudoTerminal:
     def close(self) -> None:
         if self._link is not None and self._link.is_symlink() and str(self._link.readlink()) == self.path:
             self._link.unlink(missing_ok=True)
-        self._openings.close()
+        self.openings.close()
         os.close(self.file)
         os.close(self.kept)
-
-    def clients(self) -> tuple[bool, bool]:
-        """Return (left, came) for the time since the last call, as `Openings.passed` does."""
-        return self._openings.passed()
 
     def read(self) -> bytes:
         """Return some of the received bytes, at most AT_ONCE; b"" if there are none."""
@@ -191,7 +188,7 @@ class PtyDoor(TerminalDoor):
 
     def turn(self) -> None:
         self._follow_rate()
-        left, came = self._terminal.clients()
+        left, came = self._terminal.openings.passed()
         if left and not came:  # all bytes in the terminal were written by the client that has left
             while data := self._terminal.read():
                 self._line.write(data)

@@ -23,9 +23,10 @@ addresses, or of kinds of events. The pairing in order with the largest total si
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Hashable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
 from fractions import Fraction
 from itertools import chain
+from operator import attrgetter
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -153,9 +154,7 @@ class Pairing:
 
     def pairs(self, a: Sequence[Group], b: Sequence[Group]) -> Iterator[Pair]:
         """Yield all events of both captures in pairs, in order."""
-        texts = [_text(group) for group in a], [_text(group) for group in b]
-        begins = [group[0].at for group in a], [group[0].at for group in b]
-        for run, left, right in _between(self._aligned(*texts, *begins), a, b):
+        for run, left, right in _between(self._aligned(a, b, _text, _begin), a, b):
             yield from self._block(left, right)
             for one, other in zip(a[run.a : run.a + run.length], b[run.b : run.b + run.length], strict=True):
                 yield from zip(one, other, strict=True)
@@ -176,7 +175,7 @@ class Pairing:
                 yield from found
                 return
         few = len(a) * len(b) <= FEW_GROUPS**2
-        runs = similar_runs(a, b) if few else self._by_head(a, b)
+        runs = similar_runs(a, b) if few else self._aligned(a, b, head, _begin)
         for run, left, right in _between(runs, a, b):
             if few or not runs or not left or not right:
                 yield from ((event, None) for group in left for event in group)
@@ -186,23 +185,19 @@ class Pairing:
             for one, other in zip(a[run.a : run.a + run.length], b[run.b : run.b + run.length], strict=True):
                 yield from self._events(one, other)
 
-    def _by_head(self, a: Sequence[Group], b: Sequence[Group]) -> list[Run]:
-        """Return runs of groups with the same addresses."""
-        heads = [head(group) for group in a], [head(group) for group in b]
-        begins = [group[0].at for group in a], [group[0].at for group in b]
-        return self._aligned(*heads, *begins)
-
     def _events(self, a: Sequence[Event], b: Sequence[Event]) -> Iterator[Pair]:
-        words = [event.word for event in a], [event.word for event in b]
-        at = [event.at for event in a], [event.at for event in b]
-        for run, left, right in _between(self._aligned(*words, *at), a, b):
+        runs = self._aligned(a, b, attrgetter("word"), attrgetter("at"))
+        for run, left, right in _between(runs, a, b):
             yield from _unlike(left, right)
             yield from zip(a[run.a : run.a + run.length], b[run.b : run.b + run.length], strict=True)
 
-    def _aligned(self, a: Iterable[Hashable], b: Iterable[Hashable], at_a: list[int], at_b: list[int]) -> list[Run]:
-        one, other = _numbered(a, b)
-        rate_a, rate_b = self._rates
-        return place_by_time(align(one, other), one, other, np.array(at_a) / rate_a, np.array(at_b) / rate_b)
+    def _aligned(
+        self, a: Sequence[T], b: Sequence[T], key: Callable[[T], Hashable], at: Callable[[T], int]
+    ) -> list[Run]:
+        """Return runs of items with equal keys. at: a function that returns the time of an item."""
+        one, other = _numbered(map(key, a), map(key, b))
+        times_a, times_b = (np.array([*map(at, items)]) / rate for items, rate in zip((a, b), self._rates, strict=True))
+        return place_by_time(align(one, other), one, other, times_a, times_b)
 
 
 def _unlike(a: Sequence[Event], b: Sequence[Event]) -> Iterator[Pair]:
@@ -232,3 +227,7 @@ def _between(runs: list[Run], a: Sequence[T], b: Sequence[T]) -> Iterator[tuple[
 
 def _text(group: Group) -> tuple[str, ...]:
     return tuple(event.word for event in group)
+
+
+def _begin(group: Group) -> int:
+    return group[0].at

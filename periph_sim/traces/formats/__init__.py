@@ -28,7 +28,6 @@ import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fractions import Fraction
-from functools import cache
 from os.path import isdir
 from pathlib import Path
 from typing import Protocol, cast
@@ -65,11 +64,6 @@ class Format(Protocol):
     def write(self, capture: Capture, path: Path) -> tuple[str, ...] | None: ...
 
 
-@cache
-def _shipped() -> dict[str, Format]:
-    return {name: cast(Format, module) for name, module in modules_with("NAME", __name__, __path__).items()}
-
-
 def _with_plugins(shipped: dict[str, Format], installed: bool) -> dict[str, Format]:
     """Return these formats and those of plugins.
 
@@ -85,7 +79,8 @@ def formats(installed: bool = False) -> dict[str, Format]:
 
     installed: see `_with_plugins`.
     """
-    return _with_plugins(_shipped(), installed)
+    shipped = modules_with("NAME", __name__, __path__)
+    return _with_plugins({name: cast(Format, module) for name, module in shipped.items()}, installed)
 
 
 def readers(installed: bool = False) -> dict[str, Format]:

@@ -44,7 +44,7 @@ class _Queue:
 
     line: the line; None after the end of its session.
     came: bytes from the line that the client has not read.
-    changed: the condition that guards the queue; it is notified when bytes come.
+    changed: the condition that guards the queue; it is notified of each turn.
     """
 
     def __init__(self, line: SerialLine) -> None:
@@ -65,10 +65,8 @@ class _Queue:
             for request in self._requests:
                 request(self.line)
             self._requests.clear()
-            got = self.line.read()
-            if got:
-                self.came.add(got)
-                self.changed.notify_all()
+            self.came.add(self.line.read())
+            self.changed.notify_all()
 
     def put(self, data: bytes | memoryview) -> int:
         """Queue bytes, and return how many were accepted. At most a megabyte may wait for the line."""
@@ -234,11 +232,7 @@ class Serial(SerialBase):  # type: ignore[misc]
 
     def read(self, size: int = 1) -> bytes:
         self._must_be_open()
-        if self._thread is None:
-            self._step_until(lambda: len(self._queue.came) >= size, self._timeout)
-        else:
-            with self._queue.changed:
-                self._queue.changed.wait_for(lambda: len(self._queue.came) >= size or self._failed, self._timeout)
+        self._wait_until(lambda: len(self._queue.came) >= size, self._timeout)
         return self._queue.read(size)
 
     def write(self, data: Any) -> int:
@@ -252,11 +246,7 @@ class Serial(SerialBase):  # type: ignore[misc]
                 raise SerialTimeoutException(
                     f"{done} of {len(sent)} bytes were written, and a megabyte waits; {SLOWER}"
                 )
-            if self._thread is None:
-                self._step_until(lambda: self._queue.waits() < MOST, WAITED)
-            else:
-                with self._queue.changed:
-                    self._queue.changed.wait(WAITED)
+            self._wait_until(lambda: self._queue.waits() < MOST, WAITED)
             self._must_be_open()
             done += self._queue.put(sent[done:])
         return len(sent)
@@ -264,12 +254,7 @@ class Serial(SerialBase):  # type: ignore[misc]
     def flush(self) -> None:
         """Wait until all written bytes have left the queue to the line."""
         self._must_be_open()
-        if self._thread is None:
-            self._step_until(lambda: not self._queue.waits(), None)
-        else:
-            while self._queue.waits() and not self._failed:
-                with self._queue.changed:
-                    self._queue.changed.wait(0.001)
+        self._wait_until(lambda: not self._queue.waits(), None)
 
     def reset_input_buffer(self) -> None:
         self._must_be_open()
@@ -279,7 +264,12 @@ class Serial(SerialBase):  # type: ignore[misc]
         """Do nothing, because written bytes cannot be withdrawn from a line."""
         self._must_be_open()
 
-    def _step_until(self, over: Any, timeout: float | None) -> None:
+    def _wait_until(self, over: Callable[[], bool], timeout: float | None) -> None:
+        """Wait until `over` returns True. timeout: the maximum time in seconds; simulated seconds if pace=0."""
+        if self._thread is not None:
+            with self._queue.changed:
+                self._queue.changed.wait_for(lambda: over() or self._failed, timeout)
+            return
         session = self._session
         end = session.now + ceil((FOREVER if timeout is None else timeout) * session.ticks_per_second)
         step = session.ticks("100 us")
@@ -316,7 +306,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         if self._thread is not None:
             super().send_break(duration)
             return
-        self._step_until(lambda: False, 0.001)
+        self._wait_until(lambda: False, 0.001)
         assert self._queue.line is not None
         self._queue.line.send_break(f"{duration * 1e6:.0f} us")
 

@@ -259,7 +259,4 @@ def _json_place(place: FirmwarePlace | None) -> dict[str, object]:
 
 def relative(file: Path) -> Path:
     """Return the path relative to the current directory, if it is below that."""
-    try:
-        return file.relative_to(Path.cwd())
-    except ValueError:
-        return file
+    return file.relative_to(Path.cwd()) if file.is_relative_to(Path.cwd()) else file

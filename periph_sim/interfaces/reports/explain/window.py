@@ -175,7 +175,12 @@ class _Keeper:
         self._start, self._end = start, end
         self._wanted = [self._want(verdict, verdict.at_s) for verdict in verdicts if verdict.at_s is not None]
         lead = timebase.ticks(LEAD, "nearest")
-        self._ranges = _merged([Span(max(s.begin - lead, start), s.end) for one in self._wanted for s in one.kept])
+        self._ranges: list[Span] = []  # in order; those that touch or overlap are merged
+        for span in sorted(Span(max(s.begin - lead, start), s.end) for one in self._wanted for s in one.kept):
+            if self._ranges and span.begin <= self._ranges[-1].end:
+                self._ranges[-1] = Span(self._ranges[-1].begin, max(self._ranges[-1].end, span.end))
+            else:
+                self._ranges.append(span)
         self._records: list[Record] = []
         self._before: list[dict[object, Record]] = []  # for each range that has begun, the last records before it
         self._seen: dict[object, Record] = {}
@@ -293,17 +298,6 @@ def is_late(verdict: Verdict) -> bool:
 def _is_length(verdict: Verdict) -> bool:
     """Return True if the value is the length of the occurrence, which then is an interval."""
     return verdict.unit == "us" and not verdict.measure.startswith(("jitter of", "time in"))
-
-
-def _merged(spans: list[Span]) -> list[Span]:
-    """Return the spans in order, with those that touch or overlap merged."""
-    merged: list[Span] = []
-    for span in sorted(spans):
-        if merged and span.begin <= merged[-1].end:
-            merged[-1] = Span(merged[-1].begin, max(merged[-1].end, span.end))
-        else:
-            merged.append(span)
-    return merged
 
 
 def _with_stretch(window: Window) -> Window:

@@ -166,13 +166,15 @@ def plot(spread: Distribution, least_is_worst: bool = False) -> Plot:
     between = f" from {number(spread.least)} to {number(spread.worst)}"
     if spread.least == spread.worst:
         between = f", {'all ' * (spread.count > 1)}{number(spread.worst)}"
+    # Grid lines are at powers of ten, and at 2 and 5 times these if there is room.
+    counts = [f * 10**n for n in range(floor(log10(most)) + 1) for f in ((1, 2, 5) if most < 100 else (1,))]
     marked = spread.least if least_is_worst else spread.worst
     return Plot(
         bars=tuple(scale.bar(one, bottom, rise(one.count)) for one in spread.bins),
         limits=_rules(spread, scale),
         worst=_rule(scale.place(marked), _with_unit("least" if least_is_worst else "worst", marked, spread.unit)),
         across=scale.across(),
-        up=tuple((bottom - rise(count), f"{count}") for count in _rises(most)),
+        up=tuple((bottom - rise(count), f"{count}") for count in counts if count <= most),
         breaks=scale.breaks,
         unit=spread.unit,
         summary=f"{counted(spread.count, 'value')}{between} {spread.unit}".rstrip(),
@@ -229,12 +231,6 @@ def axis_ticks(
     """Return the position and the text of each multiple of a step on an axis. place: the position of a value."""
     first, last = ceil(begin / step - 1e-9), floor(end / step + 1e-9)
     return tuple((place(n * step), f"{number(n * step, step)} {unit}".rstrip()) for n in range(first, last + 1))
-
-
-def _rises(most: int) -> list[int]:
-    """Return the counts that have a grid line: powers of ten, and 2 and 5 times these if there is room."""
-    factors = (1, 2, 5) if most < 100 else (1,)
-    return [f * 10**n for n in range(floor(log10(most)) + 1) for f in factors if f * 10**n <= most]
 
 
 def _rules(spread: Distribution, scale: _Scale) -> tuple[Rule, ...]:

@@ -31,7 +31,7 @@ from ..explain.chain import Chain, Part, bound
 from ..explain.explain import Explained, explain
 from .distribution import Distribution, distribution
 from .over_time import OverTime, over_time, shown_violations
-from .timeline import MOST, Timeline, only_chosen, timeline
+from .timeline import MOST, Lanes, Timeline, only_chosen
 
 Standing = Literal["good", "known", "bad"]
 
@@ -133,11 +133,15 @@ def case_report(
         _budget(case, per_second, budget, verdict, kept, over, found)
         for budget, verdict, kept, over in zip(case.budget, result.budgets, values, overs, strict=True)
     ]
+    failed = {verdict.name for verdict in result.budgets if not verdict.passed}
+    broken = {verdict.name for verdict in result.budgets if verdict.broken}
+    as_said = bool(case.breaks) and failed == broken == set(case.breaks) and not result.stuck
+    devices = tuple(f"{name}, " for name in (*case.chip, *case.device))  # their notes come first: only few are shown
     return CaseReport(
         name=case.name,
         about=case.about,
         verdict=judged,
-        standing="good" if judged == "pass" else "known" if findings is None and _is_known(case, result) else "bad",
+        standing="good" if judged == "pass" else "known" if findings is None and as_said else "bad",
         simulated_s=result.simulated_s,
         wall_s=result.wall_s,
         clocks=tuple((name, f"{float(_sysclk(unit) / 1_000_000):.9g} MHz") for name, unit in case.unit.items()),
@@ -147,7 +151,7 @@ def case_report(
         | {"I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes}
         | ({"SCI bytes from units": result.sci_bytes_sent} if result.sci_bytes_sent else {}),
         findings=tuple(_beside_failures(_found(result) if findings is None else findings, budgets)),
-        notes=tuple(_devices_first(case, result.notes)),
+        notes=tuple(sorted(result.notes, key=lambda note: not note.startswith(devices))),
         budgets=tuple(budgets),
         commit=commit_of(case.folder),
     )
@@ -164,13 +168,6 @@ def report_of_file(
 ) -> CaseReport:
     """Return the report of a case file that was run for its own duration. It can be called in another process."""
     return case_report(load(path, list(changes)), result, values, typical, per_second, None, changes, findings)
-
-
-def _is_known(case: Case, result: Result) -> bool:
-    """Return True if the budgets that the case says to break are broken, and nothing else failed."""
-    failed = {verdict.name for verdict in result.budgets if not verdict.passed}
-    as_said = all(verdict.broken == (verdict.name in case.breaks) for verdict in result.budgets)
-    return bool(failed) and failed == set(case.breaks) and as_said and not result.stuck
 
 
 def _others(
@@ -224,7 +221,7 @@ def _timeline(case: Case, per_second: int, one: Explained, most: int) -> Timelin
     cycles = {name: float(per_second / _sysclk(unit)) for name, unit in case.unit.items()}
     host = case.host
     bit = 0 if host is None else round(per_second / (Fraction(host.baud) * (1 + host.error / 100)))
-    return timeline(one.window, cycles, bit, most)
+    return Lanes(one.window, cycles, bit, most).timeline()
 
 
 def _ticks(seconds: float | None, per_second: int) -> int:
@@ -263,12 +260,6 @@ def _beside_failures(findings: Sequence[str], budgets: Sequence[BudgetReport]) -
     names = [one.verdict.name for one in budgets if one.failure is not None]
     known = tuple(f"{name}{rest}" for name in names for rest in (" breaks: ", " is not judged: ", " holds, but ", ": "))
     return [text for text in findings if not text.startswith(known)]
-
-
-def _devices_first(case: Case, notes: Sequence[str]) -> list[str]:
-    """Return the notes of chips and devices before those of units, because the page shows only the first few."""
-    devices = tuple(f"{name}, " for name in (*case.chip, *case.device))
-    return sorted(notes, key=lambda note: not note.startswith(devices))
 
 
 def _sysclk(unit: Unit) -> Fraction:

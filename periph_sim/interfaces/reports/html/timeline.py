@@ -135,18 +135,15 @@ def only_chosen(timeline: Timeline) -> Timeline:
     return replace(timeline, groups=tuple(one for one in groups if one[1]), says=tuple(says))
 
 
-def timeline(window: Window, cycles: dict[str, float], frame_bit: int = 0, most: int = MOST) -> Timeline:
-    """Build the timeline.
+@dataclass
+class Lanes:
+    """Builder of the timeline of a window.
 
     cycles: the number of ticks per cycle of SYSCLKOUT for each unit.
     frame_bit: the number of ticks per bit of the host; 0 if there is no host.
     most: the maximum number of events.
     """
-    return _Lanes(window, cycles, frame_bit, most).timeline()
 
-
-@dataclass
-class _Lanes:
     window: Window
     cycles: dict[str, float]
     frame_bit: int

@@ -112,8 +112,8 @@ def print_json(command: str, answer: Mapping[str, object]) -> None:
 
     Its last key, `form`, is the form of the core that was used.
     """
-    answer_object = {"schema": f"periph-sim {command}", "schema_version": VERSION, **answer, "form": form.running}
-    click.echo(json.dumps(answer_object, indent=2, ensure_ascii=False))
+    head = {"schema": f"periph-sim {command}", "schema_version": VERSION}
+    click.echo(json.dumps({**head, **answer, "form": form.running}, indent=2, ensure_ascii=False))
 
 
 def print_answer(command: str, answer: Mapping[str, object] | str) -> None:

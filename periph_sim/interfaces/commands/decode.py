@@ -235,8 +235,7 @@ def packets(rows: Rows, first: Numbers, clock: event_text.Clock) -> Iterator[tup
 
     first: the rows with which transfers and bursts begin. A message without a complete address byte is left out.
     """
-    conditions = np.flatnonzero((rows.event == START) | (rows.event == AGAIN))
-    begins = np.union1d(first, conditions)
+    begins = np.union1d(first, np.flatnonzero((rows.event == START) | (rows.event == AGAIN)))
     times = (
         event_text.Clock(clock.up * 10**DECIMALS, clock.down * 10**clock.decimals, DECIMALS)
         .units(rows.at[begins])

@@ -62,10 +62,9 @@ def asked_for(
     Raise ClickException if an option names a channel that the capture lacks, or if no channel has a usual name.
     """
     if i2cs or uarts or spis:
-        buses = [_i2c(capture, text, shortest) for text in i2cs]
-        buses += (bus for text in uarts for bus in _uart(capture, text, shortest))
-        buses += (bus for text in spis for bus in _spi(capture, text, shortest))
-        return buses
+        serial = (bus for text in uarts for bus in _uart(capture, text, shortest))
+        spi_buses = (bus for text in spis for bus in _spi(capture, text, shortest))
+        return [*(_i2c(capture, text, shortest) for text in i2cs), *serial, *spi_buses]
     named = buses_named(capture)
     buses = [_i2c_of(capture, scl, sda, shortest) for scl, sda in named.i2c]
     if not buses and not named.uart:
@@ -83,8 +82,7 @@ def asked_for(
     if failed and not any(len(bus.rows.at) for bus in buses):
         raise click.ClickException("; ".join(failed))
     for wire in named.left_over:
-        line = "SCL" if "scl" in wire.name.casefold() else "SDA"
-        other = "SDA" if line == "SCL" else "SCL"
+        other = "SDA" if "scl" in wire.name.casefold() else "SCL"
         note = f"{wire.name} is not decoded: which {other} belongs to it? give --i2c scl=CHANNEL,sda=CHANNEL"
         buses.append(_nothing(wire, note))
     return buses

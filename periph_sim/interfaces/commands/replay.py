@@ -301,8 +301,7 @@ def show_history(divergence: Divergence) -> None:
     say(f"the chip around the {FIRST[divergence.kind]}", style="italic")
     rows = []
     for change in [*before, *after]:
-        access = change.what[:2] in ("R ", "W ")
-        value = f"{change.value:04X}" if access else str(change.value)
+        value = f"{change.value:04X}" if change.what[:2] in ("R ", "W ") else str(change.value)
         style = "dim" if change.at_s > at else ""
         rows.append(((f"{change.at_s:.9f} s", f"{(change.at_s - at) * 1e6:+.3f} us", change.what, value), style))
     print_table(("at", "", "register", "value"), rows, right=(0, 1, 3), whole=range(4))

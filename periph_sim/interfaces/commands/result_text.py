@@ -82,14 +82,12 @@ def broken_lines(budgets: Sequence[Verdict]) -> list[str]:
 
 def legend(budgets: Sequence[Verdict]) -> list[str]:
     """Return the lines below a table of budgets: broken budgets with their instants, and the meaning of its words."""
-    lines = broken_lines(budgets)
     if not budgets:
         return []
-    seen = any(each.word == SEEN for each in budgets)
-    lines.append("count: occurrences" + "; seen: held in this run, other timings are not covered" * seen)
-    if any(each.word == NOT_JUDGED for each in budgets):
-        lines.append("not judged: too little was measured; no pass")
-    return lines
+    words = {each.word for each in budgets}
+    count = "count: occurrences" + "; seen: held in this run, other timings are not covered" * (SEEN in words)
+    scarce = ["not judged: too little was measured; no pass"] * (NOT_JUDGED in words)
+    return [*broken_lines(budgets), count, *scarce]
 
 
 def assumptions(names: Sequence[str], case: Case, verbose: bool) -> list[str]:

@@ -163,8 +163,7 @@ def _show(came: Sweep, varied: list[str], stopped: str) -> None:
     failed = [row for row, verdict in enumerate(verdicts) if verdict != "pass"]
     listed = {*shown, *failed[:MAX_LISTED]}
     for row in sorted(listed):
-        values = ", ".join(f"{key}={came.changes[key][row]}" for key in varied)
-        say(f"run {row}: {values}{_why(came, row)}")
+        say(f"run {row}: {', '.join(f'{key}={came.changes[key][row]}' for key in varied)}{_why(came, row)}")
     more = len(set(failed) - listed)
     if more:
         say(f"{more} more do not pass; --csv or --json has all")

@@ -51,8 +51,7 @@ def worst(
         with progress(loaded.name) as on_progress:
             result = scene.run(length, on_progress)
         verdicts = [verdict for verdict in result.budgets if not budgets or verdict.name in budgets]
-        explained = explain(loaded, verdicts, scene.typical(), length)
-        found = {one.window.verdict.name: one for one in explained}
+        found = {one.window.verdict.name: one for one in explain(loaded, verdicts, scene.typical(), length)}
         if svg is not None:
             _write(svg, found)
     if as_json:
@@ -71,8 +70,7 @@ def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
 
     if one is None:
         nothing = verdict.found or "nothing was measured"
-        said = nothing if verdict.worst is None else f"{verdict.worst}: it never happened"
-        return [f"{verdict.name}: {said}"]
+        return [f"{verdict.name}: {nothing if verdict.worst is None else f'{verdict.worst}: it never happened'}"]
     columns = min(MOST, max(80, get_terminal_size().columns))
     return [*chains.text(one.chain), "", *text_picture(one.window, columns)]
 

@@ -103,8 +103,7 @@ def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
     from .figures import table
 
-    reports = [report for group in terminalreporter.stats.values() for report in group]
-    lines = table(reports)
+    lines = table(report for group in terminalreporter.stats.values() for report in group)
     if lines:
         terminalreporter.write_sep("=", "periph-sim budgets")
         for line, good in lines:

@@ -131,8 +131,7 @@ def _of_function(
     tree: dict[str, Any] = {"name": name, "unit": {UNIT: {"firmware": name, **unit}}, **tables}
     if length is not None:
         tree["duration"] = length
-    places = tuple((change, apply(tree, change)) for change in changes)
-    source = Source(Path(f"scene({name})"), "", places)
+    source = Source(Path(f"scene({name})"), "", tuple((change, apply(tree, change)) for change in changes))
     try:
         case = Case.model_validate(tree).from_source(source)
     except BadTable as error:

@@ -128,14 +128,10 @@ class Run:
             with output_muted():
                 scene = self.plan.scene()
                 log = WireLog(*scene.wires.values())
-                scene.advance(self.end)
-            self._edges = replace(log.capture(scene.timebase, self.end), path=Path(self.result.case))
+                end = self.start + self.timebase.ticks(self.plan.length, "nearest")
+                scene.advance(end)
+            self._edges = replace(log.capture(scene.timebase, end), path=Path(self.result.case))
         return self._edges
-
-    @property
-    def end(self) -> int:
-        """The tick at the end of the run."""
-        return self.start + self.timebase.ticks(self.plan.length, "nearest")
 
     def explained(self, verdicts: Sequence[Verdict]) -> list[tuple[Window, Chain | None]]:
         """Return the window and the explanation of the worst occurrence, for each verdict that has an instant.
@@ -145,8 +141,7 @@ class Run:
         """
         case = self.plan.case
         if not self.plan.programs:
-            found = explain(case, verdicts, self._typical, self.plan.length)
-            return [(one.window, one.chain) for one in found]
+            return [(one.window, one.chain) for one in explain(case, verdicts, self._typical, self.plan.length)]
         if self.records is not None:
             seen = windows_of_table(case.name, self.records, verdicts, self.start)
             return [(window, chain_of(case, window)) for window in seen]

@@ -154,12 +154,6 @@ class FileCoverage:
         self.branches: Counter[tuple[int, int, int]] = Counter()
         self.functions: Counter[tuple[int, str]] = Counter()
 
-    def add(self, other: FileCoverage) -> None:
-        """Add the counts of another unit for the same file."""
-        self.lines.update(other.lines)
-        self.branches.update(other.branches)
-        self.functions.update(other.functions)
-
 
 Covered = tuple[Image, FunctionMap, Coverage]
 
@@ -169,7 +163,9 @@ def covered_files(programs: Iterable[Covered]) -> dict[str, FileCoverage]:
     found: dict[str, FileCoverage] = defaultdict(FileCoverage)
     for image, functions, counts in programs:
         for file, of_file in _files(image, functions, counts).items():
-            found[file].add(of_file)
+            found[file].lines.update(of_file.lines)
+            found[file].branches.update(of_file.branches)
+            found[file].functions.update(of_file.functions)
     return dict(sorted(found.items()))
 
 

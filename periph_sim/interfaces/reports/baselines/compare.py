@@ -61,8 +61,7 @@ def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]
             changes.append(Change(name, "budget", name, None, f"{name}: in the baseline, but not a budget of the case"))
         else:
             changes += _budget(name, before, old_one, now, new_one, tolerance)
-    is_earlier = not before.counts.keys().isdisjoint(EARLIER)
-    notes = NOTES + EARLIER + (NOT_EARLIER if is_earlier else ())
+    notes = NOTES + EARLIER + (() if before.counts.keys().isdisjoint(EARLIER) else NOT_EARLIER)
     old_counts, new_counts = ({"events": of.events} | of.counts for of in (before, now))
     for key in ["events", *sorted({*before.counts, *now.counts})]:
         was, came = old_counts.get(key, 0), new_counts.get(key, 0)
@@ -154,20 +153,15 @@ def moved_accesses(
     found: dict[str, Change] = {}
     for name, chain in chains.items():
         old, new = before.budgets.get(name), now.budgets.get(name)
-        if old is None or new is None or not old.chain or not _same_occurrence(old, new, now):
+        if old is None or new is None or not old.chain or (old.measure, old.chain_of) != (new.measure, new.chain_of):
             continue
+        then_at, now_at = (f.worst_at if f.chain_of == "worst" else f.least_at for f in (old, new))
+        if then_at is None or now_at is None or abs(now_at - then_at) >= SAME * now.ticks_per_second:
+            continue  # the chain is of another occurrence than the baseline's
         moved = first_moved(old.chain, chain, now.cycles, tolerance * now.ticks_per_cycle)
         if moved and moved not in found:
             found[moved] = Change(name, CHAIN, None, None, f"{name} holds, but an access moved: {moved}")
     return [*found.values()][:MOST_MOVED]
-
-
-def _same_occurrence(old: Figures, new: Figures, now: Baseline) -> bool:
-    """Return True if the chain is of the same occurrence as the baseline's."""
-    then_at, now_at = (f.worst_at if f.chain_of == "worst" else f.least_at for f in (old, new))
-    if old.measure != new.measure or old.chain_of != new.chain_of or then_at is None or now_at is None:
-        return False
-    return abs(now_at - then_at) < SAME * now.ticks_per_second
 
 
 def _cycles(of: Baseline, ticks: int | None, nothing: str) -> str:

@@ -295,8 +295,14 @@ class Evidence:
 
     def chain(self, steps: tuple[Step, ...], parts: tuple[Part, ...] = (), blame: Part | None = None) -> Chain:
         """Build the explanation of this occurrence. parts: empty if the occurrence has no length."""
-        window = self.window
-        return Chain(window.verdict, window.timebase, window.end - window.begin, steps, parts, blame=blame)
+        return Chain(
+            verdict=self.window.verdict,
+            timebase=self.window.timebase,
+            length=self.window.end - self.window.begin,
+            steps=steps,
+            parts=parts,
+            blame=blame,
+        )
 
     def step(self, record: Record, what: str = "", length: int | None = None) -> Step:
         """Convert a record to a Step."""

@@ -65,14 +65,18 @@ def reached(evidence: Evidence, record: Record) -> Record | None:
 
 
 def _of_bus(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
-    """Divide a time on the bus into the bits of each transfer, holds of SCL, and the times between transfers."""
+    """Divide a time on the bus into the bits of each transfer, holds of SCL, and the times between transfers.
+
+    While the bus is free and the unit is the master, the bus waits for the activities of the unit.
+    """
     found: list[Stretch] = []
     at = begin
     for phase in evidence.phases:
         since, until = max(phase.begin, at), min(phase.end, end)
         if until <= since:
             continue
-        found += _free(evidence, at, since, "bus free between two transfers" if at > begin else "START held up")
+        free = "bus free between two transfers" if at > begin else "START held up"
+        found += _activities(evidence, evidence.unit if is_master(evidence, since) else "", at, since, free)
         at, bits = since, f"bits of {phase.name or phase}"
         for let_go, rise in evidence.stretches(since, until):
             found.append(Stretch(at, let_go, "bus", bits, "", phase.begin))
@@ -81,20 +85,17 @@ def _of_bus(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
             at = rise
         found.append(Stretch(at, until, "bus", bits, "", phase.begin))
         at = until
-    found += _free(evidence, at, end, "bus free")
+    found += _activities(evidence, evidence.unit if is_master(evidence, end) else "", at, end, "bus free")
     return [one for one in found if one.length > 0]
-
-
-def _free(evidence: Evidence, begin: int, end: int, what: str) -> list[Stretch]:
-    """Return a time in which the bus is free. If the unit is the master, it waits for the activities of the unit."""
-    return _activities(evidence, evidence.unit if is_master(evidence, end) else "", begin, end, what)
 
 
 def _activities(evidence: Evidence, party: str, begin: int, end: int, what: str) -> list[Stretch]:
     """Return the activities of the party for which the bus waits; one stretch with a text if it is no unit."""
-    if party in evidence.case.unit:
-        return evidence.for_unit(party).timeline(begin, end)
-    return [Stretch(begin, end, "bus", what, "", begin)]
+    return (
+        evidence.for_unit(party).timeline(begin, end)
+        if party in evidence.case.unit
+        else [Stretch(begin, end, "bus", what, "", begin)]
+    )
 
 
 WRITES = 6  # maximum number of writes between both ends that are listed
@@ -104,7 +105,8 @@ def chain_of(case: Case, window: Window) -> Chain:
     """Return the explanation of the occurrence in a window."""
     evidence = Evidence(window, case)
     ends = Ends.of(evidence)
-    evidence = evidence.for_unit(ends.unit(case) or evidence.unit)
+    places_of_ends = (record.where.partition(".")[0] for record in (ends.end, ends.begin) if record is not None)
+    evidence = evidence.for_unit(next((unit for unit in places_of_ends if unit in case.unit), evidence.unit))
     if window.verdict.unit == "%":
         return _share(evidence)
     if window.begin == window.end or isinstance(ends.measure, WatchedWire):
@@ -248,8 +250,7 @@ def _instant(evidence: Evidence, ends: Ends) -> Chain:
     if not of_phase and not any(step.what.startswith(f"{evidence.unit}: ") for step in steps):
         steps.append(now)
     blame = next((cause for _, cause in found if cause is not None), None)
-    doing = None if of_phase else evidence.blame_at(at)
-    return evidence.chain(in_order(steps), (), own or blame or doing)
+    return evidence.chain(in_order(steps), (), own or blame or (None if of_phase else evidence.blame_at(at)))
 
 
 def _share(evidence: Evidence) -> Chain:
@@ -303,8 +304,7 @@ def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
     chain = chain_of(case, window)
     if usual is not None and (usual.begin, usual.end) != (window.begin, window.end):
         there = chain_of(case, usual)
-        comparable = chain.parts and (there.parts or not there.length)
-        more = difference(chain.parts, there.parts) if comparable else ()
+        more = difference(chain.parts, there.parts) if chain.parts and (there.parts or not there.length) else ()
         chain = replace(chain, typical=there.length, typical_holds=usual.verdict.within, more=more)
     return Explained(_reaching(window, chain), chain)
 

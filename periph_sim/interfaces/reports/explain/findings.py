@@ -18,7 +18,6 @@ from itertools import groupby, pairwise
 
 from ....core.records import UNWANTED, Kind, Record
 from ....records.record_text import bus_byte, happened, on_the_bus
-from ....scene.case.model import Case
 from ....scene.scope import scope_of_case
 from ....timing.measures.event import EventMeasure
 from ....timing.measures.expectations import WatchedWire
@@ -81,11 +80,6 @@ class Ends:
         there = [r for r in (self.begin, self.end) if r is not None]
         of_bus = [r for r in there if r.kind is Kind.BUS or (r.kind is Kind.EDGE and r.where in ("SCL", "SDA"))]
         return bool(self.measure.kinds & ON_THE_BUS) or len(of_bus) == 2
-
-    def unit(self, case: Case) -> str:
-        """Return the unit of the record at the end, or else at the begin; "" if no unit made these records."""
-        units = (r.where.partition(".")[0] for r in (self.end, self.begin) if r is not None)
-        return next((unit for unit in units if unit in case.unit), "")
 
 
 def looks_at(measure: Measure, record: Record) -> bool:

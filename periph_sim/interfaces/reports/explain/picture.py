@@ -141,8 +141,7 @@ def _marks(window: Window) -> list[Mark]:
         return [Mark(0.0, name)]
     length = (window.end - window.begin) * 1_000_000 / window.timebase.per_second
     later = _figure(window) if window.verdict.until_s is None else in_words(length, "us")
-    end = Mark(_seconds(window, window.end), f"ends, {later} later")
-    return [Mark(0.0, f"{name}: worst begins"), end]
+    return [Mark(0.0, f"{name}: worst begins"), Mark(_seconds(window, window.end), f"ends, {later} later")]
 
 
 def _span(window: Window) -> tuple[float, float]:

@@ -142,8 +142,7 @@ def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict],
     keeper = _Keeper(verdicts, Timebase(int(table.per_second)), start, table.end)
     for record in table.records():
         keeper.add(record)
-    wires = [*dict.fromkeys(table.texts("where", table.rows(Kind.EDGE)))]
-    return keeper.windows(case, wires, table.modules)
+    return keeper.windows(case, dict.fromkeys(table.texts("where", table.rows(Kind.EDGE))), table.modules)
 
 
 def windows_of_edges(edges: Capture, timebase: Timebase, verdicts: Iterable[Verdict], start: int) -> list[Window]:

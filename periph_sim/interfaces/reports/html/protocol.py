@@ -45,8 +45,7 @@ def rows(window: Window, seen: Callable[[int, int], bool], zero: int) -> list[Ro
     zero: the tick from which the times of rows are counted.
     """
     names = {channel.name for channel in window.edges.channels}
-    found = [*_i2c_rows(window)] if {"SCL", "SDA"} <= names else []
-    found += _frame_rows(window)
+    found = [*(_i2c_rows(window) if {"SCL", "SDA"} <= names else ()), *_frame_rows(window)]
     kept = sorted((row for row in found if seen(row.at, row.end)), key=lambda row: (row.at, row.bus))
     return [row._replace(at=row.at - zero, end=row.end - zero) for row in kept]
 

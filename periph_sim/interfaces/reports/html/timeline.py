@@ -74,9 +74,14 @@ class Lane:
         """Convert to JSON. Ticks are distances from the one before, so most of them are short numbers."""
         keys: dict[str, Any] = {"name": self.name, "unit": self.unit, "chosen": int(self.chosen), "kind": self.kind}
         keys |= {"initial": self.initial} if self.kind == "wave" else {}
-        keys["at"] = [tick - before for before, tick in pairwise([0, *self.at])]
-        keys["long"] = [end - at for at, end in zip(self.at, self.end, strict=False)]
-        keys |= {"labels": self.labels, "says": self.says, "strong": self.strong, "places": self.places}
+        keys |= {
+            "at": [tick - before for before, tick in pairwise([0, *self.at])],
+            "long": [end - at for at, end in zip(self.at, self.end, strict=False)],
+            "labels": self.labels,
+            "says": self.says,
+            "strong": self.strong,
+            "places": self.places,
+        }
         return {key: value for key, value in keys.items() if value or key not in OPTIONAL}
 
 
@@ -152,10 +157,9 @@ class Lanes:
 
     def __post_init__(self) -> None:
         self.kept = _within_reach(self.window, self.most)
-        about = "\n".join((self.window.verdict.measure, *self.window.chain_texts))
-        self.about = about
-        self.about_serial = bool(SERIAL_WORDS.search(about))
-        self.about_bus = bool(BUS_WORDS.search(about)) or not (self.about_serial or self.window.chain_texts)
+        self.about = "\n".join((self.window.verdict.measure, *self.window.chain_texts))
+        self.about_serial = bool(SERIAL_WORDS.search(self.about))
+        self.about_bus = bool(BUS_WORDS.search(self.about)) or not (self.about_serial or self.window.chain_texts)
         self.chosen_flags = set(flags_shown(self.window))
         self.records = [r for r in self.window.records if any(k.begin <= r.tick < k.end for k in self.kept)]
         early = [r for r in self.window.records if r.tick < self.kept[0].begin]

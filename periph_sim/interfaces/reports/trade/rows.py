@@ -47,8 +47,7 @@ class Row:
 def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
     """Return all rows of a case. others: other cases, whose units are rows, too."""
     case = make(())
-    given = Row(AS_GIVEN)
-    firmware = [(kind_of(case), [*_arithmetics(case, given)])]
+    firmware = [(kind_of(case), [*_arithmetics(case, Row(AS_GIVEN))])]
     firmware += [(kind, [Row(f"{kind} of {other.name}", units=other)]) for other in others if (kind := kind_of(other))]
     found = [row for _, rows in sorted(firmware, key=lambda one: KINDS.index(one[0])) for row in rows]
     return [*found, *(Row(f"record {suffix}", record=suffix) for suffix in RECORDINGS)]

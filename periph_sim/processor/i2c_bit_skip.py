@@ -77,18 +77,14 @@ class I2cModuleParty(BitParty):
         figures = each + 2 * low + 3 * high + 5 * hold + 7 * chip.filter_width + 11 * chip.state.tm
         if figures != self._calm_for or self._clock.hz is not self._hz:
             self._calm_for, self._hz = figures, self._clock.hz
-            self._calm = self._is_calm(low, high, hold, each)
+            # Each level must outlast the noise filter, and SDA, also as driven here, change apart from SCL.
+            width, module_clock = chip.filter_width, chip.state.tm
+            apart = max(width, module_clock) + MARGIN
+            low, high, hold = self._cycles(low), self._cycles(high), self._cycles(hold)
+            own = width + self._socket.out_delay + MARGIN
+            filtered: bool = width > 0 and (each or hold >= module_clock + MARGIN)
+            self._calm = filtered and min(high, low - hold, low - own) >= apart
         return self._calm
-
-    def _is_calm(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return True if each level outlasts the noise filter, and SDA, also as driven here, changes apart from SCL."""
-        width, module_clock = self._chip.filter_width, self._chip.state.tm
-        apart = max(width, module_clock) + MARGIN
-        low, high, hold = self._cycles(low), self._cycles(high), self._cycles(hold)
-        own = width + self._socket.out_delay + MARGIN
-        if width <= 0 or (not each and hold < module_clock + MARGIN):
-            return False
-        return min(high, low - hold, low - own) >= apart
 
     def _cycles(self, ticks: int) -> int:
         """Return the number of whole cycles in a number of ticks."""

@@ -136,6 +136,10 @@ def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
     syntax, digits = take("syntax"), take("bits")
     bits = digits.ljust(PAIR, ".")
     cycles, repeated = take("cycles", 1), take("cycles_rpt", "N+0")
+    bounds: dict[str, range] = {}
+    if where := take("where", ""):  # "s >= 1" or "n <= 5"
+        bounded, relation, number = where.split()
+        bounds[bounded] = range(int(number), 1 << PAIR) if relation == ">=" else range(int(number) + 1)
     if not repeated.startswith("N+"):
         raise ValueError(f"{repeated!r} is not the cycles of N + 1 executions, such as 'N+1'")
     found = Encoding(
@@ -147,7 +151,7 @@ def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
         mask=int("".join("01"[bit in "01"] for bit in bits), 2),
         value=int("".join("01"[bit == "1"] for bit in bits), 2),
         fields=_fields(bits),
-        bounds=_bounds(take("where", "")),
+        bounds=bounds,
         kind=take("class", "core"),
         alias_of=take("alias_of", ""),
         shift_bias=take("shift_bias", 0),
@@ -179,14 +183,6 @@ def _fields(bits: str) -> dict[str, BitField]:
             raise ValueError(f"field {name!r} of {bits} is in two pieces")
         fields[name] = BitField(PAIR - 1 - last, (1 << (last - first + 1)) - 1)
     return fields
-
-
-def _bounds(where: str) -> dict[str, range]:
-    """Parse the bound of a field such as "s >= 1" or "n <= 5"; none if the text is empty."""
-    if not where:
-        return {}
-    name, relation, number = where.split()
-    return {name: range(int(number), 1 << PAIR) if relation == ">=" else range(int(number) + 1)}
 
 
 WIDE = ("loc32", "mem32", "reg32")

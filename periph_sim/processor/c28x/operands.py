@@ -228,17 +228,13 @@ def parts_of(encoding: Encoding) -> tuple[Part, ...]:
         else:
             parts.append(literal(rest[0]))
             rest = rest[1:]
-    return tuple(_joined(parts))
-
-
-def _joined(parts: list[Part]) -> list[Part]:
     joined: list[Part] = []
     for part in parts:
         if part.literal and joined and joined[-1].literal:
             joined[-1] = literal(joined[-1].literal + part.literal)
         else:
             joined.append(part)
-    return joined
+    return tuple(joined)
 
 
 # Registers, modes and conditions ------------------------------------------------------------------------------------

@@ -24,34 +24,31 @@ C2000 = "EM_TI_C2000"
 def read(data: bytes) -> Image:
     """Return the image in a C28x ELF file. Raise BadImage if it is not one."""
     try:
-        return _read(ELFFile(io.BytesIO(data)))
+        elf = ELFFile(io.BytesIO(data))
+        machine = elf["e_machine"]
+        if machine != C2000 or elf.elfclass != 32 or not elf.little_endian:
+            named = elf.get_machine_arch().strip("<>")
+            raise BadImage(f"it is ELF for {named}; the F28335 runs ELF for TI C2000, 32 bits, little-endian")
+        if elf["e_type"] != "ET_EXEC":
+            raise BadImage("it is an object file or a library; link it into an executable .out")
+        sections = list(elf.iter_sections())
+        return Image(
+            kind="ELF",
+            entry=elf["e_entry"],
+            sections=tuple(_section(section, elf) for section in sections if section["sh_flags"] & SH_FLAGS.SHF_ALLOC),
+            symbols=tuple(_symbols(elf)),
+            debug={
+                section.name: section.data()
+                for section in sections
+                if section.name.startswith(".debug") and section["sh_type"] == "SHT_PROGBITS"
+            },
+        )
     except BadImage:
         raise
     except Exception as error:  # the library raises many types for a damaged file
         raise BadImage(
             f"its ELF structure is damaged ({type(error).__name__}: {error}); link or fetch it again"
         ) from None
-
-
-def _read(elf: ELFFile) -> Image:
-    machine = elf["e_machine"]
-    if machine != C2000 or elf.elfclass != 32 or not elf.little_endian:
-        named = elf.get_machine_arch().strip("<>")
-        raise BadImage(f"it is ELF for {named}; the F28335 runs ELF for TI C2000, 32 bits, little-endian")
-    if elf["e_type"] != "ET_EXEC":
-        raise BadImage("it is an object file or a library; link it into an executable .out")
-    sections = list(elf.iter_sections())
-    return Image(
-        kind="ELF",
-        entry=elf["e_entry"],
-        sections=tuple(_section(section, elf) for section in sections if section["sh_flags"] & SH_FLAGS.SHF_ALLOC),
-        symbols=tuple(_symbols(elf)),
-        debug={
-            section.name: section.data()
-            for section in sections
-            if section.name.startswith(".debug") and section["sh_type"] == "SHT_PROGBITS"
-        },
-    )
 
 
 def _section(section: ElfSection, elf: ELFFile) -> Section:

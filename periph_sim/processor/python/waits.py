@@ -79,13 +79,6 @@ class ConditionQuery:
         self.module: ModulePort | None = None
         self.condition: Condition | None = None
 
-    def analyse(self, program: PythonProgram) -> None:
-        """Set the query from the code."""
-        self.known = True
-        self.found = found = None if sys.gettrace() is not None else comparison_of(self.code)
-        if found is not None:
-            self.place, self.where = found[0], program.place_in(self.code, found[-1])
-
     def condition_on(self, module: object) -> Condition | None:
         """Return the condition on this module's register; None if there is none."""
         self.module = self.condition = None
@@ -124,7 +117,10 @@ class Recogniser:
                     return None
             self._latest = query
         if not query.known:
-            query.analyse(self._program)
+            query.known = True
+            query.found = found = None if sys.gettrace() is not None else comparison_of(code)
+            if found is not None:
+                query.place, query.where = found[0], self._program.place_in(code, found[-1])
         if query.place < 0:
             return None
         try:

@@ -334,10 +334,9 @@ class CountingLoop(InstructionWatch):
 
     def _counters(self, changed: Mapping[int, int]) -> dict[Place, Number]:
         """Return the words that this pass has changed, with their values before it."""
-        before = register_words(self._state[0], self._state[1:COUNTERS])
-        before |= dict(changed.items())
-        after = register_words(self._cpu.acc, self._cpu.xar)
-        after |= {address: self._memory.word(address) for address in changed}
+        before = register_words(self._state[0], self._state[1:COUNTERS]) | dict(changed)
+        words = {address: self._memory.word(address) for address in changed}
+        after = register_words(self._cpu.acc, self._cpu.xar) | words
         steps = {place: (after[place] - value + HALF & M16) - HALF for place, value in before.items()}
         return {place: Number(before[place], step) for place, step in steps.items() if step}
 

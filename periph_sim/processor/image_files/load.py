@@ -81,15 +81,13 @@ def parse(data: bytes) -> Image:
 
 def require_loadable(image: Image, part: Part) -> None:
     """Raise BadImage if the image needs memory that this part does not have, or that cannot be loaded."""
-    for section in image.loaded:
-        for address in {section.address, section.run}:
-            why = not_loadable(address, section.size, part)
-            if why:
-                raise BadImage(f"section {quoted(section.name)} lies {why}")
-    for address, words in image.initial:
-        why = not_loadable(address, len(words), part)
+    named = [(f"section {quoted(one.name)} lies", one) for one in image.loaded]
+    placed = [(what, address, one.size) for what, one in named for address in (one.address, one.run)]
+    placed += [(f".cinit initialises {len(words)} words", address, len(words)) for address, words in image.initial]
+    for what, address, size in placed:
+        why = not_loadable(address, size, part)
         if why:
-            raise BadImage(f".cinit initialises {len(words)} words {why}")
+            raise BadImage(f"{what} {why}")
 
 
 def shared_memory(image: Image) -> list[str]:

@@ -77,14 +77,8 @@ class ImageCpu(ImageMemory):
         finally:
             self._decoding = False
         self._prepare(made, self.word_at(made.address), self.word_at(made.address + 1))
-        if made.encoding.kind == "fpu" and made.address not in self._slots_seen:
-            self._slots_seen.add(made.address)
-            found = decode_at(made.address, self.word_at(made.address), self.word_at(made.address + 1))
-            assert found is not None
-            memory: Any = self  # of a typed object, C would pass on its function and call it with one argument less
-            for text in not_kept(found, memory.word_at):  # FPU results for which the program does not wait
-                self._options.fpu_delay_slot.assume(self._core.touched)
-                self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRUEO2A section 3.2"))
+        if made.encoding.kind == "fpu":
+            self._look_at_slots(made)
         return made
 
     def _prepare(self, made: Operation, first: int, second: int) -> None:
@@ -104,6 +98,18 @@ class ImageCpu(ImageMemory):
         made = operation(found)
         self._prepare(made, first, second)
         return made
+
+    def _look_at_slots(self, f: Operation) -> None:
+        """Note each FPU result that the program does not wait for."""
+        if f.address in self._slots_seen:
+            return
+        self._slots_seen.add(f.address)
+        found = decode_at(f.address, self.word_at(f.address), self.word_at(f.address + 1))
+        assert found is not None
+        memory: Any = self  # of a typed object, C would pass on its function and call it with one argument less
+        for text in not_kept(found, memory.word_at):
+            self._options.fpu_delay_slot.assume(self._core.touched)
+            self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRUEO2A section 3.2"))
 
     def _repeat(self) -> None:
         wanted = self.repeat

@@ -19,11 +19,8 @@ class FrameSource(Protocol):
     beyond: number of times that each value was outside its range.
     """
 
-    @property
-    def motion(self) -> Any: ...
-
-    @property
-    def beyond(self) -> Counter[str]: ...
+    motion: Any
+    beyond: Counter[str]
 
     def __call__(self, number: int) -> tuple[int, ...]: ...
 

@@ -16,9 +16,9 @@ from typing import Any, final
 from ..devices.chip_model import ChipModel, Shown
 from ..devices.sensor_rounds import register_bytes
 from .host_frame import ACCELERATION, ANGLE
-from .imu_noise import ImuNoise
 from .models.imu import Imu, Inputs, Noise, State
 from .models.parameters import ImuParameters
+from .noise import ImuNoise
 from .numeric import arithmetic_names as named
 from .numeric.q import Q
 from .sensors import SENSORS

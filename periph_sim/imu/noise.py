@@ -16,12 +16,15 @@ Terms as in IEEE Std 952 annex C: N (white), B (bias instability), K (random wal
 from __future__ import annotations
 
 from hashlib import blake2b
+from itertools import chain
 from math import log, pi, sqrt
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from msgspec import Struct
 
 from ..form.c_types import BigInt
+from .models.imu import Noise
+from .models.parameters import ImuParameters
 from .near_gaussian import FEW, NEAR, first_of
 
 if TYPE_CHECKING:
@@ -161,3 +164,35 @@ def _phase(octave: Gaussian, k: int) -> int:
 def _hold(octave: Gaussian, k: int, number: int) -> int:
     """Return the number of the value that octave `k` holds at a sample."""
     return (number + _phase(octave, k)) >> k
+
+
+class ImuNoise:
+    """Noise of the three sensors of an IMU, as added before the scale S, in deg/s, g and gauss on x, y, z."""
+
+    def __init__(self, imu: ImuParameters, seed: int) -> None:
+        self._sensors = [_axes_of(name, getattr(imu, name), imu.period, seed) for name in Noise._fields]
+
+    def values(self, first: int, count: int) -> Noise[Floats]:
+        """Return samples `first` up to `first + count - 1`: nine float64[count]."""
+        sensors = [[axis.values(first, count) for axis in axes] for axes in self._sensors]
+        return Noise(*[(x, y, z) for x, y, z in sensors])
+
+    def at(self, number: int) -> Noise[float]:
+        """Return the noise of sample `number`, which has the same bits as in `values`."""
+        sensors = [[axis.at(number) for axis in axes] for axes in self._sensors]
+        return Noise(*[(x, y, z) for x, y, z in sensors])
+
+    def near(self, number: int) -> list[tuple[float, float]] | None:
+        """Return the nine values of a sample with their maximum errors; None if this is impossible without numpy."""
+        found = []
+        for axis in chain(*self._sensors):
+            value = axis.near(number)
+            if value is None:
+                return None
+            found.append(value)
+        return found
+
+
+def _axes_of(name: str, sensor: Any, period: float, seed: int) -> list[AxisNoise]:
+    columns = zip(AXES, sensor.noise_density, sensor.bias_instability, sensor.random_walk, strict=True)
+    return [AxisNoise(NoiseTerms(*terms), period, seed, f"{name}/{axis}") for axis, *terms in columns]

@@ -10,10 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim.devices.sensor_rounds import register_bytes
-from periph_sim.imu.imu_noise import ImuNoise
 from periph_sim.imu.model_codes import REMEMBERED, ModelCodes, model_codes
 from periph_sim.imu.models.imu import Codes, Imu, Noise
 from periph_sim.imu.models.parameters import ImuParameters, MagnetometerParameters
+from periph_sim.imu.noise import ImuNoise
 from periph_sim.imu.numeric import arithmetic_names as named
 from periph_sim.imu.sensors import SENSORS as CHIPS
 from tests.profiles import examples

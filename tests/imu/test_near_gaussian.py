@@ -6,11 +6,10 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.imu.imu_noise import ImuNoise
 from periph_sim.imu.model_codes import ModelCodes
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.near_gaussian import FEW, NEAR, first_of, philox
-from periph_sim.imu.noise import BLOCK, AxisNoise, Gaussian, NoiseTerms
+from periph_sim.imu.noise import BLOCK, AxisNoise, Gaussian, ImuNoise, NoiseTerms
 from periph_sim.imu.numeric import arithmetic_names as named
 
 

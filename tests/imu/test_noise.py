@@ -12,9 +12,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from msgspec.structs import replace
 
-from periph_sim.imu.imu_noise import ImuNoise
 from periph_sim.imu.models.parameters import ImuParameters
-from periph_sim.imu.noise import BLOCK, AxisNoise, Gaussian, NoiseTerms
+from periph_sim.imu.noise import BLOCK, AxisNoise, Gaussian, ImuNoise, NoiseTerms
 
 ALL = NoiseTerms(density=1.6e-5, bias_instability=2e-3, random_walk=5e-3)
 PERIOD = 0.02

@@ -18,7 +18,6 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ..imu_noise import ImuNoise
 from ..models.imu import Imu, Inputs
 from ..models.parameters import (
     AccelerometerParameters,
@@ -26,7 +25,7 @@ from ..models.parameters import (
     ImuParameters,
     MagnetometerParameters,
 )
-from ..noise import AXES
+from ..noise import AXES, ImuNoise
 from ..numeric.arithmetic import Rounding, Triple
 from ..numeric.float64 import Float64
 

@@ -34,7 +34,7 @@ class SensedMotion:
         self._model = Imu(Float64(), replace(imu, gyroscope=replace(imu.gyroscope, rates="corrected")))
 
     def at(self, seconds: float, noise: Noise[float] | None = None) -> dict[str, tuple[float, ...]]:
-        """Return x, y, z of each chip in LSB. noise: the noise at this instant, from `imu_noise`."""
+        """Return x, y, z of each chip in LSB. noise: the noise at this instant, from `noise`."""
         turned, body = self._turning(seconds)
         *_, x, y, z = self._motion.at(seconds)
         _, later = self._turning(seconds + STEP)

@@ -12,16 +12,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import reduce
 from math import ceil
 
 import numpy as np
 
 from ..attitude import Errors, NoAttitude, errors, estimate
 from ..host_frames import FRAME_BYTES, decode, encode
-from ..imu_noise import ImuNoise
 from ..model_codes import model_codes
 from ..models.parameters import Rates
 from ..models.sensed_motion import SensedMotion
+from ..noise import ImuNoise
 from ..rotations import Floats, quaternions
 from ..samples import Ints, Readings
 from ..sensors import SENSORS
@@ -224,7 +225,7 @@ def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], Non
             different += _different(came, computed_emulator(one, came.frames))
         else:
             read[rates] = computed_emulator(one)
-    seconds = _common([real, *read.values()])
+    seconds: Floats = reduce(np.intersect1d, [one.seconds for one in (real, *read.values())])
     if not len(seconds):
         raise NoAttitude("no round of the three chips was complete before the end; run longer")
     estimates = {rates: _estimate(subject, readings, seconds) for rates, readings in read.items()}
@@ -251,11 +252,3 @@ def _different(came: on_wires.Emulated, computed: Readings) -> int:
 def _estimate(subject: EmulatorUnderTest, readings: Readings, seconds: Floats) -> Estimate:
     """Filter the readings of all rounds. Return the readings and attitudes of the common rounds at `seconds`."""
     return Estimate(readings, attitudes(subject, readings)[np.isin(readings.seconds, seconds)])
-
-
-def _common(read: list[Readings]) -> Floats:
-    """Return the times of the rounds that all readings contain."""
-    common = read[0].seconds
-    for one in read[1:]:
-        common = np.intersect1d(common, one.seconds)
-    return common

@@ -18,8 +18,8 @@ from ...devices.sensor_rounds import Round
 from ...scene.case.model import ChipTable
 from ...scene.scene import Scene
 from ...timing.derived.age_records import MODEL
-from ..imu_noise import ImuNoise
 from ..models.sensed_motion import SensedMotion
+from ..noise import ImuNoise
 from ..samples import Ints, Readings, SampleLog
 from ..sensors import SENSORS
 from .subject import EmulatorUnderTest

@@ -11,9 +11,9 @@ from msgspec.structs import replace
 
 from periph_sim.imu.at_rest.rest import SENSORS, at_rest, expected_at_rest, lsb_at_rest
 from periph_sim.imu.at_rest.static_table import static_table
-from periph_sim.imu.imu_noise import ImuNoise
 from periph_sim.imu.models.imu import Imu
 from periph_sim.imu.models.parameters import GyroscopeParameters, ImuParameters
+from periph_sim.imu.noise import ImuNoise
 from periph_sim.imu.numeric.float64 import Float64
 
 SAMPLES = 10_000

@@ -27,7 +27,6 @@ ROUNDS = 10  # number of refinements
 class Worst:
     """The largest error of each sensor, in LSB before saturation and rounding, and its counts, int64[12]."""
 
-    arithmetic: str
     error: dict[str, float]
     at: dict[str, Ints]
 
@@ -70,7 +69,7 @@ def worst(
             if name not in error or off[best] > error[name]:
                 error[name], at[name] = float(off[best]), near[:, best]
             near = _around(at[name], random, samples // 4, 2000 >> around, rate)
-    return Worst(arithmetic, error, at)
+    return Worst(error, at)
 
 
 def _errors(arithmetic: str, imu: parameters.ImuParameters, counts: Ints) -> NDArray[np.float64]:

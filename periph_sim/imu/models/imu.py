@@ -121,11 +121,6 @@ class Imu(Generic[T]):
         turned = angles(self.a, attitude)
         return turned, self.gyroscope.body_rates(self.derivative.rates(attitude, before), turned)
 
-    def codes(self, inputs: Inputs[T]) -> Codes[T]:
-        """Return the nine codes in LSB."""
-        g, a, m = (self.codes_of(chip, inputs) for chip in Codes._fields)
-        return Codes(g, a, m)
-
     def codes_of(self, chip: str, inputs: Inputs[T]) -> Triple[T]:
         """Return the codes of the chip with a name in Codes."""
         equations: SensorEquations[T] = getattr(self, chip)
@@ -150,4 +145,6 @@ class Imu(Generic[T]):
         """
         self.check(attitude, acceleration, noise)
         turned, body = self.motion(attitude, before.attitude)
-        return self.codes(Inputs(turned, acceleration, body, before.body, noise)), State(attitude, body)
+        inputs = Inputs(turned, acceleration, body, before.body, noise)
+        g, a, m = (self.codes_of(chip, inputs) for chip in Codes._fields)
+        return Codes(g, a, m), State(attitude, body)

@@ -79,5 +79,5 @@ def test_the_worst_sample_shows_its_error() -> None:
 
 
 def test_how_many_codes_an_error_can_make() -> None:
-    found = Worst("q16", {"gyroscope": 0.7, "accelerometer": 0.01, "magnetometer": 2.6}, {})
+    found = Worst({"gyroscope": 0.7, "accelerometer": 0.01, "magnetometer": 2.6}, {})
     assert found.allowed().tolist() == [1, 1, 1, 1, 1, 1, 3, 3, 3] and found.largest == 2.6

@@ -21,27 +21,20 @@ from .run import Group, Rows, Run, among
 
 
 class Pairs(NamedTuple):
-    """Rows of reads and of the writes that belong to them, in the order of the writes. in_order: the reads, sorted."""
+    """Rows of reads and of the writes that belong to them, in the order of the writes."""
 
     reads: Rows
     writes: Rows
-    in_order: Rows
 
     def read_of(self, write: int) -> int | None:
         """Return the row of the read that a write belongs to; None if it is a plain write."""
         place = int(np.searchsorted(self.writes, write))
         return int(self.reads[place]) if place < len(self.writes) and self.writes[place] == write else None
 
-    def has_read(self, read: int) -> bool:
-        """Return True if this read is the first half of a read-modify-write."""
-        place = int(np.searchsorted(self.in_order, read))
-        return place < len(self.in_order) and bool(self.in_order[place] == read)
-
 
 def read_modify_writes(run: Run, unit: str) -> Pairs:
     """Return all read-modify-writes of a unit's firmware."""
-    reads, writes, in_order = run.remembered(f"read-modify-writes of {unit}", lambda: _found(run, unit))
-    return Pairs(reads, writes, in_order)
+    return Pairs(*run.remembered(f"read-modify-writes of {unit}", lambda: _found(run, unit)))
 
 
 def _found(run: Run, unit: str) -> Rows:
@@ -67,7 +60,7 @@ def _found(run: Run, unit: str) -> Rows:
         writes.append(rows[found + ahead])
     of_write = np.concatenate(reads)
     order = np.argsort(np.concatenate(writes))
-    found_rows: Rows = np.stack([of_write[order], np.concatenate(writes)[order], np.sort(of_write)])
+    found_rows: Rows = np.stack([of_write[order], np.concatenate(writes)[order]])
     return found_rows
 
 

@@ -11,7 +11,7 @@ from periph_sim.core.records import RECORDED, Kind, Record
 from periph_sim.firmware import start_i2c
 from periph_sim.firmware.sci import start_sci
 from periph_sim.processor.dsp import Dsp
-from periph_sim.records.cause_trace.firmware_causes import change_seen
+from periph_sim.records.cause_trace.causes import change_seen
 from periph_sim.scene import unit as unit_module
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware

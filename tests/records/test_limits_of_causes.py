@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from periph_sim.core.records import Kind
 from periph_sim.f28335.i2c.descriptor import FLAGS
 from periph_sim.f28335.parts.f28335 import PART
-from periph_sim.records.cause_trace import causes, firmware_causes
+from periph_sim.records.cause_trace import causes
 from periph_sim.records.cause_trace.why import why
 from periph_sim.records.read_modify_write import read_modify_writes
 from tests.records.cause_trace.test_causes import (
@@ -49,7 +49,7 @@ def test_a_walk_says_why_it_goes_no_further(monkeypatch: pytest.MonkeyPatch):
     assert ends(*looked[1:3], counted(2000, 2)) == "nothing that this access read had changed before it"
     assert ends(*looked[2:3], counted(2000, 1)) == "its routine had read nothing before it"
     assert ends() == ""
-    monkeypatch.setattr(firmware_causes, "MOST_ACCESSES", 3)
+    monkeypatch.setattr(causes, "MOST_ACCESSES", 3)
     monkeypatch.setattr(causes, "MOST_ACCESSES", 3)
     many = [*looked[:2], *(count(100 * n) for n in range(1, 4)), count(2000)]
     assert ends(*many, counted(2000, 6)).endswith("in the 3 accesses before it; no more were searched")
@@ -162,7 +162,7 @@ def test_what_has_a_read_and_what_is_one():
     of = by_hand(read(10, 0, "SCD"), other(11), write(12, SCD, "SCD"), read(20, 0, "BB"))
     made = read_modify_writes(of, "dsp")
     assert [made.read_of(row) for row in range(5)] == [None, None, 0, None, None]
-    assert [made.has_read(row) for row in range(5)] == [True, False, False, False, False]
+    assert [row in made.reads for row in range(5)] == [True, False, False, False, False]
 
 
 # Wires ------------------------------------------------------------------------------------------------------------

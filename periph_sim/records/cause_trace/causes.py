@@ -4,20 +4,209 @@ A recording has the causes of what chips do: the access or edge that changed a f
 or samples its inputs, the recorded cause is the last input that had passed. Three causes are inferred from the order of
 the records: what a party did on the wire before an edge, the request for an interrupt, and what firmware read before it
 wrote.
+
+    cause of a write: the earlier look of its routine that saw the newest change
+                      without a look: the entry of its service routine
+    cause of a read:  the last change, before it, of the fields that it read
+                      without a change: the entry of its service routine
+
+A look is a read that is not the first half of a read-modify-write. The result also has records that are shown beside
+the cause of an access: the read of the write's own read-modify-write, the change of a flag that the write only wrote
+back, later looks, and service routines that delayed the firmware. A recording does not contain the firmware's reasons,
+so all of this is inferred from the order of the records.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from typing import NamedTuple
 
 import numpy as np
 
 from ...core.counted import counted
 from ...core.records import Kind, Record
+from ...core.registers import Field, OnWrite, Register
 from ...f28335.parts.f28335 import PART
 from ...f28335.pie.register_map import LINES
+from ..read_modify_write import read_modify_writes
+from ..register_maps import register_of
 from ..run import Rows, Run
-from .firmware_causes import INFERRED, MOST_ACCESSES, RECORDED, Link, accesses_before, causes_of_access, held_up
+
+RECORDED, INFERRED = "recorded", "inferred"
+MOST_LOOKS = 8  # the search before a write ends after this number of looks at different places or fields
+MOST_ACCESSES = 10_000  # the search for looks before a write covers at most this number of accesses of the routine
+MOST_ROUTINES = 3  # maximum number of service routines shown as delays of the firmware; the longest are chosen
+SEEN = "the last change of what it read"
+NEWEST = "the read before it that saw the newest change"
+
+
+class Link(NamedTuple):
+    """A record found in a search for causes, with its relation to another record.
+
+    known: RECORDED or INFERRED, the source of the relation; "" for the record whose causes are searched.
+    because: the relation in words.
+    aside: True if the record is shown beside the cause and is not the cause itself; the search does not continue from
+    it.
+    of: the row of the record that this one is related to; -1 for the record whose causes are searched.
+    """
+
+    row: int
+    record: Record
+    known: str
+    because: str = ""
+    aside: bool = False
+    of: int = -1
+
+
+def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
+    """Return links to the cause of an access and to the records that are shown beside it. The last link is the cause.
+
+    If the last link is `aside`, no cause was found. An access of the main program has no cause if no change or earlier
+    look explains it.
+    flag: the change of a field whose causes led to this access, or None.
+    """
+    routine = run.row_of(record.cause)
+    entry = [] if routine is None else [Link(routine, run.record(routine), RECORDED, "its service routine began")]
+    if record.what.startswith("R "):
+        changed = change_seen(run, row, record)
+        if changed is None:
+            return entry
+        between = [link._replace(aside=True) for link in entry if link.row > changed]
+        return [*held_up(run, record, changed, row), *between, Link(changed, run.record(changed), INFERRED, SEEN)]
+    own = _own_read(run, row, record, flag)
+    looks = looks_before(run, row, record)
+    if not looks and entry:
+        return [*own, *entry]
+    if not looks:
+        return [*own[:-1], *(link._replace(aside=link.of < 0) for link in own[-1:])]
+    seen = {look: change_seen(run, look, run.record(look)) for look in looks}
+    saw = {look: -1 if change is None else change for look, change in seen.items()}
+    newest = max(looks, key=lambda look: (saw[look], look))
+    later = [link for look in looks if look > newest for link in _beside(run, look)]
+    held = held_up(run, record, newest, row)
+    return [*own, *later, *held, Link(newest, run.record(newest), INFERRED, NEWEST)]
+
+
+def looks_before(run: Run, row: int, record: Record) -> list[int]:
+    """Return the rows of the looks that a write's routine made before the write.
+
+    Of several looks with the same register, place and field only the last one is returned.
+    """
+    accesses = accesses_before(run, row, record)[-MOST_ACCESSES:][::-1]
+    found: dict[tuple[str, str, str], int] = {}
+    for earlier in accesses[~np.isin(accesses, read_modify_writes(run, record.where).reads)].tolist():
+        if len(found) == MOST_LOOKS:
+            break
+        look = run.record(earlier)
+        if look.what.startswith("R "):
+            found.setdefault((look.what, look.text, look.field), earlier)
+    return [*found.values()]
+
+
+def accesses_before(run: Run, row: int, record: Record) -> Rows:
+    """Return the rows of the earlier accesses made by the routine that made the access at `row`."""
+    routine = run.routine(record.where, record.cause)
+    before: Rows = routine[: np.searchsorted(routine, row)]
+    return before
+
+
+def _beside(run: Run, look: int) -> list[Link]:
+    """Return links to a later look, to the change that it saw and to the delays in between. All are shown beside the
+    cause.
+    """
+    record = run.record(look)
+    changed = change_seen(run, look, record)
+    links = [Link(look, record, INFERRED, "looked at as well", aside=True)]
+    if changed is not None:
+        links += [link._replace(of=look) for link in held_up(run, record, changed, look)]
+        links.append(Link(changed, run.record(changed), INFERRED, SEEN, True, look))
+    return links
+
+
+def change_seen(run: Run, row: int, record: Record) -> int | None:
+    """Return the row of the last change before a read that the read could see, or None.
+
+    A read that names a field sees changes of that field; any other read sees changes of the whole register.
+    """
+    module, register, fields = looked_at(record)
+    if register is None:
+        return None
+    found = [run.changed_before(record.where, module, register, f, row) for f in fields]
+    return max((change for change in found if change is not None), default=None)
+
+
+def looked_at(record: Record) -> tuple[str, Register | None, tuple[Field, ...]]:
+    """Return the module, the register and the accessed fields of an access. An unknown register is None."""
+    module, _, name = record.what[2:].partition(".")
+    register = register_of(module, name)
+    if register is None:
+        return module, None, ()
+    return module, register, (register[record.field],) if record.field in register else register.fields
+
+
+def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
+    """Return links to the ends of the service routines that delayed an access or the entry of a service routine.
+
+    These routines ended between the rows `after` and `before`. Only the MOST_ROUTINES longest are returned, in reverse
+    order.
+    record: the delayed access or entry.
+    """
+    table = run.table
+    ends, entries = run.service(record.where, record.cause, after, before)
+    begins = table.tick[entries]
+    lengths = table.tick[ends] - begins
+    longest = np.sort(np.argsort(-lengths, kind="stable")[:MOST_ROUTINES])[::-1]
+    return [
+        Link(
+            int(ends[n]),
+            run.record(int(ends[n])),
+            RECORDED,
+            f"held the firmware up for {run.length(int(lengths[n]), int(begins[n]), record.where)}",
+            aside=True,
+        )
+        for n in longest.tolist()
+    ]
+
+
+def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
+    """Return links to the read half of a write's read-modify-write and, if one is found, to an earlier change of a
+    flag.
+
+    The flag is the one in `flag`. The change is linked if the write only wrote back the flag as the read half saw it.
+    The list is empty if the write does not belong to a read-modify-write.
+    flag: the change whose causes led to this write, or None.
+    """
+    read = read_modify_writes(run, record.where).read_of(row)
+    if read is None:
+        return []
+    links = [Link(read, run.record(read), INFERRED, "the read of this read-modify-write", aside=True)]
+    f = None if flag is None else handed_back(record, int(run.table.value[read]), flag)
+    if f is not None:
+        module, register, _ = looked_at(record)
+        assert register is not None
+        seen = run.changed_before(record.where, module, register, f, read)
+        if seen is not None:
+            because = f"{f.name} as that read saw it, and the write gave it back"
+            links.append(Link(seen, run.record(seen), INFERRED, because, True, read))
+    return links
+
+
+def handed_back(write: Record, read: int, flag: Record) -> Field | None:
+    """Return the field that `flag` changed, if the write only wrote back the value that had been read; else None.
+
+    read: the value that the read half of the read-modify-write returned.
+    """
+    module, register, _ = looked_at(write)
+    name, _, field = flag.what.partition(".")
+    ours = flag.where == f"{write.where}.{module}" and register is not None and register.name == name
+    if not ours or register is None or field not in register:
+        return None
+    f = register[field]
+    kept = f.extract(read) == f.extract(write.value)
+    if f.on_write is OnWrite.ONE_CLEARS:
+        return f if kept and f.extract(read) else None
+    return f if kept and f.on_write is OnWrite.STORE and f.name != write.field else None
+
 
 ROUND_A_GATE = 16  # maximum cycles between a module's request and the PIEIFR flag that it sets
 

@@ -17,8 +17,7 @@ from ..record_text import happened_where, number
 from ..register_maps import register_of
 from ..run import Rows, Run
 from ..subject import RecordedSignal, asked
-from .causes import end_of_walk, holders, walk_back, wire_rows
-from .firmware_causes import RECORDED, Link
+from .causes import RECORDED, Link, end_of_walk, holders, walk_back, wire_rows
 
 DEPTH = 8  # default for the maximum number of causes that are followed back
 EFFECTS = 5  # maximum number of effects of a record that are shown

@@ -22,7 +22,8 @@ def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
     """Yield reads of a place that polls one register for longer than the bound, or until the run ends.
 
     A wait contains no other access. A loop that makes several reads in the same order again and again is judged in the
-    same way, unless one of its reads removes data, as a read of SCIRXBUF does: such a loop makes progress.
+    same way, unless one of its reads removes data, as a read of SCIRXBUF does: such a loop makes progress. The rows of
+    a fault are the first reads of its waits.
 
     Skipped polls are not recorded, so a wait lasts from its first recorded read to the next access of the same routine
     elsewhere, or to the end of the run. Computations without an access count as waiting. A single read is no wait,
@@ -33,89 +34,53 @@ def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
     bound = int(options.bound * run.per_second)
     for unit in run.units:
         rows, following = run.in_order(unit)
-        if not len(rows):
-            continue
-        what, place = table.columns["what"][rows], table.columns["text"][rows]
-        is_read = np.array([name.startswith("R ") for name in table.names["what"]])
-        new = np.append(True, (what[1:] != what[:-1]) | (place[1:] != place[:-1]) | (following[:-1] < 0))
-        begins = np.flatnonzero(new)
-        lasts = np.append(begins[1:], len(rows)) - 1
-        after = following[lasts]
-        main = table.cause[rows[lasts]] == 0
-        ends = np.where(after >= 0, table.tick[after], np.where(main, table.end, table.tick[rows[lasts]]))
-        lengths = ends - table.tick[rows[begins]]
-        same = what[begins].astype(np.int64) << 32 | place[begins]
-        stuck = (after < 0) & main & np.isin(same, same[after >= 0], invert=True)
-        long = np.flatnonzero(is_read[what[begins]] & (lasts > begins) & ((lengths > bound) | stuck))
-        for one in np.unique(same[long]).tolist():
-            waits = long[same[long] == one]
-            name = table.names["what"][one >> 32].partition(" ")[2]
-            longest = int(waits[np.argmax(lengths[waits])])
-            since = int(table.tick[rows[begins[longest]]])
-            text = f"polls {name} for up to {run.length(int(lengths[longest]), since, unit)}"
-            if stuck[waits].any():
-                text += ", until the end of the run, and never got past it"
-            elif (after[waits] < 0).any():
-                text += ", the last until the end of the run"
-            yield Fault(unit, rows[begins[waits]], text, _source(name))
-        yield from _of_loops(run, unit, bound)
-
-
-def _of_loops(run: Run, unit: str, bound: int) -> Iterator[Fault]:
-    """Yield the faults of loops whose passes make several reads. Their rows are the first reads of the loops."""
-    table = run.table
-    rows, following = run.in_order(unit)
-    what = table.columns["what"][rows]
-    ids = what.astype(np.int64) << 32 | table.columns["text"][rows]
-    looks = [name.startswith("R ") and not reads_take(name[2:]) for name in table.names["what"]]
-    is_look = np.array(looks)[what]
-    # `found` has by the reads of a loop: first row, length in ticks, True if the run's end cuts it off.
-    found: dict[tuple[int, ...], list[tuple[int, int, bool]]] = {}
-    for reads in range(2, LONGEST_PASS + 1):
-        for begin, last in _again_and_again(ids, is_look, following, reads):
-            after, main = int(following[last]), table.cause[rows[last]] == 0
-            end = table.tick[after] if after >= 0 else table.end if main else table.tick[rows[last]]
-            length = int(end) - int(table.tick[rows[begin]])
-            key = tuple(sorted(set(ids[begin : begin + reads].tolist())))
-            found.setdefault(key, []).append((begin, length, bool(after < 0 and main)))
-    for key, loops in found.items():
-        of = np.isin(ids, key)
-        past = (of[:-1] & ~of[1:] & (following[:-1] >= 0)).any()
-        waits = [loop for loop in loops if loop[1] > bound or (loop[2] and not past)]
-        if not waits:
-            continue
-        longest = max(waits, key=lambda wait: wait[1])
-        names = list(dict.fromkeys(table.names["what"][one >> 32].partition(" ")[2] for one in key))
-        since = int(table.tick[rows[longest[0]]])
-        text = f"polls {' and '.join(names)} for up to {run.length(longest[1], since, unit)}"
-        if any(cut for _, _, cut in waits):
-            text += (
-                ", the last until the end of the run" if past else ", until the end of the run, and never got past it"
-            )
-        yield Fault(unit, rows[[begin for begin, _, _ in waits]], text, _source(names[0]))
+        what = table.columns["what"][rows]
+        ids = what.astype(np.int64) << 32 | table.columns["text"][rows]
+        is_read = np.array([name.startswith("R ") for name in table.names["what"]], bool)[what]
+        takes = np.array([reads_take(name[2:]) for name in table.names["what"]], bool)[what]
+        # `found` has by the reads of a loop: first row, length in ticks, True if the run's end cuts it off.
+        found: dict[tuple[int, ...], list[tuple[int, int, bool]]] = {}
+        for reads in range(1, LONGEST_PASS + 1):
+            for begin, last in _again_and_again(ids, is_read & ~takes if reads > 1 else is_read, following, reads):
+                after, main = int(following[last]), table.cause[rows[last]] == 0
+                end = table.tick[after] if after >= 0 else table.end if main else table.tick[rows[last]]
+                length = int(end) - int(table.tick[rows[begin]])
+                key = tuple(sorted(set(ids[begin : begin + reads].tolist())))
+                found.setdefault(key, []).append((begin, length, bool(after < 0 and main)))
+        for key, loops in found.items():
+            of = np.isin(ids, key)
+            past = (of[:-1] & ~of[1:] & (following[:-1] >= 0)).any()
+            waits = [loop for loop in loops if loop[1] > bound or (loop[2] and not past)]
+            if not waits:
+                continue
+            longest = max(waits, key=lambda wait: wait[1])
+            names = list(dict.fromkeys(table.names["what"][one >> 32].partition(" ")[2] for one in key))
+            since = int(table.tick[rows[longest[0]]])
+            text = f"polls {' and '.join(names)} for up to {run.length(longest[1], since, unit)}"
+            if any(cut for _, _, cut in waits):
+                text += ", the last" if past else ","
+                text += " until the end of the run" if past else " until the end of the run, and never got past it"
+            yield Fault(unit, rows[[begin for begin, _, _ in waits]], text, _source(names[0]))
 
 
 def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> Iterator[tuple[int, int]]:
     """Yield the first and last index of each stretch in which the same `reads` reads are made at least twice in a row.
 
-    A stretch is left out if a shorter series of reads repeats in it.
+    A stretch is within one routine, and it is left out if a shorter series of reads repeats in it.
     """
     if len(ids) < 2 * reads:
         return
-    again = np.append(np.zeros(reads, bool), (ids[reads:] == ids[:-reads]) & is_look[reads:])
+    ends_before = np.append(0, np.cumsum(following < 0))[:-1]  # number of ends of routines before each row
+    same_routine = ends_before[reads:] == ends_before[:-reads]
+    again = np.append(np.zeros(reads, bool), (ids[reads:] == ids[:-reads]) & is_look[reads:] & same_routine)
     turns = np.flatnonzero(np.diff(np.concatenate(([0], again.astype(np.int8), [0]))))
-    ends_before = np.append(0, np.cumsum(following < 0))  # number of ends of routines before each row
     for start, end in zip(turns[::2].tolist(), turns[1::2].tolist(), strict=True):
         begin, last = start - reads, end - 1
-        if end - start < reads or ends_before[last] != ends_before[begin]:
-            continue
-        if not any((ids[begin : begin + reads - n] == ids[begin + n : begin + reads]).all() for n in _parts(reads)):
+        parts = [part for part in range(1, reads) if reads % part == 0]  # lengths of shorter equal passes
+        if end - start >= reads and not any(
+            (ids[begin : begin + reads - part] == ids[begin + part : begin + reads]).all() for part in parts
+        ):
             yield begin, last
-
-
-def _parts(reads: int) -> list[int]:
-    """Return the possible lengths of shorter equal passes within a pass of `reads` reads."""
-    return [part for part in range(1, reads) if reads % part == 0]
 
 
 def _source(name: str) -> str:

@@ -8,8 +8,7 @@ from typing import Any
 import pytest
 
 from periph_sim.core.records import Kind
-from periph_sim.records.cause_trace.causes import end_of_walk, walk_back
-from periph_sim.records.cause_trace.firmware_causes import Link
+from periph_sim.records.cause_trace.causes import Link, end_of_walk, walk_back
 from periph_sim.records.cause_trace.why import as_json, text, why
 from periph_sim.records.races import races
 from periph_sim.records.record_text import happened

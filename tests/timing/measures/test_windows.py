@@ -18,7 +18,7 @@ WINDOWS = {
     ("devices/chips/adxl345.py", "slice"): "the chip's own FIFO",
     ("scene/serial/send_schedule.py", "slice"): "as many characters as the text has that they are compared with",
     ("records/subject.py", "slice"): "the parts of a name",
-    ("records/cause_trace/firmware_causes.py", "slice"): "`why` says that it searched no further",
+    ("records/cause_trace/causes.py", "slice"): "`why` says that it searched no further",
 }
 
 

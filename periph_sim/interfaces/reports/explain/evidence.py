@@ -14,8 +14,7 @@ from itertools import islice, pairwise
 from ....core.records import Kind, Record
 from ....devices.targets import eeprom
 from ....f28335.i2c.descriptor import I2C_A
-from ....records.cause_trace.causes import holders, walk_back, wire_rows
-from ....records.cause_trace.firmware_causes import Link
+from ....records.cause_trace.causes import Link, holders, walk_back, wire_rows
 from ....records.record_text import BusByte, bus_byte, happened
 from ....scene.case.model import Case
 from ....traces.capture.capture import Channel

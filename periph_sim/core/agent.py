@@ -25,15 +25,15 @@ class Agent:
     __slots__ = ()
 
     def act(self, tag: int) -> None:
-        """Called at the time of an event that was scheduled with this `tag`."""
+        """Handle an event of this agent. tag: the tag with which the event was scheduled."""
         raise NotImplementedError(f"{type(self).__name__} schedules events but does not define act()")
 
     def sampled(self, now: int, levels: int) -> None:
-        """Called when sampled lines have changed. levels: their settled levels."""
+        """Handle a change of the sampled lines. levels: the settled levels of the lines."""
         raise NotImplementedError(f"{type(self).__name__} samples lines but does not define sampled()")
 
     def pulled(self, line: int, now: int, pulling: int) -> None:
-        """Called when the set of parties that pull a line has changed; its level may be the same.
+        """Handle a change of the set of parties that pull a line. The level of the line may be the same as before.
 
         line: the number that was given to `Wire.watch_pulls`.
         pulling: the mask of the parties that pull the line now; bit i is party i.
@@ -59,9 +59,9 @@ class Call(Agent):
 class Settleable:
     """An object, such as a wire, that takes its new level when all parties of a phase have acted.
 
-    rank: its place in the order of settling, from `Kernel.rank`.
-    following: the next object that settles in this phase.
-    then: the next object that notifies its parties.
+    rank: the place of this object in the order of settling, which `Kernel.rank` returned.
+    following: the object that settles after this object in the same phase; None for the last object.
+    then: the object that notifies its parties after this object; None for the last object.
     """
 
     __slots__ = ("following", "rank", "then")
@@ -81,9 +81,9 @@ class Settleable:
 class SampledParty:
     """A subscriber to settled levels.
 
-    due: how it will be notified: NOT_DUE, REQUESTED or BY_WIRE.
-    plain: True if calling `agent.sampled` with `levels` is enough; otherwise `deliver` is called.
-    following: the next party to be notified.
+    due: how the party will be notified: NOT_DUE, REQUESTED or BY_WIRE.
+    plain: True if the party is notified by a call of `agent.sampled`; False if it is notified by a call of `deliver`.
+    following: the party that is notified after this party.
     """
 
     __slots__ = ("agent", "due", "following", "levels", "plain", "rank")
@@ -108,22 +108,22 @@ class SampledParty:
         raise NotImplementedError
 
     def jump(self, bits: int) -> None:
-        """Toggle the levels of the lines in the mask `bits` without notification, because their edges are skipped."""
+        """Invert the levels of the lines in the mask `bits`. Nobody is notified, because a shortcut skips the edges."""
         raise NotImplementedError
 
 
 class Shortcut:
-    """A sequence of events that was applied in one step and can be undone until its end."""
+    """A sequence of events whose final state was set in one step, instead of running the events."""
 
     __slots__ = ()
 
     def materialize(self) -> None:
-        """Restore the state that would exist now if each event had been run."""
+        """Undo the step, and set the state that would exist now if each event up to now had been run."""
         raise NotImplementedError
 
 
 def describe(agent: Agent) -> str:
-    """Return the owner of an agent's events as a text for messages."""
+    """Return the name of an agent for messages. For a `Call`, it is the name of the called function and its object."""
     if isinstance(agent, Call):
         action = agent.action
         owner: object = getattr(action, "__self__", None)
@@ -143,12 +143,12 @@ _order = attrgetter("time", "rank")
 class Event:  # core: freelist 16
     """A scheduled event.
 
-    time: the tick at which it runs.
+    time: the tick at which the event runs.
     tag: the argument of the call `agent.act(tag)`.
-    rank: orders the events of one tick, by phase and then by the order of scheduling.
+    rank: the number by which the events of one tick are ordered: first by phase, then in the order of scheduling.
     queued: True until the event runs or is cancelled.
     plain: True if the event calls a plain function (`Kernel.call_at`).
-    following: the next event in the queue.
+    following: the next event in the queue; None for the last event.
     """
 
     STATE = State("agent plain phase queued tag", ticks="time", made=True)
@@ -167,7 +167,7 @@ class Event:  # core: freelist 16
 
 @final
 class EventQueue:
-    """The queued events, as a chain. first: the first event of the chain, or None."""
+    """The queued events, as a linked list. first: the first event of the list, or None if the queue is empty."""
 
     STATE = State(chains="first")
 
@@ -175,11 +175,11 @@ class EventQueue:
 
     def __init__(self) -> None:
         self.first: Event | None = None
-        self._latest: Event | None = None  # the event that was queued last; the next one often follows it
+        self._latest: Event | None = None  # the event that was queued last; new events often come directly after it
         self._number = 0
 
     def insert(self, event: Event, time: int, tag: int) -> None:
-        """Queue an event that is not queued, after all queued events of the same time and phase."""
+        """Queue an event after all queued events of the same time and phase. The event must not be queued yet."""
         self._number += 1
         event.time = time
         event.rank = rank = event.phase * NUMBERS + self._number
@@ -214,7 +214,7 @@ class EventQueue:
         else:
             while before is not None and before.following is not event:
                 before = before.following
-            if before is not None:  # otherwise `take_all` has removed the event from the chain
+            if before is not None:  # it is None if `take_all` has removed the event from the linked list
                 before.following = event.following
         event.following = None
 
@@ -235,7 +235,7 @@ class EventQueue:
             event.following, self.first = self.first, event
 
     def restored(self) -> None:
-        """Number the events of a restored queue in their order."""
+        """Give new ranks to the events of a restored queue. The order of the events does not change."""
         self._latest = None
         event = self.first
         while event is not None:

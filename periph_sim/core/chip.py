@@ -20,7 +20,7 @@ from .state import State
 
 NEVER = 2**62  # a cycle that no run reaches; sums and comparisons with it are valid
 
-# Possible effects of an input: nothing visible; only `next_wake`; `next_wake` and `out`; any attribute or register.
+# What an input may have changed: nothing visible; only `next_wake`; `next_wake` and `out`; any attribute or register.
 NO_CHANGE, WAKE_CHANGED, PINS_CHANGED, ANY_CHANGED = range(4)
 
 
@@ -29,7 +29,8 @@ class Note(NamedTuple):
 
     code: "duty" if firmware does what the manual forbids, "lost" if data or a request was lost, "unknown" if the
         behaviour of silicon is not known, "overflow" if a result of fixed-point arithmetic does not fit.
-    joint, member: notes with the same `joint` text are reported as one, with a list of their members.
+    joint: a text, or "". Notes with the same text here are reported as one note, which lists their members.
+    member: the item that this note adds to the list.
     """
 
     code: str
@@ -40,7 +41,7 @@ class Note(NamedTuple):
 
 
 def joined(notes: Iterable[tuple[int, Note]]) -> list[tuple[int, Note]]:
-    """Return the notes to report, each with its time. Notes with the same `joint` text become one."""
+    """Return the notes to report, as pairs of a time and a note. Notes with the same `joint` text become one note."""
     found: dict[Note, int] = {}
     members: dict[Note, list[str]] = {}
     for at, note in notes:
@@ -52,10 +53,10 @@ def joined(notes: Iterable[tuple[int, Note]]) -> list[tuple[int, Note]]:
 
 
 class WriteOrigins(Protocol):
-    """Origins of writes to a chip, as numbers of records.
+    """Numbers of the records of writes to a chip.
 
-    mark: the record of the next write.
-    out_mark: the record of the write that the outputs show now; 0 for none.
+    mark: the number of the record of the next write. The caller sets it before the write.
+    out_mark: the number of the record of the write whose data the outputs carry now; 0 if there is none.
     """
 
     mark: int
@@ -65,8 +66,9 @@ class WriteOrigins(Protocol):
 class Chip:
     """Base of chips. Times are cycles of the chip's own clock and never decrease from call to call.
 
-    INPUTS and OUTPUTS name the bits of the input levels and of `out`. The bits of `requests` and `held` are the
-    interrupts in the module's descriptor, in order.
+    INPUTS: the names of the bits of the input levels, the lowest bit first.
+    OUTPUTS: the names of the bits of `out`, the lowest bit first.
+    Bit i of `requests` and of `held` represents interrupt i in the module's descriptor.
     """
 
     STATE = State("out held requests loaded writes filter_width", cycles="next_wake")
@@ -74,18 +76,18 @@ class Chip:
     INPUTS: tuple[str, ...] = ()
     OUTPUTS: tuple[str, ...] = ()
     mid_byte: tuple[int, ...] = ()  # offsets, below 62, of registers whose writes may affect a byte in progress
-    steady: tuple[int, ...] = ()  # offsets of register words whose values change only when `writes` is increased
+    steady: tuple[int, ...] = ()  # offsets of register words whose values change only when `writes` increases
 
     def __init__(self) -> None:
         self.next_wake = NEVER  # no output or readable value changes by itself before this cycle
         self.out = 0  # bit i: level at OUTPUTS[i], of up to 62; for an open-drain pin 1 means released
-        self.requests = 0  # bit i: interrupt i was requested since the owner last cleared it
-        self.held = 0  # bit i: the line of interrupt i is held asserted, so it requests again when it was served
+        self.requests = 0  # bit i: 1 if interrupt i was requested after the owner had last cleared this bit
+        self.held = 0  # bit i: 1 while the line of interrupt i stays asserted, so that serving it causes a new request
         self.filter_width = 0  # cycles from an input's change to its first effect
         self.notes: list[Note] = []  # the notes since the owner last cleared the list
-        self.loaded = 0  # bit i: the data register at offset i took a value since the owner last cleared it
+        self.loaded = 0  # bit i: 1 if the data register at offset i took a value after the owner last cleared this bit
         self.touched: set[str] = set()  # names of the open questions on which the run depended
-        self.writes = 0  # number of writes, resets and changes of the clock gate; only they change words in `steady`
+        self.writes = 0  # number of writes, resets and clock gate changes: only these inputs change the `steady` words
 
     def note(self, code: str, text: str, source: str) -> None:
         """Add a note for the user."""
@@ -94,19 +96,22 @@ class Chip:
     def pins(self, now: int, levels: int) -> int:
         """Sample the inputs in cycle `now`; bit i of `levels` is INPUTS[i].
 
-        Return the effects that the owner must handle: NO_CHANGE, WAKE_CHANGED, PINS_CHANGED or ANY_CHANGED. If
-        `filter_width` is above 0, a later call for the same cycle replaces the first.
+        Return what the owner must update: NO_CHANGE, WAKE_CHANGED, PINS_CHANGED or ANY_CHANGED. If `filter_width` is
+        above 0, a second call for the same cycle replaces the levels of the first call.
         """
         raise ValueError(f"{self.MAP.name} has no input pins")
 
     def wake(self, now: int) -> int:
-        """Advance to `next_wake`, which is NEVER in a chip without timers. Return the effects, as `pins` does."""
+        """Advance to the cycle `next_wake`. Return what the owner must update, as `pins` does.
+
+        It is not called in a chip without timers, whose `next_wake` is always NEVER.
+        """
         return NO_CHANGE
 
     def next_output(self) -> int:
-        """Return a cycle before which `out` does not change without an input (pins, access, reset).
+        """Return a cycle before which `out` changes only if there is an input (pins, access, reset).
 
-        Registers may change earlier. By default it is the next wake-up.
+        Registers may change earlier. The default is the cycle of the next wake-up.
         """
         return self.next_wake
 
@@ -123,7 +128,7 @@ class Chip:
         raise NotImplementedError
 
     def see(self, now: int, offset: int) -> int:
-        """Return the value that a CPU read would return, without its side effects; by default that of `peek`."""
+        """Return the value that a CPU read would return, without any side effect; by default the value of `peek`."""
         return self.peek(now, offset)
 
     def reset(self, now: int) -> None:
@@ -132,14 +137,14 @@ class Chip:
 
     @property
     def marks(self) -> WriteOrigins | None:
-        """The origins of writes, in chips whose outputs show written data later; None in others."""
+        """The numbers of the records of writes, if the chip's outputs later carry written data; None otherwise."""
         return None
 
     def gate(self, now: int, on: bool) -> None:
-        """Switch the module's clock on or off from cycle `now` on, if it has a gate."""
+        """Switch the module's clock on or off at cycle `now`. Nothing happens in a module without a clock gate."""
 
     def set_sysclk(self, now: int, hz: Fraction) -> bool:
-        """Set SYSCLKOUT to `hz` from cycle `now` on. Return True if the chip depends on it."""
+        """Set SYSCLKOUT to `hz` at cycle `now`. Return True if the behaviour of the chip depends on SYSCLKOUT."""
         return False
 
     def set_lspclk(self, now: int, divider: int, phase: int) -> None:

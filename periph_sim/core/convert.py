@@ -42,8 +42,8 @@ NAMES |= {bool: "true or false", bytes: "bytes", Path: "a path", list: "a list",
 def expected(kind: Any, found: object) -> str:
     """Return a phrase that describes the valid values of a plain type, for a message. found: the invalid value.
 
-    If the type is a union, the phrase describes the members that have limits and the type of `found`; if there is no
-    such member, it describes all members.
+    If the type is a union, the phrase describes the members of the union that accept the Python type of `found` and
+    have limits. If the union has no member of this kind, the phrase describes all members.
     """
     origin, arguments = get_origin(kind), get_args(kind)
     is_enum = isinstance(kind, type) and issubclass(kind, Enum)
@@ -73,11 +73,13 @@ def limits_of(limits: msgspec.Meta) -> str:
 
 T = TypeVar("T")
 Place = tuple[str | int, ...]  # keys and indices that lead to a value, from the outermost table
-NOTHING: Any = msgspec.UNSET  # placeholder in a message that quotes no value, and for a key without a default
+NOTHING: Any = msgspec.UNSET  # marks a message that quotes no value, and a key that has no default
 
 
 class Before(msgspec.Struct, frozen=True):
-    """A function that converts the value in a file before it is checked. said: the type in the file, for the schema."""
+    """A function that converts the value in a file before the check. said: the type of the value in the file, from
+    which the schema is made; None if the schema is made from the annotated type.
+    """
 
     function: Callable[[Any], object]
     said: Any = None
@@ -90,7 +92,11 @@ class After(msgspec.Struct, frozen=True):
 
 
 class Mistake(msgspec.Struct, frozen=True):
-    """One mistake and its place. error: what a check raised, or None. known: the valid keys, if the key is unknown."""
+    """One mistake and its place.
+
+    error: the exception that a check raised; None if none was raised.
+    known: the valid keys, if the mistake is an unknown key; otherwise None.
+    """
 
     place: Place
     what: str = ""
@@ -118,7 +124,8 @@ def _in_short(one: Mistake) -> str:
     return ": ".join(filter(None, [".".join(map(str, one.place)), what]))
 
 
-Converter = Callable[[Any, Place, list[Mistake]], Any]  # its result is valid if it adds no mistake to the list
+# A function that converts a value and adds its mistakes to the list. Its result is valid only if it adds no mistake.
+Converter = Callable[[Any, Place, list[Mistake]], Any]
 
 
 def convert(kind: type[T], tree: object) -> T:
@@ -364,7 +371,8 @@ def _union(converters: list[Converter], takes_none: bool) -> Converter:
         for converter, wrong in zip(converters, tried, strict=True):
             made = converter(value, place, wrong)
             if not wrong:
-                for given_up in tried:  # the tracebacks of their errors would keep the frames of all callers alive
+                # The mistakes of the failed attempts contain tracebacks, which would keep all calling frames alive.
+                for given_up in tried:
                     given_up.clear()
                 return made
         mistakes += tried[0]

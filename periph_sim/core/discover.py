@@ -27,7 +27,10 @@ def module_with(attribute: str, package: str, path: Iterable[str], name: str) ->
 
 
 def modules_with(attribute: str, package: str, path: Iterable[str]) -> dict[str, ModuleType]:
-    """Return a package's modules with an attribute, in order of name. package, path: its `__name__` and `__path__`."""
+    """Return the modules of a package that have an attribute, as a dictionary from name to module, in order of name.
+
+    package: the `__name__` of the package. path: the `__path__` of the package.
+    """
     names = sorted(entry.name for entry in pkgutil.iter_modules(path))
     found = {name: importlib.import_module(f"{package}.{name}") for name in names}
     return {name: module for name, module in found.items() if hasattr(module, attribute)}

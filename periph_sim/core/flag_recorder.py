@@ -22,9 +22,9 @@ MAX_INPUTS = 64  # maximum number of waiting inputs; if a chip never wakes, the 
 class Input:
     """One input of a chip.
 
-    cycle: the cycle in which its effect begins.
+    cycle: the cycle in which the effect of the input begins.
     cause: the number of the record of the input.
-    following: the next input in the chain.
+    following: the next input in the linked list; None for the last input.
     """
 
     STATE = State(cycles="cycle", records="cause", made=True)
@@ -56,7 +56,7 @@ class WaitingInputs:
         self._count = 0
         self._first: Input | None = None
         self._last: Input | None = None
-        self._spare: Input | None = None  # the first of a chain of unused Input objects, for reuse
+        self._spare: Input | None = None  # the first of a linked list of Input objects that can be used again
 
     def add(self, cycle: int, cause: int) -> None:
         """Add an input that takes effect in `cycle`. cause: the number of its record; if it is 0, nothing is added."""
@@ -118,8 +118,8 @@ class WatchedRegister:
 
     value: the value that was read last.
     was: the value that was read before `value`.
-    upper: offset of the upper half of a 32-bit register; 0 for others.
-    data: in a register that yields data, the mask of the field with the data word; 0 in other registers.
+    upper: the offset of the upper half of a 32-bit register; 0 for a 16-bit register.
+    data: the mask of the field with the data word, if a read of the register yields data; 0 for other registers.
     """
 
     STATE = State("value")
@@ -186,7 +186,8 @@ class FlagRecorder:
             self._read = self._moving if chip.writes == self._writes else self._registers
             self._writes = chip.writes
         touched = chip.touched
-        if len(touched) != len(self._touched):  # `touched` only grows, except for the names removed below
+        # Names are removed from `touched` only below. So it has new names if and only if its length has changed.
+        if len(touched) != len(self._touched):
             self._touched = frozenset(touched)
         moved = False
         register: WatchedRegister

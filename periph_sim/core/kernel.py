@@ -72,17 +72,17 @@ class Kernel:
         self.released = False
         self.outer_loop: object = None
         self.fault: BaseException | None = None
-        # The next three attributes are the first elements of chains that are ordered by rank.
-        self._unsettled: Settleable | None = None  # wires that changed in this phase
-        self._notifying: Settleable | None = None  # wires that have settled, but have not notified their listeners yet
-        self._sampling: SampledParty | None = None  # parties that requested a sample
+        # Each of the next three attributes is the first element of a linked list. The lists are ordered by rank.
+        self._unsettled: Settleable | None = None  # list of the wires that changed in this phase
+        self._notifying: Settleable | None = None  # list of settled wires that have not notified their listeners yet
+        self._sampling: SampledParty | None = None  # list of the parties that requested a sample
         self._settling = False  # True while the wires take their levels
-        self._phase = TIMER  # phase of the last event
+        self._phase = TIMER  # the phase of the event that was started last
         self._horizon = start
         self._bound = start  # the present loop runs all events before this time
         self._bound_rank = 0  # the present loop also runs the events at `_bound` whose rank is below this
-        self._at = -1  # time of the last event
-        self._in_this_tick = 0  # number of events that ran before the last event in the same tick
+        self._at = -1  # the time of the event that was started last
+        self._in_this_tick = 0  # number of events that were started in the present tick, not counting the first of them
         self._queue = EventQueue()
         self._stop = False
         self._ranks = 0
@@ -139,7 +139,7 @@ class Kernel:
         return NEVER if first is None else first.time
 
     def quiet_until(self) -> int:
-        """Return the first tick at which any other party may act, but at most the tick after the end of this run."""
+        """Return the first tick at which any other party may act. It is at most the tick after the end of this run."""
         if self._unsettled is not None or self._sampling is not None or self._stop:
             return self.now
         end = self._horizon + 1
@@ -213,7 +213,10 @@ class Kernel:
         raise SimulationStuck(why)
 
     def run_until(self, time: int) -> None:
-        """Run all events up to and including `time`; then `now` is `time`, or earlier after `stop`."""
+        """Run all events up to and including tick `time`.
+
+        Afterwards `now` is `time`, or the tick of the event that called `stop`.
+        """
         if time < self.now:
             raise ValueError(f"cannot run until t={time}, because it is already t={self.now}")
         self._horizon = time
@@ -247,7 +250,10 @@ class Kernel:
         self._bound, self._bound_rank, self._at, self._in_this_tick = bound, rank, at, in_this_tick
 
     def _next(self, in_outer_loop: bool) -> bool:
-        """Settle the wires if the phase is over, and run the next event. Return False if this loop must not run one."""
+        """Settle the wires if the phase is over, and run the next event.
+
+        Return False if no event was run, because this loop must end.
+        """
         if self._stop:
             return False
         event = self._queue.first
@@ -284,9 +290,9 @@ class Kernel:
             self.shortcut.materialize()
 
     def replay(self, since: int, agent: Agent, tag: int) -> None:
-        """Go back to `since`, run `agent.act(tag)` and all events that result, and return to now.
+        """Set the time back to tick `since`, run `agent.act(tag)` and the events that this call causes, up to now.
 
-        Of the present tick, only the phases before the present one are run; later events are queued.
+        In the present tick, only the events of phases before the present phase are run; the other events are queued.
         """
         now, phase, stop = self.now, self._phase, self._stop
         owner, outer, self.nested_owner = self.nested_owner, self.outer_loop, None

@@ -37,9 +37,9 @@ class Kind(Enum):
     FRAME = "frame"  # a UART frame on the wire
     NOTE = "note"  # a violated duty, lost data, unknown behaviour
     WAIT = "wait"  # firmware begins (value 1) or ends (value 0) a wait: what = the fields it polls, or IDLE
-    HOLD = "hold"  # the set of parties that pull a wire has changed, and it stays low: text = their names
+    HOLD = "hold"  # the set of parties that pull a wire has changed, and the wire stays low: text = the pulling parties
     # `scene/derived_records.py` derives the following kinds from the kinds above, if a subscriber names them.
-    # Derived records have the number of the record before them, and may have an earlier tick.
+    # A derived record has the same number as the record before it. The tick of a derived record may be earlier.
     TRANSFER = "transfer"  # a complete I2C transfer: its phases, acknowledges, stretches
     ROUND = "round"  # a round of requests is due, complete or missed
     RECEIVER = "receiver"  # an SCI's number of waiting words changes, or a character is received or lost
@@ -74,7 +74,7 @@ Subjects = Mapping[Kind, Collection[str]]
 Things = Collection[tuple[Kind, str]]
 
 
-UNWANTED = -1  # in place of a tag: the subscriber has no use for the topic
+UNWANTED = -1  # the result of `tag_of` for a topic that the subscriber does not need
 NOWHERE, OF_MODIFIES, EVERYWHERE = range(3)  # values of `RecordSink.places`
 
 
@@ -88,7 +88,7 @@ class Listener:
         raise NotImplementedError
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
-        """Called for each record of a topic with this tag."""
+        """Handle a record. tag: the result of `tag_of` for the topic of the record."""
         raise NotImplementedError
 
 
@@ -102,21 +102,21 @@ class RecordSink:
         raise NotImplementedError
 
     def places(self, tag: int) -> int:
-        """Return for which accesses with this tag the sink needs the place in the firmware, which is expensive to find.
+        """Return the accesses with this tag for which the sink needs the place in the firmware.
 
-        NOWHERE: for none. EVERYWHERE: for all. OF_MODIFIES: for accesses that may be one half of a read-modify-write;
-        reads of single fields are not.
+        NOWHERE: no access. EVERYWHERE: all accesses. OF_MODIFIES: the accesses that may be the read or the write of a
+        read-modify-write, which is all accesses but reads of single fields. Finding a place takes much time.
         """
         return EVERYWHERE
 
     def keep(self, tag: int, number: int, tick: int, value: int, text: Text, cause: int, field: Text) -> None:
-        """Called for each record of a topic with this tag."""
+        """Handle a record. tag: the result of `tag_of` for the topic of the record."""
         raise NotImplementedError
 
 
 @final
 class _ListenerEntry:
-    """One entry in a topic's chain of listeners. following: the next entry."""
+    """One entry in a topic's linked list of listeners. following: the next entry; None for the last entry."""
 
     __slots__ = ("following", "listener", "tag")
 
@@ -127,7 +127,7 @@ class _ListenerEntry:
 
 @final
 class _SinkEntry:
-    """One entry in a topic's chain of sinks. following: the next entry."""
+    """One entry in a topic's linked list of sinks. following: the next entry; None for the last entry."""
 
     __slots__ = ("following", "sink", "tag")
 
@@ -144,7 +144,7 @@ class Topic:
     """All records of one kind, one place and one thing.
 
     has_subscribers: True if any subscriber receives these records.
-    needs_details: True if any subscriber receives more than their time and value.
+    needs_details: True if any subscriber receives more than the time and the value of each record.
     places: the accesses for which any subscriber needs the place in the firmware, as `RecordSink.places` returns them.
     """
 
@@ -171,11 +171,11 @@ class Topic:
         self._kind = kind
         self._where = where
         self._what = what
-        self._listeners: _ListenerEntry | None = None  # the first of the chain of listeners
+        self._listeners: _ListenerEntry | None = None  # the first entry in the linked list of listeners
         self._last_listener: _ListenerEntry | None = None
         self._sinks: _SinkEntry | None = None
         self._last_sink: _SinkEntry | None = None
-        self._step: int = 0 if kind in DERIVED else 1  # a record's number minus that of the record before it
+        self._step: int = 0 if kind in DERIVED else 1  # the number of a record minus the number of the record before it
         self._callbacks: list[RecordCallback] = _NO_CALLBACKS
 
     def add(self, party: Party) -> None:
@@ -305,7 +305,10 @@ class Recorder:
         return {what for _, things in self._parties[kind] for named, what in things or () if named is kind}
 
     def makes_records(self, kind: Kind) -> bool:
-        """Return True if a callback receives this kind as Record objects and so may inspect the scene."""
+        """Return True if a subscriber to this kind is a callback, which receives Record objects.
+
+        The code of a callback may inspect the scene.
+        """
         return any(not isinstance(party, Listener | RecordSink) for party, _ in self._parties[kind])
 
     def subjects(self, kind: Kind) -> frozenset[str] | None:
@@ -328,7 +331,7 @@ class Recorder:
         return topic
 
     def carried(self, action: Callable[[], None]) -> Callable[[], None]:
-        """Return a function that calls `action`. In this call, the record that is the present one now is the cause."""
+        """Store the present cause, and return a function that calls `action` with this cause as the present one."""
         return partial(self._under, self.cause, action) if self.cause else action
 
     def _under(self, cause: int, action: Callable[[], None]) -> None:

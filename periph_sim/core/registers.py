@@ -134,9 +134,10 @@ class Register(Struct, frozen=True, dict=True):
     protected: bool = False  # True if writes need EALLOW
     width: int = 16
     yields: Yields = Yields.STATE
-    read_acts: bool = False  # True if a read has another effect, such as taking a word or clearing a flag elsewhere
+    read_acts: bool = False  # True if a read takes a word from a FIFO, clears a flag elsewhere, or has a similar effect
     data: str = ""  # the name of the field that contains the data word, if `yields` is DATA
-    upper: str = ""  # the register with bits 31:16, if C headers define both as one 32-bit register (`all`, `half`)
+    # The name of the register with bits 31:16, if C headers join it with this register to one 32-bit register.
+    upper: str = ""
 
     def __post_init__(self) -> None:
         if (self.yields is Yields.DATA) != bool(self.data):

@@ -25,7 +25,7 @@ from .state import Time, state_of
 CONTAINERS: dict[str, Callable[[Any], Any]] = {
     one.__name__: one for one in (list, tuple, deque, set, frozenset, dict, bytearray)
 }
-Finds = Mapping[str, Callable[..., object]]  # functions that return the object of a key, indexed by class
+Finds = Mapping[str, Callable[..., object]]  # from the name of a class to a function that finds its object for a key
 
 
 class NotRestorable(ValueError):
@@ -35,7 +35,7 @@ class NotRestorable(ValueError):
 def restore(snapshot: Snapshot, modules: Mapping[str, Module], finds: Mapping[str, Finds]) -> None:
     """Set each declared attribute of these modules. Raise NotRestorable, with nothing changed, if one cannot be set.
 
-    finds: for each module, the functions that find objects of the classes in `Module.keys`.
+    finds: a dictionary from a module's name to the functions that find objects of the classes in `Module.keys`.
     """
     plan = _Plan(snapshot, modules, finds)
     for name, module in modules.items():
@@ -136,7 +136,7 @@ class _Plan:
         return current
 
     def _new(self, name: str, kind: str) -> Any:
-        """Return a new object whose attributes are not set yet. Its class must list all of them in STATE (`made`)."""
+        """Return a new object of a class, whose attributes are not set yet. The class must declare `made` in STATE."""
         cls = _class_of(kind)
         state = state_of(cls)
         if state is None or not state.made:

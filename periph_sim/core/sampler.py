@@ -52,8 +52,8 @@ class Sampler(SampledParty):
     """The lines that one party samples: bit i of `levels` is line i.
 
     A line is a wire (`listen`) or has a level that the owner sets (`put`).
-    agent: its `sampled` is called with the tick and `levels` once in each instant in which any line changes. During
-        this call, the record that caused the change of the first of these lines is the present record.
+    agent: the agent whose `sampled` is called with the tick and `levels`, once in each instant in which any line
+        changes. During this call, the present record is the cause of the change of the first line that changed.
     """
 
     STATE = State("levels plain agent _seen _lines", records="_put_under")
@@ -91,7 +91,7 @@ class Sampler(SampledParty):
         self._set(line, level)
 
     def jump(self, bits: int) -> None:
-        """Toggle the levels of the lines in the mask `bits` without notification, because their edges are skipped."""
+        """Invert the levels of the lines in the mask `bits`. Nobody is notified, because a shortcut skips the edges."""
         self.levels ^= bits
         self._seen ^= bits
 
@@ -127,7 +127,7 @@ class Sampler(SampledParty):
         return self._put_under
 
     def _leave(self, number: int) -> _Line:
-        """Return the line of this number, detached from its wire. If there is no such line, create it."""
+        """Detach the line of this number from its wire, and return the line. Create it first if it does not exist."""
         bit = BITS[number]
         line: _Line
         for line in self._lines:

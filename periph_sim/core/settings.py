@@ -38,7 +38,7 @@ def share(value: object) -> Fraction:
 
 
 def duration(value: object) -> Fraction:
-    """Return the seconds in a text such as "250 us". Raise ValueError with a suggestion if it is no such text."""
+    """Return the seconds in a text such as "250 us". Raise ValueError with a suggestion for other values."""
     if isinstance(value, Fraction):
         return value
     if not isinstance(value, str):
@@ -60,7 +60,7 @@ def _length(text: str) -> Fraction | str:
 
 
 class Spread(Struct, frozen=True):
-    """A computing time in seconds of which only the range is known. `Dsp.compute` draws a value in it each time.
+    """A computing time in seconds of which only the range is known. Each `Dsp.compute` draws a value in this range.
 
     Raise ValueError for a negative or empty range.
     """
@@ -102,7 +102,7 @@ def _range(text: str) -> Spread:
 
 
 def frequency(value: object) -> Fraction:
-    """Return the hertz in a text such as "100 kHz". Raise ValueError with a suggestion if it is no such text."""
+    """Return the hertz in a text such as "100 kHz". Raise ValueError with a suggestion for other values."""
     if isinstance(value, Fraction):
         return value
     if not isinstance(value, str):

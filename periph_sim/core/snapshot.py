@@ -28,16 +28,16 @@ from .state import Time, state_of
 NOT_YET = -1  # an instant that is not known yet
 PLAIN = (type(None), bool, int, float, str, bytes, Fraction, datetime)
 CONTAINERS = (list, tuple, deque, set, frozenset, dict, bytearray, array)
-ARRAY = "array of "  # the begin of the kind of an array; the type code of its items follows
+ARRAY = "array of "  # begin of the text `kind` of an array; the type code of the array's items follows
 KEYED_BY_OBJECTS = "dict keyed by objects"
 
 
 class Module(NamedTuple):
     """A named part of a scene.
 
-    cycle: the present cycle of its clock; 0 for a module without a clock.
-    keys: functions that return the key by which the scene finds an object again, or None if the object has no key;
-        indexed by the class of the object.
+    cycle: the present cycle of the module's clock; 0 for a module without a clock.
+    keys: a dictionary from the class of an object to a function. The function takes the object and returns the key by
+        which the scene finds the object again, or None if the object has no key.
     """
 
     target: object
@@ -83,7 +83,7 @@ class Function(NamedTuple):
 
 
 class Fixed(NamedTuple):
-    """An instant that is stored unchanged, because it never comes, is not known yet or names no record."""
+    """A tick, cycle or record number that is stored unchanged: None, NOT_YET, NEVER, or the number 0 for no record."""
 
     value: int | None
 
@@ -101,13 +101,13 @@ class Absent(NamedTuple):
 class Snapshot(NamedTuple):
     """The state of a scene between two runs.
 
-    identity: the subject of the snapshot, as pairs of a name and a text.
+    identity: pairs of a name and a text that must be equal in the scene into which the snapshot is restored.
     tick: the time of the kernel.
     number: the number of the last record.
-    cycles: the present cycle of each module; 0 for one without a clock.
-    values: the value of each collected attribute and item, by its name.
-    logs: the logs with which programs that have a stack can be executed again, indexed by unit.
-    base: an earlier snapshot with logs; a run that starts from it leads to this snapshot. None if there is none.
+    cycles: a dictionary from a module to its present cycle, which is 0 for a module without a clock.
+    values: a dictionary from the name of a collected attribute or item to its value.
+    logs: a dictionary from a unit to the log with which its program, if it has a stack, can be executed again.
+    base: an earlier snapshot with logs, from which a run leads to this snapshot; None if there is none.
     """
 
     identity: tuple[tuple[str, str], ...]
@@ -234,8 +234,8 @@ class _Collector:
     def _object(self, name: str, value: Any, time: Time) -> None:
         """Collect an object that has just been named.
 
-        In two cases it is stored as `Foreign` and loses its name: if it has no declared state, or if it is in a chain
-        and its declared state is not complete. (It could not be found again, because places in a chain change.)
+        An object without declared state is stored as `Foreign` and loses its name. The same is done with an object in a
+        linked list whose declared state is not complete, because its place in the list may change.
         """
         kind = type(value)
         state = state_of(kind)
@@ -256,7 +256,10 @@ class _Collector:
             self.values[name] = Foreign(class_name(kind))
 
     def _function(self, name: str, value: Any) -> None:
-        """Collect a method as a reference to its owner, which may get its name here, or a function by its name."""
+        """Collect a method or a function.
+
+        A method is stored as a reference to its owner, which gets a name if it has none. A function is stored by name.
+        """
         owner = getattr(value, "__self__", None)
         if owner is None or isinstance(owner, ModuleType):
             kind = Foreign if getattr(value, "__closure__", None) else Function

@@ -116,9 +116,9 @@ class Socket(Agent):
         self.inputs = Sampler(kernel, recorder, self, sum(BITS[: len(chip.INPUTS)]))
         self.marks: WriteOrigins | None = chip.marks
         self.out_delay = 0  # cycles from an output of the chip to its pin
-        self.before: Callable[[int], None] | None = None  # called with the cycle before each access, to update the chip
+        self.before: Callable[[int], None] | None = None  # called before each access with its cycle, to update the chip
         self.on_peek: Callable[[int, int], int] | None = None  # called with (cycle, offset) in place of `chip.peek`
-        self.after: Callable[[int], None] | None = None  # called with the cycle when readable values may have changed
+        self.after: Callable[[int], None] | None = None  # called when readable values may have changed, with the cycle
         self.on_held: Callable[[int, int], None] | None = None  # called with (cycle, mask) when `Chip.held` changes
         self._held = 0
         self.release: PinReleaseGate | None = None
@@ -182,9 +182,10 @@ class Socket(Agent):
         return value
 
     def peek(self, cycle: int, offset: int) -> int:
-        """Return the value that a debugger reads. The chip does not advance to a wake-up that is due by `cycle`.
+        """Return the value that a debugger reads.
 
-        Otherwise the outputs, requests and flags of that wake-up would be published late or never.
+        A wake-up of the chip that is due by `cycle` is not run, because its outputs, requests and flags would then be
+        published late or never.
         """
         if self._kernel.shortcut is not None:
             self._kernel.materialize()
@@ -302,7 +303,7 @@ class Socket(Agent):
         tick = self._clock.tick(cycle + self.out_delay)
         if tick <= self._kernel.now:
             self._set_pins(index, level)
-        else:  # the pins change later: after the delay, or as the cycle begins if the input's edge was before it
+        else:  # the pins change later, because the output has a delay or because `cycle` has not begun yet
             self._kernel.schedule(tick, self, self._recorder.cause << RECORD | (index + 1) << 1 | level)
 
     def _set_pins(self, index: int, level: int) -> None:

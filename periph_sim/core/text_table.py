@@ -63,7 +63,10 @@ def columns(rows: Sequence[Cells], right: Collection[int] = (), width: int = WID
 
 
 def paragraph(text: str, first: str = "", then: str = "  ") -> list[str]:
-    """Return text as lines of at most 80 columns, broken between words. first, then: prefixes of the lines."""
+    """Return text as lines of at most 80 columns, broken between words.
+
+    first: the prefix of the first line. then: the prefix of each other line.
+    """
     lines = wrap(
         text, WIDTH, initial_indent=first, subsequent_indent=then, break_long_words=False, break_on_hyphens=False
     )

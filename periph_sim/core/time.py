@@ -46,7 +46,7 @@ class TimeError(ValueError):
 
 
 def round_ratio(value: Fraction, rounding: Rounding) -> BigInt:
-    """Return `value` rounded to a whole number. Raise TimeError if the rounding is "exact" and it is not whole."""
+    """Return `value` rounded to a whole number. Raise TimeError if `rounding` is "exact" and `value` is not whole."""
     if value.denominator == 1:
         return value.numerator
     if rounding == "down":
@@ -131,7 +131,7 @@ class Timebase:  # core: python
 
 
 def days(length: Fraction) -> str:
-    """Return a length as text for messages: in days, or in seconds if it is below one day.
+    """Return a length of time as text for messages: in days, or in seconds if the length is below one day.
 
     Numbers below 100,000 are rounded down to a tenth, others to three digits.
     """
@@ -194,7 +194,10 @@ class Clock:
         return self._last_tick
 
     def cycle_at(self, tick: int) -> int:
-        """Return the first cycle that begins at or after this tick. It samples inputs that have no synchroniser."""
+        """Return the first cycle that begins at or after this tick.
+
+        An input without a synchroniser that changes at this tick is sampled in this cycle.
+        """
         left, num = self._tick0 - tick, self._num
         if self._den == 1:
             return self._cycle0 - left // num
@@ -217,7 +220,10 @@ class Clock:
         return ticks * den // num
 
     def cycle_after(self, tick: int) -> int:
-        """Return the first cycle that begins after this tick. It samples inputs that have a synchroniser."""
+        """Return the first cycle that begins after this tick.
+
+        An input with a synchroniser that changes at this tick is sampled in this cycle.
+        """
         return self.cycle_at(tick + 1)
 
     def retune(self, cycle: int, hz: Fraction | int) -> None:

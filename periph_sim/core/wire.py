@@ -33,7 +33,7 @@ class Wire(Settleable):
     recorded: True if the edges of this wire are recorded.
     pulling: mask of the parties that pull it low in the settled state; bit i is party i.
     attached: the number of parties.
-    version: changes when a party is attached or the set of listeners changes.
+    version: a number that changes when a party is attached or the set of listeners changes.
     """
 
     STATE = State("level pulling _pulling _pulling_recorded", records="cause", chains="_watches")
@@ -59,13 +59,14 @@ class Wire(Settleable):
         self._pulling_recorded = 0  # the value of `_pulling` at the last record of this wire
         self._parties: list[str] = []
         self._names_of: dict[int, str] = {}  # names of the pulling parties, for records; indexed by their mask
-        self._named = 0  # mask of the parties that a record named last; `_names` are their names
+        self._named = 0  # mask of the pulling parties in the last record; `_names` has the names of these parties
         self._names = ""
-        self._watches: _Watch | None = None  # the first in the chain of subscribers to the level
+        self._watches: _Watch | None = None  # the first entry in the linked list of subscribers to the level
         self._pull_watches: PullWatch | None = None
         self._queued = False
         self._moved = self._pulled = False  # True if the last settling changed the level or the pulling parties
-        self._pulled_under = self._released_under = 0  # numbers of the last records that caused a pull or a release now
+        # The last record that caused a pull, or a release, since the wire last settled; 0 if there is none.
+        self._pulled_under = self._released_under = 0
 
     def attach(self, who: str) -> Pin:
         """Add a party and return its pin, released. Raise TooManyParties if the wire has MAX_PARTIES parties."""
@@ -110,7 +111,7 @@ class Wire(Settleable):
         return [who for i, who in enumerate(self._parties) if self._pulling >> i & 1]
 
     def pull(self, mask: int, level: int) -> None:
-        """Pull the line low (0) or release it (1) for the parties in `mask`. Edges that were skipped are run before."""
+        """Pull the line low (0) or release it (1) for the parties in `mask`. Skipped edges up to now are run first."""
         if self.shortcut is not None:
             self.shortcut.materialize()
         pulling = self._pulling & ~mask if level else self._pulling | mask
@@ -207,14 +208,14 @@ class Wire(Settleable):
         return self._pulling == self.pulling
 
     def listeners(self) -> list[SampledParty | PullWatch]:
-        """Return the subscribers to the wire's level and to the set of its pulling parties."""
+        """Return the subscribers to the wire's level and to the set of its pulling parties, each of them once."""
         listeners: list[SampledParty | PullWatch] = []
         listener, watch = self._watches, self._pull_watches
         while listener is not None:
             listeners.append(listener.sampler)
             listener = listener.following
         while watch is not None:
-            if watch.sampler is None:  # a sampler is in the list already, as a subscriber to the level
+            if watch.sampler is None:  # otherwise it is a sampler's, and the sampler is in `listeners` already
                 listeners.append(watch)
             watch = watch.following
         return listeners
@@ -273,7 +274,7 @@ class Wire(Settleable):
 class PullWatch:
     """A subscriber to the set of pulling parties: a sampler, or an agent whose `pulled` receives the number `line`.
 
-    following: the next subscriber in the chain.
+    following: the next subscriber in the linked list; None for the last subscriber.
     """
 
     __slots__ = ("agent", "following", "line", "sampler")
@@ -290,7 +291,7 @@ class _Watch:
     """A sampler that listens to a wire.
 
     bit: the mask of the bit that represents the wire in the sampler's levels.
-    following: the next entry in the wire's chain.
+    following: the next entry in the wire's linked list; None for the last entry.
     """
 
     STATE = State("sampler bit", made=True)

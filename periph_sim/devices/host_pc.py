@@ -104,7 +104,10 @@ class Host(Agent):
             self._send(number, values, data, False)
 
     def due(self, number: int) -> int:
-        """Return the tick at which a frame is due, without jitter. A frame that is paced by a pause must have begun."""
+        """Return the tick at which a frame is due, without jitter.
+
+        With paced_by = "pause", this tick is known only after the frame has begun, so call it only for such frames.
+        """
         if self._by_schedule:
             return self._first + number * self._period.numerator // self._period.denominator
         return self._due[number]

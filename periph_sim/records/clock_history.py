@@ -24,7 +24,7 @@ OSCCLK_HZ = 30_000_000
 DIVIDE = (4, 4, 2, 1)  # divider from the PLL's output to SYSCLKOUT, by DIVSEL
 MOST_TOLD = 3
 DIV, DIVSEL, LOCKED, OFF = "PLLCR.DIV", "PLLSTS.DIVSEL", "PLLSTS.PLLLOCKS", "WDCR.WDDIS"
-# SHOWN: fields that determine the clock. Firmware that starts at the clock after reset changes at least one.
+# The fields that determine the clock. The clock is unknown if a recording has no change of any of these fields.
 SHOWN = (DIV, DIVSEL, LOCKED, OFF)
 
 

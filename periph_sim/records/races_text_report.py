@@ -84,7 +84,10 @@ def as_json(races: Races) -> dict[str, object]:
 
 
 def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
-    """Return two rows, for the closest read before a change and after one. Only the first row has the names."""
+    """Return two rows: one for the read that is closest before a change, one for the read that is closest after one.
+
+    Only the first row has the names of the register and of the place in the firmware.
+    """
     found = [("before", place.before), ("after", place.after)]
     rows = [
         (side, *(("-", "", "") if miss is None else (str(miss.cycles), miss.field, races.run.at(miss.tick))))

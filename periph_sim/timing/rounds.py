@@ -231,7 +231,7 @@ class BusRounds:
         self._made, self._round = 0, None
 
     def _tell_incomplete(self, start: int) -> None:
-        """Report that the round lacks a request, which the START at tick `start` shows."""
+        """Report that a request of the round was not made. start: the START of the transfer that was made instead."""
         self.missed += 1
         for told in self.on_missed:
             told(start)

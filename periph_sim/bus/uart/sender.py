@@ -132,7 +132,8 @@ class UartSender(EdgeSender):
     def send(self, data: bytes, gap: Fraction, done: Callable[[int], None]) -> None:
         """Begin to send `data`, with `gap` idle bits between bytes.
 
-        At the last rising edge at the latest, `done` is called with the tick at which the last stop bit ends.
+        done: a function that is called when the last edge of the burst is made, or at once if there is no data. Its
+            argument is the tick at which the last stop bit ends, which is later than the last edge.
         """
         if self.busy:
             raise ValueError(f"{self.who}: asked to send while a burst is still on the wire")

@@ -167,7 +167,9 @@ class I2cMasterLines:
         self._starting = False  # our START, or repeated START, is on the lines but has not been detected yet
         self._stopping = False  # our STOP is on the lines but has not been detected yet
         self._own_restart = False
-        self._restart_next: list[int] = []  # addresses after an automatic repeated START
+        # The address bytes to send after the repeated START that the module itself makes when it reads from a 10-bit
+        # address; empty if it makes none.
+        self._restart_next: list[int] = []
 
     def _latch_command(self) -> None:
         """Latch the registers that apply to the whole transfer, at its START."""

@@ -41,7 +41,13 @@ class Expected(Struct, frozen=True):
 
 
 class _Occasion(Struct):
-    """One request for the reply. since: the tick from which its time counts; NO_TIME before that."""
+    """One request for a reply, and what was received after the request.
+
+    window: the tick from which characters on the line can be part of the reply.
+    since: the tick at which the request ended, from which the time of the reply counts; NO_TIME while it is being sent.
+    came: the characters received so far; if `Expected.anywhere` is True, only the last of them.
+    wrong_at: the tick at which the first wrong character ended; NO_TIME if there is none.
+    """
 
     STATE: ClassVar[State] = State("came shut", ticks="window since first ended wrong_at ends", made=True)
     window: int

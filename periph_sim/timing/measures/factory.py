@@ -141,7 +141,7 @@ def _of_sentence(sentence: Sentence, said: Said, scope: Scope, **given: str) -> 
 
 
 def _phrase(said: Said, scope: Scope) -> Maker:
-    """Return the maker of a sentence in PHRASES, which has parameters or depends on the scene."""
+    """Return the maker of a measure whose form is a key of PHRASES: it has parameters or depends on the scene."""
     return _of_sentence(PHRASES[said.form], said, scope)
 
 

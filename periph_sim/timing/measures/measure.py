@@ -225,7 +225,7 @@ class Measure(Listener):
         self._uncompared = 1
 
     def keep(self) -> None:
-        """Store every value from now on, for distributions and joined conditions."""
+        """Store every value from now on, as distributions and budgets with several joined conditions require."""
         self._kept = array("q"), array("q")
 
     def tally(self) -> None:

@@ -94,7 +94,10 @@ def _named(table: RecordTable, column: str, names: frozenset[str] | None) -> NDA
 
 
 def _rules(rule: str) -> tuple[str, str]:
-    """Return (pairing, group) of a rule. Each of them is "" if the rule does not contain it."""
+    """Split a rule such as "last, same transfer" into the pairing ("last") and the group ("transfer").
+
+    A part that the rule does not contain is "".
+    """
     pairing = group = ""
     for word in filter(None, (part.strip() for part in rule.split(","))):
         if word in PAIRINGS and not pairing:

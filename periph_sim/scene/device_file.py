@@ -6,8 +6,8 @@ The file is imported like a firmware file: in a package of its own, together wit
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
-from types import ModuleType
 from typing import Any
 
 from ..devices.python_device import HOOKS, NEEDED, DeviceBus, PythonTarget
@@ -15,7 +15,7 @@ from ..devices.targets import TargetContext
 from ..processor.user_code import PASSES, FirmwareStalled, UserCode, defined_at, flaw_of
 from .case.device_tables import DeviceTable
 from .context import SceneContext
-from .firmware_loader import BadSetting, filled, module_of_file, why_not_loaded
+from .firmware_loader import BadSetting, existing, filled, imported, module_of_file
 
 CLASS = "Device"
 
@@ -34,7 +34,9 @@ def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: 
     if table.address is None:
         raise mistake("a device of a file has no address of its own; give it address = 0x42, for instance", "address")
     guard = UserCode(f"device {name}", float(context.case.stall_limit))
-    module = _module(path, guard, mistake)
+    existing(path, "file", mistake)
+    load = partial(guard.in_time, module_of_file, path)
+    module = imported(path.name, load, path.parent, mistake, (*PASSES, FirmwareStalled))
     made: Any = getattr(module, CLASS, None)
     if not isinstance(made, type):
         raise mistake(f"{path.name} has no class {CLASS}")
@@ -55,18 +57,6 @@ def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: 
         expected = "__init__(self, bus, settings)" if settings is not None else "__init__(self, bus)"
         raise mistake(f"{defined_at(vars(made).get('__init__')) or path.name}: {CLASS} {wrong}; expected {expected}")
     return PythonTarget(guard, table.address, lambda: made(*arguments))
-
-
-def _module(path: Path, guard: UserCode, mistake: Callable[..., Exception]) -> ModuleType:
-    if not path.is_file():
-        what = f"{str(path)!r} is not a regular file" if path.exists() else f"there is no file {str(path)!r}"
-        raise mistake(f"{what}; its path counts from the folder of the case")
-    try:
-        return guard.in_time(module_of_file, path)
-    except (*PASSES, FirmwareStalled):
-        raise
-    except BaseException as error:
-        raise mistake(f"{path.name} cannot be loaded: {why_not_loaded(error, path.parent)}") from None
 
 
 def _check_hooks(path: Path, made: type[object], mistake: Callable[..., Exception]) -> None:

@@ -24,16 +24,14 @@ from ..bus.i2c.disturbed_target import (
 )
 from ..bus.i2c.target_side import TargetSide
 from ..core.chip import Note
-from ..core.convert import BadTable, keys_of
 from ..core.records import Kind
 from ..core.state import State
 from ..core.suggest import did_you_mean
-from ..core.table import Table
 from ..core.wire import Wire
 from ..devices.targets import BadDevice, Target, TargetContext, families
 from . import plugins
 from .case.device_tables import BusParty, DeviceTable, Strikes
-from .case.error_text import complaint
+from .case.error_text import own_settings
 from .context import SceneContext
 
 ACCESS = {"read": 1, "write": 0, "any": None}
@@ -177,25 +175,11 @@ def _target(context: SceneContext, name: str, table: DeviceTable, place: TargetC
         names = [*models, "a path that ends in .py"]
         raise case.mistake(f"there is no device {model!r}; {did_you_mean(model, names)}", "device", name, "model")
     family = models[model]
-    settings = _settings(context, name, family.Settings, table)
+    settings = own_settings(case, family.Settings, table, f"a {model}", "device", name)
     try:
         return family.build(model, settings, place)
     except BadDevice as error:
         raise case.mistake(str(error), "device", name, *error.place) from None
-
-
-def _settings(context: SceneContext, name: str, kind: type[Table], table: DeviceTable) -> Table:
-    """Return the checked settings of a device's model: the keys in the device's table that this model adds."""
-    try:
-        return kind.model_validate(table.own)
-    except BadTable as error:
-        first = error.first
-        if first.known is None:
-            what = complaint(first)
-        else:
-            known = first.known + (() if len(first.place) > 1 else tuple(keys_of(DeviceTable)))
-            what = f"a {table.model} has no such key; {did_you_mean(str(first.place[-1]), known)}"
-        raise context.case.mistake(what, "device", name, *first.place) from None
 
 
 def _wire(known: Mapping[str, Wire], name: str) -> Wire:

@@ -12,7 +12,7 @@ import inspect
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import is_dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from importlib.machinery import ModuleSpec, SourceFileLoader
 from importlib.util import module_from_spec, spec_from_file_location
 from itertools import count
@@ -33,6 +33,8 @@ from .case.error_text import complaint
 if TYPE_CHECKING:
     from ..processor.dsp import Dsp
 
+
+T = TypeVar("T")
 
 SHIPPED = EXAMPLES / "firmware" / "python"
 
@@ -75,6 +77,33 @@ def module_of_file(path: Path) -> ModuleType:
     assert spec.loader is not None
     spec.loader.exec_module(module)
     return module
+
+
+def imported(
+    what: str,
+    load: Callable[[], T],
+    folder: Path,
+    refused: Callable[[str], Exception],
+    passes: tuple[type[BaseException], ...] = PASSES,
+) -> T:
+    """Return the result of `load`, which imports user code. Raise `refused(sentence)` if that fails.
+
+    what: the subject of the sentence. folder: the folder of the file. passes: the errors that are raised unchanged.
+    """
+    try:
+        return load()
+    except passes:
+        raise
+    except BaseException as error:
+        raise refused(f"{what} cannot be loaded: {why_not_loaded(error, folder)}") from None
+
+
+def existing(path: Path, what: str, refused: Callable[[str], Exception]) -> Path:
+    """Return the path of a file of user code. Raise `refused(why)` if it is no file. what: its kind."""
+    if path.is_file():
+        return path
+    missing = f"{str(path)!r} is not a regular file" if path.exists() else f"there is no {what} {str(path)!r}"
+    raise refused(f"{missing}; its path counts from the folder of the case")
 
 
 def why_not_loaded(error: BaseException, folder: Path) -> str:
@@ -133,9 +162,6 @@ class _FirmwareFinder:
 sys.meta_path.insert(0, _FirmwareFinder())
 
 
-T = TypeVar("T")
-
-
 class Firmware(Struct, frozen=True):
     """A program: its main function, and the dataclass of its settings, if it has one.
 
@@ -174,13 +200,13 @@ def _loaded_once(name: str) -> Firmware:
 
 
 def _loaded(name: str) -> Firmware:
-    try:
-        module = _file_module(Path(name)) if name.endswith(".py") else _shipped_module(name)
-    except (*PASSES, BadFirmware):
-        raise
-    except BaseException as error:
-        why = why_not_loaded(error, Path(name).parent)
-        raise BadFirmware(f"firmware {name!r} cannot be loaded: {why}") from None
+    load = partial(shipped_module, name)
+    path = Path(name)
+    if name.endswith(".py"):
+        load = partial(module_of_file, existing(path, "firmware file", BadFirmware))
+    elif not is_shipped(name):
+        raise BadFirmware(f"there is no firmware {name!r}; {did_you_mean(name, shipped_names())}")
+    module = imported(f"firmware {name!r}", load, path.parent, BadFirmware)
     if not callable(getattr(module, "main", None)):
         raise BadFirmware(f"firmware {name!r} has no function main(dsp, settings)")
     what = flaw_of(module.main, 2)
@@ -210,19 +236,6 @@ def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:
     came = firmware.main(dsp, settings)  # type: ignore[func-returns-value]
     if came is not None:
         raise Misuse(f"main, {defined_at(firmware.main)}, returned {came!r}; firmware returns nothing")
-
-
-def _file_module(path: Path) -> ModuleType:
-    if not path.is_file():
-        what = f"{str(path)!r} is not a regular file" if path.exists() else f"there is no firmware file {str(path)!r}"
-        raise BadFirmware(f"{what}; its path counts from the folder of the case")
-    return module_of_file(path)
-
-
-def _shipped_module(name: str) -> ModuleType:
-    if not is_shipped(name):
-        raise BadFirmware(f"there is no firmware {name!r}; {did_you_mean(name, shipped_names())}")
-    return shipped_module(name)
 
 
 def settings_for(firmware: Firmware, given: dict[str, object]) -> object:

@@ -11,7 +11,7 @@ name that neither periph_sim nor the project defines, since the search takes lon
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from pathlib import Path
 from types import ModuleType
 from typing import TYPE_CHECKING, Any, TypeVar
@@ -20,9 +20,9 @@ from msgspec import Struct
 
 from ..core.input_files import note_input
 from ..devices.sensor_rounds import ChipData, known_sensors
-from ..processor.user_code import PASSES, UserCode
+from ..processor.user_code import UserCode
 from .case.model import BadCase, Case
-from .firmware_loader import module_of_file, why_not_loaded
+from .firmware_loader import imported, module_of_file
 from .project import project_of
 
 if TYPE_CHECKING:
@@ -134,18 +134,17 @@ def _project_plugins(folder: Path) -> list[Plugin]:
     """Return the plugins in `[tool.periph-sim]`. Raise BadCase if one cannot be loaded."""
     project = project_of(folder)
     found = []
+
+    def mistake(what: str) -> BadCase:
+        return BadCase(f"{project.where('plugins')}: {what}")
+
     for text in project.settings.plugins:
         path = project.folder / text
         if not path.is_file():
-            raise BadCase(f"{project.where('plugins')}: there is no file {text!r}; its path counts from this file")
+            raise mistake(f"there is no file {text!r}; its path counts from this file")
         stat = note_input(path).stat()
-        try:
-            module = _module(path, stat.st_mtime_ns, stat.st_size)
-        except PASSES:
-            raise
-        except BaseException as error:
-            why = why_not_loaded(error, path.parent)
-            raise BadCase(f"{project.where('plugins')}: {text} cannot be loaded: {why}") from None
+        load = partial(_module, path, stat.st_mtime_ns, stat.st_size)
+        module = imported(text, load, path.parent, mistake)
         found.append(Plugin(path.stem, module))
     return found
 
@@ -166,11 +165,8 @@ def _installed_plugins() -> tuple[Plugin, ...]:
 
     found = []
     for entry in sorted(entry_points(group=GROUP), key=lambda entry: entry.name):
-        try:
-            found.append(Plugin(entry.name, UserCode(f"plugin {entry.name}", STALL_LIMIT).in_time(entry.load)))
-        except PASSES:
-            raise
-        except BaseException as error:
-            why = why_not_loaded(error, Path())
-            raise BadCase(f"entry point {entry.name!r} of {GROUP}, {entry.value}: it cannot be loaded: {why}") from None
+        place = f"entry point {entry.name!r} of {GROUP}, {entry.value}"
+        load = partial(UserCode(f"plugin {entry.name}", STALL_LIMIT).in_time, entry.load)
+        module = imported(f"{place}: it", load, Path(), BadCase)
+        found.append(Plugin(entry.name, module))
     return tuple(found)

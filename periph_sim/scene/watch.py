@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
-from ..core.convert import BadTable, keys_of
 from ..core.sampler import watch
 from ..core.suggest import did_you_mean
 from ..core.time import Timebase
@@ -16,7 +15,7 @@ from ..core.wire import Wire
 from ..devices.watchers import WatchContext, WireWatcher, watchers
 from ..timing.measures.expectations import WatchedWire
 from . import plugins
-from .case.error_text import complaint
+from .case.error_text import own_settings
 from .case.model import Case
 
 
@@ -38,15 +37,7 @@ def watcher_of(
         what = f"there is no wire {table.wire!r}; {did_you_mean(table.wire, wires)}"
         raise case.mistake(what, "watch", name, "wire")
     family = kinds[table.kind]
-    try:
-        settings = family.Settings.model_validate(table.own)
-    except BadTable as error:
-        first = error.first
-        what = complaint(first)
-        if first.known is not None:
-            keys = first.known + tuple(keys_of(type(table)))
-            what = f"a watcher of kind {table.kind!r} has no such key; {did_you_mean(str(first.place[-1]), keys)}"
-        raise case.mistake(what, "watch", name, *first.place) from None
+    settings = own_settings(case, family.Settings, table, f"a watcher of kind {table.kind!r}", "watch", name)
 
     def ticks(length: Fraction) -> int:
         return timebase.ticks(length, "nearest")

@@ -16,7 +16,7 @@ from periph_sim.devices.targets.register_settings import Interrupt, RegisterTabl
 from periph_sim.devices.watchers import blink, edges, watchers
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.imu.sensors import SENSORS as CHIPS
-from periph_sim.scene.case.device_tables import BusParty, DeviceFault, DeviceTable, StretchTable, Strikes
+from periph_sim.scene.case.device_tables import BusParty, DeviceFault, DeviceTable, StretchTable, Strikes, WatchTable
 from periph_sim.scene.case.model import (
     Case,
     ChipTable,
@@ -27,10 +27,9 @@ from periph_sim.scene.case.model import (
     RoundsTable,
     ValueTable,
 )
-from periph_sim.scene.case.serial import ExpectTable, SendTable, SerialTable
+from periph_sim.scene.case.serial import ExpectTable, SendTable, SerialEntry, SerialTable
 from periph_sim.scene.case.transceiver import TransceiverTable
 from periph_sim.scene.case.unit_table import Code, Compile, StubTable, Unit
-from periph_sim.scene.case.watch import WatchTable
 from periph_sim.scene.case.wiring import Cable
 from periph_sim.timing.budget_schema import REPLY, SPAN, WATCH, Budget, Condition, Limited
 from periph_sim.timing.measures.registry import MEASURES, PHRASES
@@ -108,10 +107,10 @@ def test_every_key_with_its_default(heading: str):
 def test_every_table_of_the_model_has_a_section():
     told = (Case, Unit, Cable, TransceiverTable, SerialTable, Budget, DeviceTable, RegisterTable, WatchTable)
     modules = {kind.__module__ for kind in told}
-    bases = (Table, BusParty, Strikes, Limited)
+    bases = (Table, BusParty, Strikes, Limited, SerialEntry)
     kinds = {kind for base in bases for kind in base.__subclasses__() if kind.__module__ in modules}
     elsewhere = {eeprom.Settings, rtc.Settings, edges.Settings, blink.Settings}
-    assert kinds - {BusParty, Strikes, Limited, Condition, Sets} == {*TABLES.values()} - elsewhere
+    assert kinds - {BusParty, Strikes, Limited, Condition, Sets, SerialEntry} == {*TABLES.values()} - elsewhere
 
 
 def test_every_family_of_devices_has_a_section():

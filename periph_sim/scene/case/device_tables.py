@@ -1,4 +1,4 @@
-"""Tables of devices on the bus, [device.NAME], and the keys for disturbances that devices and chips have in common."""
+"""Tables whose models or kinds add keys, [device.NAME] and [watch.NAME], and the disturbances of devices and chips."""
 
 from __future__ import annotations
 
@@ -86,3 +86,15 @@ class DeviceTable(BusParty, frozen=True, kw_only=True):
     model: str
     address: Address | None = None
     own: dict[str, Any] = {}  # the keys that its model adds
+
+
+class WatchTable(Table, frozen=True, kw_only=True):
+    """A watcher of a wire. kind: a name in `devices.watchers`. Each kind adds keys of its own."""
+
+    OTHERS = "own"
+
+    kind: str
+    wire: str
+    tolerance: Length
+    why: str = ""
+    own: dict[str, Any] = {}  # the keys that its kind adds

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from ...core.convert import NOTHING, BadTable, Mistake
+from ...core.convert import NOTHING, BadTable, Mistake, keys_of
 from ...core.suggest import did_you_mean
-from .model import BadCase
+from ...core.table import Table
+from .device_tables import DeviceTable, WatchTable
+from .model import BadCase, Case
 from .origin import Place, Source, key_of
 
 SHOWN = 60  # maximum number of characters of a wrong value in a message
@@ -41,3 +43,20 @@ def complaint(first: Mistake) -> str:
     if told or len(found) > SHOWN:
         return first.what
     return f"{first.what[0].lower()}{first.what[1:]}, but it is {found}"
+
+
+def own_settings(case: Case, kind: type[Table], table: DeviceTable | WatchTable, who: str, *place: str) -> Table:
+    """Return the checked settings of a table's model or kind: the keys in the table that it adds.
+
+    who: the model or kind with its article, for messages. place: the place of the table, for a BadCase.
+    """
+    try:
+        return kind.model_validate(table.own)
+    except BadTable as error:
+        first = error.first
+        if first.known is None:
+            what = complaint(first)
+        else:
+            known = first.known + (() if len(first.place) > 1 else tuple(keys_of(type(table))))
+            what = f"{who} has no such key; {did_you_mean(str(first.place[-1]), known)}"
+        raise case.mistake(what, *place, *first.place) from None

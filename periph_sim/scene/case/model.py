@@ -18,10 +18,10 @@ from ...core.settings import Duration, HexBytes
 from ...core.suggest import did_you_mean
 from ...core.table import Table
 from ...devices.host_frames import host_frames
-from ...timing.budget_schema import Budget
-from .device_tables import BusParty, DeviceTable
+from ...timing.budget_schema import REPLY, WATCH, Budget
+from .device_tables import BusParty, DeviceTable, WatchTable
 from .optimizations import Disabled, Fidelity
-from .origin import Source, key_of, line_of, named_files
+from .origin import Place, Source, key_of, line_of, named_files
 from .scalars import (
     Address,
     Answer,
@@ -34,10 +34,9 @@ from .scalars import (
     Ppm,
     RateError,
 )
-from .serial import SerialTable, reply_budget, with_replies
+from .serial import SerialTable, in_words
 from .transceiver import TransceiverTable
 from .unit_table import Unit
-from .watch import WatchTable, watch_budget, with_watches
 from .wiring import Cable, wiring_of
 
 
@@ -265,7 +264,9 @@ class Case(Table, frozen=True, kw_only=True):
 
         Raise BadTable if a table contradicts another one.
         """
-        case = self.model_copy(update={"budget": with_watches(with_replies(self.budget, self.serial), self.watch)})
+        known_budgets = {(budget.name, budget.measure) for budget in self.budget}
+        made = [budget for _, budget in self._made_budgets() if (budget.name, budget.measure) not in known_budgets]
+        case = self.model_copy(update={"budget": self.budget + tuple(made)})
         known = [budget.name for budget in case.budget]
         strange = [
             Mistake(("breaks", number), f"there is no budget {name!r}; {did_you_mean(name, known)}")
@@ -284,6 +285,17 @@ class Case(Table, frozen=True, kw_only=True):
         if strange:
             raise BadTable(strange)
         return case
+
+    def _made_budgets(self) -> Iterator[tuple[Place, Budget]]:
+        """Yield a budget for each expected reply and each watched wire, with the place of its table in the case."""
+        expected = () if self.serial is None else self.serial.expect
+        for n, reply in enumerate(expected):
+            within = in_words(reply.within)
+            place = ("serial", "expect", n)
+            yield place, Budget(name=reply.name, measure=REPLY + reply.name, max=within, why=reply.why)
+        for name, watch in self.watch.items():
+            most = in_words(watch.tolerance)
+            yield ("watch", name), Budget(name=name, measure=WATCH + name, max=most, why=watch.why)
 
     def from_source(self, source: Source) -> Case:
         """Return this case with the file that it was read from."""
@@ -371,11 +383,7 @@ class Case(Table, frozen=True, kw_only=True):
         if len(place) < 2 or place[0] != "budget":
             return place
         budget = self.budget[int(place[1])]
-        for name, watch in self.watch.items():
-            if watch_budget(name, watch) == budget:
-                return ("watch", name)
-        expected = () if self.serial is None else self.serial.expect
-        entries = [n for n, one in enumerate(expected) if reply_budget(one) == budget]
-        if entries:
-            return ("serial", "expect", entries[0], *place[2:])
+        for written, made in self._made_budgets():
+            if made == budget:
+                return written if written[0] == "watch" else (*written, *place[2:])
         return ("budget", self._all_budgets.index(budget), *place[2:]) if self._all_budgets else place

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from ...core.input_files import read_input
 from ..case.model import Case
-from ..case.serial import ExpectTable, SendTable
+from ..case.serial import SerialEntry
 
 Place = tuple[str | int, ...]
 LARGEST = 1 << 24  # maximum number of bytes: at 115200 baud they take 24 minutes
 
 
-def content_of(case: Case, entry: SendTable | ExpectTable, bits: int, *place: str | int) -> bytes:
+def content_of(case: Case, entry: SerialEntry, bits: int, *place: str | int) -> bytes:
     """Return the characters of an entry. Raise BadCase, with its line, if one has more than `bits` bits.
 
     Raise it also if a file is empty or cannot be read, and for a text that cannot be encoded.
@@ -24,7 +24,7 @@ def content_of(case: Case, entry: SendTable | ExpectTable, bits: int, *place: st
     return b""
 
 
-def encoded(case: Case, text: str, entry: SendTable | ExpectTable, *place: str | int) -> bytes:
+def encoded(case: Case, text: str, entry: SerialEntry, *place: str | int) -> bytes:
     """Return a text in the encoding of its entry. Raise BadCase for a character that cannot be encoded."""
     try:
         return text.encode(entry.encoding)

@@ -21,7 +21,7 @@ from ...timing.language.scope import BadEvent, Scope
 from ...timing.measures.expectations import Expected, Reply
 from ...timing.measures.measure import MeasuredScene
 from ..case.model import Case
-from ..case.serial import ExpectTable, SendTable, SerialTable
+from ..case.serial import ExpectTable, SendTable, SerialEntry, SerialTable
 from ..case.wiring import SciLines, sci_lines, sci_named
 from ..context import SceneContext
 from ..pairs import Pairs
@@ -31,8 +31,6 @@ from .send_schedule import EventTrigger, Send, TextTrigger
 WHO = "serial"  # name of the outside party that drives a line
 IDLE_BITS = 11  # number of idle bits before a block in idle-line mode: ten, plus one because clocks differ
 OFF = Fraction(5, 100)  # share by which an SCI may send faster than the nominal rate
-
-Entry = SendTable | ExpectTable
 
 
 class SerialSide:
@@ -102,7 +100,7 @@ class SerialSide:
             raise self._case.mistake(f"there are two sends {name!r}; give one another name", *place, "name")
         burst = self._burst(name, table, *place)
         sender = self._sender(sci, *place)
-        send = self.sends[name] = Send(name, table, self._context, sender, burst, self._table.clock(table))
+        send = self.sends[name] = Send(name, table, self._context, sender, burst, self._table.value("ppm", table))
         trigger = self._triggers.get(("send", number))
         if trigger is not None:
             send.why_unasked = trigger.never
@@ -115,10 +113,10 @@ class SerialSide:
             send.why_unasked = lambda: f"{shown} never came from {table.to}"
 
     def _burst(self, name: str, table: SendTable, *place: str | int) -> Burst:
-        (bit, form), ppm = self._line(table), self._table.clock(table)
+        (bit, form), ppm = self._line(table), self._table.value("ppm", table)
         if table.low is not None:
             return Burst(bit, form, low=self._context.ticks(table.low, ppm), name=name)
-        mode = self._table.mode(table)
+        mode = self._table.value("multiprocessor", table)
         data = content_of(self._case, table, form.bits, *place)
         if table.address is not None:
             if mode == "none":
@@ -246,7 +244,7 @@ class SerialSide:
 
     # Lines ------------------------------------------------------------------------
 
-    def _listen(self, sci: SciLines, entry: Entry, told: Callable[[Heard], None]) -> None:
+    def _listen(self, sci: SciLines, entry: SerialEntry, told: Callable[[Heard], None]) -> None:
         """Call the callback with each frame that an SCI sends, read with the format of `entry`.
 
         On a pair, only frames that begin while the SCI's driver is on are frames of this SCI.
@@ -264,9 +262,11 @@ class SerialSide:
         idle = self._line()
         return lambda: sender.line or idle
 
-    def _line(self, entry: Entry | None = None) -> tuple[Fraction, UartFormat]:
+    def _line(self, entry: SerialEntry | None = None) -> tuple[Fraction, UartFormat]:
         """Return the bit length, in ticks, and the format of an entry, or of the table if no entry is given."""
-        return self._context.exact_ticks(self._table.bit(entry), self._table.clock(entry)), self._table.form(entry)
+        return self._context.exact_ticks(self._table.bit(entry), self._table.value("ppm", entry)), self._table.form(
+            entry
+        )
 
     def _event(self, scope: Scope, text: str, kind: str, number: int) -> Matcher:
         try:

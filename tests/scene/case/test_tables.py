@@ -207,15 +207,15 @@ def test_an_entry_has_the_format_of_its_table_or_its_own(kind: Any):
     plain, own = kind.model_validate(needed), kind.model_validate(needed | OWN)
     for entry in (None, plain):
         assert (table.bit(entry), table.form(entry)) == (Fraction(1, 1200), UartFormat(7, "even", 2, True))
-        assert (table.mode(entry), table.clock(entry)) == ("address-bit", 20)
+        assert (table.value("multiprocessor", entry), table.value("ppm", entry)) == ("address-bit", 20)
     assert (table.bit(own), table.form(own)) == (Fraction(1, 9600), UartFormat(8, "odd", 1, False))
-    assert table.mode(own) == "none"
+    assert table.value("multiprocessor", own) == "none"
 
 
 @pytest.mark.parametrize(("ppm", "clock"), [(None, 20), (0, 0), (-7, -7)])
 def test_a_send_may_have_a_clock_of_its_own(ppm: int | None, clock: int):
     send = SendTable.model_validate(SEND | ({} if ppm is None else {"ppm": ppm}))
-    assert SerialTable.model_validate({"ppm": 20}).clock(send) == clock
+    assert SerialTable.model_validate({"ppm": 20}).value("ppm", send) == clock
 
 
 TEXT = {key: value for key, value in SEND.items() if key != "bytes"}

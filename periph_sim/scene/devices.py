@@ -7,21 +7,11 @@ SCL, SDA <--> TargetSide <--> DisturbedTarget (stretch, fault), if it has any <-
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from functools import partial
 from random import Random
 
 from ..bus.faults import HeldLine
-from ..bus.i2c.disturbed_target import (
-    Answers,
-    DisturbedTarget,
-    Flip,
-    HoldData,
-    Refuse,
-    Rule,
-    Stretch,
-    When,
-    Wrong,
-    cut_power,
-)
+from ..bus.i2c.disturbed_target import Answers, DisturbedTarget, Rule, When, cut_power, flip, replaced, stretch
 from ..bus.i2c.target_side import TargetSide
 from ..core.chip import Note
 from ..core.records import Kind
@@ -114,20 +104,21 @@ def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Answer
     if table.stretch is not None:
         length = table.stretch.length
         least, most = context.ticks(length.least), context.ticks(length.most)
-        rules.append(Stretch(when(0, table.stretch), least, most, hold_clock))
+        strikes = when(0, table.stretch)
+        rules.append(Rule(strikes, strike=partial(stretch, strikes.random, least, most, hold_clock)))
     for number, fault in enumerate(table.fault, 1):
         strikes = when(number, fault)
         if fault.kind == "nack":
-            rules.append(Refuse(strikes))
+            rules.append(Rule(strikes, refuses=True))
         elif fault.kind == "wrong":
             assert fault.value is not None
-            rules.append(Wrong(strikes, fault.value))
+            rules.append(Rule(strikes, replace=partial(replaced, fault.value)))
         elif fault.kind == "flip":
-            rules.append(Flip(strikes, fault.bit))
+            rules.append(Rule(strikes, replace=partial(flip, strikes.random, fault.bit)))
         elif fault.kind == "hold":
             length_ticks = 0 if fault.length is None else context.ticks(fault.length)
             held = HeldLine(context.kernel, sda, scl, name, length_ticks, fault.clocks or 0)
-            rules.append(HoldData(strikes, held))
+            rules.append(Rule(strikes, strike=held.pull, held=held))
     disturbed = DisturbedTarget(context.kernel, target, rules) if rules else target
     side = TargetSide(
         context.kernel, scl, sda, disturbed.answer, context.ticks(table.output_delay), name, disturbed.on_end

@@ -66,80 +66,41 @@ class When:
         return self.share == 1 or self.random.random() < self.share
 
 
+@dataclass
 class Rule:
-    """A disturbance of a target. By default nothing is changed."""
+    """A disturbance of a target. By default nothing is changed.
 
-    STATE = State("when phase")
+    refuses: True if the bytes are not acknowledged.
+    replace: returns the byte to send instead of a byte.
+    strike: applies the effects on the lines; called at the fall of SCL before an ACK or before a first bit.
+    held: the line that `strike` holds low, if there is one.
+    phase: number of phases so far whose R/W bit matches `when.access`.
+    """
 
-    def __init__(self, when: When) -> None:
-        self.when = when
-        self.phase = 0  # number of phases so far whose R/W bit matches `when.access`
+    STATE = State("when phase held")
 
-    def refuses(self) -> bool:
-        """Return True if the byte is not acknowledged."""
-        return False
-
-    def send_byte(self, value: int) -> int:
-        """Return the byte to send instead of `value`."""
-        return value
-
-    def strike(self) -> None:
-        """Apply the effects of the rule on the lines. Called at the fall of SCL before an ACK or before a first bit."""
-
-
-class Stretch(Rule):
-    """Holds SCL low for a random time. least, most: the range of the time, in ticks."""
-
-    def __init__(self, when: When, least: int, most: int, hold_clock: Callable[[int], None]) -> None:
-        super().__init__(when)
-        self._least, self._most = least, most
-        self._hold_clock = hold_clock
-
-    def strike(self) -> None:
-        ticks = self.when.random.randint(self._least, self._most)
-        if ticks:
-            self._hold_clock(ticks)
+    when: When
+    refuses: bool = False
+    replace: Callable[[int], int] | None = None
+    strike: Callable[[], None] | None = None
+    held: HeldLine | None = None
+    phase: int = 0
 
 
-class Refuse(Rule):
-    def refuses(self) -> bool:
-        return True
+def stretch(random: Random, least: int, most: int, hold_clock: Callable[[int], None]) -> None:
+    """Hold SCL low for a random time. least, most: the range of the time, in ticks."""
+    if ticks := random.randint(least, most):
+        hold_clock(ticks)
 
 
-class Wrong(Rule):
-    """Sends `value` in place of each byte."""
-
-    def __init__(self, when: When, value: int) -> None:
-        super().__init__(when)
-        self._value = value
-
-    def send_byte(self, value: int) -> int:
-        return self._value
+def replaced(sent: int, value: int) -> int:
+    """Return `sent` in place of each byte."""
+    return sent
 
 
-class Flip(Rule):
-    """Inverts one bit of a byte that is sent. bit: its number, 7 for the first on the wire; None for a random bit."""
-
-    def __init__(self, when: When, bit: int | None) -> None:
-        super().__init__(when)
-        self._bit = bit
-
-    def send_byte(self, value: int) -> int:
-        bit = self.when.random.randrange(8) if self._bit is None else self._bit
-        return value ^ 1 << bit
-
-
-class HoldData(Rule):
-    """A rule that holds SDA low at each strike."""
-
-    STATE = State("_sda")
-
-    def __init__(self, when: When, sda: HeldLine) -> None:
-        super().__init__(when)
-        self._sda = sda
-
-    def strike(self) -> None:
-        self._sda.pull()
+def flip(random: Random, bit: int | None, value: int) -> int:
+    """Invert one bit of a byte. bit: its number, 7 for the first on the wire; None for a random bit."""
+    return value ^ 1 << (random.randrange(8) if bit is None else bit)
 
 
 class DisturbedTarget:
@@ -177,33 +138,38 @@ class DisturbedTarget:
         for rule in self._rules:
             rule.phase += rule.when.access in (None, self._access)
         striking = self._striking(0)
-        if any(rule.refuses() for rule in striking):
+        if any(rule.refuses for rule in striking):
             return None
         self._reply = self._target.answer(address_byte)
         if self._reply is None or not self._reply.ack:
             return None
-        for rule in striking:
-            rule.strike()
+        _strike(striking)
         return self
 
     def receive_byte(self, byte: int, value: int) -> bool:
         assert self._reply is not None
         striking = self._striking(byte + 1)
-        for rule in striking:
-            rule.strike()
-        return not any(rule.refuses() for rule in striking) and self._reply.receive_byte(byte, value)
+        _strike(striking)
+        return not any(rule.refuses for rule in striking) and self._reply.receive_byte(byte, value)
 
     def send_byte(self, byte: int) -> int:
         assert self._reply is not None
         value = self._reply.send_byte(byte)
-        for rule in self._striking(byte + 1):
-            rule.strike()
-            value = rule.send_byte(value)
+        striking = self._striking(byte + 1)
+        _strike(striking)
+        for rule in striking:
+            value = value if rule.replace is None else rule.replace(value)
         return value
 
     def _striking(self, byte: int) -> list[Rule]:
         now = self._kernel.now
         return [rule for rule in self._rules if rule.when.strikes(byte, rule.phase, self._access, now)]
+
+
+def _strike(rules: Sequence[Rule]) -> None:
+    for rule in rules:
+        if rule.strike is not None:
+            rule.strike()
 
 
 def cut_power(kernel: Kernel, side: TargetSide, target: Answers, at: int, until: int | None) -> None:

@@ -61,21 +61,14 @@ def _disobeyed(pxd: str, c_text: str) -> Iterator[str]:
 
 
 def _decorated(pxd: str) -> Iterator[tuple[list[str], str]]:
-    """Yield (decorators, line) for each class or function. The lines of a long decorator are joined to one line."""
+    """Yield (decorators, line) for each class, for each function with decorators, and for other lines at the margin."""
     decorators: list[str] = []
-    open_one = ""
-    for raw in pxd.split("\n"):
-        line = raw.partition("  #")[0].rstrip()
-        if open_one or line.lstrip().startswith("@"):
-            open_one += line.strip()
-            if open_one.count("(") == open_one.count(")"):
-                decorators.append(open_one.removeprefix("@"))
-                open_one = ""
+    for line in pxd.split("\n"):
+        if line.lstrip().startswith("@"):
+            decorators.append(line.strip().removeprefix("@"))
         elif line.strip():
-            if decorators or CLASS.match(line):
+            if decorators or not line.startswith(" "):
                 yield decorators, line
-            elif not line.startswith(" "):
-                yield [], line
             decorators = []
 
 

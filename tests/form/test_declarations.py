@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.form.build import types_of
 from periph_sim.form.compiled_class import BadDeclaration
-from periph_sim.form.declarations import declarations, used_by
+from periph_sim.form.declarations import declarations
 from periph_sim.form.sources import Sources
 from tests.form.package import classes, every_declaration, package
 
@@ -351,7 +352,9 @@ def test_a_module_is_built_anew_where_types_change_that_it_uses(tmp_path: Path):
         (tmp_path / "core" / f"{name}.py").write_text(f"# core: compiled\n{text}")
     package = Sources(tmp_path)
     assert package.compiled() == ["core.chip", "core.clock", "core.fifo", "core.time"]
-    assert {name: used_by(package, f"core.{name}") for name in sources} == {
+    for name in sources:
+        (tmp_path / "core" / f"{name}.pxd").write_text(declarations(package[f"core.{name}"]))
+    assert {name: set(types_of(f"core.{name}", tmp_path)) for name in sources} == {
         "chip": {"core.chip"},
         "time": {"core.time", "core.chip"},
         "clock": {"core.clock", "core.time", "core.chip"},

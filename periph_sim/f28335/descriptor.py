@@ -52,7 +52,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     base, size: address and length of its registers, in 16-bit words.
     header: the structure that TI's C headers place at `base`, or several structures with their offsets.
     chip: the class of its chip, as "i2c.module.I2c" in this package; empty for modules that every unit has.
-    takes: arguments of that class: "name", "number" (the end of the name) and "options".
+    takes: arguments of that class: "name" and "options".
     options: the group of options that it uses.
     options_class: the class of these options, written like `chip`.
     gate: the field of PCLKCR0 or PCLKCR3 that switches its clock; empty if there is none.
@@ -98,7 +98,6 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
         given = options.get(self.options)
         values: dict[str, Callable[[], object]] = {
             "name": lambda: self.name,
-            "number": lambda: int(self.name[-1]),
             "options": lambda: named_class(self.options_class)() if given is None else given,
         }
         return cast(Chip, named_class(self.chip)(*(values[one]() for one in self.takes)))

@@ -199,7 +199,7 @@ class Dsp(FirmwareView):
         socket.on_note = partial(self._noted, socket)
         self.sockets[name] = socket
         self._modules.append((descriptor, socket))
-        self.memory.add(ModuleRange(name, descriptor.base, descriptor.size, descriptor.frame, socket))
+        self.memory.places[name] = ModuleRange(name, descriptor.base, descriptor.size, descriptor.frame, socket)
 
     def _noted(self, socket: Socket, cycle: int, note: Note) -> None:
         """Keep the statement that violates a duty of the firmware, as a rule by its own access."""

@@ -294,7 +294,7 @@ CHIPS: dict[str, tuple[Callable[[], Any], type[Driver]]] = {
     "GPIO": (wired_gpio, GpioDriver),
     "XINT": (Xint, Driver),
     "PIE": (lambda: Pie(SYSTEM), PieDriver),
-    "timer": (lambda: CpuTimer(0, SYSTEM), TimerDriver),
+    "timer": (lambda: CpuTimer(SYSTEM), TimerDriver),
     "SYS": (lambda: SystemControl(30_000_000, SYSTEM), SystemDriver),
 }
 

@@ -72,7 +72,7 @@ def test_a_descriptor_agrees_with_itself_and_the_tables_of_the_manual(one: Modul
     assert all(interrupt.vector in VECTORS for interrupt in one.interrupts)
     names = [name.split(".") for interrupt in one.interrupts for name in interrupt.fields]
     assert all(field_name in one.registers[register] for register, field_name in names)
-    assert set(one.takes) <= {"name", "number", "options"}
+    assert set(one.takes) <= {"name", "options"}
     assert one.clock in ("SYSCLKOUT", "LSPCLK")
     assert all(not gate or gate in PCLKCR0 or gate in PCLKCR3 for gate in (one.gate, one.input_gate))
     assert all(signal in FUNCTIONS[one.pins[signal]] for signal in one.signals)

@@ -190,7 +190,7 @@ def test_after_a_first_measurement_cdc_still_decides_about_a_second(cdc: int):
 @pytest.mark.rule("SYS-089")
 @pytest.mark.parametrize("tie", [0, 1 << 14])
 def test_a_timer_asks_where_it_has_reached_zero_and_tie_is_1(tie: int):
-    timer = CpuTimer(0, options_from(SystemOptions, {}))
+    timer = CpuTimer(options_from(SystemOptions, {}))
     timer.write(0, TCR.offset, 1 << 4)
     timer.write(0, PRD.offset, 999)
     timer.write(0, TPR.offset, 0)

@@ -60,10 +60,10 @@ class Bench:
         self.core = CpuInterrupts(options)
         self.socket = Socket(self.kernel, self.clock, self.recorder, f"{name}.FLAGS", self.chip, self._asked)
         self.memory = memory = AddressMap()
-        memory.add(ModuleRange("FLAGS", base, 2, frame, self.socket))
+        memory.places["FLAGS"] = ModuleRange("FLAGS", base, 2, frame, self.socket)
         self.pie_socket = Socket(self.kernel, self.clock, self.recorder, f"{name}.PIE", self.pie, lambda c, a: None)
         self.pie_socket.after = self._pulse
-        memory.add(ModuleRange("PIE", 0x0CE0, 0x20, Frame.PF0, self.pie_socket))
+        memory.places["PIE"] = ModuleRange("PIE", 0x0CE0, 0x20, Frame.PF0, self.pie_socket)
         self.processor = Processor(self.kernel, self.clock, self.recorder, name, memory, self.core, self.pie, options)
         self.cpu = Cpu(self.processor, self.clock, self.recorder, code)
         self.waits = Waits(self.cpu, options.pf2_read_ws, code.poll_pass, skip_polls)

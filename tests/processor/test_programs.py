@@ -144,7 +144,7 @@ def test_it_runs_beside_python_firmware_that_reads_the_same_module():
     recorder, found = heard(Kind.ACCESS)
     one = Bench([(10, 1, -1), (60, 0, -1)], recorder=recorder)
     two = Bench([], beside=one, name="iss")
-    two.memory.add(ModuleRange("SHARED", 0x7200, 2, Frame.PF2, one.socket))
+    two.memory.places["SHARED"] = ModuleRange("SHARED", 0x7200, 2, Frame.PF2, one.socket)
     program = scripted(two, work(20), Step(Op.LOAD, 0x7201), work(40), Step(Op.LOAD, 0x7201))
 
     def firmware() -> None:

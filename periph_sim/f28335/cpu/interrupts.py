@@ -147,7 +147,7 @@ class CpuInterrupts:
         if number in (EMUINT, NMI):
             self._nonmaskable |= 1 << number - EMUINT
         else:
-            self._coming.append((now + IFR_DELAY, self._bit(number)))
+            self._coming.append((now + IFR_DELAY, 1 << number - 1))
             if now + IFR_DELAY <= self._returned_at:
                 self._options.irq_after_iret.assume(self.touched)
             self.next_wake = self._coming[0][0]
@@ -191,20 +191,14 @@ class CpuInterrupts:
         return NEVER
 
     def enter(self, now: int, number: int) -> Context:
-        """Take this interrupt at boundary `now` and return the saved context.
-
-        Raise ValueError if `next_taken` returns another number.
-        """
-        if self.next_taken(now) != number:
-            raise ValueError(
-                f"interrupt {number} cannot be taken at cycle {now}; next_taken returns {self.next_taken(now)}"
-            )
+        """Take this interrupt, which `next_taken` has returned, at boundary `now` and return the saved context."""
+        self.wake(now)
         self._options.int_latency.assume(self.touched)
         self._options.vector_fetch_waits.assume(self.touched)
         if number > MASKABLE:
             self._nonmaskable &= ~(1 << number - EMUINT)
             return self.save(number, now + self.entry_cycles)
-        bit = self._bit(number)
+        bit = 1 << number - 1
         self.ifr &= ~bit
         context = self.save(number, now + self.entry_cycles)
         self.ier &= ~bit
@@ -213,8 +207,6 @@ class CpuInterrupts:
     def trap(self, now: int, number: int) -> Context:
         """Execute TRAP #number, 0 to 31: enter its routine regardless of the masks. IFR and IER keep their values."""
         self.wake(now)
-        if not 0 <= number < 32:
-            raise ValueError(f"there is no TRAP #{number}; expected 0 to 31")
         return self.save(number, now + cpu_costs.TRAP + self._options.vector_fetch_waits.assume(self.touched))
 
     @property
@@ -333,9 +325,3 @@ class CpuInterrupts:
     def _next_boundary(self, cycle: int) -> None:
         self.ready = cycle
         self.owes_instruction = False
-
-    @staticmethod
-    def _bit(number: int) -> int:
-        if not 1 <= number <= MASKABLE:
-            raise ValueError(f"there is no maskable interrupt {number}; expected 1 to {MASKABLE}")
-        return 1 << number - 1

@@ -18,7 +18,7 @@ def timer(number: int) -> ModuleDescriptor:
         frame=Frame.PF0,
         header={f"CpuTimer{number}Regs": 0},
         chip="cpu_timer.module.CpuTimer",
-        takes=("number", "options"),
+        takes=("options",),
         gate=f"CPUTIMER{number}ENCLK",
         interrupts=(Interrupt(VECTORS[number], ("TCR.TIF", "TCR.TIE"), shared=VECTORS[number] == "INT13"),),
     )

@@ -36,14 +36,12 @@ AT_TCR, AT_TIM, AT_TIMH, AT_PRD, AT_PRDH, AT_TPR, AT_TPRH = (r.offset for r in (
 
 @final
 class CpuTimer(Chip):
-    """CPU timer, which runs from reset as in hardware. number: 0, 1 or 2."""
+    """CPU timer, which runs from reset as in hardware."""
 
     STATE = State("_clocked _tcr _prd _tddr _tim _psc", cycles="_since _event_at")
     MAP = MAP
 
-    def __init__(self, number: int, options: SystemOptions) -> None:
-        if number not in (0, 1, 2):
-            raise ValueError(f"there is no CPU timer {number!r}; there are 0, 1 and 2")
+    def __init__(self, options: SystemOptions) -> None:
         super().__init__()
         self._options = options
         self._on_reload = options.timer_tif_point.unrecorded() == "on_reload"

@@ -50,12 +50,6 @@ class AddressMap:
     def __init__(self) -> None:
         self.places: dict[str, ModuleRange] = {}
 
-    def add(self, place: ModuleRange) -> None:
-        for other in self.places.values():
-            if place.base < other.base + other.size and other.base < place.base + place.size:
-                raise ValueError(f"{place.name} at {place.base:#06x} overlaps {other.name} at {other.base:#06x}")
-        self.places[place.name] = place
-
     def at(self, address: int) -> tuple[ModuleRange, Register, int] | None:
         """Return (module, register, which 16-bit half of it) at an address; None if there is no register."""
         place = self._place(address)

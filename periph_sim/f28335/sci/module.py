@@ -106,8 +106,6 @@ class Sci(SciLines):
             self._write_ffct(now, value)
         elif offset == PRI:
             self._pri = value & (SOFT | FREE)
-        else:
-            self._check_offset(offset)
         self._after_write(now)
 
     def _read_rxbuf(self, now: int) -> int:
@@ -149,14 +147,7 @@ class Sci(SciLines):
             return self._lbaud
         if offset == FFCT:
             return self._ffct
-        if offset == PRI:
-            return self._pri
-        self._check_offset(offset)
-        return 0
-
-    def _check_offset(self, offset: int) -> None:
-        if not 0 <= offset <= 0xF:
-            raise ValueError(f"{self.name} has offsets 0 to 0xF, not {offset:#x}")
+        return self._pri if offset == PRI else 0
 
     def _no_clock(self, what: str) -> bool:
         """Add a note about an access without a clock. Return True if the access has no effect."""

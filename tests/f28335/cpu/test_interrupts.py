@@ -677,21 +677,6 @@ def test_iret_returns_through_a_frame_that_firmware_made_up():
     assert (core.nested, core.ready) == (0, 13)
 
 
-# Wrong use -----------------------------------------------------------------------------------------------
-
-
-def test_wrong_calls_are_refused():
-    core = cpu()
-    with pytest.raises(ValueError, match="interrupt 9 cannot be taken at cycle 5"):
-        core.enter(5, 9)
-    with pytest.raises(ValueError, match="no maskable interrupt 19"):
-        core.raise_line(5, 19)
-    with pytest.raises(ValueError, match="no maskable interrupt 0"):
-        core.raise_line(5, 0)
-    with pytest.raises(ValueError, match="no TRAP #32"):
-        core.trap(5, 32)
-
-
 # A reset in the middle --------------------------------------------------------------------------------------
 
 

@@ -32,7 +32,7 @@ TIF, TIE, TRB, TSS = 0x8000, 0x4000, 0x20, 0x10
 
 
 def timer(**options: str) -> CpuTimer:
-    return CpuTimer(0, options_from(SystemOptions, dict(options)))
+    return CpuTimer(options_from(SystemOptions, dict(options)))
 
 
 def started(prd: int, tddr: int, tcr: int = 0, now: int = 0, **options: str) -> CpuTimer:
@@ -350,8 +350,6 @@ def test_a_write_moves_16_bits_whatever_stands_above_them():
 
 
 def test_wrong_calls_are_refused():
-    with pytest.raises(ValueError, match="no CPU timer 3"):
-        CpuTimer(3, SystemOptions())
     with pytest.raises(ValueError, match="no input pins"):
         timer().pins(0, 1)
 

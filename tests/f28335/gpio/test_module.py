@@ -1058,11 +1058,6 @@ def act(rig: Rig, now: int, action: object) -> None:
         rig.write(f"GP{action[1]}{action[0]}", action[2])
 
 
-def test_a_pin_that_does_not_exist():
-    with pytest.raises(ValueError, match="there is no GPIO88; the pins are GPIO0 to GPIO87"):
-        Rig().gpio.wire(1 << 88)
-
-
 def test_edges_told_out_of_order():
     rig = Rig()
     rig.pin(5, 12, 0)

@@ -12,7 +12,6 @@ from periph_sim.f28335.memory.memory_map import (
     WORDS_MASK,
     AddressMap,
     Frame,
-    ModuleRange,
     NoSuchAddress,
     WaitStates,
 )
@@ -76,18 +75,6 @@ def test_a_name_without_a_register(memory: AddressMap, name: str, sentence: str)
     with pytest.raises(NoSuchAddress) as refused:
         memory.named(name)
     assert str(refused.value).startswith(sentence)
-
-
-@pytest.mark.parametrize(("base", "overlaps"), [(0x793F, True), (0x7940, False)])
-def test_two_modules_at_one_place_are_a_mistake(memory: AddressMap, base: int, overlaps: bool) -> None:
-    own, place = AddressMap(), memory.places["I2C-A"]
-    own.add(place)
-    other = ModuleRange("other", base, 4, place.frame, place.socket)
-    if overlaps:
-        with pytest.raises(ValueError, match="other at 0x793f overlaps I2C-A at 0x7900"):
-            own.add(other)
-    else:
-        own.add(other)
 
 
 @pytest.mark.rule("SYS-034", "SYS-035")

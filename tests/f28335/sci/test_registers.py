@@ -273,13 +273,3 @@ def test_a_hole_in_the_map_and_a_pin_that_is_not_there():
         rig.chip.write(rig.now, hole, 0xFFFF)
         assert rig.chip.read(rig.now, hole) == 0
     assert {r.name: rig.peek(r.name) for r in SCI_MAP} == before
-
-
-def test_calls_that_no_simulation_should_make():
-    rig = SciRig()
-    with pytest.raises(ValueError, match="offset"):
-        rig.chip.read(rig.now, 16)
-    with pytest.raises(ValueError, match="offset"):
-        rig.chip.write(rig.now, -1, 0)
-    with pytest.raises(ValueError, match="LSPCLK"):
-        rig.chip.set_lspclk(rig.now, 3, 0)

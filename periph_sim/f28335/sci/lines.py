@@ -2,7 +2,7 @@
 
     RXD --> SciRxBits --deliver--> SciRx --> RXINT
                  ^ loop-back
-    TXD <-- SciTxBits <--words---- SciTx --> TXINT
+    TXD <-------------------------- SciTx --> TXINT
 
 The CPU's side in `module` configures receiver and transmitter.
 
@@ -210,7 +210,7 @@ class SciLines(Chip):
         self._set_out(at)
 
     def _set_out(self, now: int) -> None:
-        level = self._tx.bits.level
+        level = self._tx.level
         if level != self.out:
             self.out = level
             if self._ccr & LOOPBKENA:

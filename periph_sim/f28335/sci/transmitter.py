@@ -1,6 +1,6 @@
-"""SCI transmitter, CPU side: sends frames from SCITXBUF and the FIFO, with flags and the transmit request.
+"""SCI transmitter: sends frames from SCITXBUF and the FIFO, with flags and the transmit request.
 
-    write --> SCITXBUF or FIFO --load--> TXSHF, WUT --start--> SciTxBits (levels)
+    write --> SCITXBUF or FIFO --load--> TXSHF, WUT --start--> [ticks of the edges] --> level
                                   |
                                   +--> TXRDY, TXFFST, TXFFINT --> request
 
@@ -31,22 +31,22 @@ from .clock import SciClock
 from .options import SciOptions
 from .receiver_bits import FAR
 from .register_map import SCI_MAP, SCIFFENA, SCIRST, TXEMPTY, TXRDY
-from .transmitter_bits import SciTxBits
 
 
 @final
 class SciTx:
-    """CPU side of the transmitter. The FIFO stores marks above the eight bits of its words.
+    """The transmitter. The FIFO stores marks above the eight bits of its words. A bit is eight ticks.
 
+    level: level of TXD.
     request: TXINT was requested since the owner last set this to False.
     mark: a number that the owner gives to the next word written to SCITXBUF.
     out_mark: the mark of the word whose bits TXD shows; 0 after it was cut off.
     """
 
     STATE = State(
-        "request bits frames lost enabled running in_swreset stopping int_enabled delay "
+        "request level frames lost enabled running in_swreset stopping int_enabled delay "
         "txbuf txwake wut fifo fifo_mode active next_tick _layout _waiting _drain _loaded _txshf "
-        "_data_frame _began _end _last_end _start_at _load_at",
+        "_data_frame _began _end _last_end _start_at _load_at _edges _edge_at",
         cycles="next_cycle _load_cycle _empty_until",
         records="mark out_mark _txbuf_mark _txshf_mark",
     )
@@ -54,10 +54,10 @@ class SciTx:
     def __init__(self, options: SciOptions, clock: SciClock, layout: SciFormat, touched: set[str]) -> None:
         self.options = options
         self.touched = touched
-        self.bits = SciTxBits()
         self.frames = 0  # number of frames whose start bits have begun, since construction
         self.lost: list[str] = []  # messages about lost words
         self.mark = 0
+        self._edges: list[int] = []  # ticks of the coming edges, the last one first
         self.fifo = InterruptFifo(SCI_MAP["SCIFFTX"], False, options.fifo_int_mode, touched)
         self._clock = clock
         self._layout = layout
@@ -100,7 +100,8 @@ class SciTx:
         self._load_cycle = NEVER  # cycle of the next load, if it is not at a tick
         self._last_end = -FAR
         self._empty_until = 0  # cycle up to which TXEMPTY still reads 1
-        self.bits.stop()
+        self.level = 1
+        self._edge_at = FAR  # tick at which the level changes next
         self.out_mark = 0
         self.next_tick = FAR
         self.next_cycle = NEVER  # cycle of the next event that is not at a tick
@@ -130,8 +131,10 @@ class SciTx:
             self._finish()
         if self._start_at <= tick:
             self._start(now)
-        if self.bits.next_tick <= tick:
-            self.bits.step()
+        if self._edge_at <= tick:
+            self._edges.pop()
+            self.level ^= 1
+            self._edge_at = self._edges[-1] if self._edges else FAR
         self._set_next(now)
 
     def replan(self, now: int) -> None:
@@ -237,15 +240,18 @@ class SciTx:
         if self._data_frame:
             self._end = tick + layout.end
             self.frames += 1
-            self._send(tick)
+            self.out_mark = self._txshf_mark
+            self._set_edges(tick, self._levels(layout), layout.bits)
         else:
             self._end = tick + (88 if self.options.txwake_idle_len.assume(self.touched) == "11_bits" else layout.end)
         self._plan(now)
 
-    def _send(self, tick: int) -> None:
-        layout = self._layout
-        self.out_mark = self._txshf_mark
-        self.bits.send(tick, self._levels(layout), layout.bits)
+    def _set_edges(self, tick: int, levels: int, bits: int) -> None:
+        """Send a frame of `bits` bits from `tick` on, bit 0 of `levels` first. The line must be at 1 before it."""
+        changes = levels ^ (levels << 1 | 1)
+        edges = [tick + 8 * bit for bit in range(bits - 1, -1, -1) if changes >> bit & 1]
+        self._edges = edges
+        self._edge_at = edges[-1] if edges else FAR
 
     def _levels(self, layout: SciFormat) -> int:
         word = self._txshf
@@ -255,7 +261,7 @@ class SciTx:
         return layout.levels(word, int(self.wut), whole_byte)
 
     def _set_next(self, now: int) -> None:
-        due = self.bits.next_tick
+        due = self._edge_at
         if self._end < due:
             due = self._end
         if self._start_at < due:
@@ -346,8 +352,13 @@ class SciTx:
         self._layout = layout
         if at_once and self.active and self._data_frame:
             done = (self._clock.passed(now) - self._began) // 8 + 1
-            self._end = self._began + 8 * max(layout.bits, done)
-            self.bits.resend(self._began, self._levels(layout), max(layout.bits, done), done)
+            bits = max(layout.bits, done)
+            self._end = self._began + 8 * bits
+            levels = self._levels(layout) & -(1 << done) | (-self.level & (1 << done) - 1)
+            self._set_edges(self._began, levels, bits)
+            while self._edges and self._edges[-1] < self._began + 8 * done:
+                self._edges.pop()
+            self._edge_at = self._edges[-1] if self._edges else FAR
         self.replan(now)
 
     def show_flags(self, now: int) -> int:

@@ -63,11 +63,7 @@ PLLLOCKS, PLLOFF, OSCOFF, MCLKOFF = (PLLSTS[name].mask for name in ("PLLLOCKS", 
 WDINTS = SCSR["WDINTS"].mask
 LPM = LPMCR0["LPM"]
 
-GATES: tuple[str, ...] = tuple(one.name for register in (PCLKCR0, PCLKCR3) for one in register.fields)
-GATE_BIT = {name: 1 << index for index, name in enumerate(GATES)}  # bit of each gate in `gates`
-ENABLES = tuple(  # bit of `gates`, bit of the register, and offset of the register
-    (GATE_BIT[one.name], one.mask, register.offset) for register in (PCLKCR0, PCLKCR3) for one in register.fields
-)
+GATES = {one.name: one.mask for one in PCLKCR0.fields} | {one.name: one.mask << 16 for one in PCLKCR3.fields}
 STORED = (HISPCP, LOSPCP, PCLKCR0, PCLKCR1, PCLKCR3, LPMCR0)  # registers that only software changes
 
 
@@ -113,7 +109,7 @@ class SystemControl(Chip):
         self.hspclk_divider = prescale(HISPCP.reset)
         self.lspclk_divider = prescale(LOSPCP.reset)
         self.lspclk_phase = now  # LSPCLK begins a period at this cycle and every `lspclk_divider` cycles from it
-        self.gates = self._gates()  # bit i: the clock that GATES[i] switches is on
+        self.gates = self._gates()  # PCLKCR3 and PCLKCR0, as in effect
         self._gates_to_come.clear()
         self._watchdog.reset(self._clock.at(now))
         self.requests = 0
@@ -129,7 +125,7 @@ class SystemControl(Chip):
 
     def enabled(self, gate: str) -> bool:
         """Return True if the clock that a field of PCLKCR0 or PCLKCR3 switches is on."""
-        return bool(self.gates & GATE_BIT[gate])
+        return bool(self.gates & GATES[gate])
 
     def watchdog_rounds(self, since: int, now: int) -> int:
         """Return how often the watchdog overflows between two cycles, if nothing restarts it or changes SYSCLKOUT."""
@@ -312,11 +308,7 @@ class SystemControl(Chip):
         self._clock.retune(now, ratio, divide)
 
     def _gates(self) -> int:
-        gates = 0
-        for bit, mask, offset in ENABLES:
-            if mask & self._stored[offset]:
-                gates |= bit
-        return gates
+        return self._stored[PCLKCR3.offset] << 16 | self._stored[PCLKCR0.offset]
 
     def _check_divsel(self) -> None:
         if DIVSEL.extract(self._pllsts) == 3 and self._pllcr:

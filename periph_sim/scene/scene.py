@@ -63,7 +63,7 @@ class Scene:
     case: the case, or its plan if several scenes are built from it.
     subscribe: called while the scene is built, before anything runs, so that recorders can subscribe.
     programs: firmware given as Python functions, by unit; the case's `firmware` of these units is then only a name.
-    keep_values: keep all values of measures that have a series of values, for `timing.values`.
+    keep_values: keep all values of measures that have a series of values, for `BudgetJudge.values`.
     sources: inputs of sensor chips as functions of the tick, by chip; they replace the case's `values`.
     restorable: keep a log of the accesses of C sources, so that `restore` need not run the scene from its start.
     """

@@ -10,9 +10,9 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import lru_cache
+from itertools import combinations
 
 from msgspec import Struct
-from msgspec.structs import replace
 
 from ..core.exact_number import exact_number
 from ..core.settings import duration, share
@@ -24,6 +24,7 @@ from .measures.factory import expanded, maker_of
 from .measures.measure import MILLIONTHS, Measure
 
 PER_MILLE = {"p50": 500, "p95": 950, "p99": 990, "p99_9": 999}
+WANTED = {"%": "a part of the time; write for instance '40 %'", "LSB": "in LSB; write for instance '2.5 LSB'"}
 
 
 class BadBudget(ValueError):
@@ -63,14 +64,6 @@ class BudgetPlan(Struct, frozen=True):
     joined: tuple[tuple[Budget, BudgetPlan], ...]
     same_as: int
 
-    @property
-    def has_percentile(self) -> bool:
-        return not PER_MILLE.keys().isdisjoint(self.limits)
-
-    def measures_as(self, other: BudgetPlan) -> bool:
-        """Return True if one measure serves both budgets. A budget with joined conditions never shares its measure."""
-        return self.text == other.text and self.after == other.after and not (self.joined or other.joined)
-
 
 def plan_of(
     budget: Budget,
@@ -100,9 +93,12 @@ def plan_of(
             raise BadBudget(f"{budget.measure!r} is one number a run, so none of it can be left out", "after")
         not_before = start + timebase.ticks(budget.after, "nearest")
     joined = tuple(_joined(budget, measure, entry, timebase, scope, start) for entry in range(len(budget.also)))
-    plan = BudgetPlan(text, budget.after, make, given, limits, not_before, joined, -1)
-    places = (place for place, other in enumerate(others) if other.same_as < 0 and plan.measures_as(other))
-    return replace(plan, same_as=next(places, -1))
+    same = (  # a budget with joined conditions never shares its measure
+        place
+        for place, other in enumerate(others)
+        if other.same_as < 0 and (other.text, other.after) == (text, budget.after) and not (joined or other.joined)
+    )
+    return BudgetPlan(text, budget.after, make, given, limits, not_before, joined, next(same, -1))
 
 
 def _joined(
@@ -126,42 +122,29 @@ def _joined(
 
 
 def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, given: str | int) -> int:
-    """Return a limit of the table in ticks, millionths or counts, according to the unit of the measure."""
+    """Return a limit of the table in ticks, millionths or counts, according to the unit of the measure.
+
+    A share is given as "40 %", a value in LSB as 2 or "2.5 LSB". Raise BadBudget if the limit has another unit.
+    """
     unit = measure.unit
-    if unit == "time":
-        try:
+    try:
+        if unit == "time":
             return _nearest_tick(given, timebase.per_second)
-        except ValueError as error:
+        if unit == "%":
+            return round(share(given) * MILLIONTHS)
+        if unit == "LSB":
+            text = str(given)
+            steps = exact_number(text.removesuffix("LSB"))
+            if steps >= 0 and (isinstance(given, int) or text.endswith("LSB")):
+                return round(steps * MILLIONTHS)
+        elif isinstance(given, int):
+            return given
+    except ValueError as error:
+        if unit == "time":
             raise BadBudget(str(error), which) from None
-    if unit == "%":
-        return _part(budget, which, given)
-    if unit == "LSB":
-        return _steps(budget, which, given)
-    if isinstance(given, str):
-        counted = "a number" if unit in ("count", "value") else f"a number of {unit}"
-        raise BadBudget(f"{given!r}, but {budget.measure!r} is {counted}; write a whole number", which)
-    return given
-
-
-def _part(budget: Budget, which: str, given: str | int) -> int:
-    """Return a share such as "40 %" in millionths. Raise BadBudget if it is not a share."""
-    try:
-        return round(share(given) * MILLIONTHS)
-    except ValueError:
-        what = f"{given!r}, but {budget.measure!r} is a part of the time; write for instance '40 %'"
-        raise BadBudget(what, which) from None
-
-
-def _steps(budget: Budget, which: str, given: str | int) -> int:
-    """Return a limit such as 2 or "2.5 LSB" in millionths. Raise BadBudget if it is not a limit in LSB."""
-    text = str(given)
-    try:
-        steps = exact_number(text.removesuffix("LSB"))
-    except ValueError:
-        steps = Fraction(-1)
-    if steps < 0 or (isinstance(given, str) and not text.endswith("LSB")):
-        raise BadBudget(f"{given!r}, but {budget.measure!r} is in LSB; write for instance '2.5 LSB'", which)
-    return round(steps * MILLIONTHS)
+    counted = "a number" if unit in ("count", "value") else f"a number of {unit}"
+    wanted = WANTED.get(unit, f"{counted}; write a whole number")
+    raise BadBudget(f"{given!r}, but {budget.measure!r} is {wanted}", which)
 
 
 def _check(budget: Budget, measure: Measure, limits: dict[str, int], given: dict[str, str | int]) -> None:
@@ -173,21 +156,15 @@ def _check(budget: Budget, measure: Measure, limits: dict[str, int], given: dict
     if percentiles and not measure.series:
         key = percentiles[0]
         raise BadBudget(f"{budget.measure!r} is one number a run and has no percentiles; write max", key)
-    low, high = limits.get("min"), limits.get("max")
-    if low is not None and high is not None and low > high:
-        what = f"min {given['min']} is above max {given['max']}, so no run can keep both"
-        raise BadBudget(f"{what}; raise max or lower min", "min")
-    for place, key in enumerate(percentiles):
-        if high is not None and limits[key] > high:
-            what = f"{key} {given[key]} is above max {given['max']}, which no value may exceed"
-            raise BadBudget(f"{what}; lower {key} or leave it out", key)
-        if low is not None and low > limits[key]:
-            what = f"{key} {given[key]} is below min {given['min']}, so no run can keep both"
-            raise BadBudget(f"{what}; raise {key} or lower min", key)
-        for higher in percentiles[place + 1 :]:
-            if limits[key] > limits[higher]:
-                what = f"{key} {given[key]} is above {higher} {given[higher]}, which says more already"
-                raise BadBudget(f"{what}; lower {key} or leave it out", key)
+    in_order = [key for key in ("min", *percentiles, "max") if key in limits]
+    for low, high in combinations(in_order, 2):
+        if limits[low] > limits[high]:
+            why, remedy = "which says more already", f"lower {low} or leave it out"
+            if low == "min":
+                why, remedy = "so no run can keep both", f"raise {high} or lower min"
+            elif high == "max":
+                why = "which no value may exceed"
+            raise BadBudget(f"{low} {given[low]} is above {high} {given[high]}, {why}; {remedy}", low)
     if isinstance(measure, EventMeasure) and measure.proves_no_zero:
         for key in limits:
             if key != "min" and limits[key] == 0:

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import final
+from operator import attrgetter
+from typing import TYPE_CHECKING, final
 
 from msgspec import Struct
 
@@ -16,6 +17,10 @@ from .budget_plan import PER_MILLE, BudgetPlan
 from .budget_schema import Budget
 from .measures.measure import MILLIONTHS, Measure
 from .verdict import FAIL, NOT_JUDGED, PASS, Verdict
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 
 class _Seen(Struct, frozen=True):
@@ -31,6 +36,23 @@ class _Seen(Struct, frozen=True):
     value: int
     at: int
     slack: int
+
+
+class Values(Struct, frozen=True, eq=False):
+    """Values of one budget's measure, in the order in which they were taken.
+
+    A scene with `keep_values=True` stores them. Each value takes the memory of two int64. Measures that are one number
+    a run (counts, loads) have no values.
+
+    values: int64[n], in ticks if `unit` is "time", in millionths if it is "LSB", else counts.
+    at: int64[n], the tick of each value, counted from the begin of the run.
+    limits: the limits of the budget in the same unit, indexed by key.
+    """
+
+    unit: str
+    values: NDArray[np.int64]
+    at: NDArray[np.int64]
+    limits: dict[str, int]
 
 
 @final
@@ -53,7 +75,7 @@ class BudgetJudge:
         self.same_as: BudgetJudge | None = None if plan.same_as < 0 else others[plan.same_as]
         self.measure: Measure = plan.make() if self.same_as is None else self.same_as.measure
         self.measure.not_before = plan.not_before
-        if plan.has_percentile and not self.measure.tallied:
+        if PER_MILLE.keys() & plan.limits.keys() and not self.measure.tallied:
             self.measure.tally()
         self.joined = [BudgetJudge(condition, timebase, part) for condition, part in plan.joined]
         if self.joined:
@@ -113,21 +135,21 @@ class BudgetJudge:
         measure = self.measure
         limits = [(key, limit) for key, limit in self.plan.limits.items() if self._can_judge(key, limit)]
         silent = measure.silent or not limits
-        enough = self._measured_enough()
+        coverage = self.budget.coverage
+        enough = (
+            measure.occasions is None
+            or measure.measured * coverage.denominator >= coverage.numerator * measure.occasions
+        )
         judged = enough and not silent and not measure.not_judged
         found = self._found or measure.refuted or measure.not_judged or (measure.missing() if silent else "")
         if not enough and not found:
-            found = f"measured {measure.measured} of {measure.occasions} {measure.asked}, less than {self._coverage()}"
+            percent = f"{float(100 * coverage):g} %"
+            found = f"measured {measure.measured} of {measure.occasions} {measure.asked}, less than {percent}"
         if silent:
             key, limit = next(iter(self.plan.limits.items()))
             nearest = _Seen(key, limit, 0, NO_TIME, 0)
         else:
-            key, limit = limits[0]
-            nearest = self._beside(key, limit)
-            for key, limit in limits[1:]:
-                other = self._beside(key, limit)
-                if other.slack < nearest.slack:
-                    nearest = other
+            nearest = min([self._beside(key, limit) for key, limit in limits], key=attrgetter("slack"))
         at = NO_TIME if silent else nearest.at
         until = NO_TIME
         if measure.refuted and nearest.slack >= 0:
@@ -161,14 +183,6 @@ class BudgetJudge:
             return True
         return which not in ("min", "exactly") or (which == "exactly" and measure.worst > limit)
 
-    def _measured_enough(self) -> bool:
-        measure = self.measure
-        part = self.budget.coverage
-        return measure.occasions is None or measure.measured * part.denominator >= part.numerator * measure.occasions
-
-    def _coverage(self) -> str:
-        return f"{float(100 * self.budget.coverage):g} %"
-
     def typical(self, start: int = 0) -> Verdict | None:
         """Return the verdict on the value furthest from the limit; None unless the measure took at least two values."""
         part = self.shown
@@ -178,6 +192,19 @@ class BudgetJudge:
         if worst.worst is None or not measure.series or measure.count < 2 or at < 0:
             return None
         return replace(worst, worst=part.show(value), at_s=float(self._timebase.seconds(at - start)), margin=None)
+
+    def values(self, start: int) -> Values | None:
+        """Return the values that the measure stored, or None if there are none.
+
+        For joined conditions, return the values of the condition that the verdict shows.
+        start: the tick at which the run began.
+        """
+        shown = self.shown
+        kept = shown.measure.kept
+        if kept is None or not len(kept[0]):
+            return None
+        values, at = kept
+        return Values(shown.measure.unit, values, at - start, shown.limits)
 
     def _in_words(self, verdict: Verdict) -> str:
         """Return the verdict as text: "age 22.153 ms at 0.025195 s (max 25 ms)"."""

@@ -1,7 +1,7 @@
 """`python -m tests.mutants`: tries a sample of one-line mutants of the committed tree, and lists those no test kills.
 
     --seed 1 --count 60 --room measures     60 lines drawn, one change of each
-    --file periph_sim/timing/values.py      every change of every line
+    --file periph_sim/timing/rounds.py      every change of every line
     --unmapped                              for a room whose tests take seconds: they run whole, and none is mapped
 
 A tool of our own and neither cosmic-ray nor mutmut. mutmut calls every function through a trampoline, and this package

@@ -116,8 +116,8 @@ def test_a_part_of_the_time_is_judged_and_shown_in_percent():
         (
             "response",
             {"min": "10 us", "p50": "9 us"},
-            "p50",
-            "p50 9 us is below min 10 us, so no run can keep both; raise p50 or lower min",
+            "min",
+            "min 10 us is above p50 9 us, so no run can keep both; raise p50 or lower min",
         ),
         (
             "response",

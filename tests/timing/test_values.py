@@ -6,7 +6,6 @@ from pathlib import Path
 
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from periph_sim.timing.values import values_of
 from tests.interfaces.reports.html.made import CASE
 
 
@@ -16,7 +15,7 @@ def test_values_are_kept_on_request_and_agree_with_the_verdicts(tmp_path: Path) 
     case = load(path, [])
     scene = Scene(case, keep_values=True)
     result = scene.run()
-    kept = values_of(scene.limits, scene.start)
+    kept = [limit.values(scene.start) for limit in scene.limits]
     assert [one is None for one in kept] == [False, False, False, False, True, True]  # a count, and what never was
     for limit, verdict, one in zip(scene.limits, result.budgets, kept, strict=True):
         if one is not None:
@@ -34,4 +33,4 @@ def test_without_the_request_nothing_keeps_values(tmp_path: Path) -> None:
     scene = Scene(load(path, []))
     scene.run()
     assert any(limit.measure.tallied for limit in scene.limits)
-    assert not any(values_of(scene.limits, 0))
+    assert not any(limit.values(0) for limit in scene.limits)

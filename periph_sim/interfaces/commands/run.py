@@ -88,11 +88,10 @@ def run(
             found = explained(scene.case, result.budgets, scene.typical(), length)
             chains = {one.window.verdict.name: one.chain for one in found}
         if unfinished is not None:
-            from ...timing.values import values_of
             from ..reports.html.gather import case_report
             from ..reports.html.page import page
 
-            values = values_of(scene.limits, scene.start)
+            values = [limit.values(scene.start) for limit in scene.limits]
             per_second = scene.timebase.per_second
             report = case_report(loaded, result, values, scene.typical(), per_second, length, changes)
             unfinished.write_text(page([report], loaded.name, command_line()), encoding="utf-8")

@@ -47,7 +47,7 @@ from msgspec.structs import replace
 
 from ...core.settings import duration
 from ...devices.sensor_rounds import known_sensors
-from .events import EVENTS, Event, read_event
+from .events import EVENTS, Event, event_of, read_event
 from .scope import BadEvent
 from .tokens import Words
 
@@ -86,7 +86,7 @@ class Said(Struct, frozen=True):
     access: True if an interrupt's latency is measured up to the first access.
     """
 
-    form: str
+    form: str = ""
     events: tuple[Event, ...] = ()
     text: str = ""
     unit: str = ""
@@ -118,9 +118,14 @@ def near_form(text: str) -> str:
 def measure_of(text: str) -> Said:
     """Return the parsed text of a measure. Raise BadEvent if it cannot be parsed."""
     words = Words(text)
-    said = _PARSERS[words.one_of(list(FORMS))](words)
+    said = _parsed(words)
     words.end()
     return replace(said, text=text)
+
+
+def _parsed(words: Words) -> Said:
+    form = words.one_of(list(FORMS))
+    return replace(_MEASURES[form][1](words), form=form)
 
 
 def _from(words: Words) -> Said:
@@ -136,7 +141,7 @@ def _from(words: Words) -> Said:
             group = words.one_of(["transfer", "round", "unit"])
         else:
             pairing = f"in {words.one_of(['order'])}" if said == "in" else said
-    return Said("from", (begin, end), pairing=pairing, group=group, clauses=_clauses(words))
+    return Said(events=(begin, end), pairing=pairing, group=group, clauses=_clauses(words))
 
 
 def _clauses(words: Words) -> tuple[tuple[str, Event], ...]:
@@ -149,33 +154,29 @@ def _clauses(words: Words) -> tuple[tuple[str, Event], ...]:
     return tuple(found)
 
 
-def _of_event(form: str, clauses: bool = True) -> Callable[[Words], Said]:
-    def parse(words: Words) -> Said:
-        words.one_of(["of"])
-        return Said(form, (read_event(words),), clauses=_clauses(words) if clauses else ())
-
-    return parse
+def _of_event(words: Words, clauses: bool = True) -> Said:
+    words.one_of(["of"])
+    return Said(events=(read_event(words),), clauses=_clauses(words) if clauses else ())
 
 
 def _count(words: Words) -> Said:
     words.one_of(["of"])
     counted = read_event(words)
     if not words.took("from"):
-        return Said("count", (counted,), clauses=_clauses(words))
+        return Said(events=(counted,), clauses=_clauses(words))
     pair = _from(words)
-    return replace(pair, form="count", events=(counted, *pair.events))
+    return replace(pair, events=(counted, *pair.events))
 
 
 def _jitter(words: Words) -> Said:
     words.one_of(["of"])
     form = words.next
     if form in EVENTS and words.following not in ("latency", "load"):
-        return Said("jitter", (read_event(words),))
+        return Said(events=(read_event(words),))
     if form not in FORMS:
         words.take("a measure or an event")
-        return Said("jitter", name=" ".join(filter(None, (form, words.rest()))))
-    words.take("a measure")
-    return Said("jitter", of=_PARSERS[form](words))
+        return Said(name=" ".join(filter(None, (form, words.rest()))))
+    return Said(of=_parsed(words))
 
 
 def _level(words: Words) -> Said:
@@ -185,41 +186,40 @@ def _level(words: Words) -> Said:
     unit, name = words.name("a variable of an image" if kind == "variable" else "a field")
     change = Event(kind, f"{kind} {words.between(begin)} change", unit, name, "change")
     events = (read_event(words),) if words.took("at") else ()
-    return Said("level", (change, *events), unit=unit, name=name)
+    return Said(events=(change, *events), unit=unit, name=name)
 
 
 def _calls(words: Words) -> Said:
     words.one_of(["of"])
-    begins, _ = _span_state(words)
-    return Said("calls", begins)
+    return Said(events=(event_of(f"span {_span(words)} begin"),))
 
 
 def _latency(words: Words) -> Said:
-    said = _phrase("interrupt", "latency", "an interrupt's name")(words)
+    said = _phrase(words, "latency", "an interrupt's name")
     if words.took("to"):
-        _phrase("interrupt", "first access")(words)
+        _phrase(words, "first access")
         return replace(said, access=True)
     return said
 
 
-def _time(form: str) -> Callable[[Words], Said]:
-    def parse(words: Words) -> Said:
-        if form == "each":
-            words.one_of(["time"])
-        return Said(form, state=_during(words))
+def _time(words: Words) -> Said:
+    return Said(state=_during(words))
 
-    return parse
+
+def _each(words: Words) -> Said:
+    words.one_of(["time"])
+    return _time(words)
 
 
 def _share(words: Words) -> Said:
     words.one_of(["of"])
     if words.one_of(["time", "any"]) == "time":
-        return Said("share", state=_during(words))
+        return _time(words)
     length = []
     while words.next and words.next != "in":
         length.append(words.take("the length of a window"))
     window = _checked_window(words, " ".join(length))
-    return Said("share", state=_during(words), window=window)
+    return Said(state=_during(words), window=window)
 
 
 def _during(words: Words) -> During:
@@ -231,66 +231,50 @@ def _during(words: Words) -> During:
         cpu = words.one_of(list(CPU_STATES))
         unit = words.take("a unit") if words.took("of") else ""
         return During(words.between(begin), cpu=cpu, unit=unit)
-    enters, leaves = _STATES.get(words.next, _span_state)(words)
+    enters, leaves = _state(words)
     return During(words.between(begin), enters, leaves)
 
 
-States = tuple[tuple[Event, ...], tuple[Event, ...]]
-
-
-def _span_state(words: Words) -> States:
+def _span(words: Words) -> str:
+    """Read the word "span", if it is there, and the name of a span, and return the name as it is written."""
     words.took("span")
     begin = words.place
-    unit, name = words.name("a span's name")
+    words.name("a span's name")
     while words.next:
-        name += f" {words.take('a span')}"
-    text = f"span {words.between(begin)}"
-    return (Event("span", f"{text} begin", unit, name, "begin"),), (Event("span", f"{text} end", unit, name, "end"),)
+        words.take("a span")
+    return words.between(begin)
 
 
-def _value_state(words: Words) -> States:
+def _state(words: Words) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
+    """Return the events that begin the state and those that end it."""
+    kind = words.next
+    if words.took("bus"):
+        begins, ends = (event_of("bus START"),), (event_of("bus STOP"), event_of("bus arbitration lost"))
+        return (begins, ends) if words.one_of(list(BUS_STATES)) == "busy" else (ends, begins)
+    if kind not in STATES:
+        span = _span(words)
+        return (event_of(f"span {span} begin"),), (event_of(f"span {span} end"),)
+    expected, enter, leave = STATES[words.take("a state")]
     begin = words.place
-    kind = words.one_of(["flag", "variable"])
-    unit, name = words.name("a field" if kind == "flag" else "a variable of an image")
+    words.name(expected)
     place = words.between(begin)
-    words.one_of(["="])
-    number = words.value()
-    enters = Event(kind, words.between(begin), unit, name, "=", number)
-    return (enters,), (Event(kind, f"{place} change", unit, name, "change"),)
+    if kind == "wire":
+        kind = "edge"
+        if words.one_of(list(LEVELS)) == "low":
+            enter, leave = leave, enter
+    elif not enter:
+        begin = words.place
+        words.one_of(["="])
+        words.value()
+        enter = words.between(begin)
+    return (event_of(f"{kind} {place} {enter}"),), (event_of(f"{kind} {place} {leave}"),)
 
 
-def _wire_state(words: Words) -> States:
-    words.one_of(["wire"])
-    name = words.name("a wire")[1]
-    edges = [Event("edge", f"edge {name} {how}", "", name, how) for how in ("rise", "fall")]
-    if words.one_of(list(LEVELS)) == "low":
-        edges.reverse()
-    return (edges[0],), (edges[1],)
-
-
-def _bus_state(words: Words) -> States:
-    words.one_of(["bus"])
-    begins = (Event("bus", "bus START", "", "START"),)
-    ends = tuple(Event("bus", f"bus {name}", "", name) for name in ("STOP", "arbitration lost"))
-    return (begins, ends) if words.one_of(list(BUS_STATES)) == "busy" else (ends, begins)
-
-
-def _routine_state(words: Words) -> States:
-    words.one_of(["interrupt"])
-    begin = words.place
-    unit, name = words.name("an interrupt's name")
-    text = f"interrupt {words.between(begin)}"
-    enters, leaves = (Event("interrupt", f"{text} {how}", unit, name, how) for how in ("enter", "leave"))
-    return (enters,), (leaves,)
-
-
-_STATES: dict[str, Callable[[Words], States]] = {
-    "span": _span_state,
-    "flag": _value_state,
-    "variable": _value_state,
-    "wire": _wire_state,
-    "bus": _bus_state,
-    "interrupt": _routine_state,
+STATES = {  # by the first word of a state: what its name is, and the ends of the events that begin and end the state
+    "flag": ("a field", "", "change"),
+    "variable": ("a variable of an image", "", "change"),
+    "wire": ("a wire", "rise", "fall"),
+    "interrupt": ("an interrupt's name", "enter", "leave"),
 }
 
 
@@ -299,19 +283,16 @@ def _margin(words: Words) -> Said:
     unit, name = words.name("I2CDXR")
     if name.removeprefix("I2C-A.") != "I2CDXR":
         raise BadEvent(f"{words.text!r}: only I2CDXR has a margin; write margin of I2CDXR")
-    return Said("margin", unit=unit)
+    return Said(unit=unit)
 
 
-def _load(form: str) -> Callable[[Words], Said]:
-    def parse(words: Words) -> Said:
-        if words.next != "load":
-            what = f"there is no measure {words.text!r}; write {words.text.split(maxsplit=1)[0]} load"
-            raise BadEvent(f"{what}, the part of the time that it is busy")
-        words.take("load")
-        unit = words.take("a unit") if form == "cpu" and words.took("of") else ""
-        return Said(form, unit=unit, window=_checked_window(words, words.rest()) if words.took("per") else "")
-
-    return parse
+def _load(words: Words, of_unit: bool) -> Said:
+    if words.next != "load":
+        what = f"there is no measure {words.text!r}; write {words.text.split(maxsplit=1)[0]} load"
+        raise BadEvent(f"{what}, the part of the time that it is busy")
+    words.take("load")
+    unit = words.take("a unit") if of_unit and words.took("of") else ""
+    return Said(unit=unit, window=_checked_window(words, words.rest()) if words.took("per") else "")
 
 
 def _checked_window(words: Words, given: str) -> str:
@@ -330,12 +311,12 @@ def _checked_window(words: Words, given: str) -> str:
 def _lost(words: Words) -> Said:
     words.one_of(["flags"])
     unit, name = words.name("a register") if words.next else ("", "")
-    return Said("lost", unit=unit, name=name)
+    return Said(unit=unit, name=name)
 
 
 def _model_age(words: Words) -> Said:
     words.one_of(["age"])
-    return Said("model", name=_chip(words))
+    return Said(name=_chip(words))
 
 
 def _chip(words: Words) -> str:
@@ -344,7 +325,7 @@ def _chip(words: Words) -> str:
 
 def _value(words: Words) -> Said:
     if words.next == "of":
-        return _of_event("value")(words)
+        return _of_event(words)
     words.one_of(["error"])
     chip = _chip(words)
     instant = "first bit"
@@ -352,52 +333,47 @@ def _value(words: Words) -> Said:
         instant = words.one_of(["first", "frame"])
         if instant == "first":
             instant = f"first {words.one_of(['bit'])}"
-    return Said("value", instant=instant, name=chip)
+    return Said(instant=instant, name=chip)
 
 
-def _phrase(form: str, fixed: str = "", name: str = "", unit: str = "") -> Callable[[Words], Said]:
-    """Return the parser of the words `fixed`, then of a name and a unit.
+def _phrase(words: Words, fixed: str = "", name: str = "", unit: str = "") -> Said:
+    """Read the words `fixed`, then a name and a unit.
 
     name: a description of the name for messages; "" for no name. unit: the word before the unit; "" for no unit.
     """
-
-    def parse(words: Words) -> Said:
-        for word in fixed.split():
-            words.one_of([word])
-        whose, found = words.name(name) if name else ("", "")
-        if unit and words.took(unit):
-            whose = words.take("a unit")
-        return Said(form, unit=whose, name=found)
-
-    return parse
+    for word in fixed.split():
+        words.one_of([word])
+    whose, found = words.name(name) if name else ("", "")
+    if unit and words.took(unit):
+        whose = words.take("a unit")
+    return Said(unit=whose, name=found)
 
 
 _MEASURES: dict[str, tuple[str, Callable[[Words], Said]]] = {
     "from": ("from EVENT to EVENT", _from),
-    "period": ("period of EVENT", _of_event("period", False)),
+    "period": ("period of EVENT", lambda words: _of_event(words, clauses=False)),
     "jitter": ("jitter of EVENT", _jitter),
     "count": ("count of EVENT", _count),
-    "sum": ("sum of EVENT", _of_event("sum")),
+    "sum": ("sum of EVENT", _of_event),
     "level": ("level of MODULE.REGISTER.FIELD", _level),
     "calls": ("calls of FUNCTION", _calls),
-    "stack": ("stack high-water", _phrase("stack", "high-water", unit="of")),
+    "stack": ("stack high-water", lambda words: _phrase(words, "high-water", unit="of")),
     "interrupt": ("interrupt latency NAME", _latency),
-    "reaction": ("reaction", _phrase("reaction", unit="of")),
-    "gap": ("gap between rounds", _phrase("gap", "between rounds")),
+    "reaction": ("reaction", lambda words: _phrase(words, unit="of")),
+    "gap": ("gap between rounds", lambda words: _phrase(words, "between rounds")),
     "margin": ("margin of I2CDXR", _margin),
-    "SCL": ("SCL held per transfer", _phrase("SCL", "held per transfer", unit="by")),
-    "time": ("time in STATE", _time("time")),
-    "each": ("each time in STATE", _time("each")),
+    "SCL": ("SCL held per transfer", lambda words: _phrase(words, "held per transfer", unit="by")),
+    "time": ("time in STATE", _time),
+    "each": ("each time in STATE", _each),
     "share": ("share of time in STATE", _share),
-    "cpu": ("cpu load", _load("cpu")),
-    "bus": ("bus load", _load("bus")),
-    "slack": ("slack", _phrase("slack")),
-    "race": ("race MODULE.REGISTER.FIELD", _phrase("race", name="a field or a register")),
+    "cpu": ("cpu load", lambda words: _load(words, of_unit=True)),
+    "bus": ("bus load", lambda words: _load(words, of_unit=False)),
+    "slack": ("slack", lambda words: _phrase(words)),
+    "race": ("race MODULE.REGISTER.FIELD", lambda words: _phrase(words, name="a field or a register")),
     "lost": ("lost flags", _lost),
-    "cleared": ("cleared along MODULE.REGISTER.FIELD", _phrase("cleared", "along", "a field")),
-    "age": ("age of CHIP", lambda words: Said("age", name=_chip(words))),
+    "cleared": ("cleared along MODULE.REGISTER.FIELD", lambda words: _phrase(words, "along", "a field")),
+    "age": ("age of CHIP", lambda words: Said(name=_chip(words))),
     "model": ("model age of CHIP", _model_age),
     "value": ("value error of CHIP", _value),
 }
 FORMS = {form: shown for form, (shown, _) in _MEASURES.items()}
-_PARSERS = {form: parser for form, (_, parser) in _MEASURES.items()}

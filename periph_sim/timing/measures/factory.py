@@ -39,7 +39,7 @@ ROLES = {
     "unfinished": UNFINISHED,
 }
 JITTER = "jitter of "
-UNSAID = Said("")
+UNSAID = Said()
 Maker: TypeAlias = Callable[[], Measure]  # a run does not change it, so it serves all scenes of a case
 
 

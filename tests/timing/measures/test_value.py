@@ -15,7 +15,6 @@ from periph_sim.imu.sensors import SENSORS as CHIPS
 from periph_sim.scene.case.model import BadCase
 from periph_sim.timing.budgets import combine
 from periph_sim.timing.measures.measure import Measure
-from periph_sim.timing.values import values_of
 from periph_sim.timing.verdict import Verdict
 from tests.scene.runs import Ran, run_file
 from tests.timing.events_by_hand import make
@@ -176,7 +175,11 @@ def test_a_measure_that_lacks_one_of_the_occurrences_is_left_with_none():
 
 def test_what_the_worst_is_compared_with_and_all_values_are_of_the_condition_that_is_shown():
     ran = run(joined(2))
-    (verdict,), (usual,), (values,) = ran.result.budgets, ran.scene.typical(), values_of(ran.scene.limits, 0)
+    (verdict,), (usual,), (values,) = (
+        ran.result.budgets,
+        ran.scene.typical(),
+        [limit.values(0) for limit in ran.scene.limits],
+    )
     assert verdict.measure == usual.measure == "value error of gyroscope"
     assert usual.worst is not None and verdict.worst is not None and 0 <= usual.worst <= verdict.worst == 5.82375
     assert values is not None and (values.unit, values.limits) == ("LSB", {"max": 2_000_000})

@@ -16,8 +16,7 @@ from ....scene.case.model import Case
 from ....scene.outside_parties import not_run
 from ....scene.result import Result
 from ....scene.scene import Scene
-from ....timing.budgets import BudgetJudge
-from ....timing.values import Values, values_of
+from ....timing.budgets import BudgetJudge, Values
 from ....timing.verdict import Verdict
 from .. import REFUSED
 from ..explain.chain import Chain
@@ -134,7 +133,7 @@ def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool
         name_line=case.line("name"),
         changes=changes,
         result=result,
-        values=values_of(scene.limits, scene.start),
+        values=[limit.values(scene.start) for limit in scene.limits],
         typical=scene.typical(),
     )
 

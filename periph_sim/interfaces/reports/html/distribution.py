@@ -19,8 +19,8 @@ from math import ceil, floor, log10
 import numpy as np
 
 from ....core.counted import counted
+from ....timing.budgets import Values
 from ....timing.measures.measure import MILLIONTHS
-from ....timing.values import Values
 from ....traces.drawing.svg_diagram import nice_step
 
 MOST = 60  # maximum number of bins

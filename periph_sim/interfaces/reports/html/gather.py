@@ -25,7 +25,7 @@ from ....scene.case.model import Case
 from ....scene.case.unit_table import Unit
 from ....scene.result import SKIPPED, Result
 from ....timing.budget_schema import Budget, Condition
-from ....timing.values import Values
+from ....timing.budgets import Values
 from ....timing.verdict import Verdict, figure, in_words, instant, percentile
 from ..explain.chain import Chain, Part, bound
 from ..explain.explain import Explained, explain

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....core.counted import counted
-from ....timing.values import Values
+from ....timing.budgets import Values
 from ....timing.verdict import Verdict
 from ....traces.drawing.svg_diagram import nice_step
 from .distribution import axis_ticks, number, scale_of

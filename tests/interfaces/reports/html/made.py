@@ -12,7 +12,7 @@ from periph_sim.interfaces.reports.html.over_time import OverTime, over_time
 from periph_sim.interfaces.reports.html.timeline import Lane, Texts, Timeline
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from periph_sim.timing.values import Values, values_of
+from periph_sim.timing.budgets import Values
 from periph_sim.timing.verdict import Verdict
 
 US = 3000  # ticks
@@ -84,7 +84,7 @@ def report_of(path: Path) -> CaseReport:
     case = load(path, [])
     scene = Scene(case, keep_values=True)
     result = replace(scene.run(), wall_s=0.25)
-    values = values_of(scene.limits, scene.start)
+    values = [limit.values(scene.start) for limit in scene.limits]
     return case_report(case, result, values, scene.typical(), scene.timebase.per_second)
 
 

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.interfaces.reports.html.distribution import MOST, Plot, distribution, plot
-from periph_sim.timing.values import Values
+from periph_sim.timing.budgets import Values
 
 PER_NS = 3
 TICKS = st.lists(st.integers(-(10**13), 10**13), min_size=1, max_size=60)

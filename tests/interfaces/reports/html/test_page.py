@@ -21,7 +21,6 @@ from periph_sim.interfaces.reports.html.gather import CaseReport, Failure, case_
 from periph_sim.interfaces.reports.html.page import page, versions
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from periph_sim.timing.values import values_of
 from tests.interfaces.reports.html.made import US, budget, drawn, report, run_of, small_report
 
 ROOT = Path(__file__).parents[4]
@@ -44,7 +43,9 @@ def imu_hil() -> tuple[CaseReport, str]:
     case = load(ROOT / "timing" / "imu_hil_published.toml", [])
     scene = Scene(case, keep_values=True)
     result = scene.run()
-    found = case_report(case, result, values_of(scene.limits, scene.start), scene.typical(), scene.timebase.per_second)
+    found = case_report(
+        case, result, [limit.values(scene.start) for limit in scene.limits], scene.typical(), scene.timebase.per_second
+    )
     return found, page([found], case.name)
 
 
@@ -223,7 +224,7 @@ def test_joined_conditions_stand_among_the_limits(tmp_path: Path) -> None:
     case = load(path, [])
     scene = Scene(case, keep_values=True)
     result = scene.run(Fraction(1, 10))
-    values = values_of(scene.limits, 0)
+    values = [limit.values(0) for limit in scene.limits]
     (one,) = case_report(case, result, values, scene.typical(), scene.timebase.per_second, Fraction(1, 10)).budgets
     assert one.limits == (("age of gyroscope max", "25 ms"), ("value error of gyroscope max", "2.000 LSB"))
     assert one.distribution is not None and (one.distribution.unit, one.distribution.worst) == ("LSB", 5.82375)

@@ -88,8 +88,6 @@ def _mistake(case: Case, source: Source, name: str, what: str) -> BadCase:
 class _ImageNames:
     """The names in an image, which is read at the first query. A query for an unknown name raises ValueError."""
 
-    known = True
-
     def __init__(self, path: str) -> None:
         self._path = path
 

@@ -79,7 +79,8 @@ class Said(Struct, frozen=True):
 
     form: a key of FORMS. text: the whole text. events: the events that it names, in order.
     unit, name: the unit, and the field, vector or chip that it names. state: the state in which time is measured.
-    pairing: one of PAIRINGS, or "". group: "transfer", "round" or "unit", if both events must be in the same one.
+    pairing: "in order", "next", "last" or "". group: "transfer", "round" or "unit", if both events must be in the same
+        one.
     instant: for a value error, "first bit" or "frame": the instant at which the true value is taken.
     window: the length of the window of a share, as text; "" for the whole run.
     of: the measure whose jitter is meant. clauses: the clauses at the end, each with its event.

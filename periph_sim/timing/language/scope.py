@@ -83,22 +83,8 @@ class BadEvent(ValueError):
 class ImageNames(Protocol):
     """The names in an image. The methods raise ValueError, with one sentence, if the image does not have the name."""
 
-    known: bool  # True if names are looked up in the image; False for a recorded run, whose image is not known
-
     def variable(self, name: str) -> object: ...
     def function(self, name: str) -> object: ...
-
-
-class AnyName:
-    """The names of an image that is not known: every name is accepted."""
-
-    known = False
-
-    def variable(self, name: str) -> object:
-        return name
-
-    def function(self, name: str) -> object:
-        return name
 
 
 class Scope(Struct):
@@ -109,7 +95,8 @@ class Scope(Struct):
     rounds: True if the requests of the controller's rounds are known, whichever party is the controller.
     lines: the wires that carry frames; if none are given, the wires in LINES that the scene has.
     pairs: the RS-485 pairs.
-    images: the names in the image of each unit that runs an image.
+    images: the names in the image of each unit that runs an image; None for an image that is not known, as in a
+        recorded run: every name is accepted.
     uncounted: a unit whose program reports no overflows, because it is not Python firmware; "" if there is none.
     measures: the texts of measures that the user has named, indexed by name.
     """
@@ -121,7 +108,7 @@ class Scope(Struct):
     rounds: bool = False
     lines: tuple[str, ...] = ()
     pairs: tuple[str, ...] = ()
-    images: Mapping[str, ImageNames] = {}
+    images: Mapping[str, ImageNames | None] = {}
     uncounted: str = ""
     measures: Mapping[str, str] = {}
 
@@ -203,8 +190,10 @@ class Scope(Struct):
     def variable(self, unit: str, name: str) -> str:
         """Return the unit whose image has this variable."""
         owner = self.image(unit)
+        names = self.images[owner]
         try:
-            self.images[owner].variable(name)
+            if names is not None:
+                names.variable(name)
         except ValueError as error:
             raise BadEvent(str(error)) from None
         return owner
@@ -219,7 +208,7 @@ class Scope(Struct):
             names.function(name)
         except ValueError as error:
             raise BadEvent(str(error)) from None
-        return owner, names.known
+        return owner, True
 
     def places(self, unit: str) -> frozenset[str]:
         """Return the places of a unit from which records can come; the places of all units if `unit` is empty."""
@@ -259,5 +248,4 @@ def scope_of_table(table: RecordTable) -> Scope:
     on_bus = Kind.BUS.value in kinds
     wires = list(dict.fromkeys(wires))
     lines = tuple(wire for wire in wires if wire in LINES or wire in framed)
-    images: dict[str, ImageNames] = dict.fromkeys(units, AnyName())
-    return Scope(units, tuple(wires), on_bus, Kind.FRAME.value in kinds, on_bus, lines, lines, images)
+    return Scope(units, tuple(wires), on_bus, Kind.FRAME.value in kinds, on_bus, lines, lines, dict.fromkeys(units))

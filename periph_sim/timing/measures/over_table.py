@@ -13,13 +13,11 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.suggest import did_you_mean
 from ...traces.formats.record_table import RecordTable
 from ..language.events import ANYTHING, Matcher, matcher, stretch_of
+from ..language.language import measure_of
 from ..language.scope import BadEvent, scope_of_table
-from .pair import FIRST, PAIRINGS, SECOND, START, Between
-
-SAME = ("same transfer", "same round")
+from .pair import FIRST, SECOND, START, Between
 
 Ticks = NDArray[np.int64]
 
@@ -46,9 +44,12 @@ def between(
     Raise BadEvent if a text names no event, or an event that this run cannot contain. Raise it also if a second `begin`
     comes before the `end` of the first one and no rule says which of them the `end` belongs to.
     """
-    pairing, group = _rules(rule)
+    said = measure_of(f"from {begin} to {end}, {rule}" if rule else f"from {begin} to {end}")
+    group = said.group
+    if group == "unit" or said.clauses:
+        raise BadEvent(f"{rule!r}: over a recorded run a rule is in order, next, last, same transfer or same round")
     scope = scope_of_table(table)
-    first, second = matcher(begin, scope), matcher(end, scope)
+    first, second = (matcher(event, scope) for event in said.events)
     events = [(row, FIRST) for row in rows_of(first, table).tolist()]
     events += [(row, SECOND) for row in rows_of(second, table).tolist()]
     stretch = stretch_of(group, scope, f"'same {group}'") if group else None
@@ -59,7 +60,7 @@ def between(
                 raise BadEvent("same round needs transfers_in_round, 1 or more: no record says how many a round has")
             starts = starts[::transfers_in_round]
         events += [(row, START) for row in starts.tolist()]
-    measure = Between(first, second, pairing, stretch)
+    measure = Between(first, second, said.pairing, stretch)
     measure.keep()
     for row, place in sorted(events, key=lambda event: (event[0], -event[1])):  # order in a record: START, end, begin
         measure.happened(place, int(table.tick[row]), 0)
@@ -91,22 +92,6 @@ def _named(table: RecordTable, column: str, names: frozenset[str] | None) -> NDA
         return np.ones(len(table), bool)
     known = np.array([name in names for name in table.names[column]], bool)
     return known[table.columns[column]] if len(known) else np.zeros(len(table), bool)
-
-
-def _rules(rule: str) -> tuple[str, str]:
-    """Split a rule such as "last, same transfer" into the pairing ("last") and the group ("transfer").
-
-    A part that the rule does not contain is "".
-    """
-    pairing = group = ""
-    for word in filter(None, (part.strip() for part in rule.split(","))):
-        if word in PAIRINGS and not pairing:
-            pairing = word
-        elif word in SAME and not group:
-            group = word.removeprefix("same ")
-        else:
-            raise BadEvent(f"there is no rule {word!r} here; {did_you_mean(word, (*PAIRINGS, *SAME))}")
-    return pairing, group
 
 
 def periods(table: RecordTable, event: str) -> Durations:

@@ -26,7 +26,6 @@ from .event import NO_CLAUSES, Clauses, EventMeasure
 from .groups import Groups
 from .measure import MeasuredScene
 
-PAIRINGS = ("in order", "next", "last")
 FIRST, SECOND, START, STOP = range(4)  # indices in `matchers`: a pair's events, and begin and end of its group
 
 
@@ -79,7 +78,7 @@ class Between(EventMeasure):
     """Time from each event to the event of another kind that belongs to it, or number of third events in between.
 
     counted: the third event, which is counted between the two events of a pair; None to measure the time.
-    pairing: one of PAIRINGS; empty if only one first event may wait at a time.
+    pairing: "in order", "next" or "last"; empty if only one first event may wait at a time.
     by_unit: True if both events of a pair must be of the same unit.
     again: without a pairing, the ticks of two first events that waited at the same time; None if there were none.
     group: the transfer or round that must contain both events of a pair; None if they may be anywhere. A transfer lasts

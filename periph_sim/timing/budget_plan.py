@@ -51,7 +51,7 @@ class BudgetPlan(Struct, frozen=True):
     given: the limits as they are written in the table.
     limits: the same limits in ticks, millionths or counts.
     not_before: occurrences that begin before this tick are left out.
-    joined: the conditions joined by `and`, each as a budget with its plan.
+    joined: the conditions under the key `and`, each as a pair of a budget and its plan.
     same_as: the index of the earlier budget that has the same measure; -1 if there is none.
     """
 

@@ -24,14 +24,17 @@ def _limit(value: object) -> object:
 
 Extent = Annotated[str | int, Before(_limit)]
 
-SPAN = "span:"  # prefix of a measure that contains a name, such as "span:models"; so are the next two
+# Prefixes of measures that consist of a prefix and a name, such as "span:models".
+SPAN = "span:"
 REPLY = "reply:"
 WATCH = "watch:"
 LIMITS = ("max", "min", "exactly", "p50", "p95", "p99", "p99_9")  # the keys of a budget that are limits
 
 
 class Limited(Table, frozen=True, kw_only=True):
-    """Limits on a measure: durations with their unit, "40 %" of the time, "2 LSB", whole numbers for counts."""
+    """Limits on a measure. A limit is a duration such as "250 us", a share of time such as "40 %", a value such as
+    "2 LSB", or a whole number for a count.
+    """
 
     def check_together(self, given: Set[str]) -> None:
         if not self.limits():
@@ -45,7 +48,7 @@ class Limited(Table, frozen=True, kw_only=True):
 
 
 class Condition(Limited, frozen=True, kw_only=True):
-    """A condition that must hold at the same occurrence as a budget's own measure."""
+    """Limits on a second measure, which must hold at each occurrence of the budget's own measure."""
 
     measure: str
     max: Extent | None = None
@@ -57,10 +60,10 @@ class Budget(Limited, frozen=True, kw_only=True):
     """A limit on a measure.
 
     p50 to p99_9: upper limits for the smallest 50 % to 99.9 % of the values.
-    after: a time since the begin of the run; occurrences that begin before it are left out.
-    coverage: the share of all occasions (events at which a value should be measured) that must have been measured; with
-        less, the budget is not judged.
-    also: the key `and` in a file: conditions that are joined to the budget.
+    after: a time since the begin of the run. Occurrences that begin before this time are left out.
+    coverage: the minimum share of the events at which a value should be measured. If values were measured at fewer of
+        these events, the budget is not judged.
+    also: the conditions that are joined to the budget. In a file, the key is `and`.
     """
 
     name: str

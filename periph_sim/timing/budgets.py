@@ -94,7 +94,7 @@ class BudgetJudge:
         return dict(self.plan.limits)
 
     def finish(self, now: int) -> None:
-        """End the measures. An unfinished occurrence counts with the value that it has reached."""
+        """End the measures. An occurrence that the end of the run cuts off counts with the value reached so far."""
         if self.same_as is not None:
             self._found = self.same_as._found
             return
@@ -111,8 +111,8 @@ class BudgetJudge:
     def verdict(self, start: int = 0) -> Verdict:
         """Return the verdict of a run that began at `start`.
 
-        A budget of which too few occasions were measured is not judged, so it does not pass. With joined conditions,
-        the result is the verdict of `shown`, and its `found` describes all conditions.
+        If values were measured on too few occasions, the budget is not judged, so it does not pass. If the budget has
+        joined conditions, the result is the verdict of `shown`, with a text `found` that describes all conditions.
         """
         if not self.joined:
             return self._judge(start)
@@ -124,7 +124,11 @@ class BudgetJudge:
 
     @property
     def shown(self) -> BudgetJudge:
-        """The judge whose verdict is shown: the first that is broken, else the first not judged, else this judge."""
+        """The judge in `parts` whose verdict is shown.
+
+        This is the first judge whose budget is broken. If no budget is broken, it is the first judge whose budget
+        cannot be judged. Otherwise, it is this judge.
+        """
         if not self.joined:
             return self
         parts = self.parts
@@ -175,8 +179,8 @@ class BudgetJudge:
     def _can_judge(self, which: str, limit: BigInt) -> bool:
         """Return True if the values that were measured can decide on this limit.
 
-        The value of an occurrence that the end of the run cut off is only a lower bound. If all values are such bounds,
-        they cannot decide on each kind of limit.
+        The value of an occurrence that the end of the run cut off is only a lower bound. If all values are lower
+        bounds, they decide only on some kinds of limits.
         """
         measure = self.measure
         if measure.count > measure.cut_off or not measure.series:
@@ -184,7 +188,7 @@ class BudgetJudge:
         return which not in ("min", "exactly") or (which == "exactly" and measure.worst > limit)
 
     def typical(self, start: int = 0) -> Verdict | None:
-        """Return the verdict on the value furthest from the limit; None unless the measure took at least two values."""
+        """Return the verdict on the value furthest from the limit; None if the measure has less than two values."""
         part = self.shown
         measure, worst = part.measure, self.verdict(start)
         low = worst.which == "min"
@@ -242,14 +246,14 @@ class BudgetJudge:
 
 
 def combine(measures: list[Measure]) -> list[int]:
-    """Drop, in the other measures, the values of occurrences that the first measure does not have.
+    """Drop the values of the other measures at occurrences at which the first measure has no value.
 
         age            a   b       c    d            the first measure determines which occurrences count
         value error    a   b   x        d   y        it has no value for c, so nothing is proven
 
     Occurrences are the same if they begin at the same tick. All measures must store their values (`Measure.keep`).
-    Return, for each measure, the number of occurrences of the first measure for which it has no value. If there are
-    any, all its values are dropped.
+    Return one number for each measure: the number of occurrences of the first measure at which this measure has no
+    value. If this number is not 0, all values of this measure are dropped.
     """
     import numpy as np  # imported here, because only joined conditions need it
 

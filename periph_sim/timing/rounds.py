@@ -36,7 +36,7 @@ class Asked(Struct, frozen=True):
     first: the due time of the first round; None if it is not known.
     late: the maximum delay of a round's begin after its due time.
     rounds: the number of rounds that are due; None if rounds are due until the end of the run.
-    ack_polling: True if a write of only the address asks whether a device is ready; such a transfer is no request.
+    ack_polling: True if a write of only the address polls whether a device is ready. This write is then no request.
     """
 
     requests: tuple[Transfer, ...]
@@ -64,7 +64,10 @@ class ByPlan:
         self._next: BigInt = 0
 
     def begins(self, start: int) -> tuple[list[int], int]:
-        """Return (due times of the rounds missed since the last one, due time of the round that begins at `start`)."""
+        """Return the due times of the rounds missed since the last round, and the due time of the round that begins.
+
+        start: the tick at which the round begins.
+        """
         missed = []
         while self._due(1) <= start:
             missed.append(self._due())
@@ -74,7 +77,7 @@ class ByPlan:
         return missed, due
 
     def missed_by(self, now: int, over: int | None) -> list[int]:
-        """Return the due times of the rounds missed since the last one, when the run ends at `now`.
+        """Return the due times of the rounds missed since the last round, when the run ends at tick `now`.
 
         over: the tick at which the last round ended; None if a round or the set-up is in progress.
         """
@@ -129,8 +132,10 @@ class BusRounds:
     on_transfer, on_round: called at the end of each transfer and each round.
     on_other: called for a transfer that is none of the requests.
     on_due: called with the due time of a round once it is known whether the round began.
-    on_missed: called with the due time of a round that did not begin, or the START that shows a missing request.
-    begun_at: returns, at the end of the run, the START of an unfinished transfer; NO_TIME if there is none.
+    on_missed: called with the due time of a round that did not begin, or with the tick of the START of the transfer
+        that was made in place of a missing request.
+    begun_at: a function that returns, at the end of the run, the tick of the START of an unfinished transfer; NO_TIME
+        if there is none.
     completed, missed: number of rounds so far.
     """
 
@@ -244,7 +249,10 @@ class BusRounds:
 
 
 def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
-    """Return the transfer with its request's name, counts and expected bytes, and with phases that never began."""
+    """Return the transfer with the name, the counts and the expected bytes of its request.
+
+    Phases of the request that never began are added to the transfer.
+    """
     phases = transfer.phases[: len(request.phases)]
     place: int = 0
     phase: Phase

@@ -25,10 +25,10 @@ class Verdict:
     """Figures of one budget after a run.
 
     worst, limit, margin: in microseconds for times, percent for shares of time, LSB for values in LSB, else counts. If
-        the budget has several limits, they are for the nearest one.
+        the budget has several limits, these figures are for the limit with the smallest margin.
     at_s: the time of `worst` in seconds from the start of the run.
     which: the key of the limit. For a percentile, `worst` is the value of the percentile.
-    found: a text for what the figures do not show, such as that nothing matched.
+    found: a text that explains the figures, such as that no event matched; "" if nothing needs to be explained.
     measured, occasions: the number of occasions that were measured, and of all occasions. `occasions` is None if the
         measure does not count them.
     until_s: the end of the fault that `found` describes, such as a wrong reply, which began at `at_s`.

@@ -41,7 +41,10 @@ MODEL = "model"  # the span in which firmware computes sensor models
 
 
 class ChipTopics:
-    """The topics of one chip. shown: the end, in ticks, of the frame that the chip showed last."""
+    """The topics of the records of one chip.
+
+    shown: the tick at which the frame ended whose values a read of the chip last returned; NO_TIME if there is none.
+    """
 
     __slots__ = ("age", "model_age", "read", "shown", "unknown")
 
@@ -56,7 +59,7 @@ class ChipTopics:
 class AgeRecords(Listener):
     """Makes the records of the ages of sensor reads and of model runs.
 
-    origins: finds the frame whose values a read returned; None if only model ages are needed.
+    origins: the object that finds the frame whose values a read returned; None if only model ages are needed.
     """
 
     def __init__(self, recorder: Recorder, origins: read_origins.Origins | None = None) -> None:
@@ -86,7 +89,7 @@ class AgeRecords(Listener):
             self._model_run.emit(tick, 0)
 
     def transfer(self, transfer: Transfer) -> None:
-        """Record the ages of the reads of a transfer that is over."""
+        """Record the ages of the values that the reads of a complete transfer returned."""
         if self._first_ended == NO_TIME:
             return
         phase: Phase

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 class ByteRecords:
     """Compares the bytes of reads with `Phase.expect`, or with the values of host frames.
 
-    origins: finds the frame whose values a read returned; None if the chips need not show values of host frames.
+    origins: the object that finds the frame whose values a read returned; None if no bytes are compared with frames.
     wrong_places: the number of wrong bytes at each place, such as "gyroscope byte 0".
     first_wrong: a sentence about the first wrong read.
     """
@@ -40,11 +40,13 @@ class ByteRecords:
         self._wrong: Topic = recorder.topic(Kind.DATA, I2C, "wrong bytes")
         self._never_shown: Topic = recorder.topic(Kind.DATA, I2C, "zeros")
         self._not_known: Topic = recorder.topic(Kind.DATA, I2C, "unknown bytes")
-        self._zeros: dict[int, int] = {}  # by chip address: number of zeros, right if the chip shows a frame later
+        # From the address of a chip to the number of bytes that were read as 0 before any values of a frame. These
+        # bytes are right if the chip returns the values of a frame later.
+        self._zeros: dict[int, int] = {}
         self._unknown = 0
 
     def transfer(self, transfer: Transfer) -> None:
-        """Compare the reads of a transfer that is over."""
+        """Compare the bytes that the reads of a complete transfer returned."""
         phase: Phase
         for phase in transfer.phases:
             if phase.read:

@@ -34,7 +34,10 @@ BYTES = 6  # length of a read that carries a whole sample
 
 
 class _Chip:
-    """The state and the records of one chip. fitted: the due tick of the frame that fitted its last read."""
+    """The state of one chip, and the topics of its records.
+
+    fitted: the tick at which the frame was due that fitted best to the last read of the chip; NO_TIME if there is none.
+    """
 
     def __init__(self, recorder: Recorder, name: str, data: ChipData) -> None:
         self.name = name
@@ -49,8 +52,8 @@ class _Chip:
 class ErrorRecords:
     """Makes the error records for the values that the controller reads from sensors.
 
-    truth_at: returns the true values of each chip at a tick.
-    frame_due: returns the tick at which a host frame is due.
+    truth_at: a function from a tick to the true values of each chip.
+    frame_due: a function from the number of a host frame to the tick at which the frame is due.
     """
 
     def __init__(
@@ -60,7 +63,7 @@ class ErrorRecords:
         self._truth_at = truth_at
         self._frame_due = frame_due
         self._due: deque[int] = deque(maxlen=MOST)
-        self._left_out = NO_TIME  # the due tick of the last frame that `_due` no longer contains
+        self._left_out = NO_TIME  # the tick at which the frame was due that was removed from `_due` last
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         """Store the tick at which this host frame was due."""

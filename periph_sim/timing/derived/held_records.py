@@ -23,7 +23,7 @@ HELD_ALONE, UNFINISHED = "held alone", "unfinished"
 
 
 class HeldRecords(BusFromWires):
-    """Makes these records for one unit."""
+    """Makes the records of the times for which only one unit, and no other party, holds SCL low."""
 
     STATE = State("_sum", ticks="_began")
 

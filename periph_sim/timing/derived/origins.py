@@ -33,7 +33,7 @@ from ...core.time import NO_TIME
 from ...devices.chip_model import BYTES, ChipModel, Shown
 from ...devices.host_frames import HostFrames
 
-BEFORE_ANY = -1  # in place of a frame's number: the values that are shown before the first frame
+BEFORE_ANY = -1  # stands for the number of a frame if a chip has the values that it has before the first frame
 
 
 class Origin(NamedTuple):
@@ -42,7 +42,7 @@ class Origin(NamedTuple):
     frame: the number of the frame, the youngest if several fit; None if the bytes are the values of no frame.
     ended: the tick at which the last stop bit of that frame ended.
     wanted: the bytes that would have been right; of several possibilities, the one most similar to the bytes read.
-    judged: False if the bytes may be right or wrong, because not all possible frames or chains were compared with them.
+    judged: False if it is not known whether the bytes are right, because not all possible frames were compared.
     """
 
     frame: int | None
@@ -60,7 +60,7 @@ class FrameHistory:
     """All frames that a host has sent. `youngest` searches them for the youngest frame with given bytes.
 
     A frame takes 28 bytes of memory, and 6 more for each chip that was read: an hour of 50 frames a second takes 5 MB.
-    data: called with a chip's address and a frame's values; returns the bytes with which the chip shows the values.
+    data: a function from a chip's address and a frame's values to the bytes that the chip returns for these values.
     """
 
     def __init__(self, data: Callable[[int, tuple[int, ...]], bytes]) -> None:
@@ -69,7 +69,8 @@ class FrameHistory:
         self._ended: array[int] = array("q")
         self._values = bytearray()
         self._format: Struct | None = None  # the format of a frame's values; None before the first frame
-        self._shown: dict[int, bytearray] = {}  # by address: the bytes that the chip shows for each frame
+        # From the address of a chip to the bytes that the chip returns for each frame, one frame after the other.
+        self._shown: dict[int, bytearray] = {}
 
     def add(self, number: int, values: tuple[int, ...], ended: int) -> None:
         """Append a frame. ended: the tick at which its last stop bit ended."""
@@ -79,9 +80,9 @@ class FrameHistory:
         self._values += self._format.pack(*values)
 
     def youngest(self, address: int, got: bytes) -> tuple[int, int, bytes] | None:
-        """Return (number, ended, bytes shown) of the youngest frame whose shown bytes begin with `got`.
+        """Return the youngest frame for which this chip returns bytes that begin with `got`; None if there is none.
 
-        None if there is no such frame.
+        The frame is returned as (its number, the tick at which it ended, the bytes that the chip returns for it).
         """
         shown = self._shown_at(address)
         at = shown.rfind(got) if len(got) <= BYTES else -1
@@ -93,12 +94,12 @@ class FrameHistory:
         return self._numbers[frame], self._ended[frame], bytes(shown[at : at + BYTES])
 
     def recent(self, address: int) -> list[bytes]:
-        """Return the bytes that the chip with this address shows for each of the last frames, the youngest first."""
+        """Return the bytes that the chip with this address returns for each recent frame, the youngest frame first."""
         shown = self._shown_at(address)
         return [bytes(shown[at : at + BYTES]) for at in range(len(shown) - BYTES, -1, -BYTES)[:RECENT]]
 
     def _shown_at(self, address: int) -> bytearray:
-        """Return the bytes that the chip with this address shows for each frame, one frame after the other."""
+        """Return the bytes that the chip with this address returns for each frame, one frame after the other."""
         shown = self._shown.setdefault(address, bytearray())
         for frame in range(len(shown) // BYTES, len(self._numbers)):
             assert self._format is not None
@@ -108,9 +109,9 @@ class FrameHistory:
 
 RECENT = 8  # number of recent frames with which each read is compared
 KEPT = 64  # number of recent frames from which a model run may have taken its input
-COMPLETE = 256  # up to this number of chains, all of them are followed
-PASSED_OVER = 3  # if there are more than COMPLETE chains, only those that skip up to this number of frames are followed
-MOST = 64  # if there are more than COMPLETE chains, up to this number is followed: those with the youngest frames
+COMPLETE = 256  # if there are at most this number of chains (possible sequences of frames), all chains are followed
+PASSED_OVER = 3  # if there are more chains, only chains that skip at most this number of frames are followed
+MOST = 64  # if there are more chains, at most this number of chains is followed: the chains with the youngest frames
 
 
 @final
@@ -131,7 +132,7 @@ NOTHING_SENT = Sent(BEFORE_ANY, (), NO_TIME)
 class Origins:
     """Finds the origins of the reads of one transfer at a time: call `transfer`, then `of` for each of its phases.
 
-    addresses: the addresses of the chips that show frames.
+    addresses: the addresses of the chips that return values of frames, or values that models compute from frames.
     """
 
     def __init__(self, addresses: frozenset[int]) -> None:
@@ -147,7 +148,7 @@ class Origins:
         raise NotImplementedError
 
     def transfer(self, transfer: Transfer) -> None:
-        """Find the origins of the reads of a transfer that is over."""
+        """Find the origins of the reads of a complete transfer."""
         self._of.clear()
         for phase in transfer.phases:
             if phase.read and phase.got and phase.address in self.addresses:
@@ -159,16 +160,16 @@ class Origins:
 
 
 class FrameOrigins(Origins):
-    """Origins where the chips show a frame's numbers: angles, accelerations, and the angles again.
+    """Origins for chips that return the numbers in a frame: angles, accelerations, and the angles again.
 
-    Before the first frame, chips show zeros. Zeros are right until 8 frames have been sent. Later, zeros are not judged
-    while the chip has not shown any frame, and they are wrong after it has.
+    Before the first frame, chips return zeros. Zeros are right until 8 frames have been sent. After that, zeros are
+    wrong if the chip has already returned the values of a frame; otherwise they are not judged.
     """
 
     def __init__(self, frames: HostFrames) -> None:
         super().__init__(frames.ADDRESSES)
         self._frames: FrameHistory = FrameHistory(frames.data)
-        self._shown: dict[int, int] = {}  # by address, the number of the frame that the chip showed last
+        self._shown: dict[int, int] = {}  # from a chip's address to the number of the frame that it returned last
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         self._frames.add(number, values, tick)
@@ -208,7 +209,7 @@ class Chain:
 
 @final
 class Run:
-    """A run of the models that is over. sent: the frames that it may have used, oldest first."""
+    """A complete run of the firmware's models. sent: the frames that this run may have used, oldest first."""
 
     __slots__ = ("number", "sent")
 
@@ -218,7 +219,10 @@ class Run:
 
 
 class ModelOrigins(Origins):
-    """Origins where firmware computes the chips' values. Call `model_pin` at every change of its MODEL pin."""
+    """Origins for chips whose values firmware computes from frames with models.
+
+    Call `model_pin` at every change of the firmware's MODEL pin, which is high while the models run.
+    """
 
     def __init__(self, codes: ChipModel) -> None:
         super().__init__(codes.addresses)
@@ -230,8 +234,8 @@ class ModelOrigins(Origins):
         """Discard all chains and runs after a reset of the firmware. The MODEL pin is then a pulled-up input."""
         self._pulled_up = True
         self._chains = [Chain(NOTHING_SENT, BEFORE_ANY, self._codes.at_rest)]
-        self._left_out = False  # True if chains were left out since a read last agreed with a chain
-        self._before: list[Chain] = []  # the chains up to the run before the last
+        self._left_out = False  # True if chains were left out after the last read that agreed with a chain
+        self._before: list[Chain] = []  # the chains as they were before the last run was added to them
         self._runs = 0
         self._over: list[Run] = []  # complete runs that are not in a chain yet
         self._last: Run | None = None
@@ -304,7 +308,7 @@ class ModelOrigins(Origins):
         return may_be
 
     def _anew(self) -> Iterator[Chain]:
-        """Yield new chains, which do not continue a known one: the last three runs used recent frames in order."""
+        """Yield chains that do not continue a known chain. In each, the last three runs used recent frames in order."""
         if self._last is not None:
             number, recent = self._last.number, self._last.sent[-PASSED_OVER - 1 :]
             at_rest = Chain(NOTHING_SENT, BEFORE_ANY, self._codes.at_rest)

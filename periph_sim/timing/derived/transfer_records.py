@@ -71,8 +71,8 @@ class TransferRecords:
     def finish(self, now: int, unfinished: Transfer | None, held_since: int) -> None:
         """Record the transfer that the end of the run cuts off.
 
-        unfinished: the transfer without a STOP, or None. A refused request in it counts, even if its master hangs.
-        held_since: the tick since which others have held SCL low; NO_TIME if they do not.
+        unfinished: the transfer that has no STOP yet, or None. If its address was not acknowledged, this is recorded.
+        held_since: the tick since which parties other than the master have held SCL low; NO_TIME if none holds it low.
         """
         if unfinished is not None:
             self._record_refusal(unfinished)
@@ -90,13 +90,13 @@ class RoundRecords:
 
     thing     tick                      value
     due       due time of a round       0; recorded for each round, once it is known whether the round began
-    missed    due time of a round       0; or the tick of a START that shows that the round lacks a request
+    missed    due time of a round       0; if the round began but a request is missing: at the START made in its place
     begin     begin of the round        0; recorded for each complete round, at its end
     end       its last STOP             0
     next      due time of the next one  0; recorded for each complete round, even if it ended after this time
-    refused   due time of the round     number of its requests whose address was not acknowledged; omitted if it is 0
+    refused   due time of the round     number of its requests whose address was not acknowledged; no record for 0
 
-    period: ticks from one round's due time to the next one's.
+    period: the number of ticks from the due time of a round to the due time of the next round.
     """
 
     def __init__(self, recorder: Recorder, rounds: BusRounds, period: int) -> None:

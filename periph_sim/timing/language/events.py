@@ -45,7 +45,8 @@ BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost",
 OF_AGENT = ("arbitration lost", "clear")  # recorded only by the controller of a case
 OF_PAIRS = ("cut", "collision")
 FRAME_PARTS = ("begin", "end", "error", *OF_PAIRS)
-BEHIND_EVENTS = ("", "to", "from", "or", "of", "at", ",", "in", "next", "last", "same")  # can follow an event
+# The words that can follow an event.
+BEHIND_EVENTS = ("", "to", "from", "or", "of", "at", ",", "in", "next", "last", "same")
 NTH = re.compile(r"(\d+)(st|nd|rd|th)")
 GROUPS = ("transfer", "round", "burst", "interrupt")
 ANY_UNIT = "any"
@@ -55,10 +56,14 @@ ANYTHING = ""  # `what` of a matcher that accepts all things of its kind
 class Event(Struct, frozen=True):
     """An event that the text of a measure names.
 
-    kind: the first word of the event. name: the wire, field, span or other thing that it is about.
-    how: the change, or the direction of the access. number: the value; None if none is given.
-    others: alternative events, joined by "or". routine: the interrupt whose service routine is the group.
-    nth, group: only the nth such event in each transfer, round, burst or service routine counts; -1 means the last.
+    kind: the first word of the event.
+    name: the wire, field, span or other thing that the event is about.
+    how: the kind of change ("rise", "begin", ...), or the direction of an access.
+    number: the value that the text gives; None if it gives no value.
+    others: alternative events, joined by "or".
+    nth: the number of the event that counts in each group, from 1; -1 for the last event; 0 if every event counts.
+    group: the kind of group, such as "transfer"; "" if every event counts.
+    routine: the interrupt whose service routine is the group; "" for other groups.
     """
 
     kind: str
@@ -77,8 +82,8 @@ class Group(Struct, frozen=True):
     """A part of a run in which events are counted, such as a transfer.
 
     name: one of GROUPS.
-    begin, end: the events at which it begins and ends: START and STOP; for a burst, the begin and end of a frame; for a
-        service routine, its entry and return.
+    begin: the event at which the group begins: a START, the begin of a frame, or the entry of a service routine.
+    end: the event at which the group ends: a STOP, the end of a frame, or the return from a service routine.
     """
 
     name: str
@@ -89,10 +94,13 @@ class Group(Struct, frozen=True):
 class Matcher(Struct, frozen=True, dict=True):
     """Test of whether a record is an event.
 
-    where: the places at which it may happen; None for any place. what: the thing; ANYTHING for all of the kind.
-    mask, want: the bits of the value that are compared, and the value that they must have.
+    where: the places at which the event may happen; None for any place.
+    what: the thing that the record must have; ANYTHING for all things of the kind.
+    mask: the bits of the record's value that are compared.
+    want: the value that these bits must have.
     others: the matchers of alternative events, joined by "or".
-    nth, group: which event in the group counts: 1 is the first, -1 the last; 0 if every one counts.
+    nth: the number of the event that counts in each group, from 1; -1 for the last event; 0 if every event counts.
+    group: the group in which events are numbered; None if every event counts.
     thing: the properties of a derived record; None for other records.
     """
 
@@ -130,7 +138,10 @@ class Matcher(Struct, frozen=True, dict=True):
 
     @cached_property
     def subjects(self) -> frozenset[str]:
-        """The wires or registers whose records this matcher needs, without those of `others`; empty if it needs all."""
+        """The wires or registers whose records this matcher needs; empty if it needs the records of all of them.
+
+        The needs of `others` are not included.
+        """
         places = self.where or frozenset()
         if self.kind in (Kind.EDGE, Kind.FRAME):
             return places
@@ -167,7 +178,7 @@ def read_event(words: Words) -> Event:
 
 
 def _read_nth(words: Words) -> int:
-    """Read an ordinal and return 1 for "first" or "1st", -1 for "last"; 0 if the next word is not one."""
+    """Read an ordinal and return 1 for "first" or "1st", -1 for "last"; 0 if the next word is no ordinal."""
     for word, nth in (("first", 1), ("last", -1)):
         if words.took(word):
             return nth

@@ -52,11 +52,11 @@ from .scope import BadEvent
 from .tokens import Words
 
 CLAUSES = {
-    "for": "for each",  # an event that is an occasion to measure
-    "measured": "measured at",  # an event that shows that an occasion was measured, if the values do not show it
-    "given": "given",  # an event without which the budget is not judged
-    "unless": "unless",  # an event that cannot be judged, so the budget is not judged if it happens
-    "unfinished": "unfinished",  # an event with a value that the end of the run cuts off
+    "for": "for each",  # the event at which a value should be measured
+    "measured": "measured at",  # the event at which a value was measured, if the measure does not determine this itself
+    "given": "given",  # an event that must happen, or the budget is not judged
+    "unless": "unless",  # an event that must not happen, or the budget is not judged
+    "unfinished": "unfinished",  # the event whose value is measured up to the end of the run, which cuts it off
 }
 LEVELS, BUS_STATES, CPU_STATES = ("high", "low"), ("busy", "free"), ("busy", "idle")
 
@@ -64,7 +64,8 @@ LEVELS, BUS_STATES, CPU_STATES = ("high", "low"), ("busy", "free"), ("busy", "id
 class During(Struct, frozen=True):
     """A state of the run. It begins with an event in `enters`, and ends with an event in `leaves` but not in `enters`.
 
-    cpu, unit: one of CPU_STATES and its unit, if the state is that of a CPU; it then has no `enters` and `leaves`.
+    cpu: "busy" or "idle" for the state of a CPU, which has no `enters` and `leaves`; "" for other states.
+    unit: the unit of this CPU.
     """
 
     text: str
@@ -77,14 +78,19 @@ class During(Struct, frozen=True):
 class Said(Struct, frozen=True):
     """The parsed text of a measure.
 
-    form: a key of FORMS. text: the whole text. events: the events that it names, in order.
-    unit, name: the unit, and the field, vector or chip that it names. state: the state in which time is measured.
-    pairing: "in order", "next", "last" or "". group: "transfer", "round" or "unit", if both events must be in the same
-        one.
+    form: a key of FORMS.
+    text: the whole text.
+    events: the events that the text names, in order.
+    unit: the unit that the text names; "" if it names none.
+    name: the field, vector or chip that the text names; "" if it names none.
+    state: the state in which time is measured; None for other measures.
+    pairing: "in order", "next", "last" or "".
+    group: "transfer", "round" or "unit" if both events of a pair must be in the same transfer, round or unit; else "".
     instant: for a value error, "first bit" or "frame": the instant at which the true value is taken.
     window: the length of the window of a share, as text; "" for the whole run.
-    of: the measure whose jitter is meant. clauses: the clauses at the end, each with its event.
+    of: for a jitter, the measure whose successive values are compared; None for an event or another form.
     access: True if an interrupt's latency is measured up to the first access.
+    clauses: pairs of a clause at the end of the text, such as "given", and the event in this clause.
     """
 
     form: str = ""

@@ -30,7 +30,7 @@ class Thing(NamedTuple):
     """A kind of derived record.
 
     needs: what the scene must contain, as in `Measure`.
-    unit: the unit of its value.
+    unit: the unit of the record's value.
     by_read: True if there is one record for each read phase.
     """
 
@@ -91,7 +91,8 @@ class Scope(Struct):
     """The parts of a scene that a measure may name.
 
     units: the modules of each unit.
-    controller, host: True if the scene has that agent on its wires.
+    controller: True if the scene has a controller agent on its wires.
+    host: True if the scene has a host on its wires.
     rounds: True if the requests of the controller's rounds are known, whichever party is the controller.
     lines: the wires that carry frames; if none are given, the wires in LINES that the scene has.
     pairs: the RS-485 pairs.
@@ -236,7 +237,7 @@ def _register(module: str, name: str) -> Register:
 
 
 def scope_of_table(table: RecordTable) -> Scope:
-    """Return the scope of a recorded run. Controller and host are in it if a record comes from them."""
+    """Return the scope of a recorded run. It has a controller or a host if any record comes from this agent."""
     kinds = set(table.texts("kind", table.rows(Kind.BUS)[:1]) + table.texts("kind", table.rows(Kind.FRAME)[:1]))
     listed = [name for modules in table.modules.values() for name in modules]
     wires = [wire for module in listed for wire in WIRES.get(module, ())]

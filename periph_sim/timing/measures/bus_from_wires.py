@@ -33,7 +33,8 @@ class BusFromWires(BitParty):
         self.stream = I2cStream()
         self.ours = False  # True if the unit has acknowledged the address
         self.phase_at = NO_TIME  # the tick of the START or repeated START of the present phase; NO_TIME after a STOP
-        # The tick since which no other party has held SCL, in its present or last low phase; NO_TIME while one does.
+        # The tick at which the last party other than the unit released SCL, in the present or last low phase of SCL.
+        # It is NO_TIME while another party holds SCL low.
         self.others_held_until = NO_TIME
         self._unit: str = f"{unit}."
         self._scl_pulling = self._sda_pulling = 0  # masks of the parties that pull: bit i is party i
@@ -134,7 +135,7 @@ class BusFromWires(BitParty):
     # Events ---------------------------------------------------------------------------
 
     def started(self, now: int) -> None:
-        """Handle a START that is not a repeated one."""
+        """Handle a START that is not a repeated START."""
 
     def stopped(self, now: int) -> None:
         """Handle a STOP."""

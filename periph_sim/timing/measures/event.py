@@ -29,7 +29,10 @@ from .registry import UNNAMED, Sentence
 
 
 class _Seen:
-    """An event that happened. counts: 1 if it counts, 0 if not, WAITS while a later event may replace it."""
+    """An event that happened.
+
+    counts: 1 if the event counts, 0 if it does not, WAITS while a later event in the same group may replace it.
+    """
 
     STATE = State("place value counts", ticks="tick", made=True)
     __slots__ = ("counts", "place", "tick", "value")
@@ -46,7 +49,7 @@ FOR_EACH, MEASURED_AT, GIVEN, UNLESS, UNFINISHED = range(5)  # roles of a clause
 
 
 class Clauses(Struct, frozen=True):
-    """The events in the clauses of a measure, with their roles. said: the phrases about them in verdicts."""
+    """The events in the clauses of a measure, with their roles. said: phrases about these events, for verdicts."""
 
     matchers: tuple[Matcher, ...] = ()
     roles: tuple[int, ...] = ()
@@ -111,8 +114,8 @@ class EventMeasure(Measure):
             measured, because a run in which nothing was compared proves nothing.
     ""      the values that a subclass takes in `happened`
 
-    order: the indices of `matchers` in the order in which events count if one record is several of them.
-    weighs: True if the values of the clauses' records are numbers of things and are added up, as for a sum.
+    order: indices of `matchers`. If one record is several events, these events count in this order.
+    weighs: True if the records of clauses have numbers of things as values, which are added up.
     """
 
     STATE = State("_groups _queue _queued _newest _level")
@@ -155,17 +158,18 @@ class EventMeasure(Measure):
         self._groups = [None if m.group is None else Groups(m.group, m.nth) for m in matchers]
         self._queue: deque[_Seen] = deque()
         self._queued = False  # True if an event waits in `_queue`
-        self._newest: dict[int, _Seen] = {}  # by index of an event: its last occurrence in the group so far
+        self._newest: dict[int, _Seen] = {}  # from the index of an event to its last occurrence in the present group
         starts = [one for groups in self._groups if groups is not None for one in groups.matchers]
         each = [one for m in (*matchers, *starts) for one in m.each]
         self.kinds = frozenset(one.kind for one in each)
         self._wanted = {(one.kind, one.what) for one in each}
-        self._every: set[Kind] = {one.kind for one in each if one.what == ANYTHING}  # kinds needed with any `what`
+        # The kinds of records that are needed with any `what`.
+        self._every: set[Kind] = {one.kind for one in each if one.what == ANYTHING}
         if self.spans is not None:  # all spans are needed, so that the right name can be suggested
             self._every.add(Kind.SPAN)
         self._needed: dict[Kind, frozenset[str]] = subjects_of([*matchers, *starts])
-        self._plans: list[list[Hearing]] = []  # by tag: the events that the records may be
-        self._names: list[str] = []  # by tag: the name of a span; "" for other records
+        self._plans: list[list[Hearing]] = []  # for each tag, the events that records with this tag may be
+        self._names: list[str] = []  # for each tag, the name of the span; "" if the records are not about a span
 
     @property
     def subjects(self) -> Subjects:
@@ -366,7 +370,10 @@ def _test(matcher: Matcher, kind: Kind, where: str, what: str) -> ValueTest | No
 
 
 def subjects_of(matchers: Sequence[Matcher]) -> dict[Kind, frozenset[str]]:
-    """Return the subjects of the matchers by kind. Kinds of which a matcher needs all subjects are left out."""
+    """Return a dictionary from a kind of records to the subjects that the matchers need.
+
+    A kind is left out if any matcher needs all its subjects.
+    """
     needed: dict[Kind, frozenset[str]] = {}
     each = [one for m in matchers for one in m.each]
     for m in each:

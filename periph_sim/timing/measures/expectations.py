@@ -28,8 +28,8 @@ BAD = 0x100  # is added to the value of a character with a wrong parity or witho
 class Expected(Struct, frozen=True):
     """An expected reply.
 
-    show: returns characters as text for messages.
-    within: the longest time of a reply, in ticks.
+    show: a function that returns characters as text for messages.
+    within: the maximum time of the reply, in ticks.
     anywhere: True if other characters may come before the reply.
     """
 
@@ -89,12 +89,12 @@ class Reply(Measure):
     # Events from the scene ----------------------------------------------------
 
     def window(self, tick: int) -> None:
-        """Begin an occasion: characters that begin at `tick` or later are part of the reply."""
+        """Begin to wait for a reply. Characters that begin at `tick` or later can be part of the reply."""
         self._give_up(tick)
         self._open.append(_Occasion(tick))
 
     def due(self, tick: int) -> None:
-        """Start the time of the reply, because its request has ended."""
+        """Begin to count the time of the reply, because the request for it ended at `tick`."""
         waiting = next((one for one in self._open if one.since == NO_TIME), None)
         if waiting is not None:
             waiting.since = tick
@@ -103,7 +103,7 @@ class Reply(Measure):
             self._settle()
 
     def others_turn(self, tick: int) -> None:
-        """End the wrong replies, because another request begins and later characters belong to it."""
+        """End the wrong replies, because another request begins and later characters belong to the next reply."""
         for one in self._open:
             if one.wrong_at != NO_TIME and (one.ends == NO_TIME or one.ends > tick):
                 one.ends = tick
@@ -142,12 +142,12 @@ class Reply(Measure):
         return tuple(occasion.came) == self._what.characters
 
     def _over(self, occasion: _Occasion) -> bool:
-        """Return True if all expected characters came, so that later ones do not belong to this reply."""
+        """Return True if the reply is complete or wrong, so that later characters do not belong to it."""
         enough = len(occasion.came) >= len(self._what.characters)
         return self._complete(occasion) or (enough and not self._what.anywhere)
 
     def _settle(self) -> None:
-        """Close the occasions that are complete, in their order."""
+        """Judge the replies that are complete or wrong, in the order of their requests."""
         while self._open and self._open[0].since != NO_TIME and self._over(self._open[0]):
             self._close(self._open.popleft())
 
@@ -163,7 +163,7 @@ class Reply(Measure):
         self._judged += occasion.since >= self.not_before
 
     def _refute(self, occasion: _Occasion, now: int) -> None:
-        """Record that the reply did not come. now: the tick at which that is known, if no wrong character came."""
+        """Record that the right reply did not come. now: the tick at which this is known; NO_TIME for a wrong reply."""
         if occasion.since < self.not_before:
             return
         self._judge(occasion)
@@ -187,7 +187,7 @@ class Reply(Measure):
         return f"{wanted}, but {came + ' came last' if occasion.came else 'nothing came'}"
 
     def _give_up(self, now: int) -> None:
-        """End the occasions that are overdue when another reply is requested."""
+        """Judge the replies that are overdue, because another reply is requested."""
         while self._open:
             first = self._open[0]
             late = first.since != NO_TIME and now - first.since > self._what.within

@@ -40,13 +40,14 @@ ROLES = {
 }
 JITTER = "jitter of "
 UNSAID = Said()
-Maker: TypeAlias = Callable[[], Measure]  # a run does not change it, so it serves all scenes of a case
+# A function that returns a new measure. All scenes of a case use the same function, because no run changes it.
+Maker: TypeAlias = Callable[[], Measure]
 
 
 def expanded(text: str, sentences: Mapping[str, str]) -> str:
     """Return a measure's text in which names that the user has defined are replaced by their texts.
 
-    Raise BadEvent if a name is defined by itself.
+    Raise BadEvent if the definition of a name contains this name, directly or through other names.
     """
     before, names = "", [text]
     while text in sentences or text.startswith(JITTER):
@@ -118,7 +119,8 @@ def _maker_of_events(said: Said, scope: Scope) -> Maker:
     return _MAKERS[said.form](said, scope)
 
 
-WORDS: dict[str, Callable[[Said, Scope], str]] = {  # functions that return the parameters of sentences
+# For each parameter that the text of a named measure can contain, a function that returns the words for it.
+WORDS: dict[str, Callable[[Said, Scope], str]] = {
     "event": lambda said, scope: said.events[0].text,
     "cpu": lambda said, scope: scope.unit(said.unit),
     "i2c": lambda said, scope: scope.owner(said.unit, "I2C-A"),

@@ -21,7 +21,10 @@ PAUSE = 2  # number of character times without a frame after which a burst ends
 
 
 class Groups:
-    """Counter of one event within its group. nth: the occurrence that is wanted, from 1; -1 for the last."""
+    """Counter of one event in each group, such as a transfer.
+
+    nth: the number of the event in the group that is wanted, from 1; -1 for the last event.
+    """
 
     STATE = State("inside _seen", ticks="_frame_began _frame_ended")
 
@@ -29,7 +32,7 @@ class Groups:
         self.nth = nth
         self.inside = False  # True while a group is in progress
         self._group = group
-        self._ends: bool = group.name == "interrupt"  # True if a group ends before the next one begins
+        self._ends: bool = group.name == "interrupt"  # False if a group lasts until the next group begins
         self._seen = 0
         self._begins_round: Callable[[], bool] | None = None
         self._frame_began = self._frame_ended = NO_TIME
@@ -46,7 +49,8 @@ class Groups:
     def begins(self, tick: int, begin: bool, end: bool) -> bool:
         """Handle a record and return True if it begins a group.
 
-        begin, end: True if the record is an event of the kind that begins, or ends, a group.
+        begin: True if the record is an event that can begin a group.
+        end: True if the record is an event that can end a group.
         """
         first = begin and self._is_first(tick)
         if end:

@@ -35,10 +35,10 @@ class _Reads(BusFromWires):
 
 
 class Margin(Measure):
-    """Time from the write of I2CDXR to the latest tick at which it is early enough; negative if SCL was held for it.
+    """Time from the write of I2CDXR to the latest tick at which this write is early enough.
 
-    It is measured for each byte that a unit sends as a slave. A write is early enough if the module releases SCL no
-    later than the controller does.
+    A write is early enough if the module releases SCL no later than the controller does. The margin is negative if the
+    write came later, so that the module held SCL low. It is measured for each byte that a unit sends as a slave.
     """
 
     STATE = State("bus _empty", ticks="_waiting _shifting")

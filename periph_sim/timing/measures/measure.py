@@ -34,7 +34,7 @@ MOST = 1 << 15  # maximum number of cells of a `Tally`
 class Cell:
     """Values that share a cell of the histogram.
 
-    count: their number. value: the largest. at: the first tick at which the largest occurred.
+    count: the number of values. value: the largest of them. at: the first tick at which the largest value occurred.
     """
 
     __slots__ = ("at", "count", "value")
@@ -114,12 +114,12 @@ class Measure(Listener):
     occasions: the number of times at which a value should have been measured, counted on the bus and not by the
         firmware; None if the measure does not count them.
     unit: "time" (ticks), "%" and "LSB" (millionths), or a word for the things that are counted.
-    series: True if the measure takes a series of values, which has percentiles; False if it is one number a run.
+    series: True if the measure takes a series of values, which has percentiles; False if it is one number for a run.
     occurrence: the kind of thing that has a value, such as READ; measures of the same kind can be joined.
     asked: the name of the occasions, in the plural.
     looks_back: the range of past records on which the next value can depend; one of LOOKS_BACK. STATE lists what the
         measure remembers of these records. Values that were taken are results, not state.
-    is_jitter: True if it takes the difference between each value and the one before (cycle-to-cycle jitter).
+    is_jitter: True if the measure takes the differences between successive values (cycle-to-cycle jitter).
     """
 
     STATE = State("_before _uncompared")
@@ -141,18 +141,22 @@ class Measure(Listener):
         self.not_before = NO_TIME
         self.occasions: int | None = 0 if self.asked else None
         self.is_jitter = False
-        self._before: int | None = None  # for a jitter: the last value; None before the first one
-        self._uncompared = 0  # 1 before the first occasion of a jitter, which has no value to be compared with; else 0
+        self._before: int | None = None  # for a jitter: the last value; None before the first value
+        # 1 before the first occasion of a jitter, because its value has no earlier value to compare with; otherwise 0.
+        self._uncompared = 0
         self._kept: tuple[array[int], array[int]] | None = None
         self._tally: Tally | None = None
-        self.refuted = ""  # why the budget is broken whatever its values are, such as a wrong reply; "" if it is not
+        self.refuted = ""  # why the budget is broken whatever its values are, such as by a wrong reply; "" if it is not
         self.refuted_at = NO_TIME
         self.refuted_until = NO_TIME
         self.not_judged = ""  # the reason why it is not known whether all occurrences keep the limit
 
     @property
     def subjects(self) -> Subjects:
-        """The subjects whose records it needs, by kind. Kinds of which it needs all subjects are left out."""
+        """A dictionary from a kind of records to the subjects that the measure needs.
+
+        A kind is left out if the measure needs all its subjects.
+        """
         return {}
 
     @property
@@ -171,17 +175,20 @@ class Measure(Listener):
         return self.count
 
     def missing(self) -> str:  # core: python
-        """Return why nothing was measured; empty if nothing more can be said."""
+        """Return the reason why nothing was measured; "" if no reason is known."""
         if self._before is not None and not self.count:
             return "there was one value, which has none before it"
         return self.why_silent()
 
     def why_silent(self) -> str:  # core: python
-        """Return why nothing was measured, for `missing`. A jitter with only one value is handled there."""
+        """Return the reason why no value was taken; "" if no reason is known.
+
+        `missing` calls it, unless the measure is a jitter with only one value.
+        """
         return ""
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
-        """Return (value so far, begin) of each occurrence that is not over, as for `take`."""
+        """Return (value so far, begin) of each occurrence that is not over at tick `now`."""
         return []
 
     def unfinished_text(self) -> str:
@@ -189,9 +196,10 @@ class Measure(Listener):
         return ""
 
     def close(self, now: int) -> str:
-        """Take the values of unfinished occurrences that exceed all others; return these occurrences as a phrase.
+        """Take the values of unfinished occurrences that exceed all complete values.
 
-        Such a value may still grow, so it never counts as the least one.
+        Return a phrase about these occurrences, or "". Their values would have grown in a longer run, so they never
+        count as the smallest value.
         """
         if self.is_jitter:
             return ""
@@ -268,14 +276,14 @@ class Measure(Listener):
         return self._tally.percentile(per_mille)
 
     def occasion(self, at: int, number: int = 1) -> None:
-        """Count `number` occasions. at: the tick that `take` gets for their value."""
+        """Count `number` events at which a value should be measured. at: the tick with which `take` gets this value."""
         if at >= self.not_before:
             assert self.occasions is not None
             self.occasions += number - self._uncompared
             self._uncompared = 0
 
     def refute(self, why: str, at: int, until: int = NO_TIME) -> None:
-        """Mark the budget as broken, whatever values follow. at, until: the ticks between which the fault is seen."""
+        """Mark the budget as broken, whatever values follow. The fault lasts from tick `at` to tick `until`."""
         if not self.refuted and at >= self.not_before:
             self.refuted, self.refuted_at, self.refuted_until = why, at, at if until == NO_TIME else until
 

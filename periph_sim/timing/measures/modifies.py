@@ -85,12 +85,12 @@ class Topic:
 class Modifies(RecordSink):
     """Finds the flags that read-modify-writes cleared unintentionally.
 
-    concerns: returns True if records of a kind, place and thing are evaluated.
-    is_about: returns True if records of a kind, place and thing access a register whose flags are judged; accesses to
-        other registers are only counted.
-    status: True if all status registers are judged, and no others.
+    concerns: a function that returns True if records of a kind, place and thing are evaluated.
+    is_about: a function that returns True if records of a kind, place and thing access a register whose flags are
+        judged. Accesses to other registers are only counted.
+    status: True if all status registers are judged, and no other registers.
     writes: the number of writes to the judged registers, with or without a read.
-    recent: the accesses in the last cycles, indexed by unit.
+    recent: a dictionary from a unit to its accesses in the last cycles.
     """
 
     def __init__(
@@ -104,10 +104,11 @@ class Modifies(RecordSink):
         self._per_second: Fraction = Fraction(1)
         self._clocks: list[tuple[int, Fraction]] = []  # pairs (tick, SYSCLKOUT in Hz from then on) up to now
         self._known = 0  # number of entries of `_clocks` that were evaluated
-        self._spare: Access | None = None  # the first of a chain of dropped accesses, for reuse
+        self._spare: Access | None = None  # the first of a linked list of Access objects that can be used again
         self._topics: list[Topic] = []  # the topics, indexed by tag
-        self.recent: dict[str, Recent] = {}  # the accesses in the last cycles, indexed by unit
-        self._registers: dict[tuple[str, str], ClearedRegister] = {}  # the judged registers, by unit and name
+        self.recent: dict[str, Recent] = {}  # from a unit to its accesses in the last cycles
+        # From the unit and the name of a register to the judged register.
+        self._registers: dict[tuple[str, str], ClearedRegister] = {}
 
     def clock_is(self, per_second: int, clocks: list[tuple[int, Fraction]]) -> None:
         """Set the clocks: pairs (tick, SYSCLKOUT in Hz from then on). Later changes are appended to this list."""

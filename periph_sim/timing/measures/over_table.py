@@ -62,7 +62,8 @@ def between(
         events += [(row, START) for row in starts.tolist()]
     measure = Between(first, second, said.pairing, stretch)
     measure.keep()
-    for row, place in sorted(events, key=lambda event: (event[0], -event[1])):  # order in a record: START, end, begin
+    # If one record is several events, a START comes first, then the end of a pair, then the begin of the next pair.
+    for row, place in sorted(events, key=lambda event: (event[0], -event[1])):
         measure.happened(place, int(table.tick[row]), 0)
     if measure.again is not None:
         raise BadEvent(

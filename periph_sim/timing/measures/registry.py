@@ -21,13 +21,13 @@ class Sentence(Struct, frozen=True):
     """A named measure.
 
     about: what it measures, for documentation; "" if its text explains it.
-    cost: the number of records that it takes in 0.1 s, which are five rounds, of timing/imu_hil_published.toml.
-    looks_back: as in `Measure`; it includes the records from which `timing/derived` makes the records in the text.
-    asked: the name of its occasions, the events of its clause `for each`, in the plural.
+    cost: the number of records that the measure handles in 0.1 s (five rounds) of timing/imu_hil_published.toml.
+    looks_back: as in `Measure`. The range includes the records from which `timing/derived` makes the needed records.
+    asked: a noun in the plural for the events of the clause `for each`, at which a value should be measured.
     nothing: a phrase that says why nothing was measured; None if the measure finds the reason itself.
-    unproven: a phrase that says why nothing is proven if no event of its clause `given` happened.
-    cut_off: a phrase that names the event of its clause `unfinished`.
-    unknown: for each clause `unless`, a thing and a reason, such as "read" and "may carry other frames".
+    unproven: a phrase that says why nothing is proven if the event of the clause `given` did not happen.
+    cut_off: a phrase that names the event of the clause `unfinished`.
+    unknown: for each clause `unless`, a pair of a noun and a reason, such as "read" and "may carry other frames".
     """
 
     text: str

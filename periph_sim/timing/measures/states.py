@@ -36,9 +36,10 @@ class StateEvents(Struct, frozen=True):
 
     enters: the events that begin it.
     leaves: the events that end it, unless they are also in `enters`.
-    nests: for a CPU, in place of these: the waits and the service routines, whose records have the value 1 at the begin
-        and 0 at the end. The CPU is idle while the innermost of them is a wait.
-    is_idle: for a CPU: True if the state is "idle", False if it is "busy".
+    nests: for the state of a CPU, which has no `enters` and `leaves`: the events of waits and of service routines.
+        Their records have the value 1 at the begin and 0 at the end. The CPU is idle while the innermost wait or
+        routine is a wait.
+    is_idle: for the state of a CPU: True if the state is "idle", False if it is "busy".
     """
 
     text: str
@@ -81,7 +82,8 @@ class BusiestWindow:
         self.begin = NO_TIME
         self._began = began
         self._since = NO_TIME  # the tick since which the state holds; NO_TIME if it does not hold
-        self._stretches: deque[tuple[int, int]] = deque()  # (begin, end) of past times that a window may overlap
+        # (begin, end) of the past times in the state that an unfinished window may overlap.
+        self._stretches: deque[tuple[int, int]] = deque()
         self._begins: deque[int] = deque([began])  # begins of the windows that are not over yet
 
     def begins(self, at: int) -> None:
@@ -165,7 +167,10 @@ class TimeIn(EventMeasure):
             self._begins(self._began, False)
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
-        """Handle a record. A record that could begin or end the state begins it. Events in groups do not occur here."""
+        """Handle a record that may begin or end the state. If the record can do both, it begins the state.
+
+        The events of a state are never limited to one event in a group.
+        """
         if self.spans is not None and self._names[tag]:
             self.spans.add(self._names[tag])
         plan = self._plans[tag]
@@ -232,7 +237,7 @@ class TimeIn(EventMeasure):
             self._be_share(_millionths(self._lasted, whole) if whole else -1, now)
 
     def _be_share(self, share: int, at: int) -> None:
-        """Take the share as the only value; -1 means no value. A span that was never entered has no value either."""
+        """Take the share as the only value. Take no value if the share is -1, or if the span was never entered."""
         self.count = int(share >= 0 and (self._entered or not self.state.free))
         self.worst = self.least = max(0, share)
         self.worst_at = self.least_at = at

@@ -119,11 +119,8 @@ def watchdog_ends(dsp: Dsp, since: int) -> bool:
 
     It cannot end a wait of RESTARTED watchdog periods, because a service routine restarts the watchdog regularly.
     """
-    return watchdog_runs(dsp) and dsp.control.watchdog_rounds(since, _now(dsp)) < RESTARTED
-
-
-def _now(dsp: Dsp) -> int:
-    return dsp.clock.cycle_at(dsp.processor.time.instant()[1])
+    now = dsp.clock.cycle_at(dsp.processor.time.instant()[1])
+    return watchdog_runs(dsp) and dsp.control.watchdog_rounds(since, now) < RESTARTED
 
 
 def takes_interrupts(dsp: Dsp) -> bool:
@@ -157,14 +154,14 @@ def signals_behind(dsp: Dsp, spin: Spin) -> list[str]:
 def waking(dsp: Dsp) -> list[str]:
     """Return the modules of the unit whose interrupts IER and PIEIER enable."""
     ier = dsp.core.ier
-    enabled = [name for name, place in LINES.items() if ier >> place[0] - 1 & 1 and _is_enabled(dsp, *place)]
+    enabled = [
+        name
+        for name, (group, line) in LINES.items()
+        if ier >> group - 1 & 1 and dsp.pie.peek(0, PIEIER[group - 1].offset) >> line - 1 & 1
+    ]
     direct = (name for name, number in CPU_VECTORS.items() if number > GROUPS and ier >> number - 1 & 1)
     found = dict.fromkeys(module for vector in (*enabled, *direct) for module in dsp.plan.part.requesters(vector))
     return [module for module in found if module in dsp.sockets]
-
-
-def _is_enabled(dsp: Dsp, group: int, line: int) -> bool:
-    return bool(dsp.pie.peek(0, PIEIER[group - 1].offset) >> line - 1 & 1)
 
 
 def has_clock(dsp: Dsp, module: str) -> bool:

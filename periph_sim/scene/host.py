@@ -14,8 +14,6 @@ from fractions import Fraction
 from functools import partial
 from typing import TypeVar
 
-from msgspec import Struct
-
 from ..bus.uart.frame_format import UartFormat
 from ..bus.uart.sender import UartSender
 from ..devices.host_frames import FrameSource, host_frames
@@ -29,11 +27,7 @@ from .unit import FirmwareModel
 T = TypeVar("T")
 
 
-class HostPlan(Struct, frozen=True):
-    """Schedule and bit rate of a [host]. bit: the length of a bit on RX, in ticks."""
-
-    schedule: HostSchedule
-    bit: Fraction
+HostPlan = tuple[HostSchedule, Fraction]  # the schedule of a [host], and the length of a bit on RX in ticks
 
 
 def host_plan(scale: CaseTicks) -> HostPlan:
@@ -56,7 +50,7 @@ def host_plan(scale: CaseTicks) -> HostPlan:
         silent=tuple((begin, begin + length) for begin, length in spans),
         twice=frozenset(table.twice),
     )
-    return HostPlan(schedule, scale.timebase.per_second / (Fraction(table.baud) * (1 + table.error / 100)))
+    return schedule, scale.timebase.per_second / (Fraction(table.baud) * (1 + table.error / 100))
 
 
 class HostAgent:
@@ -70,6 +64,7 @@ class HostAgent:
 
     def __init__(self, context: SceneContext, table: HostTable, plan: HostPlan, model: FirmwareModel | None) -> None:
         """Build the sender and its frames. Raise BadCase, with its line, for an impossible motion or encoding."""
+        schedule, bit = plan
         self._context = context
         self._period = table.period
         kind = host_frames()
@@ -80,11 +75,11 @@ class HostAgent:
             self.frames = self._settings("motion", frames)
         self.values: Callable[[int], tuple[int, ...]] = self.frames or kind.ramp
         self.truth = self._truth(table, model)
-        self._line = plan.bit, UartFormat()
-        self.peer = UartSender(context.kernel, context.recorder, context.wire("RX"), plan.bit)
+        self._line = bit, UartFormat()
+        self.peer = UartSender(context.kernel, context.recorder, context.wire("RX"), bit)
         seed = context.case.seed + 1
         encode = partial(kind.encode, byte_order=encoding.byte_order)
-        self.host = Host(context.kernel, self.peer, plan.schedule, self.values, encode, seed)
+        self.host = Host(context.kernel, self.peer, schedule, self.values, encode, seed)
 
     def _truth(self, table: HostTable, model: FirmwareModel | None) -> Truth | None:
         """Return the true values of the chips.

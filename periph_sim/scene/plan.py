@@ -41,6 +41,8 @@ class ScenePlan:
         self.case = case
         self._before = before
         self._units: dict[str, DspPlan] = {}
+        self._scope: Scope | None = None
+        self._limits: tuple[BudgetPlan, ...] | None = None
 
     @cached_property
     def ticks(self) -> CaseTicks:
@@ -62,11 +64,9 @@ class ScenePlan:
 
         If a file other than the case's defines some of them, they are read again at each access: it may have changed.
         """
-        return scope_of_case(self.case, self.wiring) if self._names_of_files else self._scope
-
-    @cached_property
-    def _scope(self) -> Scope:
-        return scope_of_case(self.case, self.wiring)
+        if self._scope is None or self._names_of_files:
+            self._scope = scope_of_case(self.case, self.wiring)
+        return self._scope
 
     @property
     def _names_of_files(self) -> bool:
@@ -76,23 +76,21 @@ class ScenePlan:
     @property
     def limits(self) -> tuple[BudgetPlan, ...]:
         """The plans of the budgets, made again whenever `scope` is read again. Raise BadCase for an invalid budget."""
-        return parts.limits.limit_plans(self.ticks, self.scope) if self._names_of_files else self._limits
+        if self._limits is None or self._names_of_files:
+            before = None if self._names_of_files else self._before
+            self._limits = self._limits_as(before) or parts.limits.limit_plans(self.ticks, self.scope)
+        return self._limits
 
-    @cached_property
-    def _limits(self) -> tuple[BudgetPlan, ...]:
-        before = self._before
+    def _limits_as(self, other: ScenePlan | None) -> tuple[BudgetPlan, ...]:
+        """Return the plans of budgets of another plan if they are also those of this case; () if they are not."""
         try:
-            if before is not None and before.case.budget is self.case.budget and self._measures_as(before):
-                return before.limits
-        except ValueError:  # the case of `before` is not valid
-            pass
-        return parts.limits.limit_plans(self.ticks, self.scope)
-
-    def _measures_as(self, other: ScenePlan) -> bool:
-        """Return True if equal budgets have equal plans in this case and in the case of the other plan."""
-        one, two = self.ticks, other.ticks
-        same_ticks = (one.timebase.per_second, one.start) == (two.timebase.per_second, two.start)
-        return same_ticks and self.scope == other.scope
+            if other is None or other.case.budget is not self.case.budget or self.scope != other.scope:
+                return ()
+            one, two = self.ticks, other.ticks
+            same_ticks = (one.timebase.per_second, one.start) == (two.timebase.per_second, two.start)
+            return other.limits if same_ticks else ()
+        except ValueError:  # the case of `other` is not valid
+            return ()
 
     def unit(self, name: str) -> DspPlan:
         """Return the plan of a unit. Raise BadCase for an unknown part, module or option."""

@@ -115,22 +115,19 @@ class PreparedScene:
             length = None if seconds is None else duration(seconds)
         except ValueError as error:
             raise BadCase(f"seconds={seconds!r}: {error}") from None
-        firmware = {unit: _firmware(unit, program) for unit, program in (programs or {}).items()}
+        firmware = {
+            unit: program if isinstance(program, Firmware) else Firmware(unit, program, None)
+            for unit, program in (programs or {}).items()
+        }
         for unit in firmware.keys() - case.unit.keys():
             raise BadCase(f"programs: case {case.name} has no unit {unit!r}; it has {', '.join(case.unit) or 'none'}")
         if record is None:
             return self.scene(changes, None, firmware).run(length)
-        return self._recorded(changes, length, firmware, Path(record))
-
-    def _recorded(
-        self, changes: Sequence[str], length: Fraction | None, firmware: Mapping[str, Firmware], record: Path
-    ) -> Result:
         from ..records.recording import recording
 
         with inputs_of_one_command():
-            case = self.plan(changes).case
             note_inputs_of(case.files())
-            with recording(record, case.recorded_modules) as (subscribe, ended_at):
+            with recording(Path(record), case.recorded_modules) as (subscribe, ended_at):
                 scene = self.scene(changes, subscribe, firmware)
                 result = scene.run(length)
                 ended_at(scene.kernel.now, scene.clocks())
@@ -140,7 +137,3 @@ class PreparedScene:
 def _refuse_changes(changes: Sequence[str]) -> None:
     if changes:
         raise BadCase("changes go with a file; give them to load or make_case")
-
-
-def _firmware(unit: str, program: Program | Firmware) -> Firmware:
-    return program if isinstance(program, Firmware) else Firmware(unit, program, None)

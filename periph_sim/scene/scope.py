@@ -11,7 +11,7 @@ from ..core.suggest import did_you_mean
 from ..timing.language.scope import MAPS, BadEvent, Scope
 from .case.model import BadCase, Case
 from .case.origin import Source
-from .case.wiring import Wiring, sci_lines, wiring_of
+from .case.wiring import Wiring, wiring_of
 
 if TYPE_CHECKING:
     from ..processor.image_files.load import Image
@@ -29,7 +29,7 @@ def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
     wires += ["RX"] if case.rx_sender else []
     units = {name: tuple(m for m in unit.modules if m in MAPS) for name, unit in case.unit.items()}
     rounds = case.controller is not None or case.rounds is not None
-    lines = [wire for sci in sci_lines(case, wiring) for wire in (sci.rx, sci.tx)]
+    lines = [wire for sci in wiring.scis for wire in (sci.rx, sci.tx)]
     pairs = tuple(dict.fromkeys(table.pair for table in case.transceiver))
     lines += pairs
     wires += pairs

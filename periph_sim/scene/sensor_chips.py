@@ -9,7 +9,6 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
-from ..core.options import options_from
 from ..core.state import State
 from ..core.suggest import did_you_mean
 from ..devices.chips import chip_models
@@ -19,6 +18,7 @@ from ..devices.host_frames import host_frames
 from ..devices.register_pointer import RegisterPointer
 from ..processor.user_code import UserCode
 from . import plugins
+from .case.error_text import checked_options
 from .case.model import Case, ChipTable, ValueTable
 from .context import SceneContext
 from .devices import NoteLog
@@ -71,7 +71,6 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
     table = case.chip[name]
     place = ("chip", name)
     kind = _kind(case, name)
-    options = kind.OPTIONS
     if name in case.unit or name == "controller":
         raise case.mistake(f"{name!r} is another party on the wires already; give the chip another name", *place)
     address = kind.ADDRESSES[0] if table.address is None else table.address
@@ -81,17 +80,11 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
     others = [other for other, chip in case.chip.items() if other != name and _address(case, other, chip) == address]
     if others:
         raise case.mistake(f"{others[0]} has the address {address:#04x} too", *place, "address")
-    for key, value in table.options.items():
-        try:
-            options_from(options, {key: value})
-        except ValueError as error:
-            raise case.mistake(str(error), *place, "options", key) from None
-
+    answers = checked_options(case, kind.OPTIONS, table.options, *place, "options")
     guard = UserCode(f"chip {name}", float(case.stall_limit))
     feels: Source  # set below, because it depends on the scale that `registers` sets; used from the first sample on
 
     def make(powered: int) -> RegisterChip:
-        answers = options_from(options, table.options)
         chip: RegisterChip = guard(kind, timebase, lambda tick: feels(tick), address, answers, powered)
         return chip
 

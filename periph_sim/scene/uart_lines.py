@@ -17,7 +17,6 @@ from ..core.wire import Wire
 from ..f28335.sci.register_map import SCI_MAP
 from ..processor.dsp import Dsp
 from ..traces.decode import uart_line
-from .case.wiring import sci_lines
 from .context import SceneContext
 
 SCICCR = SCI_MAP["SCICCR"]
@@ -39,10 +38,10 @@ class UartLines:
         self._wires = wires
         self._lines: dict[str, Line] = {}
         self._counters: dict[str, UartCounter] = {}
-        self._heard = [sci.rx for sci in sci_lines(context.case, context.wiring)]
-        for sci in sci_lines(context.case, context.wiring):
+        self._heard = [sci.rx for sci in context.wiring.scis]
+        for sci in context.wiring.scis:
             self._lines[sci.tx] = partial(sci_line, context, units[sci.unit], sci.module)
-        for sci in sci_lines(context.case, context.wiring):
+        for sci in context.wiring.scis:
             self._lines.setdefault(sci.rx, partial(sci_line, context, units[sci.unit], sci.module))
         self._lines |= senders
         for name, line in sorted(self._lines.items()):

@@ -10,7 +10,6 @@ from collections.abc import Collection, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, cast
 
-from .case.wiring import sci_lines
 from .context import SceneContext
 
 if TYPE_CHECKING:
@@ -38,7 +37,7 @@ class UartSide:
     ) -> None:
         self._units = units
         self._serial = serial
-        self._scis = sci_lines(context.case, context.wiring)
+        self._scis = context.wiring.scis
         self.has_sci = bool(self._scis)
         self._recorder = context.recorder
         self._pairs: Pairs | None = None

@@ -9,11 +9,11 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, Any, Protocol, cast
 
 from msgspec.structs import replace
 
-from ..core.options import Answers, Value, options_from
+from ..core.options import Answers
 from ..core.registered import registered
 from ..core.suggest import did_you_mean
 from ..core.table import separate
@@ -23,6 +23,7 @@ from ..f28335.parts import part_named, part_names
 from ..f28335.system_options import SystemOptions
 from ..processor.dsp import Dsp, DspPlan
 from ..processor.user_code import Misuse, UserCode
+from .case.error_text import checked_options
 from .case.model import Case
 from .case.optimizations import DECODING, POLLS
 from .case.transceiver import pulled_down
@@ -59,9 +60,6 @@ def firmware_model_of(settings: object) -> FirmwareModel | None:
     return cast("FirmwareModel | None", registered("firmware model").firmware_model(settings))
 
 
-T = TypeVar("T")
-
-
 def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
     """Return the plan of a unit of a case, without its wires. Raise BadCase for an unknown part, module or option."""
     case = ticks.case
@@ -91,7 +89,7 @@ def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
         pulled_down=pulled_down(case, name),
         part=part,
         code=CodeCosts(**unit.code.model_dump()),
-        system=options_of(case, SystemOptions, unit.options.get("system", {}), name, "system"),
+        system=checked_options(case, SystemOptions, unit.options.get("system", {}), "unit", name, "options", "system"),
         options=_module_options(case, name, unit, part),
     )
 
@@ -185,17 +183,9 @@ def _module_options(case: Case, name: str, unit: Unit, part: Part) -> dict[str, 
             raise case.mistake(f"there are no options of {group!r}; {hint}", "unit", name, "options", group)
     needed = {part.by_name[module].options for module in unit.modules}.union(unit.options) - {"system"}
     return {
-        group: options_of(case, named_class(known[group]), unit.options.get(group, {}), name, group)
+        group: checked_options(
+            case, named_class(known[group]), unit.options.get(group, {}), "unit", name, "options", group
+        )
         for group in known
         if group in needed
     }
-
-
-def options_of(case: Case, kind: type[T], given: dict[str, Value], unit: str, group: str) -> T:
-    """Return the answers to open questions. Each is checked separately, so that a mistake is reported with its line."""
-    for name, value in given.items():
-        try:
-            options_from(kind, {name: value})
-        except ValueError as error:
-            raise case.mistake(str(error), "unit", unit, "options", group, name) from None
-    return options_from(kind, given)

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 from ...core.convert import NOTHING, BadTable, Mistake, keys_of
+from ...core.options import Value, options_from
 from ...core.suggest import did_you_mean
 from ...core.table import Table
 from .device_tables import DeviceTable, WatchTable
 from .model import BadCase, Case
 from .origin import Place, Source, key_of
 
+T = TypeVar("T")
 SHOWN = 60  # maximum number of characters of a wrong value in a message
 
 
@@ -60,3 +64,13 @@ def own_settings(case: Case, kind: type[Table], table: DeviceTable | WatchTable,
             known = first.known + (() if len(first.place) > 1 else tuple(keys_of(type(table))))
             what = f"{who} has no such key; {did_you_mean(str(first.place[-1]), known)}"
         raise case.mistake(what, *place, *first.place) from None
+
+
+def checked_options(case: Case, kind: type[T], given: dict[str, Value], *place: str) -> T:
+    """Return the answers to open questions. Each is checked separately, so that a mistake is reported with its line."""
+    for name, value in given.items():
+        try:
+            options_from(kind, {name: value})
+        except ValueError as error:
+            raise case.mistake(str(error), *place, name) from None
+    return options_from(kind, given)

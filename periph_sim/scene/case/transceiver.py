@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Literal
 from msgspec import Struct
 
 from ...core.table import Table
-from .wiring import Pin, SciLines, node_of, sci_lines, sci_named, wiring_of
+from .wiring import Pin, SciLines, node_of, sci_named, wiring_of
 
 if TYPE_CHECKING:
     from .model import Case
@@ -45,7 +45,6 @@ def on_pairs(case: Case) -> list[OnPair]:
     if not case.transceiver:
         return []
     wiring = wiring_of(case)
-    lines = sci_lines(case, wiring)
     found: list[OnPair] = []
     for entry, table in enumerate(case.transceiver):
         sci = sci_named(case, table.on, "transceiver", entry, "on")
@@ -58,7 +57,7 @@ def on_pairs(case: Case) -> list[OnPair]:
         if "GPIO" not in case.unit[unit].modules:
             what = f"unit {unit} has no GPIO, which would drive {table.de}; add it to its modules"
             raise case.mistake(what, "transceiver", entry, "de")
-        others = [f"{one.unit}.{one.module}.TX" for one in lines if one.tx == sci.rx]
+        others = [f"{one.unit}.{one.module}.TX" for one in wiring.scis if one.tx == sci.rx]
         others += [case.rx_sender] if case.rx_sender and sci.rx == "RX" else []
         if others:
             what = f"{others[0]} drives the RX of {table.on} already, which the transceiver would drive, too"

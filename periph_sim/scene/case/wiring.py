@@ -49,14 +49,24 @@ class Cable(Table, frozen=True, kw_only=True):
     to: str
 
 
+class SciLines(Struct, frozen=True):
+    """An SCI and the wires of its pins."""
+
+    unit: str
+    module: str
+    rx: str
+    tx: str
+
+
 class Wiring(Struct, frozen=True):
-    """The wiring of a case. pins: for each unit, the wire of each GPIO number that has one."""
+    """The wiring of a case.
+
+    pins: for each unit, the wire of each GPIO number that has one.
+    scis: every SCI with its wires, unit by unit.
+    """
 
     pins: Mapping[str, Mapping[int, str]]
-
-    def line(self, unit: str, module: str, signal: str) -> str:
-        """Return the wire of a module's signal. unit, module, signal: for instance "dsp", "SCI-A", "TX"."""
-        return self.pins[unit][SIGNALS[module][signal]]
+    scis: list[SciLines]
 
     def wires(self) -> tuple[str, ...]:
         """Return all wires that are connected to a pin of a unit."""
@@ -80,33 +90,19 @@ def wiring_of(case: Case) -> Wiring:
         _check(case, entry, joints.group(begin))
     for entry, one in enumerate(case.transceiver):
         joints.group(node_of(case, one.de, "transceiver", entry, "de"))
-    names = _Names(case, joints)
-    pins = {unit: {pin: names.of((unit, pin)) for pin in _pins(case, unit, joints)} for unit in case.unit}
-    return Wiring(pins)
-
-
-class SciLines(Struct, frozen=True):
-    """An SCI and the wires of its pins."""
-
-    unit: str
-    module: str
-    rx: str
-    tx: str
-
-
-def sci_lines(case: Case, wiring: Wiring) -> list[SciLines]:
-    """Return every SCI of a case with its wires, unit by unit."""
-    return [
-        SciLines(name, module, wiring.line(name, module, "RX"), wiring.line(name, module, "TX"))
+    pins = {unit: {pin: _wire_of(case, joints, unit, pin) for pin in _pins(case, unit, joints)} for unit in case.unit}
+    scis = [
+        SciLines(name, module, *(pins[name][SIGNALS[module][signal]] for signal in ("RX", "TX")))
         for name, unit in case.unit.items()
         for module in SCIS
         if module in unit.modules
     ]
+    return Wiring(pins, scis)
 
 
 def sci_named(case: Case, text: str, *place: str | int) -> SciLines:
     """Return the SCI that a text names: "dsp.SCI-A", or "SCI-A" if only one unit has it. Raise BadCase if none has."""
-    lines = {(sci.unit, sci.module): sci for sci in sci_lines(case, wiring_of(case))}
+    lines = {(sci.unit, sci.module): sci for sci in wiring_of(case).scis}
     unit, _, module = text.rpartition(".")
     owners = [owner for owner, its in lines if its == module]
     if not unit and len(owners) == 1:
@@ -233,34 +229,26 @@ def _pins(case: Case, unit: str, joints: _Joints) -> list[int]:
     return list(dict.fromkeys([*module_pins(case, unit), *case.unit[unit].pins.values(), *cabled]))
 
 
-class _Names:
-    """The names of the wires of a case."""
+def _wire_of(case: Case, joints: _Joints, unit: str, pin: int) -> str:
+    """Return the name of the wire at a pin."""
+    group = joints.group((unit, pin))
+    named = [other for other in group if isinstance(other, str)]
+    if named:
+        return named[0]
+    for entry, cable in enumerate(case.cable):
+        begin = node_of(case, cable.from_, "cable", entry, "from")
+        if begin in group and isinstance(begin, tuple):
+            return _full_name(case, *begin)
+    module, signal = module_pins(case, unit).get(pin, ("", ""))
+    if not module:
+        return _full_name(case, unit, pin)
+    alone = sum(module in one.modules for one in case.unit.values()) == 1
+    if PART.by_name[module].plain and (alone or (signal == "RX" and case.rx_sender)):
+        return signal
+    return f"{module}.{signal}" if alone else f"{unit}.{module}.{signal}"
 
-    def __init__(self, case: Case, joints: _Joints) -> None:
-        self._case = case
-        self._joints = joints
-        self._usual = {unit: module_pins(case, unit) for unit in case.unit}
-        self._owners = {module: [n for n, unit in case.unit.items() if module in unit.modules] for module in SIGNALS}
 
-    def of(self, node: Pin) -> str:
-        group = self._joints.group(node)
-        named = [other for other in group if isinstance(other, str)]
-        if named:
-            return named[0]
-        for entry, cable in enumerate(self._case.cable):
-            begin = node_of(self._case, cable.from_, "cable", entry, "from")
-            if begin in group and isinstance(begin, tuple):
-                return self._pin(*begin)
-        unit, pin = node
-        if pin not in self._usual[unit]:
-            return self._pin(unit, pin)
-        module, signal = self._usual[unit][pin]
-        alone = len(self._owners[module]) == 1
-        if PART.by_name[module].plain and (alone or (signal == "RX" and self._case.rx_sender)):
-            return signal
-        return f"{module}.{signal}" if alone else f"{unit}.{module}.{signal}"
-
-    def _pin(self, unit: str, pin: int) -> str:
-        """Return the full name of a pin, such as "dsp.SCI-A.TX" or "dsp.GPIO34"."""
-        module, signal = self._usual[unit].get(pin, ("", ""))
-        return f"{unit}.{module}.{signal}" if module else f"{unit}.GPIO{pin}"
+def _full_name(case: Case, unit: str, pin: int) -> str:
+    """Return the full name of a pin, such as "dsp.SCI-A.TX" or "dsp.GPIO34"."""
+    module, signal = module_pins(case, unit).get(pin, ("", ""))
+    return f"{unit}.{module}.{signal}" if module else f"{unit}.GPIO{pin}"

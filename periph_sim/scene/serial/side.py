@@ -22,7 +22,7 @@ from ...timing.measures.expectations import Expected, Reply
 from ...timing.measures.measure import MeasuredScene
 from ..case.model import Case
 from ..case.serial import ExpectTable, SendTable, SerialEntry, SerialTable
-from ..case.wiring import SciLines, sci_lines, sci_named
+from ..case.wiring import SciLines, sci_named
 from ..context import SceneContext
 from ..pairs import Pairs
 from .content import content_of, encoded, show_characters
@@ -58,7 +58,7 @@ class SerialSide:
         """Connect senders and readers to the wires. Raise BadCase, with its line, if an entry is impossible."""
         self._context = context
         self._pairs = pairs
-        self._lines = {(sci.unit, sci.module): sci for sci in sci_lines(self._case, context.wiring)}
+        self._lines = {(sci.unit, sci.module): sci for sci in context.wiring.scis}
         for number, send in enumerate(self._table.send):
             self._attach_send(number, send)
         for number, expect in enumerate(self._table.expect):

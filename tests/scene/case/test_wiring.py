@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.case.wiring import sci_lines, wiring_of
+from periph_sim.scene.case.wiring import wiring_of
 from periph_sim.scene.scope import scope_of_case
 from tests.scene.small import case
 
@@ -80,7 +80,7 @@ def test_budgets_know_the_lines_and_recordings_list_them():
     of = case(unit={"dsp": unit("SCI-A", "SCI-C", MODEL=34)}, cable=[cable("dsp.SCI-C.TX", "dsp.GPIO3")])
     assert scope_of_case(of).lines == ("RX", "TX", "SCI-C.RX", "dsp.SCI-C.TX")
     assert of.recorded_modules == {"dsp": ("SCI-A", "SCI-C", "pin:SCI-C.RX", "pin:dsp.SCI-C.TX", "pin:MODEL")}
-    assert [(sci.module, sci.rx, sci.tx) for sci in sci_lines(of, wiring_of(of))] == [
+    assert [(sci.module, sci.rx, sci.tx) for sci in wiring_of(of).scis] == [
         ("SCI-A", "RX", "TX"),
         ("SCI-C", "SCI-C.RX", "dsp.SCI-C.TX"),
     ]

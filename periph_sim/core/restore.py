@@ -25,19 +25,15 @@ from .state import Time, state_of
 CONTAINERS: dict[str, Callable[[Any], Any]] = {
     one.__name__: one for one in (list, tuple, deque, set, frozenset, dict, bytearray)
 }
-Finds = Mapping[str, Callable[..., object]]  # from the name of a class to a function that finds its object for a key
 
 
 class NotRestorable(ValueError):
     """A snapshot that does not fit the scene or cannot be restored. The message is one sentence."""
 
 
-def restore(snapshot: Snapshot, modules: Mapping[str, Module], finds: Mapping[str, Finds]) -> None:
-    """Set each declared attribute of these modules. Raise NotRestorable, with nothing changed, if one cannot be set.
-
-    finds: a dictionary from a module's name to the functions that find objects of the classes in `Module.keys`.
-    """
-    plan = _Plan(snapshot, modules, finds)
+def restore(snapshot: Snapshot, modules: Mapping[str, Module]) -> None:
+    """Set each declared attribute of these modules. Raise NotRestorable, with nothing changed, if one cannot be set."""
+    plan = _Plan(snapshot, modules)
     for name, module in modules.items():
         plan.add(name, module)
     plan.apply()
@@ -46,22 +42,21 @@ def restore(snapshot: Snapshot, modules: Mapping[str, Module], finds: Mapping[st
 class _Plan:
     """The assignments that restore a snapshot. `_objects` has the scene's object for each name in the snapshot."""
 
-    def __init__(self, snapshot: Snapshot, modules: Mapping[str, Module], finds: Mapping[str, Finds]) -> None:
+    def __init__(self, snapshot: Snapshot, modules: Mapping[str, Module]) -> None:
         self._values = snapshot.values
         self._cycles = snapshot.cycles
-        self._finds = finds
+        self._finds: dict[str, Callable[..., object]] = {}  # functions that find objects, by class
         self._now = {Time.TICKS: snapshot.tick, Time.RECORDS: snapshot.number}
         self._objects: dict[str, Any] = {name: module.target for name, module in modules.items()}
         self._used = {id(module.target) for module in modules.values()}  # ids of the objects that already have a name
         self._assigned: list[tuple[Any, str, Any]] = []
         self._randoms: list[tuple[Random, Any]] = []
-        self._module = ""
         others = sorted(self._cycles.keys() ^ modules.keys())
         if others:
             raise NotRestorable(f"only one of the snapshot and the scene has {' and '.join(others)}")
 
     def add(self, name: str, module: Module) -> None:
-        self._module = name
+        self._finds = {class_name(kind): keyed.find for kind, keyed in module.keys.items()}
         self._now[Time.CYCLES] = self._cycles[name]
         self._attributes(name, module.target)
 
@@ -99,7 +94,7 @@ class _Plan:
             case Ref(owner, method):
                 return getattr(self._objects[owner], method) if method else self._objects[owner]
             case Found(kind, key):
-                return self._finds[self._module][kind](*key)
+                return self._finds[kind](*key)
             case Function(function):
                 if getattr(current, "__qualname__", "") != function:
                     raise NotRestorable(

@@ -32,17 +32,27 @@ ARRAY = "array of "  # begin of the text `kind` of an array; the type code of th
 KEYED_BY_OBJECTS = "dict keyed by objects"
 
 
+class Keyed(NamedTuple):
+    """How a scene finds the objects of a class again.
+
+    key_of: returns the key of an object, or None if the object has no key.
+    find: returns the object of the scene for the parts of a key.
+    """
+
+    key_of: Callable[[Any], tuple[object, ...] | None]
+    find: Callable[..., object]
+
+
 class Module(NamedTuple):
     """A named part of a scene.
 
     cycle: the present cycle of the module's clock; 0 for a module without a clock.
-    keys: a dictionary from the class of an object to a function. The function takes the object and returns the key by
-        which the scene finds the object again, or None if the object has no key.
+    keys: the classes whose objects the scene finds again by a key.
     """
 
     target: object
     cycle: int = 0
-    keys: Mapping[type, Callable[[Any], tuple[object, ...] | None]] = {}
+    keys: Mapping[type, Keyed] = {}
 
 
 class Ref(NamedTuple):
@@ -195,7 +205,7 @@ class _Collector:
         elif id(value) in self._names:
             self.values[name] = Ref(self._names[id(value)])
         elif kind in self._module.keys:
-            key = self._module.keys[kind](value)
+            key = self._module.keys[kind].key_of(value)
             self.values[name] = Foreign(class_name(kind)) if key is None else Found(class_name(kind), key)
         elif isinstance(value, partial):
             parts = {"func": value.func, "args": value.args, "keywords": value.keywords}

@@ -9,19 +9,19 @@ the start, or, if C sources keep logs of their accesses, at a checkpoint: an ear
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import partial
 from hashlib import blake2b
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import msgspec
 
 from .. import __version__
 from ..core.records import RECORDED, Recorder
-from ..core.restore import Finds, NotRestorable, restore
+from ..core.restore import NotRestorable, restore
 from ..core.sampler import Sampler
-from ..core.snapshot import Foreign, Module, Snapshot, absolute, class_name, take_snapshot
+from ..core.snapshot import Foreign, Keyed, Module, Snapshot, absolute, take_snapshot
 from ..processor.c28x.execution.cpu import Operation
 from ..processor.image.program import ImageProgram
 from ..processor.operand import Operand
@@ -60,7 +60,7 @@ def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
             raise NotRestorable(_mismatch(what, there, here))
     if all(isinstance(dsp.program, ImageProgram) for dsp in scene.units.values()):
         scene.kernel.settle()
-        restore(snapshot, modules_of(scene), finds_of(scene))
+        restore(snapshot, modules_of(scene))
         return
     if scene.keeps_logs and snapshot.base is not None:
         _restore_checkpoint(scene, snapshot.base)
@@ -75,7 +75,8 @@ def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
 
 def modules_of(scene: Scene) -> dict[str, Module]:
     """Return the parts of a scene that declare a state, by name, in the order in which they are taken and restored."""
-    keys: dict[type, Any] = {Sampler: _rank, Operand: _operand_key}
+    samplers = _samplers(scene)
+    keys: dict[type, Keyed] = {Sampler: Keyed(lambda sampler: (sampler.rank,), samplers.__getitem__)}
     parts: dict[str, object] = {}
     if scene.head is not None:
         parts |= {"controller": scene.head.controller, "head": scene.head}
@@ -83,7 +84,7 @@ def modules_of(scene: Scene) -> dict[str, Module]:
         parts["host"] = scene.host
     parts |= {**scene.chips, **scene.devices}
     parts |= {f"fault {number}": fault for number, fault in enumerate(scene.faults)}
-    parts |= {f"sampler {rank}": sampler for rank, sampler in sorted(_samplers(scene).items())}
+    parts |= {f"sampler {rank}": sampler for rank, sampler in sorted(samplers.items())}
     found = {"records": Module(scene.recorder)}
     for name, dsp in scene.units.items():
         found |= _unit_modules(name, dsp, dsp.clock.cycle_at(scene.kernel.now), keys)
@@ -93,7 +94,7 @@ def modules_of(scene: Scene) -> dict[str, Module]:
     return found
 
 
-def _unit_modules(name: str, dsp: Dsp, cycle: int, keys: Mapping[type, Any]) -> dict[str, Module]:
+def _unit_modules(name: str, dsp: Dsp, cycle: int, keys: Mapping[type, Keyed]) -> dict[str, Module]:
     parts: dict[str, object] = {name: dsp, f"{name}.clock": dsp.clock, f"{name}.processor": dsp.processor}
     if dsp.router is not None:
         parts[f"{name}.router"] = dsp.router
@@ -101,8 +102,9 @@ def _unit_modules(name: str, dsp: Dsp, cycle: int, keys: Mapping[type, Any]) -> 
     if dsp.sources is not None:
         parts[f"{name}.sources"] = dsp.sources
     parts |= {f"{name}.{module}": socket for module, socket in dsp.sockets.items()}
+    keys = {**keys, Operand: Keyed(_operand_key, dsp.processor.bus.named)}
     if isinstance(program, ImageProgram):
-        keys = {**keys, Operation: partial(_operation_key, program.cpu)}
+        keys[Operation] = Keyed(partial(_operation_key, program.cpu), program.cpu.operation_of)
     return {part: Module(target, cycle, keys) for part, target in parts.items()}
 
 
@@ -164,12 +166,12 @@ def _restore_checkpoint(scene: Scene, checkpoint: Snapshot) -> None:
             time, now = f"{name}.processor.time", checkpoint.cycles[f"{name}.processor"]
             cycle, until = (absolute(checkpoint.values[f"{time}.{instant}"], now) for instant in ("cycle", "_until"))
             re_execute(one, checkpoint.logs[name], (cycle, until - cycle))
-        restore(checkpoint, modules_of(scene), finds_of(scene))
+        restore(checkpoint, modules_of(scene))
         scene.checkpoint = checkpoint
     except NotRestorable:
         for one in sources.values():
             restart(one)
-        restore(fresh, modules_of(scene), finds_of(scene))
+        restore(fresh, modules_of(scene))
         raise
 
 
@@ -185,10 +187,6 @@ def _is_whole(state: Snapshot) -> bool:
 # Objects that a scene finds again by a key ---------------------------------------
 
 
-def _rank(sampler: Sampler) -> tuple[object, ...]:
-    return (sampler.rank,)
-
-
 def _operand_key(operand: Operand) -> tuple[object, ...]:
     return (operand.address, operand.words, operand.named)
 
@@ -196,24 +194,6 @@ def _operand_key(operand: Operand) -> tuple[object, ...]:
 def _operation_key(cpu: ImageCpu, operation: Operation) -> tuple[object, ...] | None:
     at = operation.address
     return (at, cpu.word_at(at), cpu.word_at(at + 1)) if operation.place == at else None
-
-
-def finds_of(scene: Scene) -> dict[str, Finds]:
-    """Return functions that find the scene's object for a key in a snapshot, by module and by class of the object.
-
-    A module's name is as in `modules_of`, such as "dsp.I2C-A"; a class's name is that of the Python class.
-    """
-    samplers = _samplers(scene)
-    found: dict[str, Finds] = {}
-    for module in modules_of(scene):
-        unit = scene.units.get(module.partition(".")[0])
-        finds: dict[str, Callable[..., object]] = {class_name(Sampler): samplers.__getitem__}
-        if unit is not None:
-            finds[class_name(Operand)] = unit.processor.bus.named
-            if isinstance(unit.program, ImageProgram):
-                finds[class_name(Operation)] = unit.program.cpu.operation_of
-        found[module] = finds
-    return found
 
 
 # Identity of a snapshot -----------------------------------------------------------

@@ -24,6 +24,7 @@ from periph_sim.core.snapshot import (
     Found,
     Function,
     Group,
+    Keyed,
     Made,
     Module,
     Ref,
@@ -88,7 +89,7 @@ def taken(owner: object, **more: object) -> Snapshot:
 
 def moved(snapshot: Snapshot, target: object, **more: object) -> None:
     modules = {"one": Module(target, 0), **{name: Module(other) for name, other in more.items()}}
-    restore(snapshot, modules, {name: {} for name in modules})
+    restore(snapshot, modules)
 
 
 def through(held: object) -> tuple[object, Any]:
@@ -229,9 +230,10 @@ def test_a_place_in_a_chain_names_no_object():
 def test_what_is_found_by_a_key():
     owner, other, silent = Owner(), Owner(), Silent()
     owner.held = silent
-    snapshot = take_snapshot({"one": Module(owner, keys={Silent: lambda found: (1, "x")})}, 0, 0, ())
+    keys = {Silent: Keyed(lambda found: (1, "x"), lambda number, text: (text, number))}
+    snapshot = take_snapshot({"one": Module(owner, keys=keys)}, 0, 0, ())
     assert snapshot.values["one.held"] == Found(f"{HERE}.Silent", (1, "x"))
-    restore(snapshot, {"one": Module(other)}, {"one": {f"{HERE}.Silent": lambda number, text: (text, number)}})
+    restore(snapshot, {"one": Module(other, keys=keys)})
     assert other.held == ("x", 1)
 
 

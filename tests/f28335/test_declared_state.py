@@ -310,7 +310,7 @@ def test_the_declared_state_decides_on_all_that_a_chip_does(name: str):
             second.step()
         snapshot = take_snapshot({"chip": Module(first.chip, first.now)}, 0, 0, ())
         moved = snapshot._replace(cycles={"chip": first.now + LATER})
-        restore(moved, {"chip": Module(second.chip, second.now)}, {"chip": {}})
+        restore(moved, {"chip": Module(second.chip, second.now)})
         drivers = [kind(one.chip, begin, f"{seed}") for one, begin in ((first, first.now), (second, first.now + LATER))]
         for _ in range(STEPS):
             for driver in drivers:

@@ -13,7 +13,7 @@ from periph_sim.core.snapshot import Absent, Foreign, Snapshot
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene
-from periph_sim.scene.state import finds_of, modules_of
+from periph_sim.scene.state import modules_of
 from tests.scene.runs import TIMING
 
 CASES = sorted(path.stem for path in TIMING.glob("*.toml"))
@@ -150,7 +150,7 @@ def test_no_record_depends_on_what_is_not_declared(name: str):
         other.advance(ms(other, random.uniform(within / 2, within)))
         snapshot = whole.state()
         moved += len(snapshot.differences(other.state()))
-        restore(snapshot, modules_of(other), finds_of(other))
+        restore(snapshot, modules_of(other))
         before, other_before = len(records), len(other_records)
         for scene in (whole, other):
             scene.advance(at + ms(whole, 25))

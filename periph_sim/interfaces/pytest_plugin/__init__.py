@@ -1,11 +1,11 @@
-"""The pytest plugin: case files as tests, fixtures for runs, figures for JUnit and a summary table.
+"""The pytest plugin. It runs case files as tests and provides fixtures for runs, figures for JUnit and a summary table.
 
     periph_sim_cases = timing  --> one test per budget of each case file (collect.py)
     scene(...), @mark.case     --> a run for a test (fixtures.py, runs.py)
     figures of judged budgets --> user_properties --> JUnit XML, terminal summary (figures.py)
 
-pytest loads this module wherever periph_sim is installed, so it imports only pytest. Chips and numpy are imported with
-the first case. `-p no:periph-sim` turns the plugin off.
+pytest loads this module wherever periph_sim is installed, so this module imports only pytest. Models and numpy are
+imported when the first case is built. `-p no:periph-sim` turns the plugin off.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ MARKER = (
     "case(file, *changes, seconds=None, record=False): "
     "the case that fixture case_run runs, with KEY=VALUE changes as for periph-sim run --set"
 )
-_in_tests: list[pytest.Item] = []  # the tests that are running; several if a test runs its own session
-_completion: Completion | None = None  # the completion report of the session in this process
+_in_tests: list[pytest.Item] = []  # the running tests; more than one while a test runs a pytest session of its own
+_completion: Completion | None = None  # in the child process of `_begin`: the means to report the end of the session
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -49,7 +49,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]:
-    """Start the separate process of a session with cases before its conftest.py is loaded."""
+    """Start the child process (see `_begin`) of a session with cases before its conftest.py is loaded."""
     if not _in_tests and early_config.getini(CASES) and "PYTEST_XDIST_WORKER" not in os.environ:
         _begin(early_config)
     return (yield)
@@ -57,9 +57,10 @@ def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, int | None]:
-    """Start the separate process of a session with cases if `pytest_load_initial_conftests` did not.
+    """Start the child process of a session with cases if there is none yet. Report the end of the session.
 
-    It does not in the environment of a pytest-xdist worker, in which sessions that are no workers can be started, too.
+    There is none yet if the environment is that of a pytest-xdist worker. A test in a worker can start a session that
+    is not a worker, and this session inherits the environment.
     """
     if _in_tests:
         return (yield)
@@ -71,7 +72,7 @@ def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, in
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_runtestloop(session: pytest.Session) -> Iterator[None]:
-    """Start the separate process, if it is not running yet, if a collected test uses runs."""
+    """Start the child process if a collected test uses runs and the session has no child process yet."""
     if not _in_tests and asks_for_runs(session.items):
         _begin(session.config)
     return (yield)
@@ -87,9 +88,9 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
-    """Store which test is running, because it gets the figures of budgets that are judged during it.
+    """Store which test is running. The figures of all budgets that are judged meanwhile are added to this test.
 
-    The run itself is no indication: fixtures of any scope make runs, and a run may outlive a test.
+    A run does not determine its test, because fixtures of any scope make runs, and a run may outlive a test.
     """
     item.config.stash[current] = item
     _in_tests.append(item)
@@ -114,7 +115,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 def scene(pytestconfig: pytest.Config) -> SceneFactory:
     """Return a function that builds and runs a case.
 
-    Its signature is scene(file or firmware function, *changes, seconds=None, record=False, ...) -> Run.
+    Call it as scene(file or firmware function, *changes, seconds=None, record=False, ...) -> Run.
     """
     from .fixtures import SceneFactory
 
@@ -141,7 +142,7 @@ def asks_for_runs(items: Iterable[pytest.Item]) -> bool:
 
 
 def _begin(config: pytest.Config) -> None:
-    """Continue the session in a child process, for which this process waits, unless this has been done already.
+    """Continue the session in a child process, for which this process waits. Do nothing if this is the child process.
 
     Firmware that ends its process, for instance by `os._exit(0)`, would end the session with status 0, which means that
     all tests passed. With the child process, such a session has status 3, which pytest uses for internal errors. A
@@ -155,7 +156,10 @@ def _begin(config: pytest.Config) -> None:
 
 
 def _end(completion: Completion, status: int) -> int:
-    """Report that a session is complete. Return its exit status, or 3 in place of 0 if its output may be lost."""
+    """Report that the session is complete, and return its exit status.
+
+    If some output could not be written, return status 3 in place of 0, and do not report the session as complete.
+    """
     global _completion
     from ...supervisor import NO_VERDICT
 

@@ -3,8 +3,9 @@
     timing/mine.toml --> timing/mine.toml::hangs nowhere    passes if nothing waits forever
                          timing/mine.toml::response         passes if the budget holds
 
-The case runs once per process, with the first of its tests; the others use the same run. A budget that the case lists
-in `breaks` is a test that is expected to fail by a broken limit. If such a budget is not judged, the test fails.
+The case is run once per process, by the first of its tests. The other tests use the same run. For a budget that the
+case lists in `breaks`, the test is expected to fail because the limit is broken. If such a budget is not judged, this
+is an unexpected failure.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ KNOWN = "known to break"
 
 
 def case_file(path: Path, parent: pytest.Collector) -> CaseFile | None:
-    """Return the collector of a case file; None if it is not a case, or outside the ini option's folders."""
+    """Return the collector of a case file; None if the file is not a case or is outside the ini option's folders."""
     wanted = [place.resolve() for place in parent.config.getini(CASES)]
     if not any(path.resolve().is_relative_to(place) for place in wanted) or not is_case(path):
         return None
@@ -34,7 +35,7 @@ class CaseFile(pytest.File):
     """Collector of a case file, which runs the case once for all its tests."""
 
     def collect(self) -> Iterable[pytest.Item]:
-        """Return the tests. Raise CollectError, with one sentence, if the case cannot be built."""
+        """Yield the tests. Raise CollectError, whose message is one sentence, if the case cannot be built."""
         from ...processor.user_code import output_muted
         from ...scene.case.load import load
         from ..commands.command_frame import is_mistake
@@ -59,7 +60,7 @@ class CaseFile(pytest.File):
             yield item
 
     def run(self) -> Any:
-        """Return the run of the case, which is made once for all tests. If it failed, raise its error each time."""
+        """Return the run of the case, which is made once for all tests. If it failed, each call raises its error."""
         from .runs import run_plan
 
         if self._failed is not None:
@@ -74,7 +75,11 @@ class CaseFile(pytest.File):
 
 
 class CaseItem(pytest.Item):
-    """A test of one budget of a case; without a budget, a test that the case does not hang."""
+    """A test that a budget of a case holds, or that the case does not hang.
+
+    number: the position of the budget among the budgets of the case, from 0; None to test that the case does not hang.
+    line: the line of the budget in the case file, from 1.
+    """
 
     def __init__(self, number: int | None, line: int, **more: Any) -> None:
         super().__init__(**more)
@@ -96,7 +101,7 @@ class CaseItem(pytest.Item):
         run.assert_budgets(verdict.name)
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *args: Any, **more: Any) -> Any:
-        """Return the broken budgets, or the sentence of a user's error. Only internal errors have a traceback."""
+        """Return the text of a failure: the broken budgets, the message of a user's error, or an internal traceback."""
         from ..commands.command_frame import is_mistake
 
         if isinstance(excinfo.value, AssertionError) or is_mistake(excinfo.value):

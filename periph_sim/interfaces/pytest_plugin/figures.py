@@ -1,10 +1,10 @@
-"""Figures of budgets as properties of tests, and the table that is made from these properties.
+"""Figures of budgets as properties of tests, and the summary table that is made from these properties.
 
     Verdict --properties--> ("periph-sim/CASE/BUDGET/worst_us", 5.0) in user_properties --> JUnit XML
                                     |  (through pytest-xdist, too)
                                     '--table--> the terminal summary
 
-The code that runs cases is not imported here, because another process may have run them.
+The code that runs cases is not imported here, because another process may have run the cases.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 HEAD = "periph-sim/"
 FIRST = "verdict"  # the first figure of each budget
-UNBROKEN = 10_000  # number of columns of a table with names of tests: no name is broken, so that it can be copied
+UNBROKEN = 10_000  # columns of a table with names of tests; no name is split into lines, so that it can be copied
 VALUES = ("worst", "limit", "margin")
 
 Property = tuple[str, object]
@@ -28,8 +28,8 @@ Property = tuple[str, object]
 def properties(case: str, verdict: Verdict) -> list[Property]:
     """Return the figures of a verdict as properties of a test.
 
-    These are verdict, unit, worst, limit, margin, which, count, measured, occasions and at_s. The names of times in
-    microseconds end in `_us`. A missing figure is "".
+    The figures are verdict, unit, worst, limit, margin, which, count, measured, occasions and at_s. If the unit is us,
+    the names of worst, limit and margin end in `_us`. A missing figure is "".
     """
     tail = "_us" if verdict.unit == "us" else ""
     figures: dict[str, object] = {FIRST: verdict.verdict, "unit": verdict.unit}
@@ -43,11 +43,13 @@ def _plain(value: float | int | None) -> float | int | str:
     return "" if value is None else value
 
 
-Judged = tuple[str, str, dict[str, Any]]  # the text "case/budget", the test, and the figures without their units
+Judged = tuple[str, str, dict[str, Any]]  # "case/budget"; the test; a dictionary from names without `_us` to figures
 
 
 def judged(longest: Mapping[str, Sequence[Property]]) -> list[Judged]:
-    """Return the budgets in the properties of tests, ordered by test.
+    """Return the budgets that tests have judged, in the order of the tests.
+
+    longest: a dictionary from each test to its properties.
 
     A budget that a test judged several times with the same figures is returned once.
     """
@@ -65,9 +67,11 @@ def judged(longest: Mapping[str, Sequence[Property]]) -> list[Judged]:
 
 
 def table(reports: Iterable[Any]) -> list[tuple[str, bool]]:
-    """Return the lines of the terminal summary, each with True if it is good. Empty if no budget was judged.
+    """Return the lines of the terminal summary; an empty list if no test judged a budget.
 
-    The last report of a test has all of its budgets.
+    Each line has a second value, which is False for a budget that did not pass and was not expected to break.
+
+    pytest makes several reports of a test. The report with the most properties has all budgets of the test.
     """
     longest: dict[str, Sequence[Property]] = {}
     expected: set[str] = set()

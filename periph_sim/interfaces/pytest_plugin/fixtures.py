@@ -1,4 +1,4 @@
-"""The fixture `scene`: runs a case file or a firmware function with changes.
+"""The value of the fixture `scene`: a function that runs a case file or a firmware function with changes.
 
 scene("timing/mine.toml", "controller.period=10 ms", seconds=2)  --> Run
 scene(firmware, modules=["I2C-A"], controller={...}, budget=[...], seconds=2)  --> Run
@@ -28,7 +28,7 @@ from .runs import Plan, Run, run_plan
 
 Program = Callable[[Any, Any], None]
 Length = float | str | Fraction | None
-UNIT = "dsp"  # name of the unit of scenes given in Python
+UNIT = "dsp"  # name of the unit that runs a firmware function
 
 
 class SceneFactory:
@@ -55,11 +55,16 @@ class SceneFactory:
 
         what: a case file, relative to the test's file or pytest's rootdir; or firmware as a function (dsp, settings).
         changes: KEY=VALUE texts, as for `periph-sim run --set`.
-        seconds: the duration; by default that of the case. A text has a unit ("500 ms").
+        seconds: the simulated duration as a number of seconds or a text with a unit ("500 ms"); None for the duration
+            that the case states.
         record: True to keep all records and edges.
 
-        For a function only: `modules`, `pins` and `unit` with other keys of a unit; `settings`, which the function
-        receives unchanged; and the other tables of a case (controller, host, budget, ...) under their names.
+        These arguments are only for a function:
+
+        modules: the names of the unit's modules.
+        settings: any object, which the function receives as its second argument.
+        unit: a dictionary from further keys of a unit, such as pins, to their values.
+        tables: the other tables of a case (controller, host, budget, ...).
 
         Raise BadCase, with one sentence, if the case cannot be run.
         """
@@ -79,7 +84,7 @@ class SceneFactory:
             raise error.with_traceback(None) from None  # the message is sufficient, and the traceback is internal
 
     def _found(self, path: Path) -> Path:
-        """Return the path of a case file, which is relative to the test's file or to rootdir."""
+        """Find a case file in the folder of the running test or in rootdir. Raise BadCase if there is none."""
         root = self._config.rootpath
         item = self._config.stash.get(current, None)
         folders = [root] if item is None else [item.path.parent, root]
@@ -96,7 +101,7 @@ class SceneFactory:
         )
 
     def _add_properties(self, run: Run, verdicts: Sequence[Verdict]) -> None:
-        """Add figures to the test that is running, which may be another one than the test that made the run."""
+        """Add figures to the test that is running, which is not necessarily the test that made the run."""
         item = self._config.stash.get(current, None)
         if item is not None:
             for verdict in verdicts:
@@ -104,7 +109,7 @@ class SceneFactory:
 
 
 def _length(given: Length) -> Fraction | None:
-    """Parse a duration. Return seconds above 0, or None for None."""
+    """Return a duration in seconds, or None for None. Raise BadCase if the duration is not above 0."""
     if given is None:
         return None
     try:

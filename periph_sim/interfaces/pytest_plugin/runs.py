@@ -1,4 +1,4 @@
-"""A run of a case for a test, which asserts budgets with a table, causes and timing diagrams.
+"""A run of a case for a test. If a budget does not hold, its assertion shows a table, causes and timing diagrams.
 
 Plan (case, programs, length) --run_plan--> Run: result, budgets, transfers, edges(), records
                                              assert_budgets(...) --> nothing, or AssertionError with a text
@@ -38,7 +38,7 @@ OnJudged = Callable[["Run", Sequence[Verdict]], None]
 
 
 class NoSuchBudget(KeyError):
-    """The case has no such budget; the message is one sentence."""
+    """Error for a name that no budget of the case has. The message is one sentence."""
 
     def __str__(self) -> str:
         return str(self.args[0])
@@ -48,8 +48,8 @@ class NoSuchBudget(KeyError):
 class Plan:
     """A case with its changes, which has not been run yet.
 
-    seconds: the duration; None for that of the case.
-    programs: firmware that is given as functions, indexed by unit.
+    seconds: the duration of the run; None for the duration that the case states.
+    programs: a dictionary from units to firmware that is given as functions.
     """
 
     case: Case
@@ -57,12 +57,15 @@ class Plan:
     programs: Mapping[str, Firmware] = field(default_factory=dict)
 
     def scene(self, subscribe: Callable[[Recorder, Timebase], None] | None = None) -> Scene:
-        """Return a new scene that has not been run yet. Raise BadCase if it cannot be built."""
+        """Return a new scene that has not been run yet. Raise BadCase if the scene cannot be built.
+
+        subscribe: a function that is called once, while the scene is built, so that it can subscribe to records.
+        """
         return self._prepared.scene((), subscribe, self.programs)
 
     @cached_property
     def _prepared(self) -> PreparedScene:
-        """The prepared case. The run uses it, and so does a second run for the edges of the wires."""
+        """The prepared case, which the run shares with a second run for the edges of the wires."""
         return PreparedScene(self.case)
 
     @property
@@ -72,7 +75,7 @@ class Plan:
 
 
 class Budgets(dict[str, Verdict]):
-    """Verdicts, indexed by the names of the budgets. An unknown name raises NoSuchBudget with similar names."""
+    """A dictionary from the names of budgets to verdicts. An unknown name raises NoSuchBudget with similar names."""
 
     def __init__(self, case: str, verdicts: Sequence[Verdict]) -> None:
         super().__init__((verdict.name, verdict) for verdict in verdicts)
@@ -88,7 +91,7 @@ class Run:
     """A finished run.
 
     result: the figures that `periph-sim run` shows.
-    budgets: the verdicts, indexed by name.
+    budgets: a dictionary from the names of budgets to verdicts.
     records: the table of all records if the run was made with `record=True`, else None.
     """
 
@@ -119,10 +122,10 @@ class Run:
         return self._transfers
 
     def edges(self) -> Capture:
-        """Return the edges of all wires, whose positions are ticks.
+        """Return the edges of all wires. The positions of edges are ticks.
 
-        If they were not kept, the first call runs the case a second time. They are kept with `record=True`, and if the
-        firmware is a function of the test.
+        Edges are kept during the run if `record` is True or if the firmware is a function. Otherwise, the first call of
+        this method runs the case a second time.
         """
         if self._edges is None:
             with output_muted():
@@ -136,8 +139,9 @@ class Run:
     def explained(self, verdicts: Sequence[Verdict]) -> list[tuple[Window, Chain | None]]:
         """Return the window and the explanation of the worst occurrence, for each verdict that has an instant.
 
-        The case is run once more for this. Firmware that is given as a function is not run again: the records are used
-        if they were kept, and otherwise only the edges of the wires, without an explanation.
+        The case is run once more for this purpose. Firmware that is given as a function is not run again. Instead, the
+        window is made from the records of the run, if they were kept. Otherwise, it is made from the edges of the
+        wires, and the explanation is None.
         """
         case = self.plan.case
         if not self.plan.programs:
@@ -150,7 +154,8 @@ class Run:
     def assert_budgets(self, *names: str, guaranteed: bool = False) -> None:
         """Raise AssertionError, with a table and a diagram, if any of these budgets does not hold.
 
-        guaranteed: True always fails, since no proof is available yet.
+        guaranteed: True to require a proof that the budgets always hold. The assertion then always fails, since no
+            proof is available yet.
 
         Raise NoSuchBudget if the case has no budget with one of the names, and ValueError if no name is given.
         """
@@ -188,7 +193,9 @@ class Run:
 def run_plan(plan: Plan, on_judged: OnJudged, *, keep_edges: bool = False, record: bool = False) -> Run:
     """Build and run a case. Raise BadCase if it cannot be built.
 
-    on_judged: a function that is called with the verdicts that a test asserts.
+    on_judged: a function that is called with the run and the verdicts each time that a test asserts budgets.
+    keep_edges: True to keep the edges of all wires.
+    record: True to keep all records and the edges of all wires.
     """
     columns = Columns()
 
@@ -222,9 +229,11 @@ MOST_EXPLAINED = 3  # maximum number of worst occurrences that are explained
 
 
 def failure_text(run: Run, broken: Sequence[Verdict], judged: int) -> str:
-    """Return the text of a failure.
+    """Return the text of a failed assertion.
 
-    Its first line names the budgets and, for a single one, the excess over the limit.
+    The first line names the budgets that do not hold. For a single budget, it also has the worst value and the limit.
+
+    judged: the number of budgets that were asserted.
     """
     words = " or ".join(sorted({verdict.word for verdict in broken}))
     head = f"{len(broken)} of {judged} budgets {words}: {', '.join(verdict.name for verdict in broken)}"

@@ -1,9 +1,9 @@
-"""Run case files, each in a process of its own, and compare them with their baselines.
+"""Run case files, each in a process of its own, and compare the results with the baselines of the cases.
 
     paths --> cases --> processes --> outcomes --> compared, explained, judged --> CaseCheck
                                                    or written as new baselines
 
-Results are in the order of the files' names, for any number of processes.
+The order of the results is that of the case files, and does not depend on the number of processes.
 """
 
 from __future__ import annotations
@@ -33,7 +33,11 @@ State = Literal["equal", "changed", "missing", "written"]
 
 @dataclass
 class Finding:
-    """A reason why `check` fails. line: the line in the case file, 1 or more."""
+    """A reason why `check` fails.
+
+    budget: the name of the budget; None for a finding about the whole case.
+    line: the line in the case file, from 1.
+    """
 
     budget: str | None
     line: int
@@ -44,9 +48,11 @@ class Finding:
 class CaseCheck:
     """The result of checking a case.
 
-    state: the state of its baseline.
-    diff: the change that `--update-baseline` makes, as a unified diff.
-    causes: for each budget that broke unexpectedly, the explanation of its worst occurrence.
+    state: whether the run equals its baseline or differs from it, or the baseline is missing or has been written.
+    changes: the differences between the baseline and the run.
+    diff: the change of the baseline file by `--update-baseline` as a unified diff; "" if the file was not changed.
+    causes: a dictionary from each budget that broke unexpectedly to the explanation of its worst occurrence.
+    findings: the reasons why the check fails.
     """
 
     outcome: Outcome
@@ -63,7 +69,7 @@ class CaseCheck:
 
 
 def judge(check: CaseCheck) -> list[Finding]:
-    """Return all findings of a check; those about budgets come first."""
+    """Return all findings of a check. Findings about limits of budgets come first."""
     outcome = check.outcome
     top = outcome.name_line or 1
     findings = []
@@ -99,9 +105,9 @@ STOPPED = "it was not run to its end, because the check was stopped"
 
 
 def case_files(paths: Iterable[Path | str]) -> list[Path]:
-    """Return the case files at these paths, each once. For a folder, these are all cases below it.
+    """Return the case files at these paths, each once. A folder is replaced by all cases below it.
 
-    Raise BadCheck if there are none.
+    Raise BadCheck if a path does not exist or a folder contains no case.
     """
     found: dict[Path, None] = {}
     for path in map(Path, paths):
@@ -140,8 +146,9 @@ def check(
     on_refused: a function that is called with each case that cannot be run or compared, or that needs an outside party.
         The other cases continue.
 
-    Raise BadCheck for such a case if `on_refused` is None or `update` is True. A script that calls this function with
-    more than one process needs the usual `if __name__ == "__main__":`.
+    Raise BadCheck if `on_refused` is None and there is a case for which it would be called. If `update` is True, also
+    raise BadCheck if a case cannot be run. A script that calls this function with more than one process needs the usual
+    `if __name__ == "__main__":`.
     """
     files = case_files(paths)
     refused: list[RejectedCase] = []
@@ -180,8 +187,8 @@ def _run_each(
 ) -> tuple[list[Outcome | RejectedCase], bool]:
     """Run each case. Return the results, and True if Ctrl-C or SIGTERM stopped the runs.
 
-    keep_finished: True to return the finished cases after a stop, with the others as rejected; False to raise
-        KeyboardInterrupt.
+    keep_finished: True to return the results of the finished cases after such a stop, and a RejectedCase for each other
+        case; False to raise KeyboardInterrupt.
     """
     came: dict[Path, Outcome | RejectedCase] = {}
     try:
@@ -202,9 +209,10 @@ def _run_each(
 
 
 def _baselines(files: Iterable[Path], refused: list[RejectedCase] | None) -> dict[Path, Baseline | None]:
-    """Read the baseline of each case; None if there is none.
+    """Return a dictionary from each case to its baseline, or to None if the case has no baseline.
 
-    refused: the list to which cases are added whose baseline cannot be read; None to ignore such baselines.
+    refused: the list to which each case with an unreadable baseline is added; None to regard such a baseline as
+        missing.
     """
     found: dict[Path, Baseline | None] = {}
     for path in files:
@@ -231,7 +239,7 @@ def _state(changes: list[Change]) -> State:
 
 
 class Start(Protocol):
-    """A function that starts a call, possibly in another process, and returns a function that waits for its result."""
+    """A function that starts a call, possibly in another process. It returns a function that waits for the result."""
 
     def __call__(self, work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]: ...
 
@@ -242,7 +250,9 @@ def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start
     A run ends after the last occurrence whose chain is needed. If the figures and the digest of event times equal those
     of the baseline, nothing can have moved, and the run is skipped.
 
-    tolerance: in cycles; None if the chains are for new baselines, which every budget then needs.
+    before: a dictionary from each case to its baseline, or to None if the case has no baseline.
+    tolerance: the number of cycles by which times may differ; None if new baselines are written. These need the chains
+        of all budgets.
     """
     runs = [_chains(one.outcome, before[one.outcome.path], start, tolerance is None) for one in checks]
     for one, run in zip(checks, runs, strict=True):
@@ -263,9 +273,11 @@ def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start
 def _chains(
     outcome: Outcome, baseline: Baseline | None, start: Start, every: bool
 ) -> Callable[[], dict[str, EventLine]] | None:
-    """Return the chains of an equal baseline, or start a run that finds the chains of the budgets of the baseline.
+    """Start a run that finds the chains of the budgets of the baseline. Return a function that waits for the chains.
 
-    every: True to find the chains of all budgets.
+    Return None if no run is needed. If the run must have the same chains as the baseline, store these in the outcome.
+
+    every: True to find the chains of all budgets of the case.
     """
     kept = None if baseline is None else outcome.figures.chains_of(baseline)
     if kept is not None:
@@ -278,7 +290,7 @@ def _chains(
 
 
 def _find_causes(checks: list[CaseCheck], start: Start) -> None:
-    """Run cases with unexpectedly broken budgets again and set their causes."""
+    """Run each case with unexpectedly broken budgets again, and store the explanations in `causes`."""
     failed = [
         (one, [v for v in one.outcome.verdicts if v.broken and v.name not in one.outcome.breaks]) for one in checks
     ]
@@ -292,7 +304,7 @@ def _find_causes(checks: list[CaseCheck], start: Start) -> None:
 
 
 def _write(checks: list[CaseCheck]) -> None:
-    """Write the new baselines after all of them are complete. Set the state and the diff of each check."""
+    """Write all new baselines, or none if one cannot be written. Set the state and the diff of each check."""
     texts: dict[Path, str] = {}
     for one in checks:
         text = text_of(one.outcome.figures)
@@ -335,7 +347,7 @@ def workers(jobs: int | None, calls: int) -> Iterator[Start]:
 
 
 def _apart(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> T:
-    """Make the call in a fresh process, so that firmware of one case cannot affect another."""
+    """Make the call in a new process, so that the firmware of a case cannot affect other cases."""
     with processes(1) as process:
         try:
             return process.submit(work, path, *rest).result()

@@ -1,11 +1,11 @@
 """Results of a check for continuous integration: JUnit XML, and annotations of GitHub.
 
-JUnit XML: one test suite per case, one test case per budget, and one more, "the case", for findings of the whole case.
-Properties hold the figures. A budget that must break and does has passed.
+JUnit XML: each case is a test suite. It has a test case for each budget, and a test case with the name "the case" for
+findings about the whole case. Properties contain the figures. A budget that must break passes if it breaks.
 
 Annotations: one line per failing budget. Source: GitHub's "Workflow commands for GitHub Actions":
-`::error file=...,line=...::message`, with %, carriage return and line feed written as %25, %0D, %0A, and in properties
-also : and , as %3A, %2C.
+`::error file=...,line=...::message`. In messages, %, carriage return and line feed are written as %25, %0D and %0A. In
+properties such as `file`, : and , are also replaced, by %3A and %2C.
 """
 
 from __future__ import annotations
@@ -20,11 +20,11 @@ from .outcome import RejectedCase
 
 
 def github(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> list[str]:
-    """Return `::error` lines at the budget's line in its case file, and `::warning` at the blamed firmware line.
+    """Return the annotations: `::error` for each failing budget, and `::warning` for the firmware line at fault.
 
-    refused: cases that could not be run; each is an `::error` line.
+    refused: cases that could not be run; each gives an `::error` line.
 
-    All findings of a budget, or of the whole case, share one line: GitHub shows only ten per step.
+    All findings about a budget, or about the whole case, share one annotation, because GitHub shows only ten per step.
     """
     lines = []
     for check in checks:
@@ -43,7 +43,7 @@ def github(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> lis
 
 
 def _cause(budget: str, chain: Chain, title: str) -> list[str]:
-    """Return a `::warning` line at the firmware line that took most of the time, if it is in this folder."""
+    """Return a `::warning` for the firmware line that the explanation blames, if it is in a file below this folder."""
     part = chain.blamed
     if part is None or part.place is None or part.place.file is None:
         return []
@@ -68,7 +68,7 @@ WHOLE = "the case"
 def junit(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> str:
     """Return the XML with its declaration. Characters that XML does not allow become U+FFFD.
 
-    refused: cases that could not be run; each is a suite with one test that is an error.
+    refused: cases that could not be run; each becomes a suite with one test, which has an error.
     """
     root = xml.Element("testsuites", name="periph-sim check")
     for check in checks:
@@ -104,7 +104,7 @@ def _suite(root: xml.Element, check: CaseCheck) -> None:
 
 
 def _test(suite: xml.Element, check: CaseCheck, budget: str | None, line: int, said: dict[str, str]) -> None:
-    """Add a test case. All its findings are lines of one failure."""
+    """Add a test case. All findings about it are lines of one failure."""
     where = _safe(check.outcome.path.as_posix())
     name = WHOLE if budget is None else _safe(budget)
     case = _safe(check.outcome.figures.case)
@@ -119,13 +119,16 @@ def _test(suite: xml.Element, check: CaseCheck, budget: str | None, line: int, s
 
 
 def _sums(parent: xml.Element) -> None:
-    """Set the counts of tests, failures and errors below an element. A test has at most one of the latter."""
+    """Set the counts of tests, failures and errors below an element. A test has at most one failure or error."""
     for key, tag in (("tests", "testcase"), ("failures", "failure"), ("errors", "error")):
         parent.set(key, str(sum(1 for _ in parent.iter(tag))))
 
 
 def _figures(figures: Baseline, budget: str) -> dict[str, str]:
-    """Return a budget's figures, indexed by name. Times and instants are in cycles of SYSCLKOUT; others are counts."""
+    """Return a dictionary from the names of a budget's figures to their texts.
+
+    Times and instants are in cycles of SYSCLKOUT. The other figures are integers as in the baseline.
+    """
     of = figures.budgets[budget]
     shown = {"measure": of.measure, "count": str(of.count)}
     for key, value, in_cycles in (

@@ -1,8 +1,8 @@
 """Comparison of a baseline with a run: one change per figure that differs.
 
-The comparison is exact unless a tolerance is given. With a tolerance, times may differ by it, and instants, which move
-with the times, are not compared. Counts of simulated events and of skipped polls describe the simulation and not the
-firmware, so their changes are only notes.
+The comparison is exact unless a tolerance is given. With a tolerance, times may differ by up to this tolerance, and
+instants are not compared, because they move with the times. Counts of simulated events and of skipped polls describe
+the simulation and not the firmware, so their changes are only notes.
 """
 
 from __future__ import annotations
@@ -17,11 +17,11 @@ from .files import Baseline, Figures
 
 NOTES = ("events", "polls_skipped")
 EARLIER = ("byte_level", "sci_frames", "sci_frames_passed")  # counts of the simulation that only earlier versions wrote
-NOT_EARLIER = ("SCI bytes from units",)  # counts that those versions did not write
+NOT_EARLIER = ("SCI bytes from units",)  # counts that the versions with the counts in EARLIER did not write
 CHAIN = "chain"
 BUS_BYTES = "bus bytes"
 MOST_MOVED = 3  # maximum number of moved accesses that are shown for a case
-SAME = Fraction(1, 1000)  # in seconds; an occurrence that moved by less is still the same one
+SAME = Fraction(1, 1000)  # in seconds; an occurrence that moved by less than this is regarded as the same occurrence
 VALUES = ("worst", "least")
 INSTANTS = ("worst_at", "least_at")
 
@@ -31,7 +31,10 @@ class Change:
     """A figure that changed.
 
     budget: the name of the budget; None for a figure of the whole case.
-    why: an explanation, or "".
+    figure: the name of the figure.
+    before, now: its values in the baseline and in the run; None if there is no value.
+    text: a description of the change.
+    why: the reason for the change; "" if it is unknown.
     note: True if the change is only shown and does not make the check fail.
     """
 
@@ -48,7 +51,7 @@ class Change:
 
 
 def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]:
-    """Return the changes in the order of the case's budgets. Chains are not compared.
+    """Return the differences of a run from its baseline, in the order of the case's budgets. Chains are not compared.
 
     tolerance: the number of cycles by which times may differ.
     """
@@ -72,13 +75,16 @@ def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]
 
 
 def _settings(prefix: str, budget: str | None, before: Table, now: Table, keys: Sequence[str]) -> list[Change]:
-    """Return a change for each of these keys that differs in two tables."""
+    """Return a change for each of these keys whose values in the two tables differ."""
     values = [(key, getattr(before, key), getattr(now, key)) for key in keys]
     return [Change(budget, key, old, new, f"{prefix}{key} {old} -> {new}") for key, old, new in values if old != new]
 
 
 def _bus_bytes(before: list[str], now: list[str]) -> list[Change]:
-    """Return a change for the first part of the bytes on the bus whose values or ACKs differ from the baseline."""
+    """Return a change for the first PART bytes on the bus whose values or ACKs differ from the baseline.
+
+    before, now: the digests, one after every PART bytes.
+    """
     if before == now:
         return []
     if not before:
@@ -116,10 +122,10 @@ def _budget(name: str, before: Baseline, old: Figures, now: Baseline, new: Figur
 
 
 def _figures(old: Figures, new: Figures) -> tuple[str, ...]:
-    """Return the names of the figures to compare, without those that only repeat the worst value.
+    """Return the names of the figures to compare, without figures that only repeat the worst value.
 
-    A measure with a single value that is not a time has it as both its worst and its least value, and a measure that
-    counts has it as its count, too.
+    If a measure has a single value that is not a time, its worst and its least value are equal. If a measure counts
+    something, its worst value and its count are equal, too.
     """
     one = [f.unit != "time" and (f.worst, f.worst_at) == (f.least, f.least_at) for f in (old, new)]
     if not all(one):
@@ -130,7 +136,10 @@ def _figures(old: Figures, new: Figures) -> tuple[str, ...]:
 
 
 def explain(changes: list[Change], before: Baseline, now: Baseline, first_wrong: str) -> None:
-    """Add the reason for changed worst values: where their chain differs from the baseline's."""
+    """Add the reason to each change of the value that has a chain: the difference from the chain in the baseline.
+
+    first_wrong: the description of the first wrong byte of the run; "" if there is none.
+    """
     for change in changes:
         if change.budget is None or change.budget not in before.budgets or change.budget not in now.budgets:
             continue
@@ -149,7 +158,11 @@ def explain(changes: list[Change], before: Baseline, now: Baseline, first_wrong:
 def moved_accesses(
     before: Baseline, now: Baseline, chains: Mapping[str, EventLine], tolerance: int = 0
 ) -> list[Change]:
-    """Return descriptions of accesses that moved in chains of unchanged budgets, each once. tolerance: in cycles."""
+    """Return a change for each access that moved in the chain of a budget, up to MOST_MOVED changes.
+
+    chains: a dictionary from budgets to their chains in the run.
+    tolerance: the number of cycles by which times may differ.
+    """
     found: dict[str, Change] = {}
     for name, chain in chains.items():
         old, new = before.budgets.get(name), now.budgets.get(name)
@@ -157,7 +170,7 @@ def moved_accesses(
             continue
         then_at, now_at = (f.worst_at if f.chain_of == "worst" else f.least_at for f in (old, new))
         if then_at is None or now_at is None or abs(now_at - then_at) >= SAME * now.ticks_per_second:
-            continue  # the chain is of another occurrence than the baseline's
+            continue  # the chains in the run and in the baseline belong to different occurrences
         moved = first_moved(old.chain, chain, now.cycles, tolerance * now.ticks_per_cycle)
         if moved and moved not in found:
             found[moved] = Change(name, CHAIN, None, None, f"{name} holds, but an access moved: {moved}")

@@ -1,7 +1,7 @@
 """The events of a run in its baseline: chains of occurrences as "TICKS EVENT" lines, and digests of all events.
 
-    case, wanted instants --> a short second run, recorded --> records around each --> chain
-    chain of the baseline, chain now --> the event that moved most, and the first difference
+    case, wanted occurrences --> a short second run, recorded --> records around each --> chain
+    chain of the baseline, chain of the run --> the event that moved most, and the first difference
     BUS, ACCESS, IRQ, SPAN of a run --> "TICKS EVENT" lines --> BLAKE2b, one digest
     BUS records of addresses and bytes, with their ACKs --> BLAKE2b, one digest per PART bytes
 
@@ -29,9 +29,9 @@ from ....scene.scene import Scene
 from ..explain.chain import place_of
 
 LONGEST = 32  # maximum number of events of a chain
-AROUND = Fraction(5, 1000)  # seconds before and after an occurrence in which a START and a STOP are searched
+AROUND = Fraction(5, 1000)  # in seconds; a START is searched up to this time before an occurrence, a STOP after it
 KINDS = (Kind.BUS, Kind.ACCESS, Kind.IRQ, Kind.SPAN)
-# The tick of each event, indexed by its text and its number among events with this text.
+# A dictionary to the tick of each event. The key is the event's text and its number among events with the same text.
 Times = dict[tuple[str, int], int]
 COARSE = ("START", "repeated START", "STOP")
 
@@ -40,8 +40,9 @@ COARSE = ("START", "repeated START", "STOP")
 class Wanted:
     """An occurrence of a measure whose chain is needed.
 
-    at: ticks from the start of the run.
-    length: the duration in ticks; 0 for an instant.
+    measure: the name of the measure.
+    at: the instant of the occurrence in ticks from the start of the run.
+    length: the duration of the occurrence in ticks; 0 if it is an instant.
     """
 
     measure: str
@@ -50,7 +51,11 @@ class Wanted:
 
 
 class EventLine(NamedTuple):
-    """The lines of a chain, and the location of each in the firmware, which is "" if it is unknown."""
+    """A chain of events.
+
+    lines: a text "TICKS EVENT" for each event.
+    places: the location of each event in the firmware; "" if it is unknown.
+    """
 
     lines: list[str]
     places: list[str]
@@ -58,9 +63,9 @@ class EventLine(NamedTuple):
 
 @output_muted()
 def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, EventLine]:
-    """Return the chain of events of each wanted occurrence, indexed by the same names.
+    """Run the case again until the last wanted occurrence has ended. Return the chain of events of each occurrence.
 
-    The case is run again until the last of these occurrences has ended.
+    The result is a dictionary with the keys of `wanted`.
     """
     if not wanted:
         return {}
@@ -79,14 +84,14 @@ def chains(case: Case, wanted: dict[str, Wanted]) -> dict[str, EventLine]:
 
 
 def _chain(kept: list[Record], at: int, wanted: Wanted, margin: int) -> EventLine:
-    """Return the chain of an occurrence at a tick. kept: the records of the run in order of time."""
+    """Return the chain of an occurrence. kept: the records of the run in order of time. at: the occurrence's tick."""
     first = bisect_left(kept, at - max(wanted.length, margin), key=lambda r: r.tick)
     records = kept[first : bisect_right(kept, at + wanted.length + margin, key=lambda r: r.tick)]
     begin, end, coarse = at, at + wanted.length, False
     if wanted.measure == "response":
         starts = [r.tick for r in records if r.kind is Kind.BUS and r.what == "START" and at - margin <= r.tick <= at]
         begin = max(starts, default=at)
-    elif wanted.measure in ("age", "model age"):  # the instant of an age is its end
+    elif wanted.measure in ("age", "model age"):  # the instant of an age is the end of the occurrence
         begin, end, coarse = at - wanted.length, at, True
     elif wanted.measure in ("fifo high-water", "overruns"):
         begin, end, coarse = at - margin, at, True
@@ -118,11 +123,12 @@ def description(record: Record) -> str:
 
 
 def first_divergence(before: list[str], now: list[str], cycles: Callable[[int], str]) -> str:
-    """Describe the difference of two chains as a phrase; "" if they are equal.
+    """Describe the difference between two chains as a phrase; "" if the chains are equal.
 
-    The phrase names the event that moved most and, if it is another one, the first event that differs. The first one
-    alone is not sufficient, because two occurrences may differ by a poll before they differ by something important. The
-    n-th event with a name is compared with the n-th event of that name, so an event that moves past another is late.
+    The phrase names the event that moved most. If the first event that differs is another event, the phrase names it,
+    too. The first event alone is not sufficient, because it may differ only by the duration of a poll. The n-th event
+    with a text is compared with the n-th event with the same text. Therefore, an event that moved past another event is
+    described as later.
 
     cycles: a function that formats ticks as cycles.
     """
@@ -138,7 +144,7 @@ def first_divergence(before: list[str], now: list[str], cycles: Callable[[int], 
 
 
 def first_moved(before: list[str], now: EventLine, cycles: Callable[[int], str], tolerance: int) -> str:
-    """Describe the first event of a chain that moved by more than `tolerance` ticks, with its place.
+    """Describe the first event that moved by more than `tolerance` ticks, with its location in the firmware.
 
     A new or missing event counts as moved. Return "" if no event moved.
     """
@@ -154,7 +160,7 @@ def first_moved(before: list[str], now: EventLine, cycles: Callable[[int], str],
 def _apart(then_at: Times, now_at: Times, tolerance: int) -> list[tuple[str, int]]:
     """Return the events that are missing in one of the chains, or whose times differ by more than `tolerance` ticks.
 
-    They are in the order of their earliest time in any of the chains.
+    The order of the events is that of their ticks. If the two ticks of an event differ, the earlier tick counts.
     """
     apart = [
         key
@@ -173,7 +179,7 @@ def _moved(event: str, then: int | None, now: int | None, cycles: Callable[[int]
 
 
 def _times(chain: list[str]) -> Times:
-    """Return the tick of each event. Events with the same text are numbered."""
+    """Parse the lines of a chain. Events with the same text are numbered from 0."""
     times: Times = {}
     seen: Counter[str] = Counter()
     for line in chain:
@@ -210,7 +216,7 @@ DIGEST = 4  # length of a digest, in bytes
 
 
 class BusBytes:
-    """Calculation of digests of the bytes on the bus. The times of the bytes are not part of the digests."""
+    """Calculator of digests of the bytes on the I2C bus. The times of the bytes have no effect on the digests."""
 
     def __init__(self, recorder: Recorder) -> None:
         self._hash = blake2b(digest_size=DIGEST)

@@ -5,7 +5,7 @@
 Figures are integers, so two runs can be compared for equality. Times are ticks; `ticks_per_cycle` ticks are one cycle
 of SYSCLKOUT of the case's first unit. Instants are counted from the beginning of the run.
 
-A file is written completely or not at all. Several files are written together after all of them are complete.
+A file is written completely or not at all. If several files are written, all of them are replaced, or none.
 """
 
 from __future__ import annotations
@@ -31,11 +31,14 @@ SCHEMA: Literal[1] = 1  # version of the file format; other versions are refused
 
 
 class Figures(Table, frozen=True, kw_only=True):
-    """The figures of one budget. A figure is None if it was not measured, or if there is no instant.
+    """The figures of one budget.
 
     unit: "time" for ticks, or the name of what is counted.
-    chain: the events of the worst occurrence as lines "TICKS EVENT" (see `event_chain`). TICKS are counted from the
-        beginning of the occurrence.
+    worst, least: the largest and the smallest value; None if nothing was measured.
+    worst_at, least_at: the instants of these values in ticks; None if a value has no instant.
+    chain_of: which of the two values the chain belongs to.
+    chain: the events around this value's occurrence as lines "TICKS EVENT" (see `event_chain`). TICKS are counted from
+        the beginning of the occurrence.
     """
 
     measure: str
@@ -52,9 +55,11 @@ class Figures(Table, frozen=True, kw_only=True):
 class Baseline(Table, frozen=True, kw_only=True):
     """The baseline of one case.
 
+    simulated: the length of the run in ticks.
+    events: the number of simulated events.
     counts: the counts of a run that are not figures of a budget.
-    digest: the digest of the times of all events of chains (see `digests`); "" in files of an earlier version.
-    bus_bytes: digests of the values of all bytes on the I2C bus (see `digests`); none in files of an earlier version.
+    digest: the digest of all events and their times (see `event_digest`); "" in files of an earlier version.
+    bus_bytes: the digests of the bytes on the I2C bus (see `BusBytes`); empty in files of an earlier version.
     """
 
     schema_version: Literal[1] = SCHEMA
@@ -69,14 +74,15 @@ class Baseline(Table, frozen=True, kw_only=True):
     bus_bytes: list[str] = []
 
     def with_chains(self, lines: Mapping[str, list[str]]) -> Baseline:
-        """Return the baseline with chains. lines: the lines of the chains, indexed by budget."""
+        """Return the baseline with other chains. lines: a dictionary from budgets to the lines of their chains."""
         budgets = {n: f.model_copy(update={"chain": lines.get(n, f.chain)}) for n, f in self.budgets.items()}
         return self.model_copy(update={"budgets": budgets})
 
     def chains_of(self, other: Baseline) -> dict[str, list[str]] | None:
-        """Return the chains of another baseline if this run must have the same chains; else None.
+        """Return the chains of another baseline if this run must have the same chains; otherwise None.
 
-        The chains are the same if the figures and the times of all events are equal. Otherwise a run must find them.
+        The chains are the same if the figures and the times of all events are equal. Otherwise, another run must find
+        the chains.
         """
         chains = {name: one.chain for name, one in other.budgets.items()}
         same = self.digest and self.digest == other.digest and self.with_chains(chains).budgets == other.budgets
@@ -89,14 +95,14 @@ class Baseline(Table, frozen=True, kw_only=True):
 
 
 class BadCheck(ValueError):
-    """Cases or baselines cannot be checked. The message has one sentence per line."""
+    """Error for cases or baselines that cannot be checked. The message has one sentence per line."""
 
 
 FOLDER = "baselines"
 
 
 def path_for(case: Path) -> Path:
-    """Return the path of a case's baseline, from the project's settings or else baselines/NAME.json beside the case."""
+    """Return the path of a case's baseline: that of the project's settings, or baselines/NAME.json beside the case."""
     return project_of(case.parent).baseline(case) or case.parent / FOLDER / f"{case.stem}.json"
 
 
@@ -106,7 +112,10 @@ def text_of(baseline: Baseline) -> str:
 
 
 def read(path: Path) -> Baseline | None:
-    """Read a baseline; None if there is no such file. Raise BadCheck if it is not of this schema version."""
+    """Read a baseline. Return None if the file does not exist.
+
+    Raise BadCheck if the file cannot be read or is not a baseline of this schema version.
+    """
     try:
         data = read_regular(path)
     except FileNotFoundError:
@@ -135,7 +144,7 @@ RENEW = "write it again with --update-baseline"
 
 
 def write_all(texts: Mapping[Path, str]) -> None:
-    """Write each text to its path. Raise BadCheck, and write none of them, if one cannot be written."""
+    """Write each text to its path. If a text cannot be written, write none of them and raise BadCheck."""
     try:
         for folder in {path.parent for path in texts}:
             folder.mkdir(parents=True, exist_ok=True)

@@ -29,11 +29,14 @@ from .files import BadCheck, Baseline, Figures
 class Outcome:
     """The result of running a case file.
 
-    lines: the line of each budget and of its joined conditions in the file; 0 if unknown.
+    breaks: the names of the budgets that must break.
+    lines: a dictionary from each budget to its line in the file, or to 0 if the line is unknown. A condition that is
+        joined to a budget by `and` has the line of the budget.
+    breaks_line, name_line: the lines of the keys `breaks` and `name` in the file; 0 if unknown.
     changes: the "key=value" texts applied to the case.
-    typical: the least critical values of its budgets.
-    trouble: sentences about firmware that waits forever.
-    values: the values of each budget, if they were kept.
+    typical: the least critical occurrence of each budget, as verdicts.
+    trouble: sentences about lines and firmware that are stuck.
+    values: the values of each budget; None for a budget whose values were not kept.
     """
 
     path: Path
@@ -76,7 +79,7 @@ class RejectedCase:
 
 
 def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = False) -> Outcome | RejectedCase:
-    """Run a case for its own duration and return the outcome."""
+    """Run a case for the duration that it states, and return the outcome."""
     try:
         case = load(path, list(changes))
         if case.outside is not None and case.outside.log is None:
@@ -87,7 +90,7 @@ def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = Fals
 
 
 def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) -> dict[str, EventLine]:
-    """Run a case again until the last wanted occurrence, and return the chains of these budgets."""
+    """Run a case again until the last wanted occurrence. Return a dictionary from budgets to chains."""
     try:
         return chains(load(path, list(changes)), wanted)
     except REFUSED as error:  # the case ran before, so its file or firmware has been changed meanwhile
@@ -97,7 +100,7 @@ def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) 
 def run_explained(
     path: Path, changes: tuple[str, ...], verdicts: list[Verdict], typical: list[Verdict]
 ) -> dict[str, Chain]:
-    """Run a case again and return the chains that explain the worst occurrences in `verdicts`, by budget name."""
+    """Run a case again. Return a dictionary from budgets to the chains that explain the worst occurrences."""
     try:
         found = explain(load(path, list(changes)), verdicts, typical)
     except REFUSED as error:
@@ -139,7 +142,7 @@ def _outcome(path: Path, case: Case, changes: tuple[str, ...], keep_values: bool
 
 
 def baseline_of(scene: Scene, result: Result) -> Baseline:
-    """Return the figures of a scene after its run, without chains, digest and bytes."""
+    """Return the figures of a scene after its run, without chains and digests."""
     case = scene.case
     clocks = [int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()]
     return Baseline(
@@ -179,7 +182,7 @@ def _figures(limit: BudgetJudge, start: int) -> Figures:
 
 
 def occurrence(figures: Figures) -> Wanted | None:
-    """Return the occurrence whose chain a budget has; None if there is none or its time is unknown."""
+    """Return the occurrence that the chain of a budget describes; None if nothing was measured or it has no instant."""
     least = figures.chain_of == "least"
     value, at = (figures.least, figures.least_at) if least else (figures.worst, figures.worst_at)
     if value is None or at is None:

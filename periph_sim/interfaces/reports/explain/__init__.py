@@ -12,7 +12,7 @@ explain     steps: events in order of time, with the causes of both ends
             parts: the time between the ends, divided by place: bus, party that holds SCL, hardware, firmware
   |
 chain       the explanation as data, as text and as JSON                            (`Chain`)
-picture, reports/html    pictures of it
+picture, reports/html    pictures of the occurrence
 
 No module here depends on the kinds of budgets: a new measure is explained by the records that it uses. Two expectations
 come from the case and not from a record: the text of a reply and the edges of a watched wire.

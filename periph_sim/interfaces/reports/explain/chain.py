@@ -28,9 +28,9 @@ from .cpu_activity import Doing, Stretch, phrase
 class FirmwarePlace:
     """A place in the firmware.
 
-    file: None if the place is known only from a recording.
-    line: the number of the line, from 1; 0 for an image without lines.
-    pc: the address of the instruction, if the place is in an image.
+    file: the path of the file; None if the place is known only from a recording.
+    line: the number of the line, from 1; 0 for an image without line numbers.
+    pc: the address of the instruction in an image; None for other firmware.
     """
 
     function: str
@@ -46,7 +46,7 @@ class FirmwarePlace:
 
     @property
     def spot(self) -> str:
-        """The place without its function, "imu_hil.py:106"; with the function if the file is not known."""
+        """The file and the line, "imu_hil.py:106". If the file is not known, its name is replaced by the function."""
         name = self.file.name if self.file else self.function
         return f"{name}:{self.line}" if self.line else name
 
@@ -67,8 +67,8 @@ def place_of(where: str) -> FirmwarePlace | None:
 class Step:
     """One event of an explanation.
 
-    at: ticks from the beginning of the occurrence.
-    length: the duration in ticks; None for an instant.
+    at: the time of the event, in ticks from the beginning of the occurrence.
+    length: the duration of the event in ticks; None for an instant.
     """
 
     at: int
@@ -79,10 +79,11 @@ class Step:
 
 @dataclass(frozen=True)
 class Part:
-    """The part of the occurrence's time that one activity takes.
+    """The part of an occurrence's time that one activity takes.
 
-    count: the number of stretches of this activity.
-    place: the place of the longest stretch.
+    length: the total time of the activity in ticks.
+    count: the number of times that the activity began.
+    place: the place in the firmware of the longest stretch of the activity; None if unknown.
     """
 
     doing: Doing
@@ -103,8 +104,9 @@ class Chain:
     steps: the events, in order of time.
     parts: the parts of the time, the longest first. If there are any, their lengths add up to `length`.
     typical: the length of the least critical occurrence; None if unknown.
-    typical_holds: True if that occurrence keeps the limit, so that the difference explains why this one does not.
-    more: the amount by which each part is longer than in that occurrence, the largest first; negative if it is shorter.
+    typical_holds: True if the least critical occurrence keeps the limit. In this case, the difference from it explains
+        why the occurrence exceeds the limit.
+    more: for each part, the length minus the length in the least critical occurrence; the largest difference first.
     """
 
     verdict: Verdict
@@ -119,10 +121,10 @@ class Chain:
 
     @property
     def blamed(self) -> Part | None:
-        """The part that explains the length best and has a place in the firmware.
+        """The cause of the occurrence: `blame`, or the part with a place in the firmware that explains the length best.
 
-        If the typical occurrence keeps the limit, it is the part that differs most from the typical occurrence in the
-        direction in which the limit is exceeded. Otherwise it is the longest part.
+        If the least critical occurrence keeps the limit, the best part is the part that differs most from it in the
+        direction in which the limit is exceeded. Otherwise, the best part is the longest part.
         """
         if self.blame is not None:
             return self.blame
@@ -154,7 +156,10 @@ def parts_of(stretches: Iterable[Stretch]) -> tuple[Part, ...]:
 
 
 def difference(here: Iterable[Part], there: Iterable[Part]) -> tuple[Part, ...]:
-    """Return the amounts by which parts are longer here than there, the largest first. Equal parts are left out."""
+    """Return the length of each part of `here` minus its length in `there`, the largest difference first.
+
+    Parts of equal length are left out.
+    """
     before = {(part.doing, part.what): part for part in there}
     found = []
     for part in here:
@@ -168,7 +173,7 @@ MOST_PARTS = 6
 
 
 def text(chain: Chain) -> list[str]:
-    """Return the explanation as lines. The first line has the budget, its figure and the instant."""
+    """Return the explanation as lines. The first line has the budget, its worst value and the instant."""
     show = chain.timebase.show
 
     def signed(ticks: int) -> str:
@@ -212,7 +217,7 @@ def bound(which: str) -> str:
 
 
 def largest(parts: tuple[Part, ...]) -> tuple[Part, ...]:
-    """Return the parts that are shown."""
+    """Return the parts that are shown, which are the MOST_PARTS parts with the largest absolute lengths."""
     return tuple(sorted(parts, key=lambda part: -abs(part.length))[:MOST_PARTS])
 
 
@@ -228,7 +233,8 @@ def _table(rows: list[tuple[str, str, str]]) -> list[str]:
 def as_json(chain: Chain) -> dict[str, object]:
     """Convert to JSON, with times in us.
 
-    Steps have the keys at, what, length, file, line and function; parts have what, length, count and place.
+    A step has the keys at_us and what and, if it has a duration, length_us. A part has the keys what, length_us and
+    count. Steps and parts with a place also have the keys function and line and, if known, file and pc.
     """
     return {
         "steps": [
@@ -258,5 +264,5 @@ def _json_place(place: FirmwarePlace | None) -> dict[str, object]:
 
 
 def relative(file: Path) -> Path:
-    """Return the path relative to the current directory, if it is below that."""
+    """Return the path relative to the current directory if the file is below this directory; else the path itself."""
     return file.relative_to(Path.cwd()) if file.is_relative_to(Path.cwd()) else file

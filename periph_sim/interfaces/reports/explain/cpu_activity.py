@@ -25,12 +25,14 @@ IN_FIRMWARE = (Kind.ACCESS, *DOING)  # kinds of records of the firmware's action
 
 @dataclass(frozen=True)
 class Stretch:
-    """A service routine, span or wait from tick `begin` to `end`, or a part of it in which it is the innermost one.
+    """An activity from tick `begin` to tick `end`: a whole service routine, span or wait, or a part of one.
 
-    end: of an activity that has not ended, the end of the window.
+    A part is a time in which no other activity is nested in the activity.
+
+    end: the end of the window if the activity has not ended.
     where: the place in the firmware; "" if unknown.
-    since: the tick at which the activity began, which is `begin` or before.
-    within: the enclosing activities of a whole activity, outermost first.
+    since: the tick at which the activity began, which is `begin` or an earlier tick.
+    within: for a whole activity, the records at which its enclosing activities began, outermost first.
     """
 
     begin: int
@@ -59,7 +61,7 @@ def phrase(doing: Doing, what: str) -> str:
 
 
 def polled(what: str) -> str:
-    """Format the fields of a wait, any of which ends it.
+    """Format the fields that a wait polls. A change of any of these fields ends the wait.
 
     "I2C-A.I2CSTR.XRDY and I2C-A.I2CSTR.SCD" becomes "I2C-A.I2CSTR.XRDY or SCD".
     """
@@ -71,7 +73,7 @@ def polled(what: str) -> str:
 def timeline(window: Window, unit: str, begin: int, end: int, kinds: Collection[Kind] = tuple(DOING)) -> list[Stretch]:
     """Return the activities of a unit's CPU between two ticks of the window, without gaps.
 
-    kinds: the kinds of records whose activities are told apart from other code.
+    kinds: the kinds of records that begin an activity. The remaining time is other code.
     """
     moves = [r for r in _relevant(window, unit) if r.tick < end and r.kind in kinds]
     stack: list[Record] = []
@@ -84,7 +86,7 @@ def timeline(window: Window, unit: str, begin: int, end: int, kinds: Collection[
             stack, at, hole, bottom = [], hole.begin, None, UNKNOWN
         found.append(_top(stack, at, record.tick, bottom))
         if record.value and record.kind is not Kind.IRQ and not stack:
-            bottom = CODE  # the outermost activity is assumed to be other code until the records show one
+            bottom = CODE  # outside an activity without an enclosing activity, the firmware executes other code
         at = max(at, record.tick)
         _move(stack, record)
     found.append(_top(stack, at, end, bottom))
@@ -112,7 +114,10 @@ def _relevant(window: Window, unit: str) -> Iterable[Record]:
 
 
 def _move(stack: list[Record], record: Record) -> list[Record]:
-    """Begin or end an activity. Return the one that ended, and those above it, which have ended, too."""
+    """Begin or end an activity on the stack. Return the activities that have ended.
+
+    These are the activity that the record ends and all activities above it on the stack.
+    """
     if record.value:
         stack.append(record)
         return []
@@ -131,10 +136,10 @@ def _top(stack: Sequence[Record], begin: int, end: int, bottom: Doing) -> Stretc
 
 
 def all_episodes(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
-    """Return service routines, spans and waits of a unit that overlap the time between two ticks, as they begin.
+    """Return the service routines, spans and waits of a unit that overlap the time between two ticks.
 
-    An activity that ends with one that began before it, as a service routine of an image ends with its function, has
-    the enclosing activities of that one.
+    They are in the order in which they begin. If one record ends several activities, each of them has the enclosing
+    activities of the outermost of them. For example, a service routine of an image ends together with its function.
     """
     stack: list[Record] = []
     over: list[tuple[Record, Sequence[Record], int]] = []
@@ -147,10 +152,10 @@ def all_episodes(window: Window, unit: str, begin: int, end: int) -> list[Stretc
 
 
 def episodes(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
-    """Return the episodes that an explanation names, in the order in which they begin.
+    """Return the service routines, spans and waits that an explanation names, in the order in which they begin.
 
     Of the spans in progress at the first tick, only the innermost is returned, because each function of an image is a
-    span, including `main`. A span that coincides with a service routine is returned as the service routine.
+    span, including `main`. A span that begins with a service routine at the same place is left out.
     """
     met = all_episodes(window, unit, begin, end)
     under_way = [one for one in met if one.doing == "span" and one.begin < begin]

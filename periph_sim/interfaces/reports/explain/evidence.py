@@ -23,18 +23,21 @@ from .cpu_activity import CODE, DOING, IN_FIRMWARE, Stretch, episodes, open_at, 
 from .window import Window
 
 I2C, SCI = I2C_A.name, "SCI-A"
-SMALL = Fraction(1, 100)  # waits that take a smaller share of an occurrence are left out
-LONG = Fraction(1, 10**6)  # in seconds; longer code without a name or an access is listed separately
-BACK = 16  # maximum number of causes that are followed back from an end
-MOST = 12  # maximum number of service routines, spans and waits listed for an occurrence, which are the longest ones
+SMALL = Fraction(1, 100)  # waits and service routines that take a smaller share of an occurrence are left out
+LONG = Fraction(1, 10**6)  # in seconds; code without a record that takes longer than this is listed separately
+BACK = 16  # maximum number of causes that are followed back from an end of an occurrence
+MOST = 12  # maximum number of listed service routines, spans and waits of an occurrence; the longest are listed
 
 
 @dataclass(frozen=True)
 class RecordedPhase:
-    """A phase of a transfer, from a START or repeated START to the next one or the STOP, according to the records.
+    """A phase of a transfer according to the records: from a START or repeated START to the next START or STOP.
 
+    name: the name of the addressed device; "" if unknown.
     start: "START" or "repeated START".
-    answered: the tick at which SCL falls after the ACK of the address; None if the records end before.
+    answered: the tick at which SCL falls after the ACK bit of the address; None if the phase or the records end before
+        this tick.
+    data: the records of the bytes after the address.
     """
 
     name: str
@@ -76,7 +79,10 @@ class Evidence:
         return [part for one in timeline(self.window, self.unit, begin, end) for part in self._between_accesses(one)]
 
     def _between_accesses(self, one: Stretch) -> list[Stretch]:
-        """Divide a stretch of code without a name. Long parts without a record are named after the next activity."""
+        """Divide a stretch of code without a name at each record of the firmware.
+
+        A part that is longer than LONG is named after the activity that follows, or after the last activity.
+        """
         if one.doing != CODE or one.where:
             return [one]
         least = self.window.timebase.ticks(LONG, "nearest")
@@ -96,7 +102,7 @@ class Evidence:
 
     @cached_property
     def _done(self) -> list[Record]:
-        """The accesses, spans and waits of the firmware that have a place, without those of service routines."""
+        """The accesses and the begins of spans and waits with a place in the firmware, outside service routines."""
         records = [r for r in self.window.all_records if r.where == self.unit and r.kind in IN_FIRMWARE]
         found, routines = [], 0
         for record in sorted(records, key=in_time):
@@ -111,7 +117,7 @@ class Evidence:
         return next(reversed(open_at(self.window, self.unit, tick)), None)
 
     def doing_at(self, tick: int) -> str:
-        """Return a phrase with the firmware's activity at a tick and the time since it began."""
+        """Return a phrase with the firmware's activity at a tick and the time since the activity began."""
         part = self.blame_at(tick)
         return "other code" if part is None else f"{part}, begun {self.span(part.length)} before"
 
@@ -121,28 +127,31 @@ class Evidence:
         return self.say(tick, f"{self.unit}: {self.doing_at(tick)}", None, None if part is None else part.place)
 
     def blame_at(self, tick: int) -> Part | None:
-        """Return the firmware's activity at a tick as a cause; None if none is in progress."""
+        """Return the firmware's activity at a tick as a cause; None if no activity is in progress."""
         top = self.activity_at(tick)
         return None if top is None else Part(DOING[top.kind], top.what, tick - top.tick, 1, place_of(top.text))
 
     def accesses(self, begin: int, end: int, what: str) -> list[Record]:
-        """Return accesses such as "R I2C-A.I2CDRR" between two ticks, inclusive, also before the window."""
+        """Return the accesses `what`, such as "R I2C-A.I2CDRR", from tick `begin` to tick `end`.
+
+        The last such access before the window is included if it is in this range.
+        """
         alike = (r for r in self.window.all_records if (r.kind, r.where, r.what) == (Kind.ACCESS, self.unit, what))
         return [r for r in alike if begin <= r.tick <= end]
 
     def flags(self, begin: int, end: int, *fields: str) -> list[Record]:
-        """Return changes of fields of the SCI module between two ticks, inclusive."""
+        """Return the changes of some fields of the SCI module from tick `begin` to tick `end`."""
         changes = self.window.between(begin, end, Kind.FLAG)
         return [r for r in changes if r.where == f"{self.unit}.{SCI}" and r.what in fields]
 
     def last_access(self, tick: int, what: str) -> Record | None:
-        """Return the last access such as "R I2C-A.I2CDRR" up to a tick."""
+        """Return the last access `what`, such as "R I2C-A.I2CDRR", up to a tick; None if there is none."""
         return self.last(tick, Kind.ACCESS, self.unit, what)
 
     def last_change(self, tick: int, field: str, module: str = I2C) -> tuple[Record, Record] | None:
-        """Return the last change of a field up to a tick, and the access that made it in the same cycle.
+        """Return the last change of a field up to a tick, and the access that caused the change at the same tick.
 
-        The second record is the change itself if there is no such access. Return None if there was no change.
+        If no access caused the change, the second record is the change itself. Return None if there was no change.
         """
         change = self.last(tick, Kind.FLAG, f"{self.unit}.{module}", field)
         if change is None:
@@ -151,12 +160,15 @@ class Evidence:
         return change, cause if cause.kind is Kind.ACCESS and cause.tick == change.tick else change
 
     def last_set(self, tick: int, field: str) -> Record | None:
-        """Return the change that set a field of the I2C module; None if the field is 0 at a tick."""
+        """Return the last change of a field of the I2C module up to a tick; None if the field is 0 at this tick."""
         change = self.last(tick, Kind.FLAG, f"{self.unit}.{I2C}", field)
         return change if change is not None and change.value else None
 
     def last(self, tick: int, kind: Kind, where: str, what: str | None = None) -> Record | None:
-        """Return the last record of a kind, place and thing up to a tick, also before the window."""
+        """Return the last record up to a tick with these values of `kind`, `where` and `what`; None if there is none.
+
+        The record may be from before the window. If `what` is None, its `what` is not compared.
+        """
         run = self.window.run
         row = run.last(run.rows(kind, where, what), tick)
         return None if row is None else self.window.by_number[int(run.table.number[row])]
@@ -196,9 +208,9 @@ class Evidence:
 
     @cached_property
     def devices(self) -> dict[int, str]:
-        """The names of the case's devices, indexed by address.
+        """A dictionary from addresses to the names of the case's devices.
 
-        A memory may have addresses beside the configured one.
+        A memory may respond to several addresses. Therefore, it also has all EEPROM addresses that no device has.
         """
         tables = self.case.device.items()
         names = {table.address: name for name, table in tables if table.address is not None}
@@ -210,7 +222,7 @@ class Evidence:
     def holder_at(self, tick: int) -> str:
         """Return the unit or device that holds SCL low at a tick.
 
-        If the records do not name it, it is the addressed device, or else the unit.
+        If the records do not name it, return the device that is addressed, or the unit if no device is addressed.
         """
         run = self.window.run
         row = run.last(wire_rows(run, "SCL"), tick)
@@ -221,9 +233,9 @@ class Evidence:
 
     @cached_property
     def low(self) -> int:
-        """The low time of SCL for a bit without stretching, in ticks; 0 if there is no SCL.
+        """The low time of SCL for a bit without stretching, in ticks; 0 if it is unknown.
 
-        If a unit is the controller, it is the shortest low phase in the window.
+        If the case has no controller, this is the shortest low phase of SCL in the window.
         """
         table = self.case.controller
         if table is None:
@@ -238,7 +250,10 @@ class Evidence:
         return 0 if table is None else self.window.timebase.ticks(table.period, "nearest")
 
     def stretches(self, begin: int, end: int) -> list[tuple[int, int]]:
-        """Return the stretches of SCL between two ticks: from the end of the controller's own low time to the rise."""
+        """Return the stretches of SCL between two ticks.
+
+        Each is a pair of ticks: the end of the controller's own low time, and the rise of SCL.
+        """
         return [
             (max(fall + self.low, begin), min(rise, end))
             for fall, rise in self._scl_lows
@@ -246,7 +261,7 @@ class Evidence:
         ]
 
     def _lows(self, wire: str) -> list[tuple[int, int]]:
-        """Return the low phases of a wire in the window as (fall, rise). The last one may end with the window."""
+        """Return the low phases of a wire in the window as (fall, rise). The last phase may end with the window."""
         channel = self.channel(wire)
         if channel is None:
             return []
@@ -258,7 +273,7 @@ class Evidence:
         return self._lows("SCL")
 
     def low_since(self, wire: str, tick: int) -> int | None:
-        """Return the tick at which a wire fell that is low at a tick; None if it is high or does not exist."""
+        """Return the last falling edge of a wire that is low at a tick; None if the wire is high or does not exist."""
         return next((fall for fall, rise in self._lows(wire) if fall <= tick < rise), None)
 
     def channel(self, name: str) -> Channel | None:
@@ -270,7 +285,7 @@ class Evidence:
     def walk(self, record: Record, depth: int = BACK) -> Iterator[tuple[Record, Link]]:
         """Yield a record and its causes, going back in time, each with its link (see `records.cause_trace`).
 
-        A link that is `aside` belongs to the effect before it and is not followed further.
+        If a link is `aside`, its record is not a cause. It explains the record that was yielded before.
         """
         row = self.window.run.row_of(record.number)
         for link in walk_back(self.window.run, row, depth) if row is not None else ():
@@ -279,8 +294,9 @@ class Evidence:
     def causes(self, record: Record, since: int) -> list[Step]:
         """Return steps for the causes of a record.
 
-        The two nearest causes are included, with links that are `aside`. Earlier causes are included only from tick
-        `since` on, without such links. Of consecutive edges and events of the bus, only the last one is included.
+        The two nearest causes are included, together with records whose links are `aside` (see `walk`). Earlier causes
+        are included if they are not before tick `since`. Of consecutive edges and events of the bus, only the last one
+        is included.
         """
         steps, number, effect = [], 0, record
         for cause, link in islice(self.walk(record), 1, None):
@@ -309,7 +325,7 @@ class Evidence:
         return self.say(record.tick, what or happened(record), length, place)
 
     def named(self, record: Record) -> str:
-        """Return the text of a record without details. For a START, it is the text of the phase that it begins."""
+        """Return the text of a record without details. For a START, return the text of the phase that begins there."""
         phase = next((p for p in self.phases if (p.begin, p.start) == (record.tick, record.what)), None)
         return happened(record).partition(",")[0] if phase is None else f"{phase.start}, {phase}"
 
@@ -319,11 +335,11 @@ class Evidence:
 
     @property
     def slip(self) -> int:
-        """The maximum error, in ticks, of an instant in a verdict, which is rounded to 0.1 ns."""
+        """The maximum error, in ticks, of an instant in a verdict. Such instants are rounded to 0.1 ns."""
         return self.window.timebase.per_second // 10**10 + 1
 
     def episode_step(self, one: Stretch, end: int) -> Step:
-        """Convert a service routine, span or wait to a Step, which says so if it has not ended at `end`."""
+        """Convert a service routine, span or wait to a Step. If it has not ended at tick `end`, the text says so."""
         what = f"{one.what} entered" if one.doing == "interrupt" else str(one)
         if one.doing == "interrupt" and one.within:
             below = one.within[-1]
@@ -337,8 +353,8 @@ class Evidence:
     def story(self, begin: int, end: int, waits: bool = True) -> list[Step]:
         """Return steps for the firmware's activities between two ticks.
 
-        These are spans, the first service routine with the flag that requested it, other long service routines and, if
-        `waits` is True, long waits.
+        These are all spans, the first service routine with the flag that requested it, other service routines that are
+        long and, if `waits` is True, waits that are long. At most MOST activities are included.
         """
         least = (end - begin) * SMALL
         found = [one for one in episodes(self.window, self.unit, begin, end) if waits or one.doing != "wait"]
@@ -350,7 +366,7 @@ class Evidence:
         return [*requests, *(self.episode_step(one, end) for one in shown if one in longest)]
 
     def _request(self, tick: int) -> list[Step]:
-        """Return a step for the flag of a module that requested the interrupt which is entered at a tick."""
+        """Return a step for the module's flag that requested the interrupt whose service routine begins at a tick."""
         walks = [self.walk(r, 2) for r in self.window.between(tick, tick, Kind.IRQ) if r.where == self.unit]
         asked = ((cause, link) for walk in walks for cause, link in walk if cause.kind is Kind.FLAG and not link.aside)
         of_module = ((cause, link) for cause, link in asked if not cause.where.endswith(".PIE"))
@@ -362,12 +378,12 @@ class Evidence:
 
 
 def in_time(record: Record) -> tuple[int, int]:
-    """Return the sort key for the order of time, and within a tick for the order of creation."""
+    """Return a sort key that orders records by time, and records of the same tick by their creation."""
     return record.tick, record.number
 
 
 ON_WIRES = (Kind.EDGE, Kind.HOLD, Kind.BUS, Kind.FRAME)
-NO_ADDRESS = BusByte(0, acked=False, read=False)  # for a phase that ended before its address
+NO_ADDRESS = BusByte(0, acked=False, read=False)  # for a phase that ended before its address was complete
 ENDS = ("START", "repeated START", "STOP", "arbitration lost")
 
 

@@ -1,15 +1,16 @@
-"""Explanation of the worst occurrence of each budget: makes a Chain from its Window.
+"""Explanation of the worst occurrence of each budget: a Chain is made from the Window of the occurrence.
 
 case, verdicts, typical occurrences --> windows --> a Chain for each, with the difference from the typical occurrence
 
 A Chain follows from the records of a window and not from the kind of the budget:
 
 steps of an interval    the causes of the record at its end, back to the record at its begin
-parts of an interval    begin |-- firmware --|-- SCL held --|-- hardware --| end; they add up to its length
-steps of an instant     findings from the records around it (`findings`)
+parts of an interval    begin |-- firmware --|-- SCL held --|-- hardware --| end; the whole interval is divided
+steps of an instant     findings from the records around the instant (`findings`)
 
-If both ends are on the bus, the parts are bits of each transfer, SCL held low by a party, and bus free. Otherwise, they
-are the firmware, up to the access that caused the end, and from there the module or the line.
+If both ends are on the bus, the parts are the bits of each transfer, the times in which a party holds SCL low, and the
+times in which the bus is free. Otherwise, the parts are the firmware up to the access that caused the end, and the
+module or the line after this access.
 
 The firmware's part is divided by its activity (`cpu_activity`): spans, service routines, waits, other code.
 """
@@ -38,7 +39,7 @@ from .window import BIT, Window, is_late, windows
 
 
 def places(evidence: Evidence, ends: Ends) -> list[Stretch]:
-    """Return the stretches of an occurrence. Their lengths add up to its length."""
+    """Divide an occurrence into stretches. The lengths of the stretches add up to the length of the occurrence."""
     begin, end = evidence.window.begin, evidence.window.end
     if ends.on_the_bus:
         return _of_bus(evidence, begin, end)
@@ -53,10 +54,10 @@ def places(evidence: Evidence, ends: Ends) -> list[Stretch]:
 
 
 def reached(evidence: Evidence, record: Record) -> Record | None:
-    """Follow the causes of a record back in time, and return the first record at which the search ends.
+    """Follow the causes of a record back in time. Return the record at which the search ends.
 
-    It ends at an action of the firmware, or at a record that is not later than the begin of the occurrence. Return None
-    if the causes lead to neither.
+    The search ends at an action of the firmware, or at a record that is not later than the begin of the occurrence.
+    Return None if there is no such record.
     """
     for cause, link in evidence.walk(record):
         if not link.aside and (cause.kind in IN_FIRMWARE or cause.tick <= evidence.window.begin):
@@ -67,7 +68,7 @@ def reached(evidence: Evidence, record: Record) -> Record | None:
 def _of_bus(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
     """Divide a time on the bus into the bits of each transfer, holds of SCL, and the times between transfers.
 
-    While the bus is free and the unit is the master, the bus waits for the activities of the unit.
+    While the bus is free and the unit is the master, the stretches are the activities of the unit's firmware.
     """
     found: list[Stretch] = []
     at = begin
@@ -90,7 +91,10 @@ def _of_bus(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
 
 
 def _activities(evidence: Evidence, party: str, begin: int, end: int, what: str) -> list[Stretch]:
-    """Return the activities of the party for which the bus waits; one stretch with a text if it is no unit."""
+    """Return the activities of the unit for which the bus waits.
+
+    If the party is not a unit, return one stretch with the text `what`.
+    """
     return (
         evidence.for_unit(party).timeline(begin, end)
         if party in evidence.case.unit
@@ -121,9 +125,9 @@ def chain_of(case: Case, window: Window) -> Chain:
 
 
 def _between(evidence: Evidence, ends: Ends) -> list[Step]:
-    """Return steps for both ends with their causes, and for the firmware's activities between them.
+    """Return steps for both ends with their causes, and for the firmware's activities between the ends.
 
-    If the causes of the end do not lead to the firmware, its writes and waits are left out.
+    If `reached` finds no cause of the end, writes and waits of the firmware are left out.
     """
     begin, end = evidence.window.begin, evidence.window.end
     if ends.end is not None and reached(evidence, ends.end) is None:
@@ -146,7 +150,7 @@ def _between(evidence: Evidence, ends: Ends) -> list[Step]:
 def _older(evidence: Evidence, ends: Ends) -> list[Step]:
     """Return steps for reads that returned older data, if the occurrence is the age of a device's data.
 
-    The age ends with a read of the device. The steps are earlier reads of the same device within this time.
+    The age ends with a read of the device. The steps are earlier reads of the same device during the age.
     """
     begin, end = evidence.window.begin, evidence.window.end
     read = next((p for p in evidence.phases if p.begin == end), None)
@@ -170,8 +174,8 @@ def _blocked(evidence: Evidence, ends: Ends) -> list[Step]:
 def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
     """Return steps for an occurrence on the bus.
 
-    These are the transfers, the times for which SCL was held low, and the access that released SCL at last. If the
-    occurrence is a time between two rounds that is too short, the steps describe the round before it.
+    These are the transfers, the times in which SCL was held low, and the access that made SCL rise at the end. If the
+    occurrence is a time between two rounds that is too short, the steps describe the first of these rounds.
     """
     begin, end = evidence.window.begin, evidence.window.end
     between = _between_rounds(evidence, ends)
@@ -199,7 +203,10 @@ def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
 
 
 def _stopped(evidence: Evidence, end: int) -> list[Step]:
-    """Return steps for a wait that does not end, and for the firmware's last access before it with its causes."""
+    """Return steps for a wait that does not end, and for the firmware's last access before the wait.
+
+    The causes of the access are included.
+    """
     wait = waited_for(evidence, end)
     since = evidence.window.begin + wait[0].at if wait else end
     accesses = [r for r in evidence.window.records if r.kind is Kind.ACCESS and r.where == evidence.unit]
@@ -212,10 +219,10 @@ def _between_rounds(evidence: Evidence, ends: Ends) -> bool:
 
 
 def _of_firmware(evidence: Evidence, record: Record, since: int) -> list[Step]:
-    """Return steps for the causes of a record of the bus; none if the firmware did not cause it by an access.
+    """Return steps for the causes of a record of the bus; an empty list if no access of the firmware caused the record.
 
-    The causes begin with the phase at tick `since`. If SCL was held low until the record, the step for the access says
-    for how long.
+    The causes go back to the begin of the phase in progress at tick `since`. If SCL was held low until the record, the
+    step for the access states the time for which SCL was held low.
     """
     made_by = next((cause for cause, _ in evidence.walk(record) if cause.kind not in ON_WIRES), None)
     if made_by is None or made_by.kind is not Kind.ACCESS:
@@ -231,7 +238,7 @@ def _of_firmware(evidence: Evidence, record: Record, since: int) -> list[Step]:
 
 
 def _instant(evidence: Evidence, ends: Ends) -> Chain:
-    """Explain an instant by findings from the records around it, its causes, and the firmware's activity."""
+    """Explain an instant by findings from the records around it, by its causes, and by the firmware's activity."""
     at = evidence.window.begin
     found = [finding(evidence, ends) for finding in FINDINGS]
     now = evidence.doing_step(at)
@@ -267,12 +274,12 @@ def _share(evidence: Evidence) -> Chain:
     return evidence.chain((evidence.say(span.begin, shares, span.end - 1 - span.begin),), (), blame)
 
 
-REACH = 70  # maximum extension of a picture towards the evidence, in bits, so that bytes remain distinguishable
+REACH = 70  # in bits; a picture is extended to the evidence up to this width, so that bytes remain distinguishable
 
 
 @dataclass(frozen=True, eq=False)
 class Explained:
-    """A Chain with its window."""
+    """The explanation of a worst occurrence, and the window from which the explanation was made."""
 
     window: Window
     chain: Chain
@@ -285,9 +292,9 @@ def explain(
     length: Fraction | None = None,
     programs: Mapping[str, Firmware] | None = None,
 ) -> list[Explained]:
-    """Return the explanation of each worst occurrence that has an instant, in the order of the verdicts.
+    """Return the explanation of the worst occurrence in each verdict that has an instant, in the order of the verdicts.
 
-    Several verdicts may be of the same budget. All data comes from one more run of the case.
+    Several verdicts may be of the same budget. All records come from one more run of the case.
 
     typical: the least critical occurrences, with which the worst occurrences of the same budgets are compared.
     length, programs: as for `windows`.
@@ -310,7 +317,10 @@ def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
 
 
 def _reaching(window: Window, chain: Chain) -> Window:
-    """Return the window with its picture extended to the evidence of an instant, if the evidence is near."""
+    """Return the window with the texts of the steps, and with a picture that also contains near evidence.
+
+    For an instant, these are the steps that are near enough; for a reply, it is the first step.
+    """
     begin, end = window.drawn
     if window.verdict.measure.startswith(REPLY) and chain.steps:
         begin = min(begin, window.begin + chain.steps[0].at)

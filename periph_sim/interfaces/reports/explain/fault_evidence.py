@@ -5,7 +5,7 @@ NACK of an address --> the write of I2COAR, IRS = 0, or the missing write; NACK 
 wait that ended at once in a transfer, by a flag that was set before the transfer --> the rise of the flag
 RSFULL --> I2CDRR was not read
 read of a memory --> the word address of each byte, and the last write to it among the recorded transfers
-notes of a device on broken duties --> the last one before the end of the read; it is the cause if it
+notes of a device on broken duties --> the last note before the end of the read; this note is the cause if it
                                        names a word of the read, or if the words are unknown
 reply on the serial line --> its request, and the writes of characters that differ from the expected ones
                              (the expected text comes from the case and not from a record)
@@ -42,7 +42,10 @@ WAITED = ("SCD", "RRDY", "NACK")  # flags that firmware waits for and that remai
 
 
 def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Record, Record | None, str]]:
-    """Yield each byte of a read with the write from which it came, if it is known, and a description."""
+    """Yield each byte of a read, the write of I2CDXR from which the byte came, and a description.
+
+    The write is None if it is not known.
+    """
     writes = evidence.accesses(0, phase.end, f"W {I2C}.I2CDXR")
     scl = evidence.channel("SCL")
     before = phase.begin if phase.answered is None else phase.answered
@@ -64,9 +67,9 @@ def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Recor
 
 
 def missing_condition(evidence: Evidence, tick: int) -> list[Step]:
-    """Return a step for the first condition for receiving that is not met at a tick; an empty list if all are met.
+    """Return a step for the first of the NEEDED fields that is 0 at a tick; an empty list if all fields are 1.
 
-    The step names the write that cleared the field, or says that it was never set.
+    The step names the write that cleared the field, or says that the field was never set.
     """
     unit = evidence.case.unit.get(evidence.unit)
     there = ("SYS", *(unit.modules if unit is not None else ()))
@@ -84,9 +87,9 @@ def missing_condition(evidence: Evidence, tick: int) -> list[Step]:
 
 
 def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step], list[Step]]:
-    """Return steps for the writes of the own address around a tick at which `address` was not acknowledged.
+    """Return steps for the writes of I2COAR, the own address, around a tick at which `address` was not acknowledged.
 
-    The second result has the step that is the cause; it is empty if the own address was right.
+    The second result has the step that is the cause, and is empty if the own address was right.
     """
     what = f"W {I2C}.I2COAR"
     last = evidence.last_access(tick, what)
@@ -108,7 +111,7 @@ def own_address(evidence: Evidence, tick: int, address: int) -> tuple[list[Step]
 
 
 def refusing(evidence: Evidence, tick: int) -> list[Step]:
-    """Return a step for the write because of which a receiver does not acknowledge a byte at a tick."""
+    """Return a step for the reason why the module sends a NACK at a tick: NACKMOD = 1, or else a field in NEEDED."""
     last = evidence.last_change(tick, "I2CMDR.NACKMOD")
     if last is None or not last[0].value:
         return missing_condition(evidence, tick)
@@ -117,12 +120,15 @@ def refusing(evidence: Evidence, tick: int) -> list[Step]:
 
 
 def is_master(evidence: Evidence, tick: int) -> bool:
-    """Return True if the unit's module is the master at a tick, so that another party sent a NACK."""
+    """Return True if the unit's module is the master at a tick. A NACK then comes from another party."""
     return evidence.last_set(tick, "I2CMDR.MST") is not None
 
 
 def stale(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
-    """Return a step for the first wait in a transfer that ended at once, as its flag was set before; else none."""
+    """Return a step for the first read in a transfer of a flag that was set before the transfer.
+
+    Such a flag ends a wait at once. Return an empty list if there is no such read.
+    """
     starts = (p.begin for p in reversed(evidence.phases) if p.begin <= phase.begin and p.start == "START")
     first = next(starts, phase.begin)
     for look_at in (r for r in evidence.accesses(phase.begin, phase.end, f"R {I2C}.I2CSTR") if r.field in WAITED):
@@ -167,19 +173,22 @@ WORD = re.compile(r"0x[0-9a-f]{4}\b")  # a word address in a note
 
 
 def sender(evidence: Evidence, phase: RecordedPhase) -> str:
-    """Return the device that sends the bytes of a read to the unit; "" if a unit sends them."""
+    """Return the device that sends the bytes of a read to the unit; "" if a unit sends the bytes."""
     if not phase.read or not is_master(evidence, phase.begin) or any(_answers(evidence, phase)):
         return ""
     return evidence.devices.get(phase.address, "") or phase.name or f"the device at 0x{phase.address:02X}"
 
 
 def answering(evidence: Evidence, phase: RecordedPhase) -> Evidence:
-    """Return the evidence about the unit that answers a read."""
+    """Return the evidence about the unit that answers a read; `evidence` itself if no other unit does."""
     return next(_answers(evidence, phase), evidence)
 
 
 def _answers(evidence: Evidence, phase: RecordedPhase) -> Iterator[Evidence]:
-    """Yield the other units whose own address is that of a phase, if no device has it."""
+    """Yield the evidence about each other unit whose own address is that of a phase.
+
+    Yield nothing if a device has this address.
+    """
     if phase.address in evidence.devices:
         return
     for unit in evidence.case.unit:
@@ -192,7 +201,7 @@ def _answers(evidence: Evidence, phase: RecordedPhase) -> Iterator[Evidence]:
 def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
     """Return a step for each byte of a read of a device.
 
-    For a memory, the step states the word, and when it was written if that is known.
+    For a memory, the step states the word address and, if known, the last write to this address.
     """
     who = sender(evidence, phase)
     first = first_word(evidence, phase)
@@ -212,9 +221,9 @@ def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
 
 
 def note_of_device(evidence: Evidence, phase: RecordedPhase) -> tuple[list[Step], Part | None]:
-    """Return a step for the last broken duty that the device of a read noted before the end of the read.
+    """Return a step for the last note before the end of a read in which the device states a broken rule of its manual.
 
-    The second result is this duty as the cause; None if it is not the cause.
+    The second result is this note as the cause; None if the note is not the cause.
     """
     who = sender(evidence, phase)
     note = evidence.last(phase.end, Kind.NOTE, who, "duty")
@@ -228,7 +237,7 @@ def note_of_device(evidence: Evidence, phase: RecordedPhase) -> tuple[list[Step]
 
 
 def _part(evidence: Evidence, phase: RecordedPhase) -> eeprom.Part | None:
-    """Return the type of the memory that is read; None for another device."""
+    """Return the type of the memory that a phase addresses; None if it addresses another device."""
     table = evidence.case.device.get(evidence.devices.get(phase.address, ""))
     if table is None or table.model not in eeprom.MODELS:
         return None
@@ -237,7 +246,7 @@ def _part(evidence: Evidence, phase: RecordedPhase) -> eeprom.Part | None:
 
 
 def first_word(evidence: Evidence, phase: RecordedPhase) -> int | None:
-    """Return the word address of the first byte of a read; None if the write before it did not set the address."""
+    """Return the word address of the first byte of a read; None if the phase before the read did not set it."""
     memory = _part(evidence, phase)
     before = max((p for p in evidence.phases if p.end <= phase.begin), key=lambda p: p.begin, default=None)
     if memory is None or before is None or before.read or before.address != phase.address:
@@ -254,7 +263,7 @@ def _pointer(memory: eeprom.Part, phase: RecordedPhase) -> int:
 def _writes(evidence: Evidence, read: RecordedPhase) -> Iterator[tuple[int, Record]]:
     """Yield the word address and the record of each byte that was written to a memory before a read.
 
-    The word address wraps at the end of a page.
+    At the end of a page, the word address wraps to the beginning of the page.
     """
     memory = _part(evidence, read)
     if memory is None:
@@ -274,7 +283,7 @@ MOST_CHARACTERS = 8  # maximum number of wrong characters that are listed
 
 
 def wrong_characters(evidence: Evidence) -> tuple[list[Step], list[Step]]:
-    """Return a step for the request of a reply, and steps for the writes of the reply's wrong characters."""
+    """Return a step for the request of a reply, and steps for the writes of wrong characters in the reply."""
     window = evidence.window
     if not window.verdict.measure.startswith(REPLY):
         return [], []
@@ -284,9 +293,9 @@ def wrong_characters(evidence: Evidence) -> tuple[list[Step], list[Step]]:
 
 
 def _asked(evidence: Evidence) -> list[Record]:
-    """Return the records of the frames of the request: their beginnings on its line.
+    """Return the beginnings of the frames up to the end of the request, on the line of the request.
 
-    The last one ended when the time of the reply began.
+    The request ends with the frame whose end is the begin of the occurrence. Return an empty list if there is none.
     """
     window = evidence.window
     slip = window.timebase.per_second // 10**7
@@ -298,9 +307,9 @@ def _asked(evidence: Evidence) -> list[Record]:
 
 
 def _wrong(evidence: Evidence, asked: list[Record]) -> list[Step]:
-    """Return steps for the writes of characters that differ from the expected ones at their places.
+    """Return steps for the writes of characters that differ from the characters expected at their positions.
 
-    Return none if the places of the characters are unknown.
+    Return an empty list if the positions of the characters in the reply are unknown.
     """
     serial = evidence.case.serial
     assert serial is not None
@@ -322,7 +331,7 @@ def _wrong(evidence: Evidence, asked: list[Record]) -> list[Step]:
 
 
 def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: list[Record]) -> int | None:
-    """Return the tick from which characters belong to the reply; None if the window does not contain it."""
+    """Return the tick from which characters belong to the reply; None if this tick may be before the window."""
     if table.after_send is None:
         return evidence.window.begin
     number, send = next((n, s) for n, s in enumerate(serial.send) if table.after_send in (s.name, f"send {n}"))
@@ -336,7 +345,7 @@ def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: l
 
 
 def _written(evidence: Evidence, source: str, since: int) -> list[Record]:
-    """Return the writes of SCITXBUF for the frames up to the end of the occurrence, in order."""
+    """Return the writes of SCITXBUF for the frames between a tick and the end of the occurrence, in order."""
     unit, _, module = source.rpartition(".")
     found = []
     for frame in evidence.window.between(since, evidence.window.end - 1, Kind.FRAME):

@@ -73,7 +73,7 @@ class Commands(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         if not args[0].startswith("-") and not _is_command(_file(args[0])):
-            from .core.suggest import did_you_mean
+            from .core.phrases import did_you_mean
             from .removed import COMMANDS
 
             if args[0] in COMMANDS:
@@ -148,7 +148,7 @@ def run_command() -> None:
     except click.ClickException as error:
         from io import StringIO
 
-        from .core.shorten import shorten
+        from .core.phrases import shorten
 
         said = StringIO()
         error.show(said)

@@ -33,6 +33,7 @@ NAMES = {
 }
 
 MOVED = {  # modules and packages of earlier versions, which one release still finds
+    "periph_sim.core.settings": "periph_sim.core.table",
     "periph_sim.devices.attitude": "periph_sim.imu.attitude",
     "periph_sim.devices.samples": "periph_sim.imu.samples",
     "periph_sim.dissertation": "periph_sim.imu",

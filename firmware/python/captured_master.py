@@ -19,7 +19,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Annotated
 
-from periph_sim.core.settings import Duration
+from periph_sim.core.table import Duration
 from periph_sim.firmware import After, start_i2c
 from periph_sim.processor.dsp import Dsp
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from periph_sim.core.settings import Duration
+from periph_sim.core.table import Duration
 from periph_sim.firmware import start_i2c
 from periph_sim.processor.dsp import Dsp
 

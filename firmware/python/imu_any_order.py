@@ -18,7 +18,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Literal
 
-from periph_sim.core.settings import Duration
+from periph_sim.core.table import Duration
 from periph_sim.firmware import sci_fifo_receiver, start_pie, start_pin
 from periph_sim.processor.dsp import Dsp
 

@@ -18,7 +18,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
 
-from periph_sim.core.settings import Duration, HexBytes
+from periph_sim.core.table import Duration, HexBytes
 from periph_sim.firmware import sci_fifo_receiver, start_i2c, start_pie, start_pin
 from periph_sim.processor.dsp import Dsp
 

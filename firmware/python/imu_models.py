@@ -15,7 +15,7 @@ from functools import cache, lru_cache, partial
 from struct import Struct
 from typing import Annotated, Any, Literal
 
-from periph_sim.core.settings import DurationRange, Spread
+from periph_sim.core.table import DurationRange, Spread
 from periph_sim.firmware import After, Before
 from periph_sim.imu.models.parameters import ImuParameters
 from periph_sim.imu.parameter_sets import named as parameter_set

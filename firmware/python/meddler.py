@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Literal
 
-from periph_sim.core.settings import Duration
+from periph_sim.core.table import Duration
 from periph_sim.firmware import start_i2c, start_pin
 from periph_sim.processor.dsp import Dsp
 

@@ -20,7 +20,7 @@ from fractions import Fraction
 from itertools import chain, repeat
 from typing import Literal, NamedTuple, NoReturn
 
-from periph_sim.core.settings import Duration, HexBytes
+from periph_sim.core.table import Duration, HexBytes
 from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.processor.dsp import Dsp
 

@@ -14,7 +14,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from fractions import Fraction
 
-from periph_sim.core.settings import Duration
+from periph_sim.core.table import Duration
 from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.processor.dsp import Dsp
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 
-from .shorten import shorten
+from .phrases import shorten
 
 MAX_DIGITS = 40  # maximum number of digits, enough for a femtosecond in a million years
 MAX_EXPONENT = 40

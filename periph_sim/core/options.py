@@ -22,7 +22,7 @@ from collections.abc import Hashable
 from functools import cache
 from typing import Any, TypeVar, cast, final
 
-from .suggest import did_you_mean
+from .phrases import did_you_mean
 
 T = TypeVar("T")
 Value = str | int | bool

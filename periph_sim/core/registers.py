@@ -13,7 +13,7 @@ from functools import cached_property
 
 from msgspec import Struct
 
-from .suggest import did_you_mean
+from .phrases import did_you_mean
 
 
 class RegisterMapError(Exception):

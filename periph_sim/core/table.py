@@ -1,10 +1,14 @@
-"""Tables of a case file: classes whose fields are the keys, with checks of the file's values.
+"""Tables of a case file: classes whose fields are the keys, with the types of their values.
 
     class Cable(Table, frozen=True, kw_only=True):
         name: str | None = None
         from_: str = field(name="from")     the key `from`
 
 A key without a field is rejected. `check_together` rejects keys that contradict each other.
+
+Exact numbers are written as texts with units. `Duration` converts "250 us" to seconds as an exact fraction and rejects
+a number without a unit. `DurationRange` converts "240 us to 260 us" to a `Spread`. `Frequency` converts "100 kHz" to
+hertz, `HexBytes` converts "1d 00 ff" to bytes, and `Share` converts "90 %" to a fraction.
 """
 
 from __future__ import annotations
@@ -12,14 +16,19 @@ from __future__ import annotations
 import copy
 from collections.abc import Mapping, Set
 from fractions import Fraction
+from functools import lru_cache
 from operator import is_
 from types import NoneType
-from typing import Any, ClassVar, Self
+from typing import Annotated, Any, ClassVar, Self
 
-from msgspec import Struct
+from msgspec import Meta, Struct
 from msgspec.structs import force_setattr
 
-from .convert import convert
+from .convert import Before, convert
+from .exact_number import SHOWN, exact_number
+from .phrases import shorten
+from .time import UNITS as TIMES
+from .time import TimeError, seconds
 
 PLAIN = frozenset((str, int, bool, bytes, float, Fraction, NoneType))  # the types of most fields
 
@@ -74,3 +83,141 @@ def separate(value: Any) -> Any:
             if new is not old:
                 changed[name] = new
     return value.model_copy(update=changed) if changed else value
+
+
+LOWEST, HIGHEST = Fraction(1, 1000), 10**12  # limits in hertz: a cycle in ticks and a run in cycles must fit 64 bits
+HERTZ = {"Hz": 1, "kHz": 1_000, "MHz": 1_000_000, "GHz": 1_000_000_000}
+
+
+def share(value: object) -> Fraction:
+    """Return the share, from 0 to 1, in a text such as "40 %". Raise ValueError with a suggestion for other values."""
+    if isinstance(value, Fraction):
+        return value
+    text = str(value).strip()
+    try:
+        percent = exact_number(text.removesuffix("%"))
+    except ValueError:
+        percent = Fraction(-1)
+    if not text.endswith("%") or not 0 <= percent <= 100:
+        raise ValueError(f"{value!r} is not a share from 0 % to 100 %; write for instance '90 %'")
+    return percent / 100
+
+
+def duration(value: object) -> Fraction:
+    """Return the seconds in a text such as "250 us". Raise ValueError with a suggestion for other values."""
+    if isinstance(value, Fraction):
+        return value
+    if not isinstance(value, str):
+        raise ValueError(f'{value!r} has no unit; write for instance "{value} ms"')
+    length = _length(value)
+    if isinstance(length, str):
+        raise ValueError(length)
+    return length
+
+
+@lru_cache(maxsize=4096)  # scenes of one case repeat the same texts
+def _length(text: str) -> Fraction | str:
+    """Return seconds, or a message if the text is not a duration."""
+    try:
+        length = seconds(text)
+    except TimeError as error:
+        return str(error)
+    return f"{text!r} is negative; a duration is 0 or more" if length < 0 else length
+
+
+class Spread(Struct, frozen=True):
+    """A computing time in seconds of which only the range is known. Each `Dsp.compute` draws a value in this range.
+
+    Raise ValueError for a negative or empty range.
+    """
+
+    least: Fraction
+    most: Fraction
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.least <= self.most:
+            raise ValueError(
+                f"{self.least} s to {self.most} s is not a range; write the smaller value first, and none below 0"
+            )
+
+    def __add__(self, fixed: Fraction) -> Spread:
+        return Spread(self.least + fixed, self.most + fixed)
+
+    def __str__(self) -> str:
+        return f"{self.least} s to {self.most} s"
+
+
+def spread(value: object) -> Spread:
+    """Return the range in a text such as "240 us to 260 us" or "250 us". Raise ValueError as `duration` does."""
+    if isinstance(value, Spread):
+        return value
+    if isinstance(value, str):
+        return _range(value)
+    length = duration(value)
+    return Spread(length, length)
+
+
+@lru_cache(maxsize=4096)
+def _range(text: str) -> Spread:
+    first, to, second = text.partition(" to ")
+    least = duration(first)
+    most = duration(second) if to else least
+    if most < least:
+        raise ValueError(f"{text!r}: {second} is shorter than {first}; write the least first")
+    return Spread(least, most)
+
+
+def frequency(value: object) -> Fraction:
+    """Return the hertz in a text such as "100 kHz". Raise ValueError with a suggestion for other values."""
+    if isinstance(value, Fraction):
+        return value
+    if not isinstance(value, str):
+        unit = "Hz" if isinstance(value, int) and value >= 10_000 else "kHz"
+        raise ValueError(f'{value!r} has no unit; write for instance "{value} {unit}"')
+    quoted = shorten(repr(value), SHOWN)
+    number, _, unit = value.strip().partition(" ")
+    if unit not in HERTZ:
+        raise ValueError(f"{quoted}: expected a number, a blank and one of {', '.join(HERTZ)}")
+    try:
+        hertz = exact_number(number) * HERTZ[unit]
+    except ValueError as error:
+        raise ValueError(f"{quoted}: {error}") from None
+    if hertz <= 0:
+        raise ValueError(f"{quoted}: a frequency is above 0")
+    if not LOWEST <= hertz <= HIGHEST:
+        raise ValueError(f"{quoted}: a frequency is 1/1000 Hz to 1000 GHz")
+    return hertz
+
+
+def hex_bytes(value: object) -> bytes:
+    """Return the bytes of "1d 00 ff" or of a list of numbers from 0 to 255."""
+    if isinstance(value, bytes):
+        return value
+    try:
+        if isinstance(value, str):
+            return bytes.fromhex(value)
+        if isinstance(value, list) and all(type(v) is int for v in value):
+            return bytes(value)
+    except ValueError:
+        pass
+    raise ValueError(f'{value!r} is not a sequence of bytes; write for instance "1d 00 ff"')
+
+
+def _said(pattern: str, *examples: str) -> Any:
+    """Return the type of a text in a file, for the schema that editors read. The converters check the text."""
+    schema = {"pattern": pattern, "examples": [*examples]}  # `Meta(pattern=...)` would compile the pattern
+    return Annotated[str, Meta(extra_json_schema=schema)]
+
+
+_TIME = rf"\s*[-+0-9._eE/]+\s*({'|'.join(TIMES)}|[\u00b5\u03bc]s)\s*"
+DURATION_TEXT = _said(f"^{_TIME}$", "250 us", "1.5 ms")
+_RANGE = _said(f"^{_TIME}( to {_TIME})?$", "240 us to 260 us")
+_FREQUENCY = _said(rf"^\s*[-+0-9._eE/]+ ({'|'.join(HERTZ)})\s*$", "100 kHz")
+_BYTES = _said(r"^[0-9a-fA-F\s]*$", "1d 00 ff") | list[Annotated[int, Meta(ge=0, le=255)]]
+_SHARE = _said(r"^\s*[-+0-9._eE/]+\s*%\s*$", "90 %")
+
+Duration = Annotated[Fraction, Before(duration, DURATION_TEXT)]
+DurationRange = Annotated[Spread, Before(spread, _RANGE)]
+Frequency = Annotated[Fraction, Before(frequency, _FREQUENCY)]
+HexBytes = Annotated[bytes, Before(hex_bytes, _BYTES)]
+Share = Annotated[Fraction, Before(share, _SHARE)]

@@ -16,7 +16,7 @@ from typing import Literal, final
 from ..form.c_types import BigInt, Text
 from .chip import NEVER
 from .exact_number import SHOWN, exact_number
-from .shorten import shorten
+from .phrases import shorten
 from .state import State
 
 GHZ = 1_000_000_000

@@ -31,7 +31,7 @@ from cocotb.simtime import get_sim_time
 from cocotb.triggers import Event, ReadWrite, Timer
 from cocotb.utils import get_sim_steps
 
-from ..core.suggest import did_you_mean
+from ..core.phrases import did_you_mean
 from ..outside.errors import OutsideError
 from ..outside.log import refuse_input
 from ..outside.session import Session

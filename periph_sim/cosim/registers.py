@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ..core.suggest import did_you_mean
+from ..core.phrases import did_you_mean
 from ..outside.errors import OutsideError
 from ..scene.scene import Scene
 

@@ -17,7 +17,7 @@ from fractions import Fraction
 from random import Random
 
 from ..core.chip import Note
-from ..core.settings import duration
+from ..core.table import duration
 from ..core.wire import Wire
 from ..processor.user_code import FirmwareError, Misuse, UserCode, defined_at
 from .targets import PlainReply, TargetContext

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from ..core.convert import After, Before
 from ..core.registered import lazy_names
-from ..core.settings import Duration, DurationRange, Frequency, HexBytes, Share, Spread
+from ..core.table import Duration, DurationRange, Frequency, HexBytes, Share, Spread
 from ..processor.dsp import Dsp
 from .startup import sci_fifo_receiver, start_i2c, start_pie, start_pin
 

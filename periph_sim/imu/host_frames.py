@@ -12,7 +12,7 @@ from fractions import Fraction
 from struct import Struct, error
 from typing import TYPE_CHECKING, TypeVar
 
-from ..core.suggest import did_you_mean
+from ..core.phrases import did_you_mean
 from ..devices.host_frames import ByteOrder
 from ..devices.sensor_rounds import register_bytes
 from ..scene.firmware_loader import BadSetting, shared

@@ -13,10 +13,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any, TypeVar
 
-from ..core.suggest import did_you_mean
+from ..core.phrases import did_you_mean
+from ..scene.case.load import read
 from ..scene.case.model import BadCase
 from ..scene.case.origin import Place, Source
-from ..scene.case.toml_file import read
 from .models.parameters import STANDARD_GRAVITY, ImuParameters
 from .models.quantity import BadParameter, Checked, Parameter, Quantity, Vector, parameters_of
 

@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
-from ..core.settings import frequency
+from ..core.table import frequency
 from .errors import ArbitrationLost, OutsideError
 
 if TYPE_CHECKING:

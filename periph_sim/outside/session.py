@@ -22,8 +22,8 @@ from ..core.agent import Agent, Event
 from ..core.chip import NEVER
 from ..core.input_files import inputs_of_one_command
 from ..core.kernel import Kernel
-from ..core.settings import duration
-from ..core.suggest import did_you_mean
+from ..core.phrases import did_you_mean
+from ..core.table import duration
 from ..core.wire import Pin, Wire
 from ..form.c_types import BigInt, Text
 from ..records.recording import Subscribe

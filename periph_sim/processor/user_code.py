@@ -38,7 +38,7 @@ from weakref import WeakSet
 
 from greenlet import GreenletExit
 
-from ..core.shorten import one_line
+from ..core.phrases import one_line
 from .source_location import is_firmware, is_helper, is_ours
 
 # Stalls ---------------------------------------------------------------------------

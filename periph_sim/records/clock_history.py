@@ -18,7 +18,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.counted import counted
+from ..core.phrases import counted
 
 OSCCLK_HZ = 30_000_000
 DIVIDE = (4, 4, 2, 1)  # divider from the PLL's output to SYSCLKOUT, by DIVSEL

@@ -15,8 +15,8 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.counted import counted
 from ..core.discover import modules_with
+from ..core.phrases import counted
 from ..core.registers import Register
 from . import lints
 from .run import Group, Rows, Run

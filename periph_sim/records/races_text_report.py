@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from ..core.counted import counted
+from ..core.phrases import counted
 from ..core.text_table import paragraph, text_table
 from ..processor.source_location import parsed
 from .races import DECADES, NearMiss, PlaceRaces, Races

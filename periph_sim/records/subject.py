@@ -11,9 +11,9 @@ from fractions import Fraction
 
 import numpy as np
 
+from ..core.phrases import did_you_mean
 from ..core.records import Kind
 from ..core.registers import Field, Register
-from ..core.suggest import did_you_mean
 from ..core.time import TimeError, seconds
 from ..f28335.memory.ram import MEMORY
 from .register_maps import is_status, registers_of

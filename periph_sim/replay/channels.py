@@ -5,7 +5,7 @@ An I2C capture has scl and sda, a UART capture has only rx, and a capture of a s
 
 from __future__ import annotations
 
-from ..core.suggest import did_you_mean
+from ..core.phrases import did_you_mean
 from ..traces.capture.capture import Capture, listed
 from ..traces.capture.channel_names import channels_named
 from . import BadReplay

@@ -18,7 +18,7 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import NamedTuple
 
-from ..core.counted import counted
+from ..core.phrases import counted
 from ..traces.capture.capture import Capture
 from ..traces.decode.uart import Event, Line, UartRowKind
 from ..traces.decode.uart_guess import NEAR, Guess, guess

@@ -20,7 +20,7 @@ from functools import cached_property
 from statistics import median
 
 from ..bus.i2c.replayed_sides import Answer
-from ..core.counted import counted
+from ..core.phrases import counted
 from ..scene.case.model import Case
 from ..scene.firmware_loader import BadFirmware, load_firmware
 from ..scene.scene import Scene

@@ -17,7 +17,7 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from ..bus.edge_player import EdgePlayer
-from ..core.counted import counted
+from ..core.phrases import counted
 from ..core.records import Kind, Record, Recorder
 from ..core.time import Timebase
 from ..f28335.sci.register_map import SCI_MAP

@@ -17,8 +17,7 @@ from msgspec.structs import replace
 
 from ..bus.i2c.controller import I2cController
 from ..bus.i2c.transfer import BusTiming, Transfer
-from ..core.counted import counted
-from ..core.suggest import did_you_mean
+from ..core.phrases import counted, did_you_mean
 from ..devices.sensor_head import SensorHead
 from ..devices.sensor_rounds import ChipData, Request, Schedule
 from ..timing.rounds import Asked

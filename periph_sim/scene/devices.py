@@ -14,9 +14,9 @@ from ..bus.faults import HeldLine
 from ..bus.i2c.disturbed_target import Answers, DisturbedTarget, Rule, When, cut_power, flip, replaced, stretch
 from ..bus.i2c.target_side import TargetSide
 from ..core.chip import Note
+from ..core.phrases import did_you_mean
 from ..core.records import Kind
 from ..core.state import State
-from ..core.suggest import did_you_mean
 from ..core.wire import Wire
 from ..devices.targets import BadDevice, Target, TargetContext, families
 from . import plugins

@@ -8,9 +8,9 @@ from random import Random
 
 from ..bus.faults import FaultContext, FaultKind, Repeated, kinds
 from ..core.kernel import Kernel
+from ..core.phrases import did_you_mean
 from ..core.sampler import watch
 from ..core.state import State
-from ..core.suggest import did_you_mean
 from ..core.wire import Wire
 from ..f28335.i2c.register_map import I2C_MAP
 from ..processor.dsp import Dsp

@@ -26,7 +26,7 @@ from msgspec import Struct
 from ..core.convert import BadTable, convert, keys_of
 from ..core.examples import EXAMPLES
 from ..core.input_files import note_input, read_input
-from ..core.suggest import did_you_mean
+from ..core.phrases import did_you_mean
 from ..processor.user_code import PASSES, Misuse, defined_at, flaw_of, message_of, raised_at
 from .case.error_text import complaint
 

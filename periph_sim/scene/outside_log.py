@@ -20,10 +20,9 @@ from typing import NamedTuple
 import msgspec
 
 from ..core.agent import Agent
-from ..core.counted import counted
 from ..core.input_files import open_input
 from ..core.kernel import Kernel
-from ..core.suggest import did_you_mean
+from ..core.phrases import counted, did_you_mean
 from ..core.wire import Wire
 from .context import SceneContext
 

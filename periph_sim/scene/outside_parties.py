@@ -16,14 +16,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 
-from ..core.suggest import did_you_mean
+from ..core.phrases import did_you_mean
 from ..core.time import Timebase
 from ..core.wire import Wire
 from ..timing.budget_plan import BadBudget, BudgetPlan, plan_of
 from ..timing.measures.measure import Measure
 from .case.model import BadCase, Case, OutsideTable
 from .context import CaseTicks
-from .limits import limit_plans
+from .plan import limit_plans
 from .scope import scope_of_case
 
 BUS = frozenset(("SDA", "SCL"))

@@ -12,8 +12,8 @@ from functools import partial
 from ..bus.uart.frame_format import UartFormat
 from ..bus.uart.reader import Line
 from ..bus.uart.rs485 import Rs485Pair, Transceiver
-from ..core.counted import counted
-from .case.transceiver import OnPair, on_pairs
+from ..core.phrases import counted
+from .case.wiring import OnPair, on_pairs
 from .context import SceneContext
 
 FirstAndTimes = tuple[int, int]

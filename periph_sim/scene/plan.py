@@ -78,7 +78,7 @@ class ScenePlan:
         """The plans of the budgets, made again whenever `scope` is read again. Raise BadCase for an invalid budget."""
         if self._limits is None or self._names_of_files:
             before = None if self._names_of_files else self._before
-            self._limits = self._limits_as(before) or parts.limits.limit_plans(self.ticks, self.scope)
+            self._limits = self._limits_as(before) or limit_plans(self.ticks, self.scope)
         return self._limits
 
     def _limits_as(self, other: ScenePlan | None) -> tuple[BudgetPlan, ...]:
@@ -107,3 +107,25 @@ class ScenePlan:
     def host(self) -> HostPlan:
         """The schedule of the [host]."""
         return parts.host.host_plan(self.ticks)
+
+
+def limit_plans(ticks: CaseTicks, scope: Scope) -> tuple[BudgetPlan, ...]:
+    """Return the plan of each budget, in the order of the case.
+
+    Raise BadCase, with its line, for an invalid budget, or if two budgets have the same name.
+    """
+    from ..timing.budget_plan import BadBudget, plan_of
+
+    case = ticks.case
+    found: list[BudgetPlan] = []
+    names: set[str] = set()
+    for entry, budget in enumerate(case.budget):
+        if budget.name in names:
+            what = f"there are two budgets {budget.name!r}; verdicts are known by name, so give one another name"
+            raise case.mistake(what, "budget", entry, "name")
+        names.add(budget.name)
+        try:
+            found.append(plan_of(budget, ticks.timebase, scope, ticks.start, found))
+        except BadBudget as error:
+            raise case.mistake(str(error), "budget", entry, *error.place) from None
+    return tuple(found)

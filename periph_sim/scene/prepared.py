@@ -16,8 +16,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ..core.input_files import inputs_of_one_command, note_inputs_of
-from ..core.settings import duration
-from ..core.table import separate
+from ..core.table import duration, separate
 from .case.load import CaseFile
 from .case.model import BadCase, Case
 from .firmware_loader import Firmware

@@ -23,7 +23,7 @@ from msgspec import Meta, Struct
 
 from ..core.convert import BadTable
 from ..core.input_files import read_input
-from ..core.suggest import did_you_mean
+from ..core.phrases import did_you_mean
 from ..core.table import Table
 from .case.discover import is_searched
 from .case.error_text import explain

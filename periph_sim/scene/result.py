@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
 
 from ..core.chip import joined
-from ..core.counted import counted
+from ..core.phrases import counted
 from ..timing.verdict import FAIL, NOT_JUDGED, PASS, Verdict
 from .case.optimizations import obsolete_fidelity
 

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING
 from weakref import finalize, proxy
 
 from ..core.kernel import Kernel
+from ..core.phrases import did_you_mean
 from ..core.records import Recorder
-from ..core.suggest import did_you_mean
 from ..core.time import Timebase, TimeError
 from ..core.uncollected import uncollected
 from ..processor.user_code import FirmwareStalled
@@ -86,7 +86,12 @@ class Scene:
         self.recorder = Recorder()
         wiring, scope, ticks = plan.wiring, plan.scope, plan.ticks
         self.timebase, self.start = ticks.timebase, ticks.start
-        self.limits = parts.limits.limits_of(case, plan.limits, self.timebase) if case.budget else []
+        self.limits: list[BudgetJudge] = []
+        if case.budget:
+            from ..timing.budgets import BudgetJudge
+
+            for budget, limit_plan in zip(case.budget, plan.limits, strict=True):
+                self.limits.append(BudgetJudge(budget, self.timebase, limit_plan, self.limits))
         for limit in self.limits:
             if keep_values and limit.measure.series:
                 limit.measure.keep()

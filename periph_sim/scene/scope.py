@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ..core.suggest import did_you_mean
+from ..core.phrases import did_you_mean
 from ..timing.language.scope import MAPS, BadEvent, Scope
 from .case.model import BadCase, Case
 from .case.origin import Source
@@ -55,7 +55,7 @@ def _own_measures(case: Case) -> dict[str, str]:
     round missed"`. Raise BadCase, with file and line, for an invalid measure.
     """
     from ..timing.measures.factory import check_measure
-    from .case.toml_file import read
+    from .case.load import read
 
     sentences = dict(case.measures)
     file = case.folder / case.measures_from

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Any
 
+from ..core.phrases import did_you_mean
 from ..core.state import State
-from ..core.suggest import did_you_mean
 from ..devices.chips import chip_models
 from ..devices.chips.register_chip import RegisterChip, Source
 from ..devices.chips.sensed_values import held, numbered, scaled

@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Any, Protocol, cast
 from msgspec.structs import replace
 
 from ..core.options import Answers
+from ..core.phrases import did_you_mean
 from ..core.registered import registered
-from ..core.suggest import did_you_mean
 from ..core.table import separate
 from ..f28335.cpu.code_costs import CodeCosts
 from ..f28335.descriptor import Part, named_class
@@ -26,8 +26,8 @@ from ..processor.user_code import Misuse, UserCode
 from .case.error_text import checked_options
 from .case.model import Case
 from .case.optimizations import DECODING, POLLS
-from .case.transceiver import pulled_down
 from .case.unit_table import Unit
+from .case.wiring import pulled_down
 from .context import CaseTicks, SceneContext
 from .firmware_loader import BadFirmware, BadSetting, Firmware, load_firmware, run_main, settings_for
 

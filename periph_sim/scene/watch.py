@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
+from ..core.phrases import did_you_mean
 from ..core.sampler import watch
-from ..core.suggest import did_you_mean
 from ..core.time import Timebase
 from ..core.wire import Wire
 from ..devices.watchers import WatchContext, WireWatcher, watchers

@@ -15,7 +15,7 @@ from itertools import combinations
 from msgspec import Struct
 
 from ..core.exact_number import exact_number
-from ..core.settings import duration, share
+from ..core.table import duration, share
 from ..core.time import NO_TIME, Timebase, round_ratio
 from .budget_schema import Budget
 from .language.scope import BadEvent, Scope

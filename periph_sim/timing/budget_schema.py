@@ -12,8 +12,7 @@ from typing import Annotated
 from msgspec import field
 
 from ..core.convert import Before
-from ..core.settings import Duration, Share
-from ..core.table import Table
+from ..core.table import Duration, Share, Table
 
 
 def _limit(value: object) -> object:

@@ -15,8 +15,7 @@ import msgspec
 import pytest
 
 from periph_sim.core.convert import NOTHING, After, BadTable, Before, Mistake, convert, converter_of
-from periph_sim.core.settings import Duration
-from periph_sim.core.table import Table
+from periph_sim.core.table import Duration, Table
 
 
 class AfterValidator:

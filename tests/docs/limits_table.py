@@ -8,7 +8,7 @@ from __future__ import annotations
 import re
 from fractions import Fraction
 
-from periph_sim.core.settings import frequency
+from periph_sim.core.table import frequency
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from tests.docs.pages import ROOT

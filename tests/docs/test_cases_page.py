@@ -28,9 +28,8 @@ from periph_sim.scene.case.model import (
     ValueTable,
 )
 from periph_sim.scene.case.serial import ExpectTable, SendTable, SerialEntry, SerialTable
-from periph_sim.scene.case.transceiver import TransceiverTable
 from periph_sim.scene.case.unit_table import Code, Compile, StubTable, Unit
-from periph_sim.scene.case.wiring import Cable
+from periph_sim.scene.case.wiring import Cable, TransceiverTable
 from periph_sim.timing.budget_schema import REPLY, SPAN, WATCH, Budget, Condition, Limited
 from periph_sim.timing.measures.registry import MEASURES, PHRASES
 from tests.docs.pages import ROOT

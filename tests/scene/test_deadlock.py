@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from periph_sim.core.counted import counted
+from periph_sim.core.phrases import counted
 from periph_sim.firmware import sci_fifo_receiver, start_i2c, start_pin
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene import unit as unit_module

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.core.input_files import inputs_of_one_command, is_input
-from periph_sim.core.suggest import did_you_mean
+from periph_sim.core.phrases import did_you_mean
 from periph_sim.interfaces.commands.live_case import files_of
 from periph_sim.outside import Session, replay
 from periph_sim.outside.live.case_for_line import case_for_line

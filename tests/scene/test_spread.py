@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from fractions import Fraction
 
-from periph_sim.core.settings import spread
+from periph_sim.core.table import spread
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene

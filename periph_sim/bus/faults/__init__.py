@@ -27,8 +27,8 @@ from ...core.convert import Before
 from ...core.discover import modules_with
 from ...core.kernel import Kernel
 from ...core.sampler import watch
-from ...core.settings import DURATION_TEXT
 from ...core.state import State
+from ...core.table import DURATION_TEXT
 from ...core.time import seconds
 from ...core.wire import Wire
 

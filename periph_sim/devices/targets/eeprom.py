@@ -22,9 +22,8 @@ from msgspec import Meta
 
 from ...core.convert import After, Before
 from ...core.input_files import read_input
-from ...core.settings import DurationRange, Spread, duration, hex_bytes
 from ...core.state import State
-from ...core.table import Table
+from ...core.table import DurationRange, Spread, Table, duration, hex_bytes
 from . import BadDevice, PlainReply, TargetContext, address_among
 
 FIRST = 0x50  # lowest device address: 1010, and three bits for pins or blocks

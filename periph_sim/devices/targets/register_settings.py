@@ -7,8 +7,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, field
 
-from ...core.settings import Duration
-from ...core.table import Table
+from ...core.table import Duration, Table
 
 Bits = Annotated[int, Meta(ge=0, le=0xFFFF)]
 Pointer = Annotated[int, Meta(ge=0, le=0xFFFF)]

@@ -18,8 +18,8 @@ from fractions import Fraction
 from pathlib import Path
 
 from ...core.input_files import read_input
-from ...core.settings import duration
 from ...core.state import State
+from ...core.table import duration
 from ...core.wire import Pin
 from . import BadDevice, PlainReply, Target, TargetContext
 from .register_settings import RegisterTable, Settings

@@ -20,9 +20,8 @@ from typing import Annotated, NamedTuple
 from msgspec import Meta
 
 from ...core.convert import After
-from ...core.settings import DurationRange, Spread, duration
 from ...core.state import State
-from ...core.table import Table
+from ...core.table import DurationRange, Spread, Table, duration
 from . import BadDevice, PlainReply, TargetContext, address_among
 
 __all__ = ["MODELS", "Settings", "build"]

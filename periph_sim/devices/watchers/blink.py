@@ -12,8 +12,7 @@ from __future__ import annotations
 from collections.abc import Set
 from fractions import Fraction
 
-from ...core.settings import Duration, Frequency, Share
-from ...core.table import Table
+from ...core.table import Duration, Frequency, Share, Table
 from . import WatchContext
 
 KIND = "blink"

@@ -15,8 +15,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta
 
-from ...core.settings import Duration
-from ...core.table import Table
+from ...core.table import Duration, Table
 from . import EDGE_NAMES, WatchContext
 
 KIND = "edges"

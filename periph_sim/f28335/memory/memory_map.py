@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from msgspec import Struct
 
+from ...core.phrases import did_you_mean
 from ...core.registers import Register
 from ...core.socket import Socket
-from ...core.suggest import did_you_mean
 from ..descriptor import Frame
 from ..system_options import SystemOptions
 

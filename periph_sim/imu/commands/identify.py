@@ -154,7 +154,7 @@ def _recording(file: Path, rate: str | None) -> tuple[dict[str, Column], float]:
 
 
 def _expected(given: tuple[str, ...], columns: Mapping[str, Column]) -> dict[str, float]:
-    from ...core.suggest import did_you_mean
+    from ...core.phrases import did_you_mean
 
     wanted: dict[str, float] = {}
     for text in given:

@@ -13,7 +13,7 @@ from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 from ...core.input_error import InputError
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean
 from ..models.counts import counts_of
 from ..models.parameters import ImuParameters
 from ..numeric import arithmetic_names as named

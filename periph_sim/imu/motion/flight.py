@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean
 from ...traces.formats.unit_csv import Column, line_of_row, read
 from . import ACCELERATIONS, ANGLES, VALUES, BadMotion
 from .pieces import Straight

@@ -10,7 +10,7 @@ import re
 from typing import TYPE_CHECKING, Any
 
 from ...core.input_error import InputError
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean
 from .arithmetic import Arithmetic
 from .float64 import Float64
 from .q import Q, RoundedQ

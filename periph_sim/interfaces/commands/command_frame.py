@@ -23,7 +23,7 @@ import click
 
 from ... import form
 from ...core.exact_number import exact_number
-from ...core.shorten import shorten
+from ...core.phrases import shorten
 from ...core.text_table import WIDTH, table_rows, together
 
 if TYPE_CHECKING:
@@ -258,7 +258,7 @@ def rate_given(option: str, text: str) -> Fraction:
 
 def time_given(option: str, text: str) -> Fraction:
     """Parse a time of 0 or more. Return seconds."""
-    from ...core.settings import duration
+    from ...core.table import duration
 
     try:
         return duration(text)

@@ -12,8 +12,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from ...core.counted import counted
-from ...core.suggest import did_you_mean
+from ...core.phrases import counted, did_you_mean
 from ...records.recording import format_of, recording_formats, rewrite
 from ...traces import formats
 from ...traces.capture.capture import window_of, with_channels, within

@@ -17,7 +17,7 @@ from pathlib import Path
 import click
 import numpy as np
 
-from ...core.shorten import shorten
+from ...core.phrases import shorten
 from ...traces.capture.capture import Capture
 from ...traces.capture.sampling import sample_step
 from ...traces.decode.event_rows import (

@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import click
 
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean
 from ...traces.capture.capture import Capture, Channel, gap_notes, listed
 from ...traces.capture.channel_names import buses_named
 from ...traces.decode import spi

@@ -15,7 +15,7 @@ from shlex import quote
 import click
 
 from ...core.examples import EXAMPLES
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean
 from ...processor.image_files.assemble import sources_of
 from ...scene.case.origin import texts_in
 from ...scene.firmware_loader import SHIPPED

@@ -8,8 +8,8 @@ from textwrap import wrap
 import click
 
 from ...core.options import Answers, allowed
+from ...core.phrases import did_you_mean
 from ...core.registers import Register, RegisterMap
-from ...core.suggest import did_you_mean
 from ...core.text_table import WIDTH
 from ...devices.chips import chip_models
 from ...f28335.parts.f28335 import PART

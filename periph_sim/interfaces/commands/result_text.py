@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...core.counted import counted
 from ...core.options import Value
+from ...core.phrases import counted
 from ...scene.case.model import Case
 from ...scene.result import SKIPPED, Result
 from ...timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict, broken, figure, limit, simulated

@@ -9,7 +9,7 @@ from shutil import get_terminal_size
 
 import click
 
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean
 from ...scene.case.load import load
 from ...scene.scene import Scene
 from ...timing.verdict import Verdict

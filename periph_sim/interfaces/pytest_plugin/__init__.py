@@ -41,7 +41,7 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("markers", MARKER)
     for place in config.getini(CASES):
         if not place.exists():
-            from ...core.suggest import did_you_mean
+            from ...core.phrases import did_you_mean
 
             there = did_you_mean(place.name, sorted(entry.name for entry in config.rootpath.iterdir()))
             raise pytest.UsageError(f"{CASES}: there is no folder or file {str(place)!r}; {there}")

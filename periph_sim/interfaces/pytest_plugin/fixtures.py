@@ -14,8 +14,8 @@ from typing import Any
 import pytest
 
 from ...core.convert import BadTable
-from ...core.settings import duration
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean
+from ...core.table import duration
 from ...scene.case.error_text import explain
 from ...scene.case.load import apply, load
 from ...scene.case.model import BadCase, Case

@@ -16,8 +16,8 @@ from functools import cached_property
 from pathlib import Path
 
 from ...bus.i2c.transfer import Transfer
+from ...core.phrases import did_you_mean
 from ...core.records import RECORDED, Recorder
-from ...core.suggest import did_you_mean
 from ...core.text_table import text_table
 from ...core.time import Timebase
 from ...processor.user_code import output_muted

@@ -12,7 +12,7 @@ from collections.abc import Callable
 from fractions import Fraction
 from typing import Literal
 
-from ...core.counted import counted
+from ...core.phrases import counted
 from ..errors import OutsideError
 
 WhenLate = Literal["slip", "catch-up", "stop"]

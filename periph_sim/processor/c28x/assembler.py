@@ -14,7 +14,7 @@ from dataclasses import replace
 from functools import cache
 from typing import NamedTuple
 
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean
 from .encodings import Encoding, encodings
 from .operands import BadInstruction, Read, parts_of
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import NamedTuple
 
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean
 from ...core.text_table import paragraph, text_table
 from ..c28x.decoder import UNC, Instruction, decode_at
 from ..c28x.encodings import places

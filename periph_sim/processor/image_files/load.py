@@ -16,7 +16,7 @@ from itertools import combinations, pairwise
 from pathlib import Path
 
 from ...core.input_files import read_input
-from ...core.shorten import shorten
+from ...core.phrases import shorten
 from ...f28335.descriptor import Part
 from ...f28335.memory.address_space import Content, area_at, not_loadable
 from ...f28335.parts.f28335 import PART

@@ -20,7 +20,7 @@ from elftools.dwarf.compileunit import CompileUnit
 from elftools.dwarf.die import DIE
 from msgspec import Struct
 
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean
 from ...f28335.memory.address_space import Content, area_at
 from .debug_info import DebugInfo, text_of
 from .load import Image

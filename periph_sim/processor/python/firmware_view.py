@@ -13,9 +13,9 @@ from fractions import Fraction
 from random import Random
 
 from ...core.chip import Note
-from ...core.settings import Spread
+from ...core.phrases import did_you_mean
 from ...core.socket import Socket
-from ...core.suggest import did_you_mean
+from ...core.table import Spread
 from ...f28335.cpu.interrupts import MASKABLE
 from ...f28335.memory.memory_map import AddressMap
 from ...f28335.parts.f28335 import PART

@@ -19,8 +19,8 @@ from collections.abc import Mapping
 from operator import index
 from typing import final
 
+from ...core.phrases import did_you_mean
 from ...core.registers import Field, Register
-from ...core.suggest import did_you_mean
 from ...f28335.memory.memory_map import BOTH, HIGH, LOW, WORDS_MASK, ModuleRange
 from ...form.c_types import BigInt, Text
 from ..operand import Operand

@@ -23,7 +23,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...core.counted import counted
+from ...core.phrases import counted
 from ...core.records import Kind, Record
 from ...core.registers import Field, OnWrite, Register
 from ...f28335.parts.f28335 import PART

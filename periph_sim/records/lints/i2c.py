@@ -7,7 +7,7 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.counted import counted
+from ...core.phrases import counted
 from ...core.records import Kind
 from ...core.registers import Register
 from ...f28335.i2c.register_map import I2CDRR, I2CDXR, I2CFFRX, I2CFFTX, I2CMDR, I2COAR, I2CPSC, I2CSTR

@@ -12,8 +12,8 @@ from pathlib import Path
 from typing import IO, TYPE_CHECKING, Any, ClassVar, Literal, Protocol
 
 from ...core.discover import modules_with
+from ...core.phrases import did_you_mean
 from ...core.records import RECORDED, Kind, Record, Recorder, RecordSink
-from ...core.suggest import did_you_mean
 from ...core.time import Timebase
 
 if TYPE_CHECKING:

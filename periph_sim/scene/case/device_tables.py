@@ -9,8 +9,7 @@ from typing import Annotated, Any, Literal
 from msgspec import Meta
 
 from ...core.convert import Before
-from ...core.settings import Duration, DurationRange, Share
-from ...core.table import Table
+from ...core.table import Duration, DurationRange, Share, Table
 from .scalars import Address, Byte, Length
 
 ByteNumber = Annotated[int, Meta(ge=0)]

@@ -6,7 +6,7 @@ from typing import TypeVar
 
 from ...core.convert import NOTHING, BadTable, Mistake, keys_of
 from ...core.options import Value, options_from
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean
 from ...core.table import Table
 from .device_tables import DeviceTable, WatchTable
 from .model import BadCase, Case

@@ -13,10 +13,8 @@ from typing import Annotated, Any, Literal
 from msgspec import Meta
 
 from ...core.convert import BadTable, Mistake, convert
-from ...core.counted import counted
-from ...core.settings import Duration, HexBytes
-from ...core.suggest import did_you_mean
-from ...core.table import Table
+from ...core.phrases import counted, did_you_mean
+from ...core.table import Duration, HexBytes, Table
 from ...devices.host_frames import host_frames
 from ...timing.budget_schema import REPLY, WATCH, Budget
 from .device_tables import BusParty, DeviceTable, WatchTable
@@ -35,9 +33,8 @@ from .scalars import (
     RateError,
 )
 from .serial import SerialTable, in_words
-from .transceiver import TransceiverTable
 from .unit_table import Unit
-from .wiring import Cable, wiring_of
+from .wiring import Cable, TransceiverTable, wiring_of
 
 
 class BadCase(ValueError):

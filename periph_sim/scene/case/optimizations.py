@@ -10,7 +10,7 @@ from typing import Annotated, TypeAlias
 
 from ... import removed
 from ...core.convert import Before
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean
 
 ALL = "all"
 BITS = "bits"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from msgspec import Struct
 
-from ...core.shorten import shorten
+from ...core.phrases import shorten
 
 SHOWN = 120  # maximum number of characters of a change in a message
 Place = tuple[str | int, ...]  # keys and entry numbers from the top of a case down

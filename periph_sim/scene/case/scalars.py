@@ -11,7 +11,7 @@ from msgspec import Meta
 from ...core.convert import After, Before
 from ...core.exact_number import exact_number
 from ...core.options import Value
-from ...core.settings import Duration, Frequency
+from ...core.table import Duration, Frequency
 
 
 def _exact(value: object) -> Fraction:

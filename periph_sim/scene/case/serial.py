@@ -14,8 +14,7 @@ from typing import Annotated, Any, Literal
 from msgspec import Meta, field
 
 from ...bus.uart.frame_format import UartFormat
-from ...core.settings import Duration, HexBytes
-from ...core.table import Table
+from ...core.table import Duration, HexBytes, Table
 from .scalars import Byte, Length, Ppm
 
 Baud = Annotated[int, Meta(ge=1, le=10_000_000)]

@@ -8,8 +8,7 @@ from typing import Annotated, Literal
 
 from msgspec import Meta, field
 
-from ...core.settings import Duration
-from ...core.table import Table
+from ...core.table import Duration, Table
 from ...f28335.cpu.code_costs import CodeCosts
 from .scalars import Answer, CodeCycles, Crystal, PassCycles, Ppm, VariableValues
 

@@ -14,8 +14,8 @@ from ...bus.uart.burst_sender import Burst, BurstSender, Character
 from ...bus.uart.frame_format import UartFormat
 from ...bus.uart.reader import Heard, Line, UartReader
 from ...bus.uart.rs485 import Driver
+from ...core.phrases import did_you_mean
 from ...core.records import Recorder
-from ...core.suggest import did_you_mean
 from ...timing.language.events import Matcher, matcher
 from ...timing.language.scope import BadEvent, Scope
 from ...timing.measures.expectations import Expected, Reply

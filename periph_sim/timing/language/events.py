@@ -32,8 +32,8 @@ from typing import NamedTuple
 from msgspec import Struct
 from msgspec.structs import replace
 
+from ...core.phrases import did_you_mean
 from ...core.records import Kind, Record
-from ...core.suggest import did_you_mean
 from ...devices.sensor_rounds import known_sensors
 from .scope import LINES, RECORDS, BadEvent, Scope, Thing
 from .tokens import Words, name_text

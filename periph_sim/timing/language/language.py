@@ -45,7 +45,7 @@ from functools import lru_cache
 from msgspec import Struct
 from msgspec.structs import replace
 
-from ...core.settings import duration
+from ...core.table import duration
 from ...devices.sensor_rounds import known_sensors
 from .events import EVENTS, Event, event_of, read_event
 from .scope import BadEvent

@@ -17,9 +17,9 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 from msgspec import Struct
 
+from ...core.phrases import did_you_mean
 from ...core.records import Kind
 from ...core.registers import Field, Register, RegisterMap
-from ...core.suggest import did_you_mean
 from ...f28335.parts.f28335 import PART
 
 if TYPE_CHECKING:

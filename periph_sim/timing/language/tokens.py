@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean
 from .scope import BadEvent
 
 WORD = re.compile(r"""\s*("[^"]+"|'[^']+'|["',=]|[^\s,="']+)""")

@@ -18,10 +18,9 @@ from collections.abc import Sequence
 
 from msgspec import Struct
 
-from ...core.counted import counted
+from ...core.phrases import counted, did_you_mean
 from ...core.records import UNWANTED, Kind, Recorder, Subjects
 from ...core.state import State
-from ...core.suggest import did_you_mean
 from ..language.events import ANYTHING, Matcher
 from .groups import Groups
 from .measure import READ, Measure, MeasuredScene

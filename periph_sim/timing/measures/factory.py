@@ -12,9 +12,9 @@ from typing import TypeAlias
 
 from msgspec.structs import replace
 
+from ...core.phrases import did_you_mean
 from ...core.records import Kind
-from ...core.settings import duration
-from ...core.suggest import did_you_mean
+from ...core.table import duration
 from ...devices.sensor_rounds import known_sensors
 from ...f28335.pie.register_map import LINES
 from ..budget_schema import REPLY, SPAN, WATCH

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from msgspec import Struct
 
+from ...core.phrases import did_you_mean
 from ...core.records import Kind, Record
-from ...core.suggest import did_you_mean
 from ...records.register_maps import is_status, one_clears
 from ..language.scope import MAPS, BadEvent, Scope
 

@@ -22,8 +22,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.shorten import one_line, shorten
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean, one_line, shorten
 from ...core.time import seconds
 
 Positions = NDArray[np.int64]

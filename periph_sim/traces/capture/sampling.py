@@ -22,7 +22,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ...core.shorten import shorten
+from ...core.phrases import shorten
 from .capture import MOST_DIGITS, BadCapture, Capture, Channel, Positions, Span
 
 MOST_POSITION = 1 << 62

@@ -18,7 +18,7 @@ from math import ceil
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.counted import counted
+from ...core.phrases import counted
 from ..capture.capture import Capture, Channel, Span
 from ..capture.sampling import sample_step
 from .table_columns import select

@@ -7,8 +7,7 @@ from fractions import Fraction
 
 from msgspec import Struct
 
-from ...core.shorten import shorten
-from ...core.suggest import did_you_mean
+from ...core.phrases import did_you_mean, shorten
 
 PARITIES = ("none", "odd", "even", "mark", "space")
 

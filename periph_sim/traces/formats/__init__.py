@@ -34,8 +34,8 @@ from typing import Protocol, cast
 
 from ...core.discover import has_plugins, modules_with
 from ...core.input_files import is_input, note_input, open_regular
+from ...core.phrases import did_you_mean
 from ...core.registered import registered
-from ...core.suggest import did_you_mean
 from ...supervisor import remove_unless_complete
 from ..capture.capture import BadCapture, Capture, Channel, Span, rate_of
 from ..capture.sampling import on_samples, resampled

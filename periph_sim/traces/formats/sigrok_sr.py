@@ -23,7 +23,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.counted import counted
+from ...core.phrases import counted
 from ..capture import size_limits as limits
 from ..capture.capture import MOST_DIGITS, BadCapture, Capture
 from ..capture.channel_names import channels_named

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.input_files import open_input
-from ...core.shorten import shorten
+from ...core.phrases import shorten
 from ..capture.capture import BadCapture
 from .csv_rows import numbered_rows
 

@@ -17,8 +17,7 @@ from msgspec import Meta, field
 
 from periph_sim.bus.faults import kinds
 from periph_sim.core.convert import Before
-from periph_sim.core.settings import Duration
-from periph_sim.core.table import Table
+from periph_sim.core.table import Duration, Table
 from periph_sim.interfaces.commands.schema import schema
 from periph_sim.scene.case.json_schema import case_schema, schema_of, schema_of_table
 from periph_sim.scene.case.load import apply

@@ -10,7 +10,7 @@ import pytest
 
 from periph_sim.core.convert import BadTable
 from periph_sim.core.input_files import inputs_of_one_command, is_input
-from periph_sim.core.settings import Spread, duration, frequency, hex_bytes, spread
+from periph_sim.core.table import Spread, duration, frequency, hex_bytes, spread
 from periph_sim.scene.case.load import apply, load
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.case.origin import line_of

@@ -18,7 +18,7 @@ from math import ceil, floor, log10
 
 import numpy as np
 
-from ....core.counted import counted
+from ....core.phrases import counted
 from ....timing.budgets import Values
 from ....timing.measures.measure import MILLIONTHS
 from ....traces.drawing.svg_diagram import nice_step

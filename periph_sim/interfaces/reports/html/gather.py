@@ -19,7 +19,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import Literal
 
-from ....core.counted import counted
+from ....core.phrases import counted
 from ....scene.case.load import load
 from ....scene.case.model import Case
 from ....scene.case.unit_table import Unit

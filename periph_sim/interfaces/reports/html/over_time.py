@@ -17,7 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.counted import counted
+from ....core.phrases import counted
 from ....timing.budgets import Values
 from ....timing.verdict import Verdict
 from ....traces.drawing.svg_diagram import nice_step

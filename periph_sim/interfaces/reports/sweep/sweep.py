@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.settings import duration
+from ....core.table import duration
 from ....scene.case.load import UnknownKey, load
 from ....scene.case.model import BadCase, Case
 from ....scene.firmware_loader import Firmware

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
-from ....core.suggest import did_you_mean
+from ....core.phrases import did_you_mean
 from ....scene.case.model import BadCase, Case
 from ....scene.case.unit_table import Unit
 from ....scene.firmware_loader import BadFirmware, BadSetting, load_firmware, settings_for

@@ -1,11 +1,15 @@
-"""Hostile text in a message: its two ends, and how long it was."""
+"""Numbers of things."""
 
 from __future__ import annotations
 
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.core.shorten import one_line, shorten
+from periph_sim.core.phrases import counted, one_line, shorten
+
+
+def test_one_is_singular_and_all_others_are_plural():
+    assert [counted(number, "I2C byte") for number in (0, 1, 2)] == ["0 I2C bytes", "1 I2C byte", "2 I2C bytes"]
 
 
 @given(st.text(), st.integers(40, 300))

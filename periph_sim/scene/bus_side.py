@@ -29,12 +29,12 @@ class BusSide:
     """The transfers and rounds of a scene's bus.
 
     asked: the requests of the master; None if they are not known.
-    spike: the monitor ignores pulses on SDA that last fewer ticks.
-    before: callbacks that receive each transfer before other subscribers.
+    spike: a number of ticks; the monitor ignores shorter pulses on SDA.
+    before: callbacks that receive each transfer before all other subscribers.
     monitor: the monitor of the wires; None before the first use of `rounds`, and in scenes without a bus.
-    wire_bytes: number of bytes of the counted transfers.
-    nacked: number of counted transfers that were not acknowledged.
-    bit_skip: the shortcut that skips bits on this bus; None if no bits are skipped.
+    wire_bytes: number of bytes of the transfers that were passed to `count`.
+    nacked: number of transfers that were passed to `count_nacked` and were not acknowledged.
+    bit_skip: the object that simulates seven bits of a byte in one step; None if each bit is simulated.
     """
 
     def __init__(self, case: Case, wires: Mapping[str, Wire], spike: int) -> None:
@@ -50,7 +50,7 @@ class BusSide:
 
     @property
     def rounds(self) -> BusRounds:
-        """The rounds on the bus. The first use creates the monitor, so earlier transfers are not seen."""
+        """The rounds on the bus. The first use creates the monitor, so earlier transfers are not in the rounds."""
         if self._rounds is None:
             self._rounds = BusRounds(self.asked, self._begun_at)
             if "SCL" in self._wires:

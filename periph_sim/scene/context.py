@@ -28,7 +28,9 @@ class CaseTicks(Struct, frozen=True):
         return is_on(name, self.case.disable)
 
     def ticks(self, length: Fraction, ppm: Fraction = Fraction(0)) -> int:
-        """Return the nearest number of ticks of a length in seconds. The length is counted by a clock `ppm` too fast.
+        """Return a length in seconds as the nearest number of ticks.
+
+        ppm: the error of the clock that counts the length, in parts per million; positive for a fast clock.
 
         Raise BadCase, with its line, if the number of ticks is too large.
         """
@@ -46,7 +48,7 @@ class CaseTicks(Struct, frozen=True):
             return self.timebase.fitting(ticks)
         except TimeError as error:
             place = next(_places(self.case, length), None)
-            if place is None:  # the length is a sum of times, so no key of the case has it
+            if place is None:  # the length is a sum of times, so it is the value of no key of the case
                 raise
             raise self.case.mistake(str(error), *place) from None
 
@@ -59,7 +61,7 @@ class CaseTicks(Struct, frozen=True):
 class SceneContext(CaseTicks, frozen=True):
     """The context that each builder of a scene's parts receives.
 
-    wire: returns the wire with a given name, and creates it at the first request.
+    wire: a function that returns the wire with a given name, and creates the wire at the first call.
     wiring: the names of the wires at each unit's pins.
     """
 

@@ -39,7 +39,7 @@ class HeadPlan(Struct, frozen=True):
     requests: the requests of each round.
     startup: the requests before the first round.
     asked: the transfers that these requests make on the bus, and their schedule.
-    stuck_after, clear_after: times in ticks; see `I2cController`.
+    stuck_after, clear_after: durations in ticks; `I2cController` describes them.
     """
 
     requests: tuple[Request, ...]
@@ -61,7 +61,10 @@ def _agent_of(context: SceneContext) -> type[I2cController]:
 
 
 def skips_bits(context: SceneContext) -> bool:
-    """Return True if bits of I2C bytes are skipped: the optimization is on, and edges of the bus are not recorded."""
+    """Return True if seven bits of an I2C byte may be simulated in one step.
+
+    The optimization must be on, and the edges of the bus must not be recorded.
+    """
     return context.optimizes(BITS) and not (context.wire("SCL").recorded or context.wire("SDA").recorded)
 
 
@@ -163,7 +166,7 @@ def _transfers(requests: list[Request], by_stop: bool) -> tuple[Transfer, ...]:
 
 
 def _sensors(case: Case, table: Controller | RoundsTable) -> Mapping[str, ChipData]:
-    """Return the known sensors. They include those of installed plugins if the table names a sensor not yet known."""
+    """Return the known sensors by name. Installed plugins are searched only if the table names an unknown sensor."""
     names = [*table.order, *(request.chip for request in table.request if request.chip is not None)]
     return sensors_of(case, names)
 

@@ -38,7 +38,7 @@ RESTARTED = 2  # a wait of this many watchdog periods shows that a service routi
 
 
 def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]) -> str:
-    """Return why the wait of `dsp` cannot end, as a clause; empty if it can end, or if there is no wait.
+    """Return a clause that says why the wait of `dsp` cannot end; "" if it can end, or if there is no wait.
 
     may_move: takes a wire and its parties outside the unit; returns True if one of them may still change the wire.
     instant: formats a tick.
@@ -70,7 +70,7 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
 def nothing_comes(
     dsp: Dsp, modules: list[str], may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]
 ) -> str:
-    """Return why these modules will not change, as a clause; empty if one of them may change."""
+    """Return a clause that says why these modules will not change; "" if one of them may change."""
     wires = {wire.name: wire for module in modules for wire in wires_into(dsp, module)}
     for wire in wires.values():
         others = [who for who in wire.parties() if not who.startswith(f"{dsp.name}.")]
@@ -88,14 +88,14 @@ def nothing_comes(
 
 
 def polls_for_input(dsp: Dsp) -> bool:
-    """Return True if firmware polls an input without end and no pass is skipped, as with `skip_polls = false`."""
+    """Return True if firmware will poll an input without end, in a run in which every poll is simulated."""
     spin, time = dsp.program.spin, dsp.processor.time
     waits = spin is not None and spin.ends == NEVER and spin.unchanged(time.cycle)
     return waits and time.lands == NEVER and dsp.core.earliest() == NEVER
 
 
 def sleep_reason(dsp: Dsp) -> str:
-    """Return why no interrupt can end IDLE; empty if an interrupt or a reset by the watchdog can."""
+    """Return the reason why no interrupt can end IDLE; "" if an interrupt or a reset by the watchdog can end it."""
     ier = dsp.core.ier
     if watchdog_runs(dsp) or ier >> GROUPS:
         return ""
@@ -128,7 +128,7 @@ def takes_interrupts(dsp: Dsp) -> bool:
 
 
 def refused(dsp: Dsp, instant: Callable[[int], str]) -> str:
-    """Return since when and why I2CSTR.NACK is set, as a clause; empty if it is not set. A NACK ends a transfer."""
+    """Return a clause that says since when and why I2CSTR.NACK is set, which ends a transfer; "" if it is not set."""
     state = cast("I2c", dsp.sockets["I2C-A"].chip).state
     if not state.str & STR_NACK:
         return ""
@@ -144,7 +144,7 @@ def outputs(dsp: Dsp) -> list[str]:
 
 
 def signals_behind(dsp: Dsp, spin: Spin) -> list[str]:
-    """Return the modules on which the end of a wait depends."""
+    """Return the names of the modules on whose events the end of a wait depends."""
     read = list(dict.fromkeys(poll.place.name for poll in spin.polls))
     if "PIE" in read:
         return list(dsp.sockets)
@@ -189,9 +189,10 @@ SETTLED = Fraction(1, 1_000_000)  # seconds after which delayed outputs and hold
 
 
 def deadlocks_of(scene: Scene) -> list[str]:
-    """Return a sentence for each unit whose firmware waits for an event that cannot occur: the wait, since when, why.
+    """Return a sentence for each unit whose firmware waits for an event that cannot occur.
 
-    If the run was aborted because firmware let no simulated time pass, return only the sentence about that.
+    The sentence names the wait, its begin and the reason. If the run was aborted because firmware let no simulated time
+    pass, return only the sentence about this firmware.
     """
     if scene.stalled:
         return [scene.stalled]

@@ -31,7 +31,10 @@ OF_MODELS = {"model age", "model run"}
 
 
 class DerivedRecords:
-    """The derived records of a scene. bytes: compares read bytes with expected ones; None if no subscriber needs it."""
+    """The objects that derive records in a scene.
+
+    bytes: the object that compares read bytes with expected bytes; None if no subscriber needs these records.
+    """
 
     def __init__(self, recorder: Recorder) -> None:
         """Subscribe to records of firmware. Create this object after all other subscriptions and before the units."""

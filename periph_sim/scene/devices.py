@@ -25,11 +25,11 @@ from .case.error_text import own_settings
 from .context import SceneContext
 
 ACCESS = {"read": 1, "write": 0, "any": None}
-OTHERS = ("controller", "host", "serial", "outside")  # names of all other parties, which no device may have
+OTHERS = ("controller", "host", "serial", "outside")  # the names of other parties; a device must not have such a name
 
 
 class NoteLog:
-    """The notes of a chip or device. notes: for each note, the tick at which it was first made, and its count."""
+    """The notes of a chip or device. notes: a dictionary from a note to [its first tick, its count]."""
 
     STATE = State("notes")
 
@@ -56,7 +56,7 @@ class DeviceOnBus:
     STATE = State("target log")
 
     def __init__(self, context: SceneContext, name: str, known: Mapping[str, Wire]) -> None:
-        """known: the wires of the scene, by name."""
+        """known: a dictionary from a name to the wire of the scene."""
         table = context.case.device[name]
         self.log = NoteLog(context, name)
         self.side: TargetSide | None = None
@@ -132,7 +132,10 @@ def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Answer
 
 
 def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: Mapping[int, str]) -> dict[str, DeviceOnBus]:
-    """Return the devices by name. known: the wires of the scene. taken: names of the sensor chips, by address.
+    """Return the devices by name.
+
+    known: a dictionary from a name to the wire of the scene.
+    taken: a dictionary from the address of a sensor chip to its name.
 
     Raise BadCase, with its line, for an impossible device.
     """

@@ -23,7 +23,10 @@ MODULE_RESET = ".IRS"  # suffix in the name of the wire that represents a unit's
 
 
 class Wires:
-    """Wires that faults can disturb: those of the scene, and wires for XRS and IRS of units, made on demand."""
+    """The wires that faults can disturb.
+
+    These are the wires of the scene, and wires that represent XRS and IRS of a unit. The latter are made on demand.
+    """
 
     def __init__(self, context: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> None:
         self._context = context

@@ -40,7 +40,8 @@ SHIPPED = EXAMPLES / "firmware" / "python"
 
 PREFIX = "_firmware_"
 SHIPPED_PACKAGE = f"{PREFIX}shipped"
-_packages: dict[tuple[Path, int], str] = {}  # package names by file and thread, since threads may load one file
+# From a file and a thread to the name of the package, because several threads may load the same file.
+_packages: dict[tuple[Path, int], str] = {}
 _numbers = count()
 
 
@@ -64,7 +65,10 @@ def shipped_module(name: str) -> ModuleType:
 
 
 def module_of_file(path: Path) -> ModuleType:
-    """Import a firmware file, and again the files that it imports, so that edits take effect. Return its module."""
+    """Import a firmware file and return its module.
+
+    The files that it imports are imported again, so that edits of these files take effect.
+    """
     path = note_input(path).resolve()
     package = _packages.setdefault((path, get_ident()), f"{PREFIX}{next(_numbers)}")
     # `sys.modules` is copied, because other threads may import at the same time.
@@ -86,9 +90,10 @@ def imported(
     refused: Callable[[str], Exception],
     passes: tuple[type[BaseException], ...] = PASSES,
 ) -> T:
-    """Return the result of `load`, which imports user code. Raise `refused(sentence)` if that fails.
+    """Return the result of `load`, which imports user code. Raise `refused(sentence)` if the import fails.
 
-    what: the subject of the sentence. folder: the folder of the file. passes: the errors that are raised unchanged.
+    what: the subject of the sentence. folder: the folder of the imported file. passes: classes of errors that are
+    raised unchanged.
     """
     try:
         return load()
@@ -99,7 +104,7 @@ def imported(
 
 
 def existing(path: Path, what: str, refused: Callable[[str], Exception]) -> Path:
-    """Return the path of a file of user code. Raise `refused(why)` if it is no file. what: its kind."""
+    """Return the path of a file of user code. Raise `refused(why)` if there is no such file. what: the kind of file."""
     if path.is_file():
         return path
     missing = f"{str(path)!r} is not a regular file" if path.exists() else f"there is no {what} {str(path)!r}"
@@ -128,7 +133,7 @@ def _make_package(name: str, folders: list[Path]) -> None:
 
 
 class _Source(SourceFileLoader):
-    """Loader without bytecode files, which would hide edits within one second and fill the user's folder."""
+    """Loader that uses no bytecode files. They would hide edits made within one second, and fill the user's folder."""
 
     def get_code(self, fullname: str) -> CodeType:
         return _code_of(read_input(Path(self.path)), self.path)
@@ -163,9 +168,9 @@ sys.meta_path.insert(0, _FirmwareFinder())
 
 
 class Firmware(Struct, frozen=True):
-    """A program: its main function, and the dataclass of its settings, if it has one.
+    """A program: its main function, and the dataclass of its settings if the program has settings.
 
-    replay: the settings that a replay may set from a capture; the module lists them in `REPLAY`.
+    replay: the names of the settings that a replay may set from a capture, which the module lists in `REPLAY`.
     """
 
     name: str
@@ -187,7 +192,10 @@ class BadSetting(ValueError):
 
 
 def load_firmware(name: str) -> Firmware:
-    """Return a program. name: that of a shipped program, or the path of a .py file. Raise BadFirmware if it fails."""
+    """Return a program. name: the name of a shipped program, or the path of a .py file.
+
+    Raise BadFirmware if the program cannot be loaded.
+    """
     if not name:
         raise BadFirmware("its unit runs no Python firmware, which this needs")
     return _loaded(name) if name.endswith(".py") else _loaded_once(name)
@@ -217,7 +225,7 @@ def _loaded(name: str) -> Firmware:
 
 
 def _replay_settings(name: str, module: ModuleType) -> tuple[str, ...]:
-    """Return the names in a module's `REPLAY`. Raise BadFirmware if one is not the name of a setting."""
+    """Return the names in a module's `REPLAY`. Raise BadFirmware if any of them is not the name of a setting."""
     given: object = getattr(module, "REPLAY", ())
     kind = getattr(module, "Settings", None)
     known = [*keys_of(kind)] if inspect.isclass(kind) and is_dataclass(kind) else []
@@ -239,7 +247,10 @@ def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:
 
 
 def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
-    """Return the firmware's Settings with the given values; None if it has none. Raise BadSetting for a wrong one."""
+    """Return the firmware's Settings with the given values; None if the firmware has no settings.
+
+    Raise BadSetting for a wrong value.
+    """
     kind = firmware.settings
     if not (inspect.isclass(kind) and is_dataclass(kind)):
         for name in given:
@@ -251,7 +262,7 @@ def settings_for(firmware: Firmware, given: dict[str, object]) -> object:
 def filled(kind: type[T], given: dict[str, object], who: str) -> T:
     """Return an object of the dataclass `kind` with the given values. Raise BadSetting for a wrong value.
 
-    who: what the settings belong to, such as "firmware imu_hil", for messages.
+    who: the owner of the settings, such as "firmware imu_hil", for messages.
     """
     try:
         return convert(kind, given)

@@ -57,9 +57,9 @@ class HostAgent:
     """The host of a scene, with the frames that it sends and the true values of the chips.
 
     frames: source of the frames of a motion; None if the host has no motion.
-    values: returns the values of the frame with a given number.
-    truth: the values that chips should show; None if they are not known.
-    model: the model with which firmware computes the data of chips; None if chips show the values of frames.
+    values: a function from the number of a frame to the values in this frame.
+    truth: the values that chips should measure; None if they are not known.
+    model: the model with which firmware computes the data of chips; None if chips return the values of frames.
     """
 
     def __init__(self, context: SceneContext, table: HostTable, plan: HostPlan, model: FirmwareModel | None) -> None:
@@ -82,9 +82,9 @@ class HostAgent:
         self.host = Host(context.kernel, self.peer, schedule, self.values, encode, seed)
 
     def _truth(self, table: HostTable, model: FirmwareModel | None) -> Truth | None:
-        """Return the true values of the chips.
+        """Return the true values of the chips; None if they are not known.
 
-        Return None if a model of the firmware computes the chips' data but the host's frames have no known motion.
+        They are not known if firmware computes the chips' data with a model, but the host's frames have no motion.
         """
         if model is None:
             return LineBetweenFrames(self.values, table.period, host_frames().shown)
@@ -95,7 +95,7 @@ class HostAgent:
         return self._line
 
     def truth_at(self, tick: int) -> Mapping[str, Axes]:
-        """Return the true values x, y, z at a tick, in LSB, by chip."""
+        """Return a dictionary from a chip to its true values x, y, z at a tick, in LSB."""
         assert self.truth is not None
         return self.truth.at(self.host.frame_at(tick) * self._period)
 

@@ -36,7 +36,11 @@ class BadLog(ValueError):
 
 @dataclass(frozen=True)
 class Head:
-    """The first line of a log. file: path of the case from the log's folder, or "". changes: the case's changes."""
+    """The first line of a log.
+
+    file: the path of the case, relative to the folder of the log; "" if the case has no file.
+    changes: the `key=value` texts that were applied to the case.
+    """
 
     case: str
     ticks_per_second: int
@@ -49,7 +53,8 @@ class Instant(NamedTuple):
     """The changes at one tick.
 
     levels: the new levels of the wires that the outside party changes.
-    sent: by wire, the number of bytes that begin; 0 means only that the wire is driven by bytes from now on.
+    sent: a dictionary from a wire to the number of bytes that begin on it. The number 0 means that no byte begins, but
+        the wire is driven by bytes from now on.
     """
 
     tick: int
@@ -62,7 +67,7 @@ class LogReader:
 
     def __init__(self, path: Path) -> None:
         self._path = path
-        self.end = -1  # the tick of the end; -1 until all instants were read
+        self.end = -1  # the tick at which the log ends; -1 until all instants were read
         self.finished = False  # True if the log contains the end of the session
         self._lines = 1  # number of lines read so far
         self._cut = 0  # number of characters of an incomplete last line
@@ -80,7 +85,10 @@ class LogReader:
 
     @property
     def unfinished(self) -> str:
-        """A sentence about what is missing at the end of the log; "" if nothing. Valid after all instants were read."""
+        """A sentence that says what is missing at the end of the log; "" if nothing is missing.
+
+        Valid after all instants were read.
+        """
         if self.finished:
             return ""
         cut = f", and of the line after it only {counted(self._cut, 'character')} remain" if self._cut else ""
@@ -179,8 +187,8 @@ class LoggedOutside(Agent):
     """Outside party that drives the wires as the log of a session says.
 
     start: the tick of the scene that corresponds to tick 0 of the log.
-    on_sent: called with a wire and the number of bytes that begin on it.
-    unfinished: a sentence about what is missing at the end of the log; see `LogReader`.
+    on_sent: a callback that receives a wire and the number of bytes that begin on it.
+    unfinished: a sentence that says what is missing at the end of the log; "" if nothing is missing.
     """
 
     def __init__(self, kernel: Kernel, wires: Mapping[str, Wire], path: Path, start: int) -> None:
@@ -238,9 +246,9 @@ def logged_outside(context: SceneContext, wires: Mapping[str, Wire]) -> LoggedOu
 
 @lru_cache(maxsize=16)
 def _checked(path: Path, written: int, size: int) -> str:
-    """Return what is missing at the end of a log. Raise BadLog if it is damaged.
+    """Return a sentence that says what is missing at the end of a log, or "". Raise BadLog if the log is damaged.
 
-    written, size: the file's time of change and its size. If one of them is new, the file is checked again.
+    written, size: the modification time and the size of the file. If they are new, the file is checked again.
     """
     reader = LogReader(path)
     for _ in reader.instants():

@@ -35,10 +35,10 @@ def drives_bus(outside: OutsideTable) -> bool:
 
 
 def as_driven(case: Case) -> Case:
-    """Return a case without the parties that its [outside] replaces. Its `replaced` has a sentence for each of them.
+    """Return a case without the parties that its table [outside] replaces.
 
-    Budgets that need a replaced party are left out; the sentence names them. Raise BadCase, with its line, for a budget
-    that would also be wrong without [outside].
+    Budgets that need a replaced party are left out. `replaced` of the case has a sentence for each replaced party,
+    which names these budgets. Raise BadCase, with its line, for a budget that would also be wrong without [outside].
     """
     outside, controller = case.outside, case.controller
     assert outside is not None
@@ -55,9 +55,9 @@ def as_driven(case: Case) -> Case:
 
 
 def with_outside(case: Case, wires: tuple[str, ...]) -> Case:
-    """Return the case as built for an outside party that drives these wires instead of those in its [outside].
+    """Return the case for an outside party that drives `wires` instead of the wires in the table [outside].
 
-    Raise BadCase if its [outside] has replaced a party that these wires do not replace: the party would be missing.
+    Raise BadCase if [outside] has replaced a party, but `wires` do not replace it: the party would be missing.
     """
     for party, lines in (("controller", BUS), ("host", frozenset(("RX",)))):
         if party in case._replaced and not lines.issubset(wires):
@@ -67,7 +67,10 @@ def with_outside(case: Case, wires: tuple[str, ...]) -> Case:
 
 
 def _without(party: str, lines: str, case: Case, driven: Case) -> Case:
-    """Return `driven`, which lacks `party`, with the budgets that it can judge. lines: the wires of `party`."""
+    """Return the case `driven`, which lacks `party`, with only the budgets that it can judge.
+
+    lines: the wires of `party`. case: the case with `party`.
+    """
     kept = tuple(budget for budget, judged in zip(case.budget, _judged(case, driven), strict=True) if judged)
     names = [budget.name for budget in kept]
     left_out = ", ".join(repr(budget.name) for budget in case.budget if budget.name not in names)

@@ -22,8 +22,9 @@ FirstAndTimes = tuple[int, int]
 class Pairs:
     """The RS-485 pairs of a scene.
 
-    sci_line: returns the function that gives the bit length and the format with which an SCI of a unit sends.
-    outside: the same functions for outside parties that drive a pair, by the name of the party.
+    sci_line: a function that takes a unit and a module, and returns the line function of this SCI. A line function
+        returns the bit length and the format with which a party sends now.
+    outside: a dictionary from an outside party that drives a pair to its line function.
     """
 
     def __init__(self, context: SceneContext, sci_line: Callable[[str, str], Line]) -> None:
@@ -40,7 +41,10 @@ class Pairs:
         return self._transceivers.get((unit, module))
 
     def lines(self) -> Mapping[str, Line]:
-        """Return, by wire of a pair, a function that gives the bit length and format of the party that drives it."""
+        """Return a dictionary from the wire of a pair to a function.
+
+        The function returns the bit length and the format of the party that drives the pair.
+        """
         return {name: partial(self._line, pair) for name, pair in self._pairs.items()}
 
     def notes(self) -> list[str]:

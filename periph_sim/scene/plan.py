@@ -29,8 +29,8 @@ class ScenePlan:
     """The plan of one case.
 
     case: the case without the parties that its [outside] replaces.
-    before: the plan of a case that differs in some tables. Plans of budgets are taken from it if they are equal,
-        because making them takes longer than making all other parts.
+    before: the plan of an earlier case that differs in some tables, or None. Plans of equal budgets are taken from this
+        plan, because making them takes longer than making all other parts.
     """
 
     def __init__(self, case: Case, before: ScenePlan | None = None) -> None:
@@ -62,7 +62,8 @@ class ScenePlan:
     def scope(self) -> Scope:
         """The names that budgets may use.
 
-        If a file other than the case's defines some of them, they are read again at each access: it may have changed.
+        If another file than the case's file defines some of these names, all names are read again at each access,
+        because this file may have changed.
         """
         if self._scope is None or self._names_of_files:
             self._scope = scope_of_case(self.case, self.wiring)

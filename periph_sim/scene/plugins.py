@@ -34,7 +34,11 @@ STALL_LIMIT = 10.0  # maximum seconds of the import of a plugin
 
 
 class Kind(Struct, frozen=True):
-    """A kind of definition in a plugin. what: a noun for messages. named: returns a plugin's definitions by name."""
+    """A kind of definition in a plugin, such as a chip.
+
+    what: a noun for the kind, for messages.
+    named: a function from a plugin to a dictionary from names to the plugin's definitions of this kind.
+    """
 
     what: str
     named: Callable[[Plugin], Mapping[str, Any]]
@@ -71,10 +75,11 @@ DEFINES = {
 
 
 def known(folder: Path, attribute: str, shipped: Mapping[str, T], names: Iterable[str] = ()) -> Mapping[str, T]:
-    """Return the definitions of one kind by name: the shipped ones and those of the plugins of a folder's project.
+    """Return a dictionary from names to the definitions of one kind: shipped definitions and those of plugins.
 
-    attribute: the kind, a key of `DEFINES`.
-    names: the names that a case uses; if one is unknown, the plugins of entry points are included.
+    folder: the folder whose project names the plugins.
+    attribute: the kind of definition, a key of `DEFINES`.
+    names: the names that a case uses. If any of them is unknown, the plugins of entry points are included.
 
     Raise BadCase if a plugin cannot be loaded, or if two plugins define the same name.
     """
@@ -92,7 +97,10 @@ def sensors_of(case: Case, names: Iterable[str] = ()) -> Mapping[str, ChipData]:
 
 
 def known_formats(shipped: Mapping[str, T], installed: bool) -> Mapping[str, T]:
-    """Return the capture formats of the current folder's project by name. installed: True to include entry points."""
+    """Return a dictionary from names to capture formats: shipped formats and those of the current folder's project.
+
+    installed: True to include the plugins of entry points.
+    """
     return known(Path(), "NAME", shipped, [""] if installed else ())
 
 

@@ -14,7 +14,7 @@ from .scene import Scene
 
 
 class Profiled(Struct, frozen=True):
-    """Programs, profiles and coverage of a run, by unit. coverage: empty if it was not requested."""
+    """Dictionaries from a unit to its program, its profile and its coverage. `coverage` is empty if not requested."""
 
     name: str
     ticks_per_second: int
@@ -30,7 +30,7 @@ class Profiled(Struct, frozen=True):
 def profiled(
     case: Case, length: Fraction | None = None, told: Callable[[float], None] | None = None, coverage: bool = False
 ) -> Profiled:
-    """Run a case and return its profile. told: called with the fraction of the run that is done.
+    """Run a case and return its profile. told: a callback that receives the fraction of the run that is done.
 
     Raise BadCase if no unit runs an image, or if an image lacks the line information that coverage needs.
     """

@@ -49,7 +49,10 @@ NOTHING = Settings()
 
 
 class Project(Struct, frozen=True):
-    """A user's project. folder: the folder of its pyproject.toml; if there is none, the folder that was asked for."""
+    """A user's project.
+
+    folder: the folder of the project's pyproject.toml; if there is no such file, the folder given to `project_of`.
+    """
 
     folder: Path
     settings: Settings = NOTHING
@@ -67,14 +70,15 @@ class Project(Struct, frozen=True):
         return [_near(place) for place in places]
 
     def where(self, key: str) -> str:
-        """Return the place of a key in the file, such as "pyproject.toml, line 2: cases"."""
+        """Return the place of a key in pyproject.toml, such as "pyproject.toml, line 2: cases"."""
         file = self.folder / FILE
         return f"{_near(file)}, line {line_of(file.read_text(encoding='utf-8'), (*KEYS, key))}: {key}"
 
     def baseline(self, case: Path) -> Path | None:
         """Return the path of a case's baseline; None for the default, baselines/NAME.json beside the case.
 
-        Baselines are in the same sub-folders as their cases, so that two cases of one name have different baselines.
+        The folder of baselines has the same sub-folders as the folder of cases, so that two cases of the same name have
+        different baselines.
         """
         if self.settings.baselines is None:
             return None

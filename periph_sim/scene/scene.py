@@ -62,9 +62,10 @@ class Scene:
 
     case: the case, or its plan if several scenes are built from it.
     subscribe: called while the scene is built, before anything runs, so that recorders can subscribe.
-    programs: firmware given as Python functions, by unit; the case's `firmware` of these units is then only a name.
+    programs: a dictionary from a unit to firmware that is given as a Python function. For this unit, the key `firmware`
+        in the case is then only a name.
     keep_values: keep all values of measures that have a series of values, for `BudgetJudge.values`.
-    sources: inputs of sensor chips as functions of the tick, by chip; they replace the case's `values`.
+    sources: a dictionary from a sensor chip to its input as a function of the tick, which replaces the case's `values`.
     restorable: keep a log of the accesses of C sources, so that `restore` need not run the scene from its start.
     """
 
@@ -108,10 +109,10 @@ class Scene:
         self.kernel = Kernel(self.start)
         self.wires = self.WIRES(self.kernel, self.recorder)
         self.units: dict[str, Dsp] = {}
-        # A part must not refer to the scene: waiting firmware refers to parts, so the scene would never be deleted.
+        # No part may refer to the scene: waiting firmware refers to parts, so the scene would never be deleted.
         self._close = finalize(self, _let_go, self.recorder, self.units)
         self._close.atexit = False
-        self.firmware: dict[str, Firmware] = {}  # by unit
+        self.firmware: dict[str, Firmware] = {}  # from a unit to its firmware
         self.chips: dict[str, ChipOnBus] = {}
         self.devices: dict[str, DeviceOnBus] = {}
         self.faults: list[Repeated] = []
@@ -125,8 +126,8 @@ class Scene:
         self._counter: BusRecorder | None = None  # counts bytes on the wires; None if the sensor head counts them
         self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
-        self.log_ends_early = ""  # a sentence if the log in [outside] has no end; else ""
-        self.stalled = ""  # a sentence if firmware let no simulated time pass, which ends the run; else ""
+        self.log_ends_early = ""  # a sentence that says that the log in [outside] has no end; "" if it has one
+        self.stalled = ""  # a sentence that says that firmware let no simulated time pass, which ends the run; or ""
         self.checkpoint: Snapshot | None = None  # the last state from which `restore` can continue C sources
         self._wall = 0.0  # seconds of real time that the run has taken
         wire = self.wires.wire
@@ -279,7 +280,7 @@ class Scene:
         progress: called with the fraction of the run that is done.
 
         Raise BadCase, before anything runs, if the run would have too many ticks, or if outside parties drive the
-        case and there is no log. A case that replays a log ends as the session did: before the events of the last tick.
+        case and there is no log. The replay of a log ends like the session: before the events of the last tick.
         """
         outside = self.case.outside
         if outside is not None and outside.log is None:
@@ -311,7 +312,7 @@ class Scene:
         self._wall += perf_counter() - wall
 
     def state(self) -> Snapshot:
-        """Return the state between two runs as plain values by name; times are relative to the present.
+        """Return the state between two runs as a dictionary from names to plain values. Times are relative to now.
 
         It does not contain measures, nor the stacks of Python firmware and C sources. Scenes whose units all run images
         continue equally if their states are equal.
@@ -319,7 +320,7 @@ class Scene:
         return parts.state.state_of_scene(self)
 
     def restore(self, snapshot: Snapshot) -> None:
-        """Continue from a snapshot of a scene with equal case, programs and records. This scene must not have run.
+        """Continue from a snapshot of another scene with equal case, programs and records. Call it before any run.
 
         If all units run images, the state is assigned, and budgets begin anew. Otherwise, the scene runs from its start
         to the time of the snapshot, because stacks of Python firmware and C sources cannot be restored. If both scenes
@@ -339,7 +340,10 @@ class Scene:
         self._close()
 
     def finish(self, length: int) -> Result:
-        """End the run and return its result. length: ticks of the run; only those before a stall of firmware count."""
+        """End the run and return its result.
+
+        length: the number of ticks of the run. If firmware stalled, only the ticks before the stall count.
+        """
         length = min(length, self.kernel.now - self.start) if self.stalled else length
         self.kernel.materialize()
         self.bus.finish(self.kernel.now)
@@ -351,7 +355,7 @@ class Scene:
         return result_of(self, length, self._wall)
 
     def clocks(self) -> Mapping[str, Sequence[tuple[int, Fraction]]]:
-        """Return (first tick, SYSCLKOUT in Hz) of each interval of constant frequency, by unit."""
+        """Return a dictionary from a unit to pairs (first tick, SYSCLKOUT in Hz), a pair for each new frequency."""
         return {name: unit.clock_history for name, unit in self.units.items()}
 
     def typical(self) -> list[Verdict]:

@@ -49,10 +49,11 @@ def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
 
 
 def _own_measures(case: Case) -> dict[str, str]:
-    """Return the user's own measures: sentences by name, checked as far as this is possible without a scene.
+    """Return a dictionary from the name of a user's own measure to its text.
 
-    They are in [measures] of the case and in the file of `measures_from`. Example: `"late rounds" = "count of record
-    round missed"`. Raise BadCase, with file and line, for an invalid measure.
+    The measures are in [measures] of the case and in the file of `measures_from`. Example: `"late rounds" = "count of
+    record round missed"`. They are checked as far as possible without a scene. Raise BadCase, with file and line, for
+    an invalid measure.
     """
     from ..timing.measures.factory import check_measure
     from .case.load import read
@@ -86,7 +87,7 @@ def _mistake(case: Case, source: Source, name: str, what: str) -> BadCase:
 
 
 class _ImageNames:
-    """The names in an image, which is read at the first query. A query for an unknown name raises ValueError."""
+    """The names in an image. The image is read at the first query. A query for an unknown name raises ValueError."""
 
     def __init__(self, path: str) -> None:
         self._path = path

@@ -30,7 +30,7 @@ class ChipOnBus:
     STATE = State("pointer log")
 
     def __init__(self, context: SceneContext, name: str, make: Callable[[int], RegisterChip], powered: int) -> None:
-        """make: returns a new chip whose supply is switched on at a given tick."""
+        """make: a function from a tick to a new chip whose supply is switched on at this tick."""
         self.log = NoteLog(context, name)
         self._kernel = context.kernel
         self._make = make
@@ -63,7 +63,9 @@ class ChipOnBus:
 
 
 def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipOnBus:
-    """Return the chip of `[chip.NAME]`, not yet on its wires. source: its input; None for the `values` of the case.
+    """Return the chip of `[chip.NAME]`, which is not connected to wires yet.
+
+    source: the input of the chip; None if the key `values` in the case is the input.
 
     Raise BadCase, with its line, for an impossible chip.
     """

@@ -74,7 +74,10 @@ def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
 
 
 def modules_of(scene: Scene) -> dict[str, Module]:
-    """Return the parts of a scene that declare a state, by name, in the order in which they are taken and restored."""
+    """Return a dictionary from names to the parts of a scene that declare a state.
+
+    The order is that in which their states are collected and restored.
+    """
     samplers = _samplers(scene)
     keys: dict[type, Keyed] = {Sampler: Keyed(lambda sampler: (sampler.rank,), samplers.__getitem__)}
     parts: dict[str, object] = {}
@@ -217,7 +220,10 @@ def _identity(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _recorded(recorder: Recorder) -> Iterator[object]:
-    """Yield, for each kind, whether it is recorded and for which subjects. The state of modules depends on them."""
+    """Yield, for each kind of records, whether it is recorded, and for which subjects.
+
+    Modules keep additional state for records, so snapshots are equal only if these choices are equal.
+    """
     for kind in RECORDED:
         subjects = recorder.subjects(kind)
         yield kind.value, recorder.wants(kind), subjects if subjects is None else sorted(subjects)

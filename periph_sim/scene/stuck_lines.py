@@ -48,7 +48,7 @@ class StuckLines:
 
 
 def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
-    """Return a phrase for what a unit's firmware does now. start: the tick from which times are counted."""
+    """Return a phrase that says what a unit's firmware does now. start: the tick from which times are counted."""
     if dsp.program.returned_at is not None:
         return "has returned from main"
     spin = dsp.program.spin

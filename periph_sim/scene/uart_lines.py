@@ -25,7 +25,7 @@ SCICCR = SCI_MAP["SCICCR"]
 class UartLines:
     """Observers of the UART lines.
 
-    senders: a dictionary from a wire to the rate and format of its sender, where this is the host or another non-unit.
+    senders: a dictionary from a wire to the rate and format of its sender, if the sender is not a unit.
     """
 
     def __init__(
@@ -49,7 +49,7 @@ class UartLines:
                 UartMonitor(wires[name], line)
 
     def record_characters(self, recorder: Recorder) -> None:
-        """Record the start bit of each character to an SCI, once for each SCI that it goes to.
+        """Record the start bit of each character that SCIs receive, once for each receiving SCI.
 
         The record is made when the next character begins or the run ends, because `UartCounter` detects it then.
         """

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
 
 class UartSide:
-    """The serial lines of a scene. host: the sender on RX, or None. serial: the parties of [serial]."""
+    """The serial lines of a scene. host: the host on RX, or None. serial: the parties in the table [serial]."""
 
     def __init__(
         self,
@@ -42,7 +42,7 @@ class UartSide:
         self._recorder = context.recorder
         self._pairs: Pairs | None = None
         self._lines: UartLines | None = None
-        self._counted: dict[str, int] = {}  # number of characters from outside, by wire
+        self._counted: dict[str, int] = {}  # from a wire to the number of characters that came from outside
         self._sent: dict[str, int] = {}
         senders = {} if host is None else {"RX": host.line}
         if serial is not None or context.case.transceiver:
@@ -66,7 +66,7 @@ class UartSide:
 
     @property
     def characters(self) -> int:
-        """The number of characters sent by [serial] and by the outside party."""
+        """The number of characters that the parties in the table [serial] and the outside party have sent."""
         counted = sum(count for wire, count in self._counted.items() if wire not in self._sent)
         return counted + sum(self._sent.values()) + (0 if self._serial is None else self._serial.characters)
 

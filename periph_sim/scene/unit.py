@@ -50,11 +50,14 @@ class FirmwareModel(Protocol):
         """Return the true values during a motion. first: the time in the motion at which frame 0 is due, in seconds."""
 
     def attitude(self, readings: Mapping[str, Sequence[float]]) -> list[float] | None:
-        """Return roll, pitch, yaw in degrees from the last readings by chip; None if they do not suffice."""
+        """Return roll, pitch and yaw in degrees; None if the readings do not suffice to compute them.
+
+        readings: a dictionary from a chip to its last values.
+        """
 
 
 def firmware_model_of(settings: object) -> FirmwareModel | None:
-    """Return the model of a firmware with these settings; None if the settings have no `sensors`, and so no model."""
+    """Return the model of a firmware with these settings; None if the settings have no `sensors`."""
     if getattr(settings, "sensors", None) is None:
         return None
     return cast("FirmwareModel | None", registered("firmware model").firmware_model(settings))
@@ -97,9 +100,10 @@ def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
 def build_unit(
     context: SceneContext, name: str, plan: DspPlan, program: Firmware | None
 ) -> tuple[Dsp, Firmware, FirmwareModel | None]:
-    """Return a unit, its started firmware, and the model with which it computes the data of chips; None without one.
+    """Return a unit, its started firmware, and the model with which the firmware computes the data of chips, or None.
 
-    program: firmware in place of the case's. Raise BadCase if the firmware cannot be loaded or its settings are wrong.
+    program: the firmware to use in place of the case's firmware, or None. Raise BadCase if the firmware cannot be
+    loaded or its settings are wrong.
     """
     case, unit = context.case, context.case.unit[name]
     wires = {pin: context.wire(wire) for pin, wire in context.wiring.pins[name].items()}
@@ -126,7 +130,7 @@ def build_unit(
 
 
 def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Firmware:
-    """Make the unit run its image. The returned firmware represents it in lists of firmware."""
+    """Make the unit run its image. Return a Firmware object that represents the image in lists of firmware."""
     from ..processor.image_files.load import BadImage, program_in
     from .image_watching import watch_image
 
@@ -139,7 +143,7 @@ def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Fi
 
 
 def _started_sources(case: Case, name: str, unit: Unit, dsp: Dsp) -> Firmware:
-    """Make the unit run its C sources from main on. The returned firmware represents them in lists of firmware."""
+    """Make the unit run its C sources, beginning with main. Return a Firmware object for lists of firmware."""
     from ..processor.host_code.firmware import HostFirmware
     from ..processor.host_code.library import BadSources, Sources
 
@@ -175,7 +179,10 @@ def _no_python(dsp: Dsp, settings: object) -> None:
 
 
 def _module_options(case: Case, name: str, unit: Unit, part: Part) -> dict[str, Answers]:
-    """Return the options of a unit's modules, by group. Given groups that no module needs are checked, too."""
+    """Return a dictionary from a group of options to the answers, for all modules of a unit.
+
+    Groups in the case that no module needs are checked, too.
+    """
     known = part.options_groups
     for group in unit.options:
         if group not in known:

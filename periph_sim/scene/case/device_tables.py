@@ -18,7 +18,7 @@ Access = Literal["read", "write", "any"]
 
 
 class Strikes(Table, frozen=True, kw_only=True):
-    """The bytes that a stretch or a fault affects, and the time during which it does."""
+    """The bytes that a stretch or a fault affects, and the time during which bytes are affected."""
 
     bytes: tuple[ByteNumber, ...] = ()
     access: Access = "any"
@@ -29,7 +29,10 @@ class Strikes(Table, frozen=True, kw_only=True):
 
 
 class StretchTable(Strikes, frozen=True, kw_only=True):
-    """Clock stretching: after which bytes, and how long. A text in place of the table is the length for all bytes."""
+    """Clock stretching: the bytes after which SCL is held low, and for how long.
+
+    In a case file, a duration in place of this table means that SCL is held low for this time after every byte.
+    """
 
     length: DurationRange
 
@@ -44,7 +47,7 @@ WHICH_BYTES = ("bytes", "access", "phases", "share")  # keys that kind = "off" d
 
 
 class DeviceFault(Strikes, frozen=True, kw_only=True):
-    """A fault of a device: its `kind`, which bytes it affects and when, and the keys that this kind has."""
+    """A fault of a device: the kind of fault, the bytes and the time that it affects, and the keys of this kind."""
 
     kind: Literal["nack", "wrong", "flip", "hold", "off"]
     value: Byte | None = None

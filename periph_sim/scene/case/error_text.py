@@ -50,9 +50,11 @@ def complaint(first: Mistake) -> str:
 
 
 def own_settings(case: Case, kind: type[Table], table: DeviceTable | WatchTable, who: str, *place: str) -> Table:
-    """Return the checked settings of a table's model or kind: the keys in the table that it adds.
+    """Return the checked settings of a model or kind: the keys in `table` that this model or kind adds.
 
-    who: the model or kind with its article, for messages. place: the place of the table, for a BadCase.
+    kind: the class of the settings.
+    who: the model or kind, with an article, for messages.
+    place: the keys that lead to the table in the case, for a BadCase.
     """
     try:
         return kind.model_validate(table.own)

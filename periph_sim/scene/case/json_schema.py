@@ -91,14 +91,14 @@ def _annotated(kind: Any, checks: tuple[Any, ...], definitions: Schema) -> Schem
         if isinstance(check, msgspec.Meta) and "type" in schema:
             limits = {"minItems": check.min_length} if check.min_length is not None else {}
             limits |= {name: getattr(check, of) for of, name in LIMITS.items() if getattr(check, of) is not None}
-            # Numeric limits of a value that is written as a text, such as "10 ms", cannot be expressed in a schema.
+            # If a value is written as a text, such as "10 ms", a schema cannot express its numeric limits.
             fits = schema["type"] != "string" or ("minimum" not in limits and "maximum" not in limits)
             schema = schema | limits if fits else schema
     return schema
 
 
 def schema_of_table(kind: Any, definitions: Schema) -> Schema:
-    """Return the schema of a table: its keys, with those defaults that a file can express."""
+    """Return the schema of a table: its keys, with their defaults where a file can express the default."""
     keys = keys_of(kind)
     properties = {said: _property(key, definitions) for said, key in keys.items()}
     schema: Schema = {
@@ -178,7 +178,10 @@ def _one_of(kinds: Mapping[str, object], schemas: Schema) -> Schema:
 
 
 def _devices(common: Schema, families: Mapping[str, Family], schemas: Schema) -> Iterator[Schema]:
-    """Yield a schema of device tables for each family of models, and for Python files, whose own keys are not known."""
+    """Yield a schema of device tables for each family of models, and one for devices in Python files.
+
+    The schema for Python files allows any keys, because the keys of a user's device are not known.
+    """
     for name, family in families.items():
         yield _with_own_keys(common, schemas[name], "model", [*family.MODELS])
     yield {**common, "properties": {**common["properties"], "model": {"type": "string", "pattern": r"\.py$"}}}

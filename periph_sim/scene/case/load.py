@@ -44,7 +44,7 @@ def load(path: Path | str, changes: list[str] | None = None) -> Case:
 
 @lru_cache(maxsize=16)
 def _loaded(path: Path, text: str, changes: tuple[str, ...]) -> tuple[Case, list[str]]:
-    """Return a case, and the names of its fields that contain dicts or lists; `load` copies these for each caller.
+    """Return a case, and the names of its fields that contain dicts or lists. `load` copies these fields.
 
     The case depends only on its path, its text and its changes, so it is checked once for all its scenes.
     """
@@ -69,7 +69,7 @@ def _case_in(source: Source, tree: dict[str, Any]) -> Case:
 
 
 def built(case: Case, source: Source) -> Case:
-    """Return a checked case with its source, and without the parties that its [outside] replaces."""
+    """Return a checked case to which `source` is added, and from which parties are removed that [outside] replaces."""
     case = case.from_source(source)
     if case.outside is None:
         return case
@@ -132,8 +132,8 @@ def _check_name(source: Source, name: str, place: Place) -> None:
 def apply(tree: dict[str, object], change: str) -> Place:
     """Set one key of a case, as in "unit.dsp.settings.model_cost=400 us". Return the place of this key.
 
-    The value is read as TOML; if it is not valid TOML, it is a text. A number with underscores is also a text, because
-    the value of an option may be called 3_4_5. Raise BadCase if the change does not have this form.
+    The value is read as TOML. A value that is not valid TOML is a text. A number with underscores is also a text,
+    because the value of an option may be called 3_4_5. Raise BadCase if the change does not have the form KEY=VALUE.
     """
     key, found, value = change.partition("=")
     names = [name.strip() for name in key.split(".")]
@@ -167,7 +167,7 @@ def apply(tree: dict[str, object], change: str) -> Place:
 
 
 def _child(table: object, name: str, change: str) -> tuple[str | int, object]:
-    """Return the key or index of the child `name` of a table or list, and the child. Add a missing child as a table."""
+    """Return the key or index of the entry `name` in a table or list, and the entry. Add a missing entry as a table."""
     if isinstance(table, list):
         number = _index(table, name, change)
         return number, _not_a_value(table[number], name, change)
@@ -196,8 +196,10 @@ BUDGETS = frozenset(("serial", "watch", "budget"))  # keys that decide which bud
 class CaseFile:
     """The text of a case file, from which cases with different changes are made.
 
-    These cases share tables, so a dict or a list in them must not be changed.
-    changes: the `key=value` texts that are applied to every case first. Raise BadCase if the file cannot be read.
+    The cases have tables in common, so the dicts and lists in a case must not be changed.
+    changes: the `key=value` texts that are applied to every case before its own changes.
+
+    Raise BadCase if the file cannot be read.
     """
 
     def __init__(self, path: Path | str, changes: Sequence[str] = ()) -> None:
@@ -216,7 +218,7 @@ class CaseFile:
             return self.case
         try:
             found = None if self.case.outside is not None else self._changed(changes)
-        except ValueError:  # the unchanged or the changed case is invalid, so the changed one is loaded as a whole
+        except ValueError:  # the case is invalid before or after the changes, so the changed case is loaded as a whole
             found = None
         return _loaded(self.path, self._text, (*self.changes, *changes))[0] if found is None else found
 
@@ -246,7 +248,7 @@ class CaseFile:
 
 
 def _converted(tree: Mapping[str, Any], named: set[str]) -> dict[str, object] | None:
-    """Convert the named keys of a tree to fields of a case. Return None if a key is unknown or has a wrong value."""
+    """Return the fields of a case for the named keys of a tree; None if a key is unknown or has a wrong value."""
     keys, mistakes = keys_of(Case), list[Mistake]()
     fields: dict[str, object] = {}
     for said in named:

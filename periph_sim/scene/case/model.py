@@ -82,12 +82,15 @@ class Controller(Table, frozen=True, kw_only=True):
     pointer_by: Literal["repeated START", "STOP"] = "repeated START"
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
-    initialise: Length | None = None  # time before the first round at which chips are set up; None: no chip is set up
-    check: Literal["expect", "host"] = "expect"  # the measure "wrong bytes" compares with `expect`, or with host frames
-    on_nack: Literal["go on", "give up"] = "go on"  # after a NACK of a data byte: the rest of the transfer, or a STOP
+    initialise: Length | None = None  # time from the set-up of chips to the first round; None: no chip is set up
+    # What the measure "wrong bytes" compares the bytes with: the keys `expect` of requests, or the frames of the host.
+    check: Literal["expect", "host"] = "expect"
+    # What follows a data byte that is not acknowledged: the rest of the transfer, or a STOP.
+    on_nack: Literal["go on", "give up"] = "go on"
     stuck_after: Length = Fraction(25, 1000)
     clear_after: Length | None = None  # None: the bus is never cleared
-    beside_outside: bool = False  # False: an outside party on SDA and SCL replaces it; True: both are on the bus
+    # For an outside party on SDA and SCL: False if it replaces the [controller], True if both are on the bus.
+    beside_outside: bool = False
 
     def as_rounds(self) -> RoundsTable:
         """Return the requests as a table [rounds], for a case in which an outside party replaces this controller."""
@@ -108,7 +111,7 @@ class Controller(Table, frozen=True, kw_only=True):
 
 
 class RoundsTable(Table, frozen=True, kw_only=True):
-    """The requests that are expected from a master other than a [controller]. Measures recognize its rounds by them."""
+    """The requests that are expected from a master other than a [controller]. Measures recognize rounds by them."""
 
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
@@ -116,7 +119,7 @@ class RoundsTable(Table, frozen=True, kw_only=True):
     rounds: Annotated[int, Meta(ge=1)] | None = None
     pointer_by: Literal["repeated START", "STOP"] = "repeated START"
     check: Literal["expect", "host"] = "expect"  # as in [controller]
-    ack_polling: bool = False  # True: a write of only the address polls an EEPROM and is no request
+    ack_polling: bool = False  # True: a write of only the address polls an EEPROM, so it is not counted as a request
     stuck_after: Length = Fraction(25, 1000)
 
     def check_together(self, given: Set[str]) -> None:
@@ -125,10 +128,11 @@ class RoundsTable(Table, frozen=True, kw_only=True):
 
 
 class ValueTable(Table, frozen=True, kw_only=True):
-    """Input of a sensor chip: one of `fixed`, `rows` and `ramp`.
+    """Input of a sensor chip: exactly one of the keys `fixed`, `rows` and `ramp`.
 
-    rows: each row has a time and the values x, y, z from that time until the next row.
-    ramp: the "angles" or the "accelerations", in LSB, of the frames that a host without motion sends.
+    fixed: the values x, y, z for the whole run.
+    rows: rows of a time and the values x, y, z. The values hold from this time until the time of the next row.
+    ramp: "angles" or "accelerations": the input follows these values of the frames that a host without motion sends.
     """
 
     fixed: Axes | None = None
@@ -150,7 +154,7 @@ class ChipTable(BusParty, frozen=True, kw_only=True):
 
     model: the name of a model in `devices.chips`.
     registers: values of registers by name, which are written before the run.
-    powered: the time for which its supply has been on when the run begins.
+    powered: the time for which the supply of the chip has been on when the run begins.
     """
 
     model: str
@@ -165,7 +169,7 @@ class OutsideTable(Table, frozen=True, kw_only=True):
     """Wires that a party outside of the case drives in a `periph_sim.outside.Session`, such as an HDL simulator.
 
     wires: the names of these wires.
-    log: the path of a session's log, relative to the case's folder. A run then drives the wires as the log says.
+    log: the path of a session's log, relative to the case's folder. With a log, a run drives the wires as the session.
     """
 
     wires: Annotated[tuple[str, ...], Meta(min_length=1)]
@@ -181,7 +185,7 @@ class HostTable(Table, frozen=True, kw_only=True):
     silent: pairs [begin, length] of spans in which no frame begins.
     twice: the numbers of frames that are sent twice.
     motion: `kind`, the name of a motion, and that motion's settings.
-    encoding: settings that determine how a frame encodes the motion's values.
+    encoding: settings that determine how the values of the motion are encoded in a frame.
 
     `devices.host_frames` defines the keys of motion and encoding.
     """
@@ -218,8 +222,9 @@ class Case(Table, frozen=True, kw_only=True):
     fault: the faults on wires, each with its `kind` in `bus.faults` and the settings of that kind.
     disable: the optimizations that are switched off.
     fidelity: an obsolete key of earlier versions, which has no effect.
-    measures: measures that the user defines, as sentences by name. measures_from: a file with more of them.
-    breaks: names of the budgets that a known bug breaks. `periph-sim check` passes only if exactly these are broken.
+    measures: a dictionary from the name of a measure that the user defines to its text.
+    measures_from: a file with more measures that the user defines.
+    breaks: names of the budgets that a known bug breaks. `periph-sim check` passes only if exactly these budgets break.
     """
 
     name: str
@@ -248,8 +253,8 @@ class Case(Table, frozen=True, kw_only=True):
     budget: tuple[Budget, ...] = ()
     breaks: tuple[str, ...] = ()
     _source: Source | None = None
-    _all_budgets: tuple[Budget, ...] = ()  # all budgets of the file, if `budget` lacks some of them
-    _replaced: dict[str, str] = {}  # by replaced party: a sentence about its replacement by an outside party
+    _all_budgets: tuple[Budget, ...] = ()  # all budgets of the file, if some were removed from `budget`
+    _replaced: dict[str, str] = {}  # from a party to a sentence that says that an outside party replaces it
 
     @classmethod
     def model_validate(cls, tree: object) -> Case:
@@ -309,7 +314,7 @@ class Case(Table, frozen=True, kw_only=True):
         return None if self._source is None else self._source.path
 
     def files(self) -> Iterator[Path]:
-        """Yield the case's file, the files that texts in it may name, and the files that they may import or include."""
+        """Yield the case's file, the files that its texts may name, and the files that these may import or include."""
         if self._source is not None:
             yield self._source.path
             yield from named_files(self.folder, self._source.values)
@@ -337,7 +342,10 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def recorded_modules(self) -> dict[str, tuple[str, ...]]:
-        """The entries of a recording, by unit: the unit's modules, and its wires other than SDA, SCL, RX and TX."""
+        """A dictionary from a unit to the entries that a recording has for it.
+
+        The entries are the modules of the unit, and its wires other than SDA, SCL, RX and TX.
+        """
         usual = ("SDA", "SCL", "RX", "TX")
         wires = {name: dict.fromkeys(pins.values()) for name, pins in wiring_of(self).pins.items()}
         told: set[str] = set()
@@ -362,7 +370,7 @@ class Case(Table, frozen=True, kw_only=True):
         return 0 if self._source is None else line_of(self._source.text, self._written(place))
 
     def _named(self) -> dict[str, Any]:
-        """Return the names of this case's budgets, sends and replies, in a tree with the structure of a case."""
+        """Return a tree with the structure of a case that has only the names of budgets, sends and replies."""
         serial = self.serial or SerialTable()
         return {
             "budget": [{"name": budget.name} for budget in self._all_budgets or self.budget],

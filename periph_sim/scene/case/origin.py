@@ -27,7 +27,7 @@ class Source(Struct, frozen=True):
     values: tuple[str, ...] = ()
 
     def where(self, place: Place) -> str:
-        """Return where the value at this place was written, for messages: file and line, or the `--set`."""
+        """Return, for messages, where the value at this place was written: the file and line, or the `--set`."""
         inside = ""
         for change, changed in reversed(self.changes):
             if place[: len(changed)] == changed:
@@ -39,7 +39,10 @@ class Source(Struct, frozen=True):
 
 
 def key_of(place: Place, tree: object) -> str:
-    """Return a place in the form that `--set` uses, such as "budget.response.max". tree: the case, with entry names."""
+    """Return a place in the form that `--set` uses, such as "budget.response.max".
+
+    tree: the tree of the case, from which the names of list entries are taken.
+    """
     parts = []
     for part in place:
         entries = tree
@@ -59,7 +62,7 @@ def _child(tree: object, part: str | int) -> object:
 
 
 def line_of(text: str, place: Place) -> int:
-    """Return the line of a key, or of its table's header; 0 if neither is in the text."""
+    """Return the line of a key, or of the header of its table if the key is not found; 0 if neither is in the text."""
     names = [str(part) for part in place if isinstance(part, str)]
     entry = next((part for part in place if isinstance(part, int)), 0)
     best = 0
@@ -85,7 +88,7 @@ def line_of(text: str, place: Place) -> int:
     return best
 
 
-# By suffix of a source: the files in its folder that it may import or include.
+# From the suffix of a source file to a pattern of the files in its folder that it may import or include.
 BESIDE = {".py": "*.py", ".asm": "*.inc", ".c": "*.h"}
 LONGEST = 200  # a text with at least this number of characters is not taken for the path of a file
 

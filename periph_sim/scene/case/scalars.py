@@ -33,7 +33,7 @@ def _scalar(value: object) -> object:
 
 
 def _by_variable(value: object) -> object:
-    """Return a flat table by the full names of variables: { timer = { count = 3 } } becomes { "timer.count" = 3 }."""
+    """Return a flat table whose keys are full names: { timer = { count = 3 } } becomes { "timer.count" = 3 }."""
     if not isinstance(value, Mapping):
         return value
     flat: dict[str, object] = {}

@@ -32,7 +32,7 @@ NAMES = {"data": "bytes", "low": "break"}  # names of keys in a file, for fields
 
 
 class SerialEntry(Table, frozen=True, kw_only=True):
-    """The keys that a send and an expected reply have in common: content, trigger, rate and format."""
+    """The keys that the tables of sends and of expected replies have in common: content, trigger, rate and format."""
 
     text: str | None = None
     data: HexBytes | None = field(default=None, name="bytes")
@@ -63,7 +63,11 @@ class SerialEntry(Table, frozen=True, kw_only=True):
 
 
 class SendTable(SerialEntry, frozen=True, kw_only=True):
-    """Data to send to an SCI. wrong_parity, missing_stop: numbers, from 0, of the characters sent with this error."""
+    """Data to send to an SCI.
+
+    wrong_parity: the numbers, from 0, of the characters that are sent with a wrong parity bit.
+    missing_stop: the numbers, from 0, of the characters that are sent without a stop bit.
+    """
 
     name: str | None = None
     to: str
@@ -108,8 +112,8 @@ class ExpectTable(SerialEntry, frozen=True, kw_only=True):
 class SerialTable(Table, frozen=True, kw_only=True):
     """The outside parties that exchange characters with SCIs.
 
-    ppm: error of the clock by which all their times and rates are counted.
-    turnaround: the time for which they keep driving an RS-485 pair after their last stop bit.
+    ppm: error, in parts per million, of the clock by which the parties count their times and rates.
+    turnaround: the time for which a party keeps driving an RS-485 pair after the last stop bit.
     """
 
     baud: Baud = 115_200

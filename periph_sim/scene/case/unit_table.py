@@ -16,7 +16,10 @@ COMPILED = CodeCosts()
 
 
 class Code(Table, frozen=True, kw_only=True):
-    """Cycles that compiled code takes besides its accesses and computations. The defaults were counted in images."""
+    """Numbers of cycles that compiled code takes in addition to register accesses and computations.
+
+    The defaults were counted in compiled images.
+    """
 
     between_accesses: CodeCycles = COMPILED.between_accesses
     poll_pass: PassCycles = COMPILED.poll_pass
@@ -25,7 +28,7 @@ class Code(Table, frozen=True, kw_only=True):
 
 
 class StubTable(Table, frozen=True, kw_only=True):
-    """The value that a register without a model returns from `after` on. register: its name or address."""
+    """The value that a register without a model returns from the time `after` on. register: its name or address."""
 
     register_: str | int = field(name="register")
     value: Annotated[int, Meta(ge=0, le=0xFFFF)]
@@ -36,7 +39,7 @@ class Compile(Table, frozen=True, kw_only=True):
     """Settings for compiling C sources.
 
     include: folders of headers.
-    defines: values of macros, by name.
+    defines: a dictionary from the name of a macro to its value.
     undefined: True to compile with the undefined behaviour sanitizer (UBSan).
     """
 
@@ -52,9 +55,9 @@ class Unit(Table, frozen=True, kw_only=True):
     image: a linker's .out file, or assembly (.asm).
     sources: C sources, which are compiled for the computer that runs periph_sim.
     boot: where the execution of an image begins.
-    memory: the initial values of an image's variables, by name.
+    memory: a dictionary from the name of an image's variable to its initial value.
     part: the name of the device in the F2833x family: F28335 or F28334.
-    pins: GPIO numbers of further pins with a wire, by the name of the wire. SDA, SCL, RX and TX need no entry.
+    pins: a dictionary from the name of a wire to the GPIO number of its pin. SDA, SCL, RX and TX need no entry.
     """
 
     firmware: str = ""
@@ -74,7 +77,8 @@ class Unit(Table, frozen=True, kw_only=True):
     skip_polls: bool = True
     pins: dict[str, Annotated[int, Meta(ge=0, le=87)]] = {}
     code: Code = Code()
-    options: dict[str, dict[str, Answer]] = {}  # by group: answers to open questions; see `periph-sim regs --options`
+    # From a group of options to the answers to its open questions; `periph-sim regs --options` lists them.
+    options: dict[str, dict[str, Answer]] = {}
 
     def check_together(self, given: Set[str]) -> None:
         programs = [name for name in ("firmware", "image", "sources") if getattr(self, name)]

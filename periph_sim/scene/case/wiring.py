@@ -49,7 +49,7 @@ Node = Pin | str  # a pin, or the name of a wire
 
 
 class Cable(Table, frozen=True, kw_only=True):
-    """A wire between two ends. from, to: an end is written UNIT.SCI-A.TX, UNIT.GPIO34, or the name of a wire."""
+    """A wire between the ends `from` and `to`. An end is UNIT.SCI-A.TX, UNIT.GPIO34, or the name of another wire."""
 
     name: str | None = None
     from_: str = field(name="from")
@@ -68,7 +68,7 @@ class SciLines(Struct, frozen=True):
 class Wiring(Struct, frozen=True):
     """The wiring of a case.
 
-    pins: for each unit, the wire of each GPIO number that has one.
+    pins: for each unit, a dictionary from a GPIO number to the name of its wire.
     scis: every SCI with its wires, unit by unit.
     """
 
@@ -129,7 +129,7 @@ def sci_named(case: Case, text: str, *place: str | int) -> SciLines:
 
 
 def module_pins(case: Case, unit: str) -> Mapping[int, tuple[str, str]]:
-    """Return (module, signal) of the usual pins of a unit's modules, by GPIO number."""
+    """Return a dictionary from the GPIO number of a usual pin of a unit's modules to its (module, signal)."""
     return _pins_of(tuple(case.unit[unit].modules))
 
 
@@ -174,7 +174,7 @@ def _no_pin(case: Case, text: str, *place: str | int) -> BadCase:
 
 
 def _wire_names(case: Case) -> list[str]:
-    """Return the wire names that a cable's end may have: named pins, the bus, and the host's wire RX."""
+    """Return the wire names at which a cable may end: those of named pins, of the bus, and of the host's line RX."""
     found = [label for unit in case.unit.values() for label in unit.pins]
     if case.controller is not None or case.chip or any("I2C-A" in unit.modules for unit in case.unit.values()):
         found += SIGNALS["I2C-A"]
@@ -192,7 +192,7 @@ def _named(case: Case) -> Iterator[tuple[str, int, str]]:
 
 
 class _Joints:
-    """Groups of pins and wire names that are joined to one wire."""
+    """Groups of pins and wire names. Cables join the members of a group to one wire."""
 
     def __init__(self) -> None:
         self._groups: dict[Node, list[Node]] = {}

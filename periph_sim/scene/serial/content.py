@@ -11,9 +11,10 @@ LARGEST = 1 << 24  # maximum number of bytes: at 115200 baud they take 24 minute
 
 
 def content_of(case: Case, entry: SerialEntry, bits: int, *place: str | int) -> bytes:
-    """Return the characters of an entry. Raise BadCase, with its line, if one has more than `bits` bits.
+    """Return the characters of an entry of [serial].
 
-    Raise it also if a file is empty or cannot be read, and for a text that cannot be encoded.
+    Raise BadCase, with its line, if a character has more than `bits` bits, if a file is empty or cannot be read, or if
+    a text cannot be encoded.
     """
     if entry.text is not None:
         return _fitting(case, encoded(case, entry.text, entry, *place, "text"), bits, *place, "text")
@@ -55,7 +56,10 @@ def _fitting(case: Case, data: bytes, bits: int, *place: str | int) -> bytes:
 
 
 def show_characters(characters: tuple[int, ...], as_text: bool) -> str:
-    """Return characters for messages, as 'OK\\r\\n' or 06 15. A value above 0xFF has an error, and is shown as 06!."""
+    """Return characters as text for messages, such as 'OK\\r\\n' or 06 15.
+
+    A character with a value above 0xFF was received with an error. It is followed by an exclamation mark: 06!.
+    """
     bad = any(value > 0xFF for value in characters)
     if as_text and not bad and all(value < 0x80 for value in characters):
         return repr(bytes(characters))[1:]

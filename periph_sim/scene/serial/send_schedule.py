@@ -64,8 +64,9 @@ BEHIND = "its time is after the end of the run"
 class Send:
     """The bursts of one entry.
 
-    ppm: error of the clock by which its times are counted.
-    on_begin, on_end: callbacks that receive the tick at which a burst begins, or ends.
+    ppm: error of the clock by which the times of the entry are counted.
+    on_begin: callbacks that receive the tick at which a burst begins.
+    on_end: callbacks that receive the tick at which a burst ends.
     """
 
     STATE = State("sent _sender _asked", ticks="_due")
@@ -113,7 +114,7 @@ class Send:
         self._fire_at(tick, 0)
 
     def _fire_at(self, begun: int, number: int) -> None:
-        """Schedule burst `number`, counted from 0, of those that the trigger at tick `begun` started."""
+        """Schedule burst number `number`, counted from 0, after the trigger at tick `begun`."""
         period = (self._table.period or 0) * number
         due = begun + self._context.ticks(self._table.delay + period, self._ppm)
         kernel = self._context.kernel

@@ -34,7 +34,10 @@ OFF = Fraction(5, 100)  # share by which an SCI may send faster than the nominal
 
 
 class SerialSide:
-    """The outside parties. They are created before the wires, so that the events for which they wait are recorded."""
+    """The outside parties on the lines of SCIs, which send bursts and read replies.
+
+    The object is created before the wires, so that the events for which the parties wait are recorded.
+    """
 
     def __init__(self, case: Case, table: SerialTable, scope: Scope, recorder: Recorder) -> None:
         """Subscribe to the events of all entries. Raise BadCase, with its line, for an invalid event."""
@@ -74,7 +77,7 @@ class SerialSide:
         return sum(sender.characters for sender in self._senders.values())
 
     def lines(self) -> Mapping[str, Line]:
-        """Return, by wire, the function that gives the bit length and the format of the wire's sender."""
+        """Return a dictionary from a wire to a function that returns the bit length and the format of its sender."""
         return {wire: self._line_of(sender) for wire, sender in self._senders.items()}
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
@@ -85,7 +88,7 @@ class SerialSide:
         return self._expected(number), partial(self._why_never, number)
 
     def notes(self) -> list[str]:
-        """Return a note for each send that never began, unless the verdict of a reply to this send says so."""
+        """Return a note for each send that never began, unless the verdict of a reply to this send reports it."""
         told = {expect.after_send for expect in self._table.expect}
         silent = [send for name, send in self.sends.items() if not send.sent and name not in told]
         return [f"serial: send {send.name!r} never went out: {send.why_never()}" for send in silent]
@@ -198,7 +201,7 @@ class SerialSide:
         return Expected(tuple(data), show, table.from_, within, table.anywhere)
 
     def _check_within(self, number: int, table: ExpectTable, *place: str | int) -> None:
-        """Raise BadCase if `within` is too short even for a reply that begins together with the data it answers."""
+        """Raise BadCase if `within` is too short even for a reply that begins together with the data of its request."""
         count = len(self._expected(number).characters)
         takes = count * self._table.form(table).length * self._table.bit(table)
         may = table.within

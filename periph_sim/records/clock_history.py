@@ -1,16 +1,8 @@
-"""History of a unit's SYSCLKOUT, taken from the file or inferred from records of PLLCR and PLLSTS.
-
-A file may lack clocks. They can be inferred for a unit with a 30 MHz crystal: it starts with the clock after reset, and
-changes of PLLCR and PLLSTS give the later clocks. The inferred history is accepted only if all accesses fall on its
-cycles. Otherwise `Run.cycles` determines the clock.
-
-Source: SPRUFB0D Tables 20 to 22.
-"""
+"""History of a unit's SYSCLKOUT, which a recording contains."""
 
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Iterable, Sequence
 from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple
@@ -20,12 +12,7 @@ from numpy.typing import NDArray
 
 from ..core.phrases import counted
 
-OSCCLK_HZ = 30_000_000
-DIVIDE = (4, 4, 2, 1)  # divider from the PLL's output to SYSCLKOUT, by DIVSEL
 MOST_TOLD = 3
-DIV, DIVSEL, LOCKED, OFF = "PLLCR.DIV", "PLLSTS.DIVSEL", "PLLSTS.PLLLOCKS", "WDCR.WDDIS"
-# The fields that determine the clock. The clock is unknown if a recording has no change of any of these fields.
-SHOWN = (DIV, DIVSEL, LOCKED, OFF)
 
 
 class ClockHistory(NamedTuple):
@@ -37,11 +24,6 @@ class ClockHistory(NamedTuple):
 
     begins: tuple[int, ...]
     periods: tuple[Fraction, ...]
-
-    @classmethod
-    def told(cls, per_second: Fraction, clock: Sequence[tuple[int, Fraction]]) -> ClockHistory:
-        """Return the history for pairs of a tick and the frequency in Hz from that tick on."""
-        return cls(tuple(tick for tick, _ in clock), tuple(per_second / hz for _, hz in clock))
 
     def at(self, tick: int) -> Fraction:
         return self.periods[max(bisect_right(self.begins, tick) - 1, 0)]
@@ -107,41 +89,3 @@ class ClockHistory(NamedTuple):
             return f"{clocks[-1]} at last, changed {counted(len(clocks) - 1, 'time')}"
         since = [f"from {float(tick / per_second * 1000):.3f} ms on" for tick in self.begins[1:]]
         return ", ".join([clocks[0], *map(" ".join, zip(since, clocks[1:], strict=True))])
-
-
-def history(
-    per_second: Fraction, changes: Iterable[tuple[int, str, int]], accesses: Iterable[int]
-) -> ClockHistory | None:
-    """Return the clocks inferred from changes of registers; None if there is no change or the accesses do not fit.
-
-    changes: changes of the fields in SHOWN as (tick, field, value), in order.
-    accesses: the ticks of all accesses, each of which must be the begin of a cycle.
-    """
-    told = list(changes)
-    if not told:
-        return None
-    first = next((value for _, what, value in told if what == DIVSEL), 2)
-    state = {DIV: 0, DIVSEL: 0 if first else 2, LOCKED: 1, OFF: 0}
-    begins, periods = [0], [_period(per_second, state)]
-    for tick, what, value in told:
-        state[what] = value
-        period = _period(per_second, state)
-        if period != periods[-1]:
-            if tick == begins[-1]:
-                periods[-1] = period
-            else:
-                begins.append(tick)
-                periods.append(period)
-    found = ClockHistory(tuple(begins), tuple(periods))
-    before: dict[int, int] = {}  # maps the index of a clock to the tick of the first access under it
-    for tick in accesses:
-        number = bisect_right(begins, tick)
-        if (tick - before.setdefault(number, tick)) % found.at(tick):
-            return None
-    return found
-
-
-def _period(per_second: Fraction, state: dict[str, int]) -> Fraction:
-    """Return the length of a cycle in ticks. While the PLL locks, and in bypass, SYSCLKOUT is the divided OSCCLK."""
-    ratio = state[DIV] if state[LOCKED] and 1 <= state[DIV] <= 10 else 1
-    return per_second * DIVIDE[state[DIVSEL] & 3] / (OSCCLK_HZ * ratio)

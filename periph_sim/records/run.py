@@ -21,7 +21,7 @@ from ..core.registers import Field, Register
 from ..f28335.parts.f28335 import PART
 from ..traces.formats.psr import holds_run, read_table, recognises
 from ..traces.formats.record_table import RecordTable
-from .clock_history import SHOWN, ClockHistory, history
+from .clock_history import ClockHistory
 from .register_maps import register_of
 
 Rows = NDArray[np.int64]
@@ -313,16 +313,11 @@ class Run:
 
     @cached_property
     def _clocks(self) -> dict[str, ClockHistory]:
-        """The clock history by unit, from the recording or inferred; units without one are left out."""
-        if self.table.clocks:
-            return {unit: ClockHistory.told(self.per_second, clock) for unit, clock in self.table.clocks.items()}
-        if len(self.table.modules) != 1:
-            return {}
-        [unit] = self.table.modules
-        rows = np.sort(np.concatenate([self.rows(Kind.FLAG, f"{unit}.SYS", what) for what in SHOWN]))
-        told = [(record.tick, record.what, record.value) for record in self.records(rows)]
-        shown = history(self.per_second, told, self.table.tick[self.rows(Kind.ACCESS, unit)].tolist())
-        return {} if shown is None else {unit: shown}
+        """The clock history by unit, from the recording; empty if it has none."""
+        return {
+            unit: ClockHistory(tuple(tick for tick, _ in clock), tuple(self.per_second / hz for _, hz in clock))
+            for unit, clock in self.table.clocks.items()
+        }
 
     def seconds(self, ticks: int) -> Fraction:
         return Fraction(ticks) / self.per_second

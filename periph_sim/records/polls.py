@@ -10,7 +10,6 @@ skipped wait.
 
 from __future__ import annotations
 
-from fractions import Fraction
 from typing import NamedTuple, TypeVar
 
 import numpy as np
@@ -43,29 +42,6 @@ class Polls(NamedTuple):
     unplaced: Rows
 
 
-class _Grid:
-    """The time base in which the passes of a loop are counted.
-
-    If the unit's clock is known, positions are numbers of its cycles, since a cycle need not be a whole number of
-    ticks. Otherwise they are ticks.
-
-    cycle: the length of a cycle in this base.
-    """
-
-    def __init__(self, run: Run, unit: str) -> None:
-        self._clock = run.clock(unit) if run.tells_clocks else None
-        self.cycle = Fraction(1) if self._clock is not None else run.cycles.ticks
-
-    def places(self, ticks: Rows) -> Rows:
-        return ticks if self._clock is None else self._clock.numbers(ticks)
-
-    def ticks(self, places: Rows) -> Rows:
-        """Convert positions to ticks; -1 stays -1."""
-        if self._clock is None:
-            return places
-        return np.array([place if place < 0 else self._clock.tick(place) for place in places.tolist()], np.int64)
-
-
 def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows, looking: NDBool) -> Polls:
     """Return the polls in skipped waits that are next to a change.
 
@@ -74,11 +50,9 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
     changes: rows of the changes to consider.
     looking: for each read, True if it read the fields that changed; only polls of such reads are returned.
     """
-    grid = _Grid(run, unit)
-    ticks = grid.places(run.table.tick[reads])
-    gaps = np.where(waits, np.diff(ticks, append=ticks[-1:]), 0)
-    cycle = grid.cycle
-    longest = int(LONGEST_PASS * cycle)
+    clock = run.clock(unit)
+    begins = clock.numbers(run.table.tick[reads])  # in cycles, as a cycle need not be a whole number of ticks
+    gaps = np.where(waits, np.diff(begins, append=begins[-1:]), 0)
     places = np.searchsorted(reads, changes) - 1
     inside = (places >= 0) & (places < len(reads) - 1)
     changes, places = changes[inside], places[inside]
@@ -88,12 +62,12 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
         return Polls(changes, changes, changes, changes)
     best: tuple[int, int, NDBool] | None = None
     for in_pass in range(1, MOST_READS + 1):
-        period = _period(cycle, ticks, waits, gaps, in_pass, longest)
+        period = _period(begins, waits, gaps, in_pass)
         if not period:
             continue
         fits: NDBool = np.zeros(len(reads), bool)
         for back in range(in_pass):
-            fits |= waits & _within(waits, back) & ((ticks + gaps - _shifted(ticks, back)) % period == 0)
+            fits |= waits & _within(waits, back) & ((begins + gaps - _shifted(begins, back)) % period == 0)
         if best is None or fits[places].sum() > best[2][places].sum():
             best = in_pass, period, fits
     if best is None or best[2][places].mean() < GAPS_AGREE:
@@ -103,32 +77,36 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
     unplaced = np.unique(places[~fits[places] & (gaps[places] > period)])
     chosen = fits[places] & (gaps[places] > period // in_pass)
     changes, places = changes[chosen], places[chosen]
-    at = grid.places(run.table.tick[changes])
-    ends = ticks[places] + gaps[places]
+    at = clock.numbers(run.table.tick[changes])
+    ends = begins[places] + gaps[places]
     before, after = np.full(len(at), -1), ends.copy()
     for back in range(in_pass):
-        anchor = _shifted(ticks, back)[places]
+        anchor = _shifted(begins, back)[places]
         theirs = _within(waits, back)[places] & _shifted(looking, back)[places]
         last = anchor + (at - 1 - anchor) // period * period
         before = np.where(theirs & (last > anchor), np.maximum(before, last), before)
         after = np.where(theirs, np.minimum(after, last + period), after)
     after = np.where(after == ends, -1, after)
-    return Polls(grid.ticks(before), grid.ticks(after), changes, unplaced)
+    before, after = (
+        np.array([-1 if number < 0 else clock.tick(number) for number in numbers.tolist()], np.int64)
+        for numbers in (before, after)
+    )
+    return Polls(before, after, changes, unplaced)
 
 
-def _period(cycle: Fraction, ticks: Rows, waits: NDBool, gaps: Rows, in_pass: int, longest: int) -> int:
-    """Return the length of a pass with `in_pass` reads at this place; 0 if the recording does not show it."""
+def _period(begins: Rows, waits: NDBool, gaps: Rows, in_pass: int) -> int:
+    """Return the cycles of a pass with `in_pass` reads at this place; 0 if the recording does not show them."""
     whole = _within(waits, in_pass)
-    lengths = (ticks - _shifted(ticks, in_pass))[whole]
-    short = lengths[(lengths > 0) & (lengths <= longest)]
+    lengths = (begins - _shifted(begins, in_pass))[whole]
+    short = lengths[(lengths > 0) & (lengths <= LONGEST_PASS)]
     if len(short):
         values, counts = np.unique(short, return_counts=True)
         period = int(values[np.argmax(counts)])
         alike = float((short % period == 0).mean()) > (PASSES_AGREE if in_pass == 1 else MORE_AGREE)
-        return period if alike and round(period / cycle) >= SHORTEST_PASS else 0
+        return period if alike and period >= SHORTEST_PASS else 0
     if in_pass == 1 and (gaps > 0).sum() >= FEW_GAPS:
         period = int(np.gcd.reduce(gaps[gaps > 0]))
-        return period if round(period / cycle) >= SHORTEST_PASS and period <= longest else 0
+        return period if SHORTEST_PASS <= period <= LONGEST_PASS else 0
     return 0
 
 

@@ -40,10 +40,11 @@ def read_modify_writes(run: Run, unit: str) -> Pairs:
 def _found(run: Run, unit: str) -> Rows:
     table = run.table
     rows, _ = run.in_order(unit)
-    ways, registers = _split(table.names["what"])
     what = table.columns["what"][rows]
-    is_read, register = ways[what], registers[what]
-    same = [register, _statements(run)[table.columns["text"][rows]], table.columns["field"][rows], table.cause[rows]]
+    is_read = np.array([name.startswith("R ") for name in table.names["what"]], bool)[what]
+    register = np.unique([name[2:] for name in table.names["what"]], return_inverse=True)[1][what]
+    statements = np.unique([statement(place) for place in table.names["text"]], return_inverse=True)[1]
+    same = [register, statements[table.columns["text"][rows]], table.columns["field"][rows], table.cause[rows]]
     clock = run.clock(unit)
     free = np.ones(len(rows), bool)
     reads, writes = [np.empty(0, np.int64)], [np.empty(0, np.int64)]
@@ -62,19 +63,6 @@ def _found(run: Run, unit: str) -> Rows:
     order = np.argsort(np.concatenate(writes))
     found_rows: Rows = np.stack([of_write[order], np.concatenate(writes)[order]])
     return found_rows
-
-
-def _statements(run: Run) -> Rows:
-    """Return for each place a number for its statement. Places in the same statement have the same number."""
-    numbers: dict[str, int] = {}
-    return np.array([numbers.setdefault(statement(place), len(numbers)) for place in run.table.names["text"]], np.int64)
-
-
-def _split(names: tuple[str, ...]) -> tuple[np.ndarray[tuple[int], np.dtype[np.bool_]], Rows]:
-    """Return, for each access name such as "R I2CSTR", True if it is a read, and a number for its register."""
-    numbers: dict[str, int] = {}
-    registers = [numbers.setdefault(name[2:], len(numbers)) for name in names]
-    return np.array([name.startswith("R ") for name in names], bool), np.array(registers, np.int64)
 
 
 @dataclass(frozen=True)

@@ -273,11 +273,6 @@ class Run:
         return ClockHistory((0,), (self.cycles.ticks,))
 
     @property
-    def tells_clocks(self) -> bool:
-        """True if the clocks of the units come from the file, which has them exactly."""
-        return self._sysclk is None and bool(self.table.clocks)
-
-    @property
     def counts_alike(self) -> bool:
         """True if all units have the same clock, or no clock is known."""
         return self._sysclk is not None or len(set(self._clocks.values())) <= 1

@@ -81,7 +81,8 @@ def subjects(run: Run) -> list[RecordedSignal]:
     for kind in (Kind.EDGE, Kind.SPAN, Kind.IRQ, Kind.FLAG):
         rows = run.rows(kind)
         if kind is Kind.FLAG:
-            rows = rows[np.isin(table.columns["where"][rows], _memories(run))]
+            memories = [code for code, where in enumerate(table.names["where"]) if where.endswith(f".{MEMORY}")]
+            rows = rows[np.isin(table.columns["where"][rows], memories)]
         codes = table.columns["where"][rows].astype(np.int64) << 32 | table.columns["what"][rows]
         rows = rows[np.sort(np.unique(codes, return_index=True)[1])]
         for place, thing in zip(table.texts("where", rows), table.texts("what", rows), strict=True):
@@ -89,11 +90,6 @@ def subjects(run: Run) -> list[RecordedSignal]:
             unit = unit.removesuffix(f".{MEMORY}")
             found.append(RecordedSignal(kind, name, unit, place, thing))
     return found
-
-
-def _memories(run: Run) -> list[int]:
-    """Return the codes of the places that hold variables of units, in the column `where` of the table."""
-    return [code for code, where in enumerate(run.table.names["where"]) if where.endswith(f".{MEMORY}")]
 
 
 def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
@@ -130,11 +126,9 @@ def _hint(known: list[RecordedSignal], name: str) -> str:
     """Return a suggestion: the known names most similar to `name`, with as many parts; else what the run has."""
     parts = name.count(".") + 1
     short = dict.fromkeys(".".join(s.name.split(".")[-parts:]) for s in known if s.name.count(".") + 1 >= parts)
-    folded = {_folded(text): text for text in short}
-    phrase = did_you_mean(_folded(name), folded)
+    phrase = did_you_mean(name, short)
     if phrase.startswith("did you mean"):
-        nearest = [folded[text] for text in phrase.removeprefix("did you mean ").removesuffix("?").split(" or ")]
-        return f"did you mean {' or '.join(nearest)}?"
+        return phrase
     wires = [s.name for s in known if s.kind is Kind.EDGE]
     modules = dict.fromkeys(s.where for s in known if s.kind is Kind.FLAG)
     return f"it has fields of {', '.join(modules)}; wires {', '.join(wires) or 'none'}"
@@ -150,13 +144,9 @@ def groups_of(run: Run, register: str | None) -> list[tuple[Group, Field | None]
     register: a name such as "I2C-A.I2CSTR" or "I2C-A.I2CSTR.XRDY"; None selects every status register. Raise NotInRun
     if the firmware never accessed it.
     """
-    if register is not None:
-        return _accesses_named(run, register)
-    return [(group, None) for group in run.accesses if is_status(group.register)]
-
-
-def _accesses_named(run: Run, name: str) -> list[tuple[Group, Field | None]]:
-    wanted = _folded(name)
+    if register is None:
+        return [(group, None) for group in run.accesses if is_status(group.register)]
+    wanted = _folded(register)
     known: dict[str, list[tuple[Group, Field | None]]] = {}
     for group in run.accesses:
         for unit in ("", f"{group.unit}."):
@@ -167,5 +157,5 @@ def _accesses_named(run: Run, name: str) -> list[tuple[Group, Field | None]]:
     for text, found in known.items():
         if _folded(text) == wanted:
             return found
-    registers = [text for text in known if text.count(".") == min(max(name.count("."), 1), 2)]
-    raise NotInRun(f"{run.name}: the firmware never accessed {name!r}; {did_you_mean(name, registers)}")
+    registers = [text for text in known if text.count(".") == min(max(register.count("."), 1), 2)]
+    raise NotInRun(f"{run.name}: the firmware never accessed {register!r}; {did_you_mean(register, registers)}")

@@ -16,7 +16,6 @@ if TYPE_CHECKING:
     from ..timing.measures.expectations import Expected, Reply, WatchedWire
     from .bus_side import BusSide
     from .context import SceneContext, SceneWires
-    from .release_delay import ReleaseDelay
     from .serial.side import SerialSide
 
 
@@ -79,9 +78,9 @@ class MeasuredParts:
     def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
         return self._units[unit or next(iter(self._units))].clock_history
 
-    def i2c_release_delay(self, unit: str) -> ReleaseDelay:
+    def i2c_release_delay(self, unit: str) -> Callable[[int], int]:
         dsp = self._units[unit]
         i2c = cast("I2cOptions", dsp.plan.options["i2c"])
         return parts.release_delay.ReleaseDelay(
             self._context.kernel, dsp.clock, dsp.sockets["I2C-A"], i2c, dsp.plan.system
-        )
+        ).ticks

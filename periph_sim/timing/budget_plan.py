@@ -37,11 +37,6 @@ class BadBudget(ValueError):
         super().__init__(what)
         self.place = place
 
-    @property
-    def key(self) -> str | int:
-        """The last item of `place`: the wrong key alone."""
-        return self.place[-1]
-
 
 class BudgetPlan(Struct, frozen=True):
     """Plan for measuring and judging one budget in a scene.

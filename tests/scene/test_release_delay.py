@@ -45,7 +45,7 @@ def test_the_time_to_the_release_of_scl(
     delay = scene.measured.i2c_release_delay("dsp")
     chip = scene.units["dsp"].sockets["I2C-A"].chip
     depended = set(chip.touched)
-    assert delay.ticks(scene.kernel.now) == cycles * CYCLE
+    assert delay(scene.kernel.now) == cycles * CYCLE
     assert chip.touched == depended
 
 
@@ -55,5 +55,5 @@ def test_a_look_at_the_registers_depends_on_no_open_question(monkeypatch: pytest
 
     scene = small.scene_with(monkeypatch, main, ["I2C-A"])
     scene.run()
-    assert scene.measured.i2c_release_delay("dsp").ticks(scene.kernel.now) > 0
+    assert scene.measured.i2c_release_delay("dsp")(scene.kernel.now) > 0
     assert not scene.units["dsp"].sockets["I2C-A"].chip.touched

@@ -154,4 +154,4 @@ def test_limits_between_two_ticks_are_rounded_to_the_nearest():
 def test_a_budget_that_cannot_be_kept_or_is_none_is_refused(measure, limits, key, sentence):
     with pytest.raises(BadBudget) as caught:
         limit(measure, **limits)
-    assert (str(caught.value), caught.value.key) == (sentence, key)
+    assert (str(caught.value), caught.value.place[-1]) == (sentence, key)

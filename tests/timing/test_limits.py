@@ -81,7 +81,7 @@ def test_two_percentiles_may_have_the_same_limit():
 def test_one_number_a_run_has_no_percentiles(name: str):
     with pytest.raises(BadBudget, match="is one number a run and has no percentiles; write max") as caught:
         limit(name, p99=1)
-    assert caught.value.key == "p99"
+    assert caught.value.place[-1] == "p99"
 
 
 def test_a_part_of_the_time_is_judged_and_shown_in_percent():
@@ -165,7 +165,7 @@ def test_a_part_of_the_time_is_judged_and_shown_in_percent():
 def test_limits_that_contradict_each_other_or_their_measure_are_refused(measure, limits, key, sentence):
     with pytest.raises(BadBudget) as caught:
         limit(measure, **limits)
-    assert caught.value.key == key
+    assert caught.value.place[-1] == key
     assert str(caught.value).startswith(sentence)
 
 

@@ -86,7 +86,7 @@ def test_it_is_the_time_to_the_controllers_release_less_what_the_module_takes(
     ran = Ran(name, seconds, *changes)
     wanted = by_hand(ran)
     delay = ran.scene.measured.i2c_release_delay("dsp")
-    assert len(wanted) >= 54 and ran.margins == {at: value - delay.ticks(at) for at, value in wanted.items()}
+    assert len(wanted) >= 54 and ran.margins == {at: value - delay(at) for at, value in wanted.items()}
 
 
 def test_it_is_the_same_however_late_the_measure_is_notified():

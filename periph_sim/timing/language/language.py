@@ -294,10 +294,7 @@ def _margin(words: Words) -> Said:
 
 
 def _load(words: Words, of_unit: bool) -> Said:
-    if words.next != "load":
-        what = f"there is no measure {words.text!r}; write {words.text.split(maxsplit=1)[0]} load"
-        raise BadEvent(f"{what}, the part of the time that it is busy")
-    words.take("load")
+    words.one_of(["load"])
     unit = words.take("a unit") if of_unit and words.took("of") else ""
     return Said(unit=unit, window=_checked_window(words, words.rest()) if words.took("per") else "")
 

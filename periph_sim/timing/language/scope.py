@@ -134,7 +134,11 @@ class Scope(Struct):
             raise BadEvent(f"{text!r} is no register; write its module and its name, for instance I2C-A.I2CDXR")
         module, name = parts
         owner = self.owner(unit, module)
-        return owner, module, _register(module, name)
+        registers = MAPS[module]
+        if name not in registers:
+            hint = did_you_mean(name, [r.name for r in registers.registers])
+            raise BadEvent(f"{module} has no register {name!r}; {hint}")
+        return owner, module, registers[name]
 
     def field(self, unit: str, text: str) -> tuple[str, str, Register, Field]:
         """Return (unit, module, register, field) of a name such as "I2C-A.I2CSTR.XRDY"."""
@@ -143,9 +147,8 @@ class Scope(Struct):
             raise BadEvent(
                 f"{text!r} is no field; write its module, its register and its name, for instance I2C-A.I2CSTR.XRDY"
             )
-        module, name, wanted = parts
-        owner = self.owner(unit, module)
-        register = _register(module, name)
+        owner, module, register = self.register(unit, text.rpartition(".")[0])
+        _, name, wanted = parts
         if wanted not in register:
             raise BadEvent(f"{name} has no field {wanted!r}; {did_you_mean(wanted, [f.name for f in register.fields])}")
         return owner, module, register, register[wanted]
@@ -225,15 +228,6 @@ class Scope(Struct):
         if len(units) > 1:
             raise BadEvent(f"{' and '.join(units)} have {what}; say whose is meant: {units[0]}: before the name")
         return units[0]
-
-
-def _register(module: str, name: str) -> Register:
-    registers = MAPS[module]
-    if name not in registers:
-        raise BadEvent(
-            f"{module} has no register {name!r}; {did_you_mean(name, [r.name for r in registers.registers])}"
-        )
-    return registers[name]
 
 
 def scope_of_table(table: RecordTable) -> Scope:

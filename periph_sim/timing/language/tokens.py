@@ -11,35 +11,35 @@ WORD = re.compile(r"""\s*("[^"]+"|'[^']+'|["',=]|[^\s,="']+)""")
 
 
 class Words:
-    """The words of a text, taken one by one."""
+    """The words of a text, taken one by one. place: the number of words that were taken."""
 
     def __init__(self, text: str) -> None:
         self.text = text
         self._words = WORD.findall(text)
-        self._at = 0
+        self.place = 0
         if '"' in self._words or "'" in self._words:
             raise BadEvent(f"{text!r}: a quote is not closed, or nothing is in it; write for instance 'time update'")
 
     @property
     def next(self) -> str:
         """The next word; empty at the end."""
-        return self._words[self._at] if self._at < len(self._words) else ""
+        return self._words[self.place] if self.place < len(self._words) else ""
 
     @property
     def following(self) -> str:
         """The word after the next one; empty at the end."""
-        return self._words[self._at + 1] if self._at + 1 < len(self._words) else ""
+        return self._words[self.place + 1] if self.place + 1 < len(self._words) else ""
 
     def rest(self) -> str:
         """Return the remaining words and go to the end."""
-        begin, self._at = self._at, len(self._words)
+        begin, self.place = self.place, len(self._words)
         return self.between(begin)
 
     def take(self, expected: str) -> str:
         word = self.next
         if not word:
             raise BadEvent(f"{self.text!r} ends where {expected} is expected")
-        self._at += 1
+        self.place += 1
         return word
 
     def one_of(self, choices: list[str]) -> str:
@@ -50,22 +50,22 @@ class Words:
                 raise BadEvent(f"{self.text!r} ends where {expected} is expected")
             hint = f"; {did_you_mean(word, choices)}" if len(choices) > 1 else ""
             raise BadEvent(f"{self.text!r}: {word!r} where {expected} is expected{hint}")
-        self._at += 1
+        self.place += 1
         return word
 
     def phrase(self, choices: list[str]) -> str:
         """Read and return the longest of these names that comes next. A name may have several words."""
         for name in sorted(choices, key=len, reverse=True):
             count = len(name.split())
-            if self._words[self._at : self._at + count] == name.split():
-                self._at += count
+            if self._words[self.place : self.place + count] == name.split():
+                self.place += count
                 return name
         return self.one_of(choices)
 
     def took(self, word: str) -> bool:
         if self.next != word:
             return False
-        self._at += 1
+        self.place += 1
         return True
 
     def name(self, expected: str) -> tuple[str, str]:
@@ -92,7 +92,7 @@ class Words:
             raise BadEvent(f"{self.text!r}: {word!r} is no number; write for instance 0x68") from None
         if number > top:
             raise BadEvent(f"{self.text!r}: {word} is more than it can be, {top:#x}")
-        self._at += 1
+        self.place += 1
         return number
 
     def value(self) -> int:
@@ -103,11 +103,7 @@ class Words:
         return number
 
     def between(self, begin: int) -> str:
-        return " ".join(self._words[begin : self._at])
-
-    @property
-    def place(self) -> int:
-        return self._at
+        return " ".join(self._words[begin : self.place])
 
     def end(self) -> None:
         if self.next:

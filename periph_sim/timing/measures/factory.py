@@ -82,7 +82,10 @@ def measure_named(text: str, scope: Scope) -> Measure:
 
 def maker_of(text: str, scope: Scope) -> Maker:
     """Return the maker of the measure that a text names. Raise BadEvent as `measure_named` does."""
-    return _maker_of_events(measure_of(text), scope) if is_form(text) else _called(text, scope)
+    if not is_form(text):
+        return _called(text, scope)
+    said = measure_of(text)
+    return _MAKERS[said.form](said, scope)
 
 
 def _called(name: str, scope: Scope) -> Maker:
@@ -113,10 +116,6 @@ def _unknown(name: str, sentences: Mapping[str, str]) -> BadEvent:
     if not hint.startswith("did you mean"):
         hint = f"it has {', '.join(names)}, and {', '.join(FORMS.values())}"
     return BadEvent(f"there is no measure {name!r}; {hint}")
-
-
-def _maker_of_events(said: Said, scope: Scope) -> Maker:
-    return _MAKERS[said.form](said, scope)
 
 
 # For each parameter that the text of a named measure can contain, a function that returns the words for it.
@@ -188,7 +187,7 @@ def _jitter(said: Said, scope: Scope) -> Maker:
     if said.events:
         make_of = _of_sentence(PHRASES["period"], said, scope)
     else:
-        make_of = _called(said.name, scope) if said.of is None else _maker_of_events(said.of, scope)
+        make_of = _called(said.name, scope) if said.of is None else _MAKERS[said.of.form](said.of, scope)
         made = make_of()
         if not made.series:
             raise BadEvent(f"{said.text!r}: that is one number a run, so it has no jitter")

@@ -32,15 +32,11 @@ class Groups:
         self.nth = nth
         self.inside = False  # True while a group is in progress
         self._group = group
+        self.matchers: tuple[Matcher, ...] = (group.begin, group.end)  # the events that begin and end a group
         self._ends: bool = group.name == "interrupt"  # False if a group lasts until the next group begins
         self._seen = 0
         self._begins_round: Callable[[], bool] | None = None
         self._frame_began = self._frame_ended = NO_TIME
-
-    @property
-    def matchers(self) -> tuple[Matcher, ...]:
-        """The events that begin and end a group."""
-        return self._group.begin, self._group.end
 
     def listen(self, scene: MeasuredScene) -> None:
         if self._group.name == "round":

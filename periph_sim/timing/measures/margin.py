@@ -12,11 +12,13 @@ The write of a byte is the last write before I2CDXR is copied to I2CXSR. XRDY = 
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from ...core.records import UNWANTED, Kind, Recorder, Subjects
 from ...core.state import State
 from ...core.time import NO_TIME
 from .bus_from_wires import BusFromWires
-from .measure import Delay, Measure, MeasuredScene
+from .measure import Measure, MeasuredScene
 
 WRITE, XRDY = 0, 1  # tags of records: writes of I2CDXR, changes of XRDY
 THINGS = {(Kind.ACCESS, "W I2C-A.I2CDXR"), (Kind.FLAG, "I2CSTR.XRDY")}
@@ -45,7 +47,7 @@ class Margin(Measure):
     asked = "bytes sent"
     kinds = frozenset({Kind.ACCESS, Kind.FLAG})
 
-    _delay: Delay
+    _delay: Callable[[int], int]
 
     def __init__(self, unit: str) -> None:
         super().__init__()
@@ -92,7 +94,7 @@ class Margin(Measure):
         self._copied()
         written, self._shifting = self._shifting, NO_TIME
         if written != NO_TIME:
-            delay: int = self._delay.ticks(written)
+            delay: int = self._delay(written)
             self.take(let_go - delay - written, written)
 
     def finish(self, now: int) -> None:

@@ -315,11 +315,6 @@ class Measure(Listener):
             self.least, self.least_at = least, least_at
 
 
-class Delay(Protocol):
-    def ticks(self, written: int) -> int:
-        """Return the delay in ticks for a write at the tick `written`, with the module's present settings."""
-
-
 class MeasuredScene(Protocol):
     """Interface of a scene for measures. It provides what records do not show."""
 
@@ -348,5 +343,7 @@ class MeasuredScene(Protocol):
     def clock_history(self, unit: str) -> list[tuple[int, Fraction]]:
         """Return pairs (tick, SYSCLKOUT in Hz from then on) of a unit, up to now; of the first unit if `unit` is ""."""
 
-    def i2c_release_delay(self, unit: str) -> Delay:
-        """Return the delay from a write of I2CDXR, for which SCL is held low, to the release of SCL."""
+    def i2c_release_delay(self, unit: str) -> Callable[[int], int]:
+        """Return a function that maps the tick of a write of I2CDXR, for which SCL is held low, to the ticks up to the
+        release of SCL, with the module's present settings.
+        """

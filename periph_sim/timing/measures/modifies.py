@@ -117,11 +117,7 @@ class Modifies(RecordSink):
 
     def _retuned(self) -> None:
         self._known = len(self._clocks)
-        self.cycle_is(self._per_second / self._clocks[-1][1])
-
-    def cycle_is(self, ticks: Fraction) -> None:
-        """Set the length of a cycle in ticks, which limits the time from a read to the write that belongs to it."""
-        self._longest = int(MODIFY * ticks)
+        self._longest = int(MODIFY * self._per_second / self._clocks[-1][1])
 
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         if not (self._status or self._concerns(kind, where, what)):

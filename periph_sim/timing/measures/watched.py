@@ -5,7 +5,7 @@ from __future__ import annotations
 from msgspec import Struct
 
 from ...core.phrases import did_you_mean
-from ...core.records import Kind, Record
+from ...core.records import Kind
 from ...records.register_maps import is_status, one_clears
 from ..language.scope import MAPS, BadEvent, Scope
 
@@ -31,12 +31,10 @@ class Watched(Struct, frozen=True):
         """The name of the register or field as `periph_sim.records` uses it; None for all registers."""
         return ".".join(filter(None, (self.unit, self.module, self.register, self.field))) or None
 
-    def shows(self, record: Record) -> bool:
-        """Return True if a record is an access to the register, or a change of the watched field."""
-        return self.is_about(record.kind, record.where, record.what)
-
     def is_about(self, kind: Kind, where: str, what: str) -> bool:
-        """Return what `shows` returns for every record of this kind, place and thing."""
+        """Return True if records of this kind, place and thing are accesses to the register, or changes of the watched
+        field.
+        """
         if kind is Kind.ACCESS:
             place = f"{self.module}.{self.register}" if self.register else what[2:]
             return self.concerns(kind, where, what) and what[2:] == place

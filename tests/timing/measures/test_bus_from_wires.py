@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 
 from periph_sim.core.kernel import Kernel
@@ -267,11 +269,8 @@ class Scene(Played):
         assert (place, name) == ("dsp.I2C-A", "I2CSTR.XRDY")
         return self._empty
 
-    def i2c_release_delay(self, unit: str) -> Scene:
-        return self
-
-    def ticks(self, written: int) -> int:
-        return RELEASE
+    def i2c_release_delay(self, unit: str) -> Callable[[int], int]:
+        return lambda written: RELEASE
 
 
 def writes(bus: Drawn, at: int | None = None) -> None:

@@ -180,4 +180,4 @@ def test_after_leaves_out_what_came_before_it_from_the_begin_of_the_run(at: int,
 def test_one_number_a_run_has_nothing_to_leave_out():
     with pytest.raises(BadBudget, match="'bus load' is one number a run, so none of it can be left out") as caught:
         limit("bus load", max="9 %", after="3 us")
-    assert caught.value.key == "after"
+    assert caught.value.place[-1] == "after"

@@ -87,7 +87,7 @@ def looks_at(measure: Measure, record: Record) -> bool:
     if hasattr(measure, "matchers"):
         return any(matcher.fits(record) for matcher in measure.matchers)
     if hasattr(measure, "watched"):
-        return bool(measure.watched.shows(record))
+        return bool(measure.watched.is_about(record.kind, record.where, record.what))
     return record.kind in measure.kinds and measure.tag_of(*record[2:5]) != UNWANTED
 
 

@@ -56,8 +56,9 @@ DIRECTIVES = {
     "allow_none_for_extension_args": False,  # None from Python for a typed argument raises TypeError
     "nonecheck": True,  # access to an attribute of None raises AttributeError, as in Python
 }
-# With `trashcan`, a long chain of objects is freed in a loop instead of by recursion.
-# Cython documents `trashcan` for single classes. To apply it to all classes, it is added to the finished options.
+# With `trashcan`, Python frees a long linked list of objects in a loop instead of by recursion.
+# Cython documents `trashcan` as a directive of a single class. So that it applies to every class, it is added to
+# Cython's options after Cython has checked them.
 FOR_ALL_CLASSES = {"trashcan": True}
 NEVER_NONE = "self"  # this argument is never None, because its caller has already checked the object
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
@@ -80,7 +81,7 @@ class Kind(NamedTuple):
 
 
 NORMAL = Kind({}, FLAGS)
-# In the build HARD, every fault raises an exception or ends the process.
+# In a build with the settings HARD, every fault raises an exception or ends the process.
 # Cython's code checks for None and for overflows. The sanitizers check for bad addresses and undefined behaviour of C.
 # The flags `-fwrapv`, `-DNDEBUG` and `-w` are left out, because they would hide faults.
 # `asan-stack=0` limits the address sanitizer to the heap, because greenlets copy their stacks.
@@ -146,7 +147,7 @@ def compile_one(
 ) -> None:
     """Compile one module to an object file in the current directory.
 
-    always_set: the (class, attribute) pairs whose setters reject None.
+    always_set: pairs (class, attribute) of attributes whose setters must reject None.
 
     Raise NoBuild with the compiler's output if compilation fails.
     """
@@ -166,7 +167,7 @@ def compile_one(
 
 
 def require_directives(pxd: str, c_file: Path) -> None:
-    """Raise NoBuild if the C code ignores a directive of the .pxd file, or uses a typed method as a Python object."""
+    """Raise NoBuild if the C code ignores a directive of the .pxd file, or converts a C method to a Python object."""
     text = c_file.read_text("utf-8")
     if passed_on := PASSED_ON.search(text):
         method = f"{c_file.stem}.py passes on the typed method {passed_on[1]}"
@@ -224,7 +225,7 @@ def link(modules: list[str], folder: Path, cc: str, kind: Kind = NORMAL) -> None
 
 
 def types_of(module: str, folder: Path) -> dict[str, str]:
-    """Return the .pxd texts of a module and of all modules on which it depends, by module.
+    """Return a dictionary from names to .pxd texts, for a module and all modules on which it depends.
 
     folder: the folder of the prepared sources and their .pxd files.
     """
@@ -266,7 +267,7 @@ def fingerprint(
 
 
 def last_build(built: Path) -> dict[str, str]:
-    """Return the fingerprints of the object files in the existing build, by module."""
+    """Return a dictionary from a module to the fingerprint of its object file in the existing build."""
     try:
         found = json.loads((built / MANIFEST).read_text("utf-8"))["modules"]
         return {module: made_of for module, made_of in found.items() if (built / OBJECTS / f"{module}.o").is_file()}

@@ -43,7 +43,7 @@ BEGIN = "/* Module declarations from "  # Cython writes this comment before the 
 
 
 def arrays_of(pxds: Iterable[str]) -> dict[str, int]:
-    """Return the length of each array that these .pxd files declare, by the array's name.
+    """Return a dictionary from the name of each array that these .pxd files declare to its length.
 
     Raise ValueError if two arrays with the same name have different lengths.
     """
@@ -55,7 +55,7 @@ def arrays_of(pxds: Iterable[str]) -> dict[str, int]:
 
 
 def with_index_checks(c_text: str, lengths: Mapping[str, int]) -> str:
-    """Return the C code with range checks for all indices of these arrays, except for literal numbers."""
+    """Return the C code with range checks for the indices of these arrays. Literal numbers are not checked."""
     if not lengths:
         return c_text
     used = re.compile(rf"->(?:__pyx_base\.)*({'|'.join(map(re.escape, lengths))})\[")
@@ -94,14 +94,14 @@ REFUSAL = """\
 
 
 def never_none(source: Source) -> list[tuple[str, str]]:
-    """Return the (class, attribute) pairs whose type is a compiled class and whose value is never None."""
+    """Return pairs (class, attribute) of the attributes whose type is a compiled class and that are never None."""
     optional = set(_optional(source.tree))
     typed = [(one.name, name, of) for one in source.classes.values() for name, of in one.attributes.items()]
     return [(owner, name) for owner, name, of in typed if of.kind and name not in optional]
 
 
 def with_none_refused(c_text: str, attributes: Iterable[tuple[str, str]]) -> str:
-    """Return the C code with setters that reject None for these (class, attribute) pairs.
+    """Return the C code with setters that reject None for these attributes, given as pairs (class, attribute).
 
     Raise ValueError if an attribute does not have exactly one setter in the C code.
     """

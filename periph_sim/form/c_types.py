@@ -10,7 +10,7 @@ from __future__ import annotations
 from array import array as Buffer  # a contiguous buffer of 64-bit integers, or of 32-bit integers in `Buffer[UInt32]`
 from collections.abc import Callable as CFunction  # a pointer to a C function: `CFunction[[Cpu, Operation], None]`
 
-BigInt = int  # a Python integer, which may have more than 64 bits or come from a user
+BigInt = int  # a Python integer, for numbers that may have more than 64 bits, such as a user's input
 Text = str  # a Python string, which may be an instance of a subclass such as `SourceLocation`
 UInt8 = int  # an unsigned C integer of 8 bits
 UInt16 = int  # an unsigned C integer of 16 bits

@@ -34,7 +34,7 @@ class Type(NamedTuple):
     """A type in C.
 
     c: the spelling of the type in a .pxd file.
-    kind: the compiled class if the type is one; else None.
+    kind: the compiled class, if the type is a compiled class; otherwise None.
     optional: True if None is a valid value.
     """
 
@@ -47,9 +47,9 @@ class Function(NamedTuple):
     """The declaration of a function.
 
     kind: "cpdef" if Python and C can call it, "cdef" if only C can call it, "def" if it stays a Python function.
-    arguments: for the name of each argument, (its type, True if it has a default).
-    variables: the types of annotated local variables.
-    marks: the words in its `# core:` comment.
+    arguments: a dictionary from the name of an argument to the pair (its type, True if it has a default).
+    variables: a dictionary from the name of an annotated local variable to its type.
+    marks: the words in the comment `# core:` of the function.
     """
 
     kind: str
@@ -83,7 +83,10 @@ class Class:
             one = one.base
 
     def member(self, name: str, called: bool) -> Type | None:
-        """Return the type of an attribute or property, or the result type of a method if `called`; None if unknown."""
+        """Return the type of an attribute or property, or, if `called` is True, the result type of a method.
+
+        Return None if the type is unknown.
+        """
         for one in (self, *self.bases):
             if name in one.defined:
                 is_property = any(ast.unparse(way) == "property" for way in one.defined[name].decorator_list)
@@ -94,7 +97,10 @@ class Class:
 
     @property
     def attributes(self) -> dict[str, Type]:
-        """The types of the attributes that the class adds to its base. Raise BadDeclaration if one is unknown."""
+        """A dictionary from the name of each attribute that the class adds to its base to the attribute's type.
+
+        Raise BadDeclaration if a type is unknown.
+        """
         known = self.known
         for name, line in self.assigned_at.items():
             if name not in known:
@@ -103,7 +109,7 @@ class Class:
 
     @cached_property
     def known(self) -> dict[str, Type]:
-        """The types of the attributes whose type can be derived from an annotation or from the first value."""
+        """A dictionary from the name of an attribute to its type, if an annotation or the first value determines it."""
         inherited = {name for base in self.bases for name in (*base.known, *base.defined)}
         found: dict[str, Type] = {}
         self.__dict__["known"] = found  # set before it is complete, because values may refer to other attributes

@@ -57,7 +57,7 @@ def prepared(source: Source) -> str:
             **source.fused,
             **source.pointers,
         }:
-            lines[statement.lineno - 1] = ""  # this type is declared in the .pxd file
+            lines[statement.lineno - 1] = ""  # the .pxd file declares this type
     text = _look_up_spelled_out(source, "\n".join(lines))
     keeps = any(kind.marks for kind in source.classes.values())
     return text.replace(FUTURE, f"{FUTURE.rstrip()}; import cython\n", 1) if keeps else text
@@ -75,7 +75,7 @@ def _replace_bare_annotations(body: list[ast.stmt], lines: list[str]) -> None:
 
 
 def _bare_returns(source: Source) -> Iterator[tuple[int, int]]:
-    """Yield (row, end column), from 0, of each `return` without a value in C functions that return nothing."""
+    """Yield (row, end column) of each `return` without a value in C functions that return nothing. Both begin at 0."""
     kinds = source.classes.values()
     owners = [({one.name: one for one in source.tree.body if isinstance(one, ast.FunctionDef)}, source.functions)]
     owners += [(kind.defined, kind.methods) for kind in kinds]
@@ -106,10 +106,10 @@ def _remove_names(statement: ast.ImportFrom, names: Collection[str], lines: list
 
 
 def _look_up_spelled_out(source: Source, text: str) -> str:
-    """If the last line looks up a function by name, replace it by a chain of comparisons with the possible names.
+    """Return the text with `if` statements in place of a last line that looks up a function by name in `globals()`.
 
-    C functions are not in the module's `globals()`. The possible names are those of the module's C functions that begin
-    with an uppercase letter.
+    C functions are not in the module's `globals()`. The `if` statements compare the name with the names of the module's
+    C functions that begin with an uppercase letter.
     """
     found = BY_NAME.search(text)
     if not found:
@@ -125,7 +125,7 @@ WORD = 64  # number of bits of a C integer; larger constants are not replaced
 
 
 def declared(source: str, pxd: str) -> str:
-    """Return the .pxd text with declarations of the names PERIPH_SIM_n, which replace integers above LITERAL."""
+    """Return the .pxd text with declarations of the names PERIPH_SIM_n, which stand for integers above LITERAL."""
     found = sorted(set(re.findall(r"\bPERIPH_SIM_(\d+)\b", source)))
     if not found:
         return pxd
@@ -135,7 +135,7 @@ def declared(source: str, pxd: str) -> str:
 
 
 def with_constants(source: str, names: Mapping[str, object]) -> str:
-    """Return the source with its constants replaced. names: the global names of the imported module."""
+    """Return the source with its constants replaced. names: a dictionary from global names of the module to values."""
     tree = ast.parse(source)
     lines = [line.encode() for line in source.split("\n")]  # as bytes, because `ast` counts columns in bytes
     imported = {
@@ -145,7 +145,7 @@ def with_constants(source: str, names: Mapping[str, object]) -> str:
         for alias in one.names
         if isinstance(names.get(alias.asname or alias.name), EnumMeta)
     }
-    bound: dict[str, ast.ImportFrom] = {}  # text to insert -> the import statement before it
+    bound: dict[str, ast.ImportFrom] = {}  # from a text to insert to the import statement after which it is inserted
     for node in sorted(_names(tree), key=lambda one: (one.lineno, one.col_offset), reverse=True):
         value = _integer(node, names)
         if value is not None:

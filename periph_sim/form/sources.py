@@ -119,7 +119,7 @@ class Source:
 
     @cached_property
     def imports(self) -> dict[str, tuple[str, str]]:
-        """For each name imported from the same package: (module, name in that module)."""
+        """A dictionary from each name that is imported from the same package to (module, name in this module)."""
         found = {}
         for node in walked(self.tree):
             if isinstance(node, ast.ImportFrom) and node.level:
@@ -130,7 +130,10 @@ class Source:
 
     @cached_property
     def assigned(self) -> dict[str, ast.expr]:
-        """The value of each name that the module assigns. For unpacked names, it is the value before unpacking."""
+        """A dictionary from each name that the module assigns to the assigned expression.
+
+        If an expression is unpacked into several names, each of these names has the whole expression.
+        """
         found: dict[str, ast.expr] = {}
         for node in self.tree.body:
             if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value:
@@ -187,7 +190,10 @@ class Source:
 
     @cached_property
     def fused(self) -> dict[str, list[ast.expr]]:
-        """The constraints of each constrained type variable. Cython compiles a function once for each constraint."""
+        """A dictionary from each constrained type variable to its constraints.
+
+        Cython compiles a function with such a type variable once for each constraint.
+        """
         calls = {name: one for name, one in self.assigned.items() if isinstance(one, ast.Call)}
         return {
             name: one.args[1:] for name, one in calls.items() if ast.unparse(one.func) == "TypeVar" and one.args[1:]
@@ -195,7 +201,7 @@ class Source:
 
     @cached_property
     def pointers(self) -> dict[str, list[ast.expr]]:
-        """The argument types of each function pointer type, by the name of the type."""
+        """A dictionary from the name of each function pointer type to the types of its arguments."""
         found = {}
         for name, value in self.assigned.items():
             if isinstance(value, ast.Subscript) and ast.unparse(value.value) == "CFunction":
@@ -220,7 +226,7 @@ class Source:
         """Return the type of an expression; None if it cannot be derived from the expression alone.
 
         within: the class that contains the expression, or None.
-        known: the annotations of names that the expression may contain.
+        known: a dictionary from names that the expression may contain to their annotations.
         """
         match value:
             case ast.Constant(value=bool() | int() | str() | bytes() as constant):
@@ -308,7 +314,7 @@ class Source:
 
     @cached_property
     def cimported(self) -> dict[str, str]:
-        """The imported C functions that this module only calls: for each name, the module that defines it."""
+        """A dictionary from each imported C function that this module only calls to the module that defines it."""
         found = {}
         called = self.called - read_names(self.tree, "")
         for name, (module, there) in self.imports.items():

@@ -31,7 +31,7 @@ def is_own(target: ast.expr) -> bool:
 def read_names(tree: ast.AST, owner: str) -> set[str]:
     """Return the names that are read but not called.
 
-    owner: "" for names of variables, or the name of a variable for names of its attributes.
+    owner: the name of a variable whose attributes are searched; "" to search for variables.
     """
     called = {id(node.func) for node in walked(tree) if isinstance(node, ast.Call)}
     read = [one for one in walked(tree) if isinstance(getattr(one, "ctx", None), ast.Load) and id(one) not in called]

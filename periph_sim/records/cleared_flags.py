@@ -22,7 +22,7 @@ from .register_maps import is_status, one_clears
 
 
 class Clearable(NamedTuple):
-    """A register with flags that writing 1 clears. status: True if hardware sets a flag of it."""
+    """A register with flags that writing 1 clears. status: True if hardware sets any of its flags."""
 
     name: str
     flags: tuple[Field, ...]
@@ -43,7 +43,8 @@ NEVER_YET = -1  # used in place of a record's number if there is no record yet
 class Modify:
     """A write that belongs to a read-modify-write.
 
-    number, tick: of the record of the write.
+    number: the number of the record of the write.
+    tick: the tick of the write.
     rose: for each flag, the number of the record of its last rise before the write.
     cleared: mask of the flags that the write cleared.
     """
@@ -75,8 +76,8 @@ class Flag:
 class Cleared:
     """Number of times that something was cleared.
 
-    first: the tick of the first time; NO_TIME if there was none.
-    ticks: the ticks of all times; None if they are not kept.
+    first: the tick at which this happened first; NO_TIME if it never happened.
+    ticks: the ticks at which this happened; None if ticks are not kept.
     """
 
     __slots__ = ("count", "first", "ticks")
@@ -104,10 +105,10 @@ class Cleared:
 class FlagOfPlace:
     """A flag of a register in the read-modify-writes of one place.
 
-    rose: number of times that it rose between the read and the write.
-    between: the writes that cleared it after such a rise.
-    along: the writes that cleared it after it was read as 1, though another flag was named.
-    unseen: those of `along` before which the firmware had not read the flag since it rose.
+    rose: number of times that the flag rose between the read and the write.
+    between: the writes that cleared the flag after it rose between the read and the write.
+    along: the writes that cleared the flag after the read returned it as 1, though the firmware named another flag.
+    unseen: the writes in `along` for which the firmware had not read the flag after its last rise.
     """
 
     __slots__ = ("along", "between", "rose", "unseen")
@@ -123,7 +124,7 @@ class FlagOfPlace:
 class Look:
     """The last read of a field.
 
-    field: its name; "" for the whole register.
+    field: the name of the field; "" for the whole register.
     number: the number of the record of the read.
     """
 
@@ -171,7 +172,7 @@ class Place:
     proven: bits that were written as 1 although they were read as 0.
     always: bits that every write set to 1.
     looks: the last reads of these read-modify-writes.
-    named: names of the fields that the firmware assigned.
+    named: names of the fields that the statements at this place assign.
     """
 
     __slots__ = ("always", "count", "flags", "looks", "named", "proven")
@@ -194,13 +195,14 @@ class Place:
 
 @final
 class ClearedRegister:
-    """A register with flags that writing 1 clears, and what read-modify-writes did to them.
+    """A register with flags that writing 1 clears, and the effects of read-modify-writes on these flags.
 
-    status: True if hardware sets a flag of it.
-    last: the write of its last read-modify-write.
-    looks: the last reads that do not belong to a read-modify-write.
-    places: the read-modify-writes by place.
-    keeps_ticks: keep the ticks at which flags were cleared, and also count flags that only rose between read and write.
+    status: True if hardware sets any flag of the register.
+    last: the write of the last read-modify-write of the register.
+    looks: the last read of each field, without the reads that belong to a read-modify-write.
+    places: a dictionary from a place in the firmware to its read-modify-writes.
+    keeps_ticks: True to keep the ticks at which flags were cleared, and to count flags that rose between read and write
+        but were not cleared.
     """
 
     __slots__ = ("flags", "keeps_ticks", "last", "looks", "places", "status")
@@ -250,10 +252,10 @@ class ClearedRegister:
         return made
 
     def judge(self, number: int, value: int, field: Text, made: Modify | None) -> None:
-        """Process a read, after all earlier reads. `Place.meant` later decides which flags the firmware intended to
-        clear.
+        """Process a read. It must be called in the order of the reads.
 
-        made: the write that belongs to the read; None for a plain read.
+        `Place.meant` decides later which flags the firmware intended to clear.
+        made: the write that belongs to the read; None for a read without a write.
         """
         if made is None:
             self.looks.add(field, number)
@@ -270,7 +272,7 @@ class ClearedRegister:
         flag: Flag
         for at, flag in enumerate(self.flags):
             is_cleared = made.cleared & flag.mask != 0
-            if not (is_cleared or self.keeps_ticks):  # flags that only rose are not counted then
+            if not (is_cleared or self.keeps_ticks):  # the flag rose but was not cleared, so it is not counted
                 continue
             of: FlagOfPlace = place.flags[at]
             if made.rose[at] > number:

@@ -38,8 +38,9 @@ class ClockHistory(NamedTuple):
         return round(sum((after - before) / self.at(before) for before, after in pairwise(inside)))
 
     def of_distances(self, ticks: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Convert distances from ticks to the nearest number of cycles, each with the clock in effect at its tick in
-        `at`.
+        """Convert distances in ticks to the nearest numbers of cycles.
+
+        at: for each distance, the tick at which the clock is taken.
         """
         periods = np.array([float(period) for period in self.periods])
         cycles: NDArray[np.int64] = (ticks / periods[self._now(at)] + 0.5).astype(np.int64)

@@ -25,8 +25,8 @@ from .run import Group, Rows, Run
 class Fault(NamedTuple):
     """Accesses of one unit that have one kind of fault.
 
-    rows: these accesses, in order; empty if there is no fault.
-    source: the section of the manual that gives the rule.
+    rows: the rows of these accesses, in order; empty if there is no fault.
+    source: the section of the manual that gives the violated rule.
     """
 
     unit: str
@@ -48,7 +48,8 @@ Faults: TypeAlias = "Callable[[Run, Options], Iterator[Fault]]"
 class Lint(NamedTuple):
     """A rule that recorded accesses can violate.
 
-    says: what the lint finds, in one sentence. faults: the function that yields the faults of a run.
+    says: a sentence that describes the faults that the lint finds.
+    faults: the function that yields the faults of a run.
     """
 
     says: str
@@ -74,7 +75,7 @@ class Finding:
 def finds(says: str) -> Callable[[Faults], Faults]:
     """Return a decorator that registers a function as a lint. The lint has the function's name, with hyphens.
 
-    says: what the lint finds, in one sentence.
+    says: a sentence that describes the faults that the lint finds.
     """
 
     def register(faults: Faults) -> Faults:
@@ -92,7 +93,7 @@ def all_lints() -> dict[str, Lint]:
 
 
 def lint(run: Run | Path | str, options: Options | None = None) -> list[Finding]:
-    """Return the findings of all lints, ordered by their first occurrence. run: a recorded run, or its file."""
+    """Return the findings of all lints, in the order of their first occurrence. run: a recorded run, or its file."""
     if not isinstance(run, Run):
         run = Run.read(run)
     found = []

@@ -30,10 +30,10 @@ FEW_GAPS = 3  # number of gaps from which on their greatest common divisor is ta
 class Polls(NamedTuple):
     """The reconstructed polls next to changes in skipped waits.
 
-    before, after: for each change, the tick of the last poll before it and of the first poll at or after it; -1 if that
-    poll was recorded.
+    before: for each change, the tick of the last poll before the change; -1 if this poll was recorded.
+    after: for each change, the tick of the first poll at or after the change; -1 if this poll was recorded.
     changes: the rows of these changes.
-    unplaced: indices of the reads before those gaps whose polls could not be reconstructed.
+    unplaced: indices of reads. The polls between such a read and the next read were skipped and not reconstructed.
     """
 
     before: Rows
@@ -46,9 +46,9 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
     """Return the polls in skipped waits that are next to a change.
 
     reads: rows of the reads of one register at one place.
-    waits: for each read, True if the next access of its routine is the next entry of `reads`.
+    waits: for each read, True if the next access of its routine is the next read in `reads`.
     changes: rows of the changes to consider.
-    looking: for each read, True if it read the fields that changed; only polls of such reads are returned.
+    looking: for each read, True if it read the fields that changed. Only polls by these reads are returned.
     """
     clock = run.clock(unit)
     begins = clock.numbers(run.table.tick[reads])  # in cycles, as a cycle need not be a whole number of ticks
@@ -95,7 +95,7 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
 
 
 def _period(begins: Rows, waits: NDBool, gaps: Rows, in_pass: int) -> int:
-    """Return the cycles of a pass with `in_pass` reads at this place; 0 if the recording does not show them."""
+    """Return the length in cycles of a pass with `in_pass` reads; 0 if the recording does not show the length."""
     whole = _within(waits, in_pass)
     lengths = (begins - _shifted(begins, in_pass))[whole]
     short = lengths[(lengths > 0) & (lengths <= LONGEST_PASS)]
@@ -111,7 +111,7 @@ def _period(begins: Rows, waits: NDBool, gaps: Rows, in_pass: int) -> int:
 
 
 def _shifted(column: NDArray[Number], back: int) -> NDArray[Number]:
-    """Return the column moved towards later reads by `back` places. The first value fills the begin."""
+    """Return the column shifted by `back` places towards the end. The first value is repeated at the begin."""
     return column if not back else np.concatenate([column[:1].repeat(min(back, len(column))), column[:-back]])
 
 

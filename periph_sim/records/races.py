@@ -48,10 +48,10 @@ class PlaceRaces:
     reads: number of recorded reads.
     polls: number of reads that were reconstructed from skipped waits.
     unplaced: number of skipped waits with a change whose reads could not be reconstructed.
-    before: the read that missed a change by the fewest cycles.
-    after: the read that saw a change after the fewest cycles.
-    histogram: number of reads by the decade of their distance, in cycles, to the nearest change.
-    alone: number of reads for which there is no change to compare with.
+    before: the read that was the fewest cycles before a change.
+    after: the read that was the fewest cycles after a change.
+    histogram: for each decade, the number of reads whose distance to the nearest change, in cycles, is in this decade.
+    alone: number of reads for which the run has no change to compare with.
     """
 
     unit: str
@@ -95,8 +95,8 @@ class Races:
 def races(run: Run, register: str | None = None) -> Races:
     """Return the races of one register or field, such as "I2C-A.I2CSTR", or of all status registers.
 
-    Places with the closest distance come first. Raise NotInRun if the register does not exist or the firmware never
-    accessed it.
+    The places are in the order of their smallest distance. Raise NotInRun if the register does not exist or the
+    firmware never accessed it.
     """
     chosen = groups_of(run, register)
     reads = [(group, f, place) for group, f in chosen if group.way == "R" for place in _reads_by_place(run, group)]
@@ -108,7 +108,8 @@ def races(run: Run, register: str | None = None) -> Races:
 def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
     """Return (cycles, ticks, unplaced). Raise NotInRun as `races` does.
 
-    cycles: the distance of each read or reconstructed poll to its nearest change. Reads without a change are left out.
+    cycles: the distance of each read or reconstructed poll to the nearest change. Reads are left out if the run has no
+        change to compare them with.
     ticks: the ticks of these reads and polls, in order.
     unplaced: number of skipped waits with a change whose polls could not be reconstructed.
     """
@@ -130,8 +131,8 @@ def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
 class _Reads(NamedTuple):
     """All reads of one register at a place.
 
-    looked_at: for each read the code of the field that it read; the code of "" means the whole register.
-    waits: for each read, True if the next access of its routine is again one of these reads.
+    looked_at: for each read, the code of the name of the field that was read; the name "" means the whole register.
+    waits: for each read, True if the next access of the same routine is also one of these reads.
     """
 
     place: str
@@ -161,7 +162,7 @@ def _reads_by_place(run: Run, group: Group) -> Iterator[_Reads]:
 
 
 def _loops_of_an_image(run: Run, unit: str, reads: Rows, nexts: Rows) -> NDBool:
-    """Return True for each read that a loop makes again after one or two reads at other places.
+    """Return, for each read, True if a loop makes this read again after one or two reads at other places.
 
     A loop is assumed if only reads are in between, and if the next pass follows after at most LONGEST_PASS cycles or
     after a recorded wait.
@@ -190,7 +191,7 @@ def _code(run: Run, name: str) -> int:
 
 
 def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
-    """Return the rows at which fields changed, except changes that the unit's own access made at the same tick."""
+    """Return the rows at which fields changed, without the changes that an access of the unit made at the same tick."""
     of = [run.changes(group.unit, group.module, group.register, each) for each in fields]
     rows = np.sort(np.concatenate(of))
     others: Rows = rows[~np.isin(run.made_by(rows), run.in_order(group.unit)[0])]
@@ -198,11 +199,11 @@ def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
 
 
 class _Side(NamedTuple):
-    """Reads and reconstructed polls, either with the next change after each or with the last change before each.
+    """Reads and reconstructed polls, each with one change: either the next change or the previous change.
 
-    ticks: the ticks of the reads and polls.
-    distances: ticks between read and change; NEVER if there is no change.
-    changes: the rows of the changes.
+    ticks: the tick of each read or poll.
+    distances: the number of ticks between each read and its change; NEVER if there is no change.
+    changes: the row of each change.
     """
 
     ticks: Rows
@@ -216,10 +217,10 @@ NONE = _Side(*(np.zeros(0, np.int64) for _ in range(3)))
 class _Beside(NamedTuple):
     """The reads of a place, with the changes of the fields that they read.
 
-    before: reads with the next change after them.
-    after: reads with the last change before them.
+    before: each read with the next change after the read.
+    after: each read with the last change before the read.
     ticks: the tick of each read or reconstructed poll.
-    nearest: its distance in ticks to the nearest change.
+    nearest: the distance in ticks from each read or poll to the nearest change.
     reads: number of recorded reads.
     polls: number of reconstructed polls.
     unplaced: number of skipped waits whose polls could not be reconstructed.
@@ -272,7 +273,10 @@ def _of_reads(run: Run, reads: Rows, changes: Rows) -> tuple[_Side, _Side]:
 
 
 def _of_polls(run: Run, polls: Polls, ticks: Rows) -> _Side:
-    """Return the reconstructed polls that are next to a change. ticks: for each change the tick of its poll, or -1."""
+    """Return the reconstructed polls that are next to a change.
+
+    ticks: for each change, the tick of the poll next to this change; -1 if no poll was reconstructed there.
+    """
     there = ticks >= 0
     changes, at = polls.changes[there], ticks[there]
     return _Side(at, np.abs(run.table.tick[changes] - at), changes)
@@ -302,9 +306,10 @@ def _judged(run: Run, group: Group, f: Field | None, place: _Reads) -> PlaceRace
 
 
 def _closest(run: Run, unit: str, side: _Side, way: int) -> NearMiss | None:
-    """Return the read that is closest to a change, the earliest of several; None if no read has a change on this side.
+    """Return the read that is closest to its change; None if no read has a change.
 
-    way: 1 if the changes follow the reads, -1 if they precede them.
+    If several reads are equally close, the earliest of them is returned.
+    way: 1 if the changes in `side` follow the reads, -1 if they precede the reads.
     """
     if not len(side.distances) or int(side.distances.min()) == NEVER:
         return None

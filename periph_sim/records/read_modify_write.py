@@ -70,12 +70,13 @@ class LostFlag:
     """One flag in the read-modify-writes of one place.
 
     rose: number of times that the flag rose between the read and the write.
-    lost_between: number of times that the write then cleared it.
-    along: number of times that it was 1 at the read and was cleared by the write, though another flag was meant.
-    unseen: those of `along` before which the firmware had not read the flag since it rose. A read that named another
-    field of the register does not count.
-    lost: the ticks at which it was cleared without having been read, in order.
-    cleared: the ticks at which it was cleared unintentionally, whether it had been read or not.
+    lost_between: number of times that the flag rose between the read and the write, and the write cleared it.
+    along: number of times that the read returned the flag as 1 and the write cleared it, though the firmware meant
+        another flag.
+    unseen: number of the times in `along` at which the firmware had not read the flag after its last rise. A read that
+        named another field of the register does not count.
+    lost: the ticks at which the flag was cleared although the firmware had not read it, in order.
+    cleared: the ticks at which the flag was cleared unintentionally, whether the firmware had read it or not.
     """
 
     flag: str
@@ -88,7 +89,7 @@ class LostFlag:
 
     @property
     def first(self) -> int | None:
-        """The first tick at which the flag was cleared unintentionally; None if it never was."""
+        """The first tick at which the flag was cleared unintentionally; None if this never happened."""
         return self.cleared[0] if self.cleared else None
 
 
@@ -96,9 +97,9 @@ class LostFlag:
 class ReadModifyWrite:
     """The read-modify-writes of one place.
 
-    count: how many there were.
+    count: number of read-modify-writes.
     meant: the flags that the firmware named, or that it certainly intended to clear.
-    doubt: flags that every write set to 1, if the recording does not show which of them were meant.
+    doubt: the flags that every write set to 1, if the recording does not show which of these flags were meant.
     """
 
     unit: str
@@ -180,7 +181,8 @@ def _of_place(register: ClearedRegister, unit: str, name: str, place: str) -> Re
 def _lost(name: str, found: FlagOfPlace, other: bool) -> LostFlag:
     """Return how often a flag was lost at a place.
 
-    other: True if the firmware does not intend to clear this flag here; clearing it along with another then loses it.
+    other: True if the firmware does not intend to clear this flag at this place. If the flag is cleared together with
+        another flag, it is then lost.
     """
     between, along, unseen = (found.between.ticks or [], found.along.ticks or [], found.unseen.ticks or [])
     if not other:

@@ -21,7 +21,7 @@ IN_FIRMWARE = (Kind.ACCESS, Kind.IRQ, Kind.SPAN, Kind.WAIT)  # kinds of records 
 class BusByte(NamedTuple):
     """A byte on the bus with its acknowledge bit.
 
-    value: the byte; for an address byte the 7-bit address without the R/W bit.
+    value: the value of the byte; for an address byte, the 7-bit address without the R/W bit.
     read: the R/W bit of an address byte; None for other bytes.
     """
 

@@ -19,13 +19,13 @@ def register_of(module: str, name: str) -> Register | None:
 
 
 def reads_take(name: str) -> bool:
-    """Return True if a read of "MODULE.REGISTER" removes what it returns: a word from a buffer, or a flag."""
+    """Return True if a read of the register removes the word or the flag that it returns. name: "MODULE.REGISTER"."""
     register = register_of(*name.partition(".")[::2])
     return register is not None and register.reads_take
 
 
 def yields_data(name: str) -> bool:
-    """Return True if a read of "MODULE.REGISTER" returns a word of the data that passes through the register."""
+    """Return True if a read of the register returns a word of transferred data. name: "MODULE.REGISTER"."""
     register = register_of(*name.partition(".")[::2])
     return register is not None and register.yields is Yields.DATA
 
@@ -40,5 +40,5 @@ def one_clears(register: Register) -> tuple[Field, ...]:
     return tuple(f for f in register.fields if f.on_write is OnWrite.ONE_CLEARS)
 
 
-MODIFY = 4  # maximum cycles between read and write of one read-modify-write
-OVERTAKEN = 3  # the write of a read-modify-write is among this number of accesses after its read
+MODIFY = 4  # maximum number of cycles between the read and the write of a read-modify-write
+OVERTAKEN = 3  # the write of a read-modify-write is one of the next OVERTAKEN accesses after its read

@@ -42,7 +42,7 @@ def among(these: Rows, rows: Rows) -> NDArray[np.bool_]:
 
 
 class NotInRun(ValueError):
-    """Error: the recording does not have what was asked for. The message is one sentence."""
+    """Error: the recording does not have the requested signal, register or time. The message is one sentence."""
 
 
 class Group(NamedTuple):
@@ -59,7 +59,7 @@ class Cycles(NamedTuple):
     """The length of a SYSCLKOUT cycle.
 
     ticks: number of ticks in a cycle.
-    how: the source of this figure, in words.
+    how: a phrase that says from where this number is known.
     """
 
     ticks: Fraction
@@ -70,7 +70,7 @@ class Run:
     """An open recording of a run.
 
     `read` raises NotInRun for a file that is no recorded run, and BadCapture for one that cannot be decoded.
-    sysclk: SYSCLKOUT in Hz; None takes what the recording shows, or 150 MHz.
+    sysclk: SYSCLKOUT in Hz; None to use the frequency that the recording shows, or 150 MHz if it shows none.
     """
 
     def __init__(self, table: RecordTable, name: str = "the run", sysclk: Fraction | None = None) -> None:
@@ -104,7 +104,7 @@ class Run:
     # Looks -----------------------------------------------------------------------
 
     def rows(self, kind: Kind, where: str | None = None, what: str | None = None) -> Rows:
-        """Return the rows with this kind and, if given, this `where` and `what`, in the order of their ticks."""
+        """Return the rows of this kind, in the order of their ticks. where, what: None for any place or thing."""
         key = kind, where, what
         if key not in self._rows:
             found = self.table.rows(kind, where, what)
@@ -132,14 +132,17 @@ class Run:
         return row if number and row < len(self.table) and int(self.table.number[row]) == number else None
 
     def made_by(self, rows: Rows) -> Rows:
-        """Return, for each row, the row of its cause if both happened at the same tick, else -1."""
+        """Return, for each row, the row of its cause; -1 if the cause is at another tick."""
         table = self.table
         causes = np.minimum(np.searchsorted(table.number, table.cause[rows]), max(len(table) - 1, 0))
         at_once = (table.number[causes] == table.cause[rows]) & (table.tick[causes] == table.tick[rows])
         return np.where(at_once, causes, -1)
 
     def last(self, rows: Rows, tick: int, before: int | None = None) -> int | None:
-        """Return the last of these rows at or before `tick` and, if `before` is given, before that row; or None."""
+        """Return the last of these rows that is not later than `tick`; None if there is none.
+
+        before: if it is given, only rows before row `before` are considered.
+        """
         place = int(np.searchsorted(self.table.tick[rows], tick, "right"))
         while place and before is not None and rows[place - 1] >= before:
             place -= 1
@@ -182,9 +185,10 @@ class Run:
         return held[before]
 
     def in_order(self, unit: str) -> tuple[Rows, Rows]:
-        """Return the unit's accesses by routine, and for each the next access of its routine; -1 if it is the last.
+        """Return two arrays: the unit's accesses, ordered by routine, and the next access of the same routine for each.
 
-        The main program comes first, then each run of a service routine; the accesses of each are in order.
+        The main program comes first, then each run of a service routine. The accesses of a routine are in order. For
+        the last access of a routine, the second array has -1.
         """
 
         def found() -> Rows:
@@ -202,7 +206,7 @@ class Run:
     def routine(self, unit: str, entry: int) -> Rows:
         """Return the unit's accesses in one run of a service routine.
 
-        entry: the number of the record of its entry; 0 for the main program.
+        entry: the number of the record of the entry of the routine; 0 for the main program.
         """
         rows, _ = self.in_order(unit)
         routines = self.remembered(f"routines of {unit}", lambda: self.table.cause[rows])
@@ -210,10 +214,9 @@ class Run:
         return found
 
     def service(self, unit: str, routine: int, after: int, before: int) -> tuple[Rows, Rows]:
-        """Return the rows of the ends of service routines between two rows, and the rows of the entries of these
-        routines.
+        """Return the service routines that ended between two rows: the rows of their ends, and of their entries.
 
-        routine: the routine that they interrupted, as the number of the record of its entry; 0 for the main program.
+        routine: the interrupted routine, as the number of the record of its entry; 0 for the main program.
         """
         table = self.table
 
@@ -230,7 +233,7 @@ class Run:
 
     @cached_property
     def accesses(self) -> tuple[Group, ...]:
-        """All accesses to known registers, grouped by unit, register and whether they read or write."""
+        """All accesses to known registers, in groups of the reads or the writes of one register by one unit."""
         table = self.table
         rows = self.rows(Kind.ACCESS)
         where, what = table.columns["where"][rows].astype(np.int64), table.columns["what"][rows].astype(np.int64)
@@ -279,8 +282,10 @@ class Run:
 
     @cached_property
     def cycles(self) -> Cycles:
-        """The length of a SYSCLKOUT cycle: as given, else as last recorded, else as the accesses show it, else at 150
-        MHz.
+        """The length of a SYSCLKOUT cycle.
+
+        It comes from the first known of these: `sysclk`, the last clock in the recording, the ticks of the accesses. If
+        none of them is known, it is the length of a cycle at 150 MHz.
         """
         if self._sysclk is not None:
             return Cycles(self.per_second / self._sysclk, f"SYSCLKOUT {_mhz(self._sysclk)}, as given")
@@ -308,7 +313,7 @@ class Run:
 
     @cached_property
     def _clocks(self) -> dict[str, ClockHistory]:
-        """The clock history by unit, from the recording; empty if it has none."""
+        """A dictionary from a unit to its clock history; empty if the recording has no clocks."""
         return {
             unit: ClockHistory(tuple(tick for tick, _ in clock), tuple(self.per_second / hz for _, hz in clock))
             for unit, clock in self.table.clocks.items()

@@ -19,15 +19,15 @@ from ..f28335.memory.ram import MEMORY
 from .register_maps import is_status, registers_of
 from .run import Group, NotInRun, Run
 
-COARSEST = Fraction(1, 10**6)  # seconds; a time with this resolution or a finer one can select a change near it
+COARSEST = Fraction(1, 10**6)  # seconds; a time with this or a finer resolution can select a change near this time
 
 
 @dataclass(frozen=True)
 class RecordedSignal:
     """A field, a wire, a span, an interrupt or a variable.
 
-    unit: "" for a wire.
-    where, what: as in the signal's records.
+    unit: the unit that has the signal; "" for a wire.
+    where, what: the place and the thing in the records of the signal.
     """
 
     kind: Kind
@@ -50,12 +50,12 @@ def asked(run: Run, question: str) -> tuple[RecordedSignal, int]:
 
 
 def named(run: Run, name: str) -> RecordedSignal:
-    """Return the one signal that a name means. Raise NotInRun if no signal, or more than one, matches."""
+    """Return the signal that a name means. Raise NotInRun if no signal matches, or if several signals match."""
     known = subjects(run)
     wanted = _folded(name)
     found = (
         [s for s in known if s.name == name]
-        or [s for s in known if s.name.endswith("." + name)]  # tells a span "model" from a wire "MODEL"
+        or [s for s in known if s.name.endswith("." + name)]  # this distinguishes a span "model" from a wire "MODEL"
         or [s for s in known if _folded(s.name) == wanted]
         or [s for s in known if _folded(s.name).endswith("." + wanted)]
     )
@@ -123,7 +123,10 @@ def _last_digit(text: str) -> Fraction:
 
 
 def _hint(known: list[RecordedSignal], name: str) -> str:
-    """Return a suggestion: the known names most similar to `name`, with as many parts; else what the run has."""
+    """Return a suggestion for `name`: the most similar known names with the same number of parts.
+
+    If no name is similar, the suggestion says which signals the run has.
+    """
     parts = name.count(".") + 1
     short = dict.fromkeys(".".join(s.name.split(".")[-parts:]) for s in known if s.name.count(".") + 1 >= parts)
     phrase = did_you_mean(name, short)

@@ -45,9 +45,8 @@ class Link(NamedTuple):
 
     known: RECORDED or INFERRED, the source of the relation; "" for the record whose causes are searched.
     because: the relation in words.
-    aside: True if the record is shown beside the cause and is not the cause itself; the search does not continue from
-    it.
-    of: the row of the record that this one is related to; -1 for the record whose causes are searched.
+    aside: True if the record is only additional information and not the cause. The search does not continue from it.
+    of: the row of the record to which this record is related; -1 for the record whose causes are searched.
     """
 
     row: int
@@ -61,8 +60,8 @@ class Link(NamedTuple):
 def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
     """Return links to the cause of an access and to the records that are shown beside it. The last link is the cause.
 
-    If the last link is `aside`, no cause was found. An access of the main program has no cause if no change or earlier
-    look explains it.
+    If the last link is `aside`, no cause was found. An access of the main program has no cause if neither a change nor
+    an earlier read explains the access.
     flag: the change of a field whose causes led to this access, or None.
     """
     routine = run.row_of(record.cause)
@@ -90,7 +89,8 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
 def looks_before(run: Run, row: int, record: Record) -> list[int]:
     """Return the rows of the looks that a write's routine made before the write.
 
-    Of several looks with the same register, place and field only the last one is returned.
+    A look is a read that is not the first half of a read-modify-write. Of several looks with the same register, place
+    and field, only the last look is returned.
     """
     accesses = accesses_before(run, row, record)[-MOST_ACCESSES:][::-1]
     found: dict[tuple[str, str, str], int] = {}
@@ -111,8 +111,9 @@ def accesses_before(run: Run, row: int, record: Record) -> Rows:
 
 
 def _beside(run: Run, look: int) -> list[Link]:
-    """Return links to a later look, to the change that it saw and to the delays in between. All are shown beside the
-    cause.
+    """Return links to a later look (a read), to the change that this look saw, and to delays between change and look.
+
+    All these links are shown beside the cause.
     """
     record = run.record(look)
     changed = change_seen(run, look, record)
@@ -169,12 +170,11 @@ def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
 
 
 def _own_read(run: Run, row: int, record: Record, flag: Record | None) -> list[Link]:
-    """Return links to the read half of a write's read-modify-write and, if one is found, to an earlier change of a
-    flag.
+    """Return links to the read half of a write's read-modify-write and, if it applies, to an earlier change of a flag.
 
-    The flag is the one in `flag`. The change is linked if the write only wrote back the flag as the read half saw it.
     The list is empty if the write does not belong to a read-modify-write.
-    flag: the change whose causes led to this write, or None.
+    flag: the change of a flag whose causes led to this write, or None. If the write only wrote back this flag as the
+        read half had read it, the result has a link to the change that the read half saw.
     """
     read = read_modify_writes(run, record.where).read_of(row)
     if read is None:
@@ -212,7 +212,10 @@ ROUND_A_GATE = 16  # maximum cycles between a module's request and the PIEIFR fl
 
 
 def walk_back(run: Run, row: int, depth: int) -> Iterator[Link]:
-    """Yield the record itself, then at most `depth` causes. Each cause follows the links that are shown beside it."""
+    """Yield a link to the record in `row`, then links to at most `depth` causes.
+
+    Each cause comes after the links that are shown beside it (`aside`).
+    """
     step = Link(row, run.record(row), "")
     yield step
     flag: Record | None = None
@@ -226,7 +229,7 @@ def walk_back(run: Run, row: int, depth: int) -> Iterator[Link]:
 
 
 def end_of_walk(run: Run, steps: Sequence[Link], depth: int) -> str:
-    """Return the reason why a walk ends at its last step, as a clause; "" if there was no step."""
+    """Return a clause that says why `walk_back` ended at its last step; "" if there was no step."""
     main = [step for step in steps if not step.aside]
     if not main:
         return ""
@@ -273,7 +276,10 @@ def _recorded(run: Run, record: Record) -> list[Link]:
 
 
 def _request(run: Run, row: int, record: Record) -> list[Link]:
-    """Return a link to the request that set a PIEIFR flag: the flag of a module that rose last, within a few cycles."""
+    """Return a link to the request that set a PIEIFR flag.
+
+    The request is the rise of the module's flag that came last before the PIEIFR flag, within ROUND_A_GATE cycles.
+    """
     unit, _, owner = record.where.rpartition(".")
     register, _, line = record.what.partition(".")
     if owner != "PIE" or not register.startswith("PIEIFR") or not record.value:
@@ -322,8 +328,8 @@ def _of_party(run: Run, row: int, record: Record) -> list[Link]:
 
 
 def holders(run: Run, row: int, record: Record) -> tuple[str, ...]:
-    """Return the parties that pull the wire low after this record; for a rising edge, those that pulled it low until
-    then.
+    """Return the parties that pull the wire low after this record. For a rising edge, return the parties that pulled
+    the wire low until this edge.
 
         EDGE fell "controller"   HOLD "controller, dsp.SCLA"   HOLD "dsp.SCLA"   EDGE rose
         the controller pulls     the unit pulls it low, too    the unit alone still pulls
@@ -341,7 +347,7 @@ def mover(run: Run, row: int, record: Record) -> str:
 
 
 def wire_rows(run: Run, wire: str) -> Rows:
-    """Return the rows of a wire in order: its edges and the changes of its holders."""
+    """Return the rows of a wire in order: its edges, and the changes of the set of parties that hold it low."""
 
     def both() -> Rows:
         return np.sort(np.concatenate([run.rows(kind, wire) for kind in (Kind.EDGE, Kind.HOLD)]))
@@ -350,9 +356,10 @@ def wire_rows(run: Run, wire: str) -> Rows:
 
 
 def causes_of_hold(run: Run, row: int, record: Record) -> list[Link]:
-    """Return a link to the record from which on the parties that now hold the wire low have all held it.
+    """Return a link to the record since which all parties that now hold the wire low have held it low.
 
-    Return no link if one of them began to hold the wire with this record; the record's own cause then explains it.
+    Return no link if one of these parties began to hold the wire with the record `record` itself, because the cause of
+    this record then explains the state of the wire.
     """
     ours = set(_named(record.text))
     joined = row

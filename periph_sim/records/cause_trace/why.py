@@ -32,15 +32,15 @@ SKIPPED = (
 class Answer:
     """The answer to a question.
 
-    value: None if it is not known, as for a wire before its first edge.
-    since: the tick from which the signal had the value; 0 if it never changed before.
+    value: the value of the signal; None if it is not known, as for a wire before its first edge.
+    since: the tick from which the signal had the value; 0 if the signal never changed before.
     back: the record that gave the value, then its causes. For a low wire, the first record is the last change of the
-    set of parties that hold it low.
+        set of parties that hold the wire low.
     pulled_by: the parties that first pulled the wire low, if it is low.
     held_by: the parties that hold the wire low at the tick of the question, if it is low.
-    effects: records that the record of the value caused.
-    reader: the first recorded read of the field after it had the value.
-    reads: number of recorded reads of the field before the next change.
+    effects: the records whose cause is the record that gave the value.
+    reader: the first recorded read of the field after the field had taken the value.
+    reads: number of recorded reads of the field from then until the next change.
     changed: the next change of the signal.
     ends: the reason why `back` ends.
     """
@@ -189,7 +189,7 @@ def said(run: Run, step: Link) -> str:
 
 
 def _with_source(words: str) -> str:
-    """Return the text so that the section of the manual at its end, if any, is never broken across lines."""
+    """Return the text with spaces at which lines are not broken in the section of the manual at its end, if any."""
     what, bracket, source = words.partition(" [")
     return f"{what} {together(f'[{source}')}" if bracket else words
 

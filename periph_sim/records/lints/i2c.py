@@ -153,7 +153,7 @@ def receive_register_early(run: Run, options: Options) -> Iterator[Fault]:
 
 @finds("I2CDRR never read though RRDY rose")
 def receive_register_unread(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield, for each module whose received bytes the firmware never reads, the first access that saw RRDY = 1."""
+    """Yield the first access that saw RRDY = 1, for each module whose received bytes the firmware never reads."""
     for unit, modules in run.units.items():
         for module in (module for module in modules if module.startswith("I2C")):
             rises = run.rises(unit, module, I2CSTR, I2CSTR["RRDY"])

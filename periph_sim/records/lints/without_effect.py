@@ -76,9 +76,10 @@ def _of_mode(run: Run, group: Group) -> Iterator[Fault]:
 
 
 def _as_slave(run: Run, group: Group, until: Rows, chosen: Bools | bool = True) -> Rows:
-    """Return those of the chosen writes at which the module is slave and after which it stays slave up to row `until`.
+    """Return the chosen writes that were made while the module was slave, if it stayed slave afterwards.
 
-    until: one row for each write of the group.
+    until: for each write of the group, the row up to which the module must stay slave.
+    chosen: for each write of the group, True if it is chosen; or True for all.
     """
     rises = run.rises(group.unit, group.module, I2CMDR, MST)
     master_before = np.searchsorted(rises, until) > np.searchsorted(rises, group.rows)

@@ -26,9 +26,9 @@ class RecordingWriter:
     SUFFIX: the end of the names of its files.
     MODE: "w" for text, "wb" for bytes.
     KINDS: the kinds of records that it needs.
-    write: called with each record.
-    sink: called instead of `write` by a writer that needs no Record objects.
-    clocks: the SYSCLKOUT of each unit, set before `close`.
+    write: the method that is called with each record.
+    sink: the RecordSink that receives the records instead of `write`; None if the writer needs Record objects.
+    clocks: the history of SYSCLKOUT of each unit, which is set before `close` is called.
     """
 
     SUFFIX: ClassVar[str]
@@ -40,7 +40,7 @@ class RecordingWriter:
     clocks: Clocks
 
     def __init__(self, file: IO[Any], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
-        """modules: for each unit the names of its modules, as `I2C-A`, and of its named pins, as `pin:MODEL`."""
+        """modules: for each unit, the names of its modules, as in `I2C-A`, and of its named pins, as in `pin:MODEL`."""
         self._file = file
         self._per_second = timebase.per_second
 
@@ -68,17 +68,21 @@ def recording_formats() -> dict[str, type[RecordingWriter]]:
 
 
 def format_of(path: Path) -> type[RecordingWriter] | None:
-    """Return the format whose suffix ends the name, or None. A suffix may have two dots, as `.perfetto.json`."""
+    """Return the format whose suffix is the end of the file's name, or None. A suffix may be `.perfetto.json`."""
     name = path.name.casefold()
     return next((found for suffix, found in recording_formats().items() if name.endswith(suffix)), None)
 
 
 @contextmanager
 def recording(path: Path | None, modules: dict[str, tuple[str, ...]]) -> Iterator[tuple[Subscribe, EndedAt]]:
-    """Yield two functions: one for a scene to subscribe with, and one to call with the last tick and the units' clocks.
+    """Yield two functions for the recording of one run.
 
-    path: None to record nothing; the functions then do nothing.
-    modules: for each unit the names of its modules and named pins.
+    The first function subscribes the recording in a scene. The second function must be called at the end of the run,
+    with the last tick and the clocks of the units.
+
+    path: the file of the recording; if it is None, the functions do nothing.
+    modules: for each unit, the names of its modules and of its named pins.
+
     Raise BadRecording if the suffix is unknown or the file cannot be written.
     """
     writers: list[RecordingWriter] = []
@@ -103,8 +107,8 @@ def recording(path: Path | None, modules: dict[str, tuple[str, ...]]) -> Iterato
 def rewrite(table: RecordTable, path: Path) -> None:
     """Write a recorded run in the format that the suffix of `path` selects, as `run --record` would have written it.
 
-    Raise BadRecording if the suffix is unknown, the file cannot be written, or a nanosecond is no whole number of
-    ticks.
+    Raise BadRecording if the suffix is unknown, if the file cannot be written, or if a nanosecond is not a whole number
+    of ticks.
     """
     per_second = table.per_second
     with _opened(path) as (chosen, file):

@@ -90,7 +90,7 @@ class PerfettoWriter(RecordingWriter):
         track = self._track("bus", "transfers")
         per_second = Fraction(self._per_second)
         for transfer in i2c.transfers(Capture(Path(), per_second, length, channels, sampled=False)):
-            if not transfer.phases:  # the recording began after the START
+            if not transfer.phases:  # the START came before the recording began
                 continue
             self._begin(track, _title(transfer), transfer.phases[0].start.at)
             for place, byte in ((place, byte) for phase in transfer.phases for place, byte in enumerate(phase.bytes)):
@@ -158,7 +158,10 @@ def _title(transfer: i2c.Transfer) -> str:
 
 
 def _byte(byte: i2c.Byte, place: int) -> str:
-    """Return a byte as text: `0x68 W ACK` if first in a phase, else `0x1D ACK`; the bits of a byte that is cut off."""
+    """Return a byte as text: `0x68 W ACK` for the first byte of a phase, `0x1D ACK` for other bytes.
+
+    For a byte that is cut off, the text has only its bits.
+    """
     if byte.value is None:
         return "cut off: " + "".join(str(bit.value) for bit in byte.bits)
     if byte.acked is None:
@@ -169,7 +172,10 @@ def _byte(byte: i2c.Byte, place: int) -> str:
 
 
 def _channel(index: int, name: str, flat: array[int], length: int) -> Channel:
-    """Return the levels of a wire, which was released before its first edge. flat: tick, level, tick, level, ..."""
+    """Return the levels of a wire as a channel. The wire is high before its first edge.
+
+    flat: the tick and the level of each edge: tick, level, tick, level, ...
+    """
     pairs = np.frombuffer(flat, np.int64).reshape(-1, 2)
     return channel_of(name, index, [0, *pairs[:, 0].tolist()], [1, *pairs[:, 1].tolist()], length)
 

@@ -42,7 +42,7 @@ WIRES = ("SCL", "SDA", "RX", "TX")
 MAPS = {"I2C": I2C_MAP, "SCI": SCI_MAP}
 
 RATES = [Fraction(mhz * 10**6) for mhz in (100, 50, 20, 10, 5, 2, 1)]  # sample rates of .sr files, in Hz
-MOST_SAMPLES = 1 << 28  # 2.7 s at 100 MHz; it takes two to three seconds to pack them
+MOST_SAMPLES = 1 << 28  # 2.7 s at 100 MHz; packing this number of samples takes two to three seconds
 PICOSECONDS = 10**12
 # Text signals of .fst with values such as "0x68 R ACK" and "0x55". Each value is kept until the next record.
 SAID = {Kind.BUS: "bus.I2C.text", Kind.FRAME: "bus.UART.text"}
@@ -51,7 +51,7 @@ Numbers = NDArray[np.int64]
 
 
 class Signal:
-    """A signal of `width` bits with the value `initial` at tick 0. The last of several changes in one tick counts."""
+    """A signal of `width` bits with the value `initial` at tick 0. Only the last change in a tick counts."""
 
     def __init__(self, name: str, width: int = 1, initial: int = 0) -> None:
         self.name = name
@@ -93,9 +93,9 @@ class RunSignals:
         self._per_second = timebase.per_second
         self._signals: dict[str, Signal] = {}
         self._wires = {name: self._signal(f"wires.{name}", initial=1) for name in WIRES}
-        # `_fields` has by place and field: the field's signal, its register's signal, and the field's lowest bit.
+        # From a place and a field to the field's signal, the register's signal, and the lowest bit of the field.
         self._fields: dict[tuple[str, str], tuple[Signal, Signal, int]] = {}
-        # `_depth` has the nesting depth, because interrupts and spans may be entered again before they are left.
+        # From an interrupt or span to its nesting depth, because it may be entered again before it is left.
         self._depth: dict[tuple[str, str], int] = {}
         for names in modules.values():
             for pin in (name.removeprefix("pin:") for name in names if name.startswith("pin:")):

@@ -32,7 +32,7 @@ class UnknownKey(BadCase):
 
 
 def load(path: Path | str, changes: list[str] | None = None) -> Case:
-    """Return the case in a file, with `key=value` changes applied. Raise BadCase with one sentence if it is wrong.
+    """Return the case in a file, with `key=value` changes applied. Raise BadCase if the case is not valid.
 
     Paths of firmware files are relative to the folder of the case, wherever the command was started.
     """
@@ -79,12 +79,12 @@ def built(case: Case, source: Source) -> Case:
 
 
 def case_of(tree: dict[str, Any], path: Path) -> Case:
-    """Return the case in a tree, as if read from the file `path`. Raise BadCase with one sentence if it is wrong."""
+    """Return the case in a tree as if it had been read from the file `path`. Raise BadCase if the tree is not valid."""
     return _case_in(Source(path, "", values=tuple(texts_in(tree))), copied(tree))
 
 
 def refusal(source: Source, error: BadTable, tree: object) -> BadCase:
-    """Return the BadCase to raise for the mistakes in a case. tree: the data that was checked."""
+    """Return a BadCase about the mistakes in a case. tree: the tree of the case that was checked."""
     kind = BadCase if error.first.known is None else UnknownKey
     return kind(explain(source, error, tree))
 
@@ -263,13 +263,16 @@ _TOO_LONG = re.compile(r"[0-9_]{4300}")  # matches an integer that is too long f
 
 
 def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
-    """Return the text and the tree of a TOML file. what: its kind, for messages. Raise BadCase if it is unreadable."""
+    """Return the text of a TOML file, and its tree of tables. Raise BadCase if the file cannot be read or parsed.
+
+    what: the kind of file, for messages.
+    """
     text = text_of(path, what)
     return text, tree_of(path, text)
 
 
 def text_of(path: Path, what: str) -> str:
-    """Return the text of a TOML file. what: its kind, for messages. Raise BadCase if it cannot be read as UTF-8."""
+    """Return the text of a TOML file. what: the kind of file, for messages. Raise BadCase if the file is not UTF-8."""
     try:
         data = read_input(path)
     except IsADirectoryError:
@@ -289,7 +292,7 @@ def text_of(path: Path, what: str) -> str:
 
 
 def tree_of(path: Path, text: str) -> dict[str, Any]:
-    """Return the tree of a TOML text. path: for messages. Raise BadCase if the text cannot be parsed."""
+    """Return the tree of tables in a TOML text. path: the file, for messages. Raise BadCase for invalid TOML."""
     try:
         return cast(dict[str, Any], copied(_tables(text)))
     except tomllib.TOMLDecodeError as error:
@@ -304,7 +307,7 @@ def tree_of(path: Path, text: str) -> dict[str, Any]:
 
 @lru_cache(maxsize=16)
 def _tables(text: str) -> dict[str, Any]:
-    """Return the tree of a TOML text from a cache. A caller that changes the tree must copy it first."""
+    """Return the tree of tables in a TOML text, from a cache. A caller that changes the tree must copy it first."""
     return tomllib.loads(text)
 
 

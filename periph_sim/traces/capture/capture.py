@@ -1,11 +1,10 @@
-"""A capture in memory, as every format reader returns it: the edges, channel by channel.
+"""A capture in memory: the edges of each channel. The readers of all file formats return a `Capture`.
 
     file --> formats.read(path) --> Capture --> decode
 
-Positions are integers: sample numbers where the file counts samples, ticks where it
-only gives times. An edge is at the first position with the new level. Unknown levels
-(gaps between chunks, `x` in a VCD, `X` in a CSV) are spans that a decoder must not
-cross.
+Positions are integers: numbers of samples if the file consists of samples, and ticks if the file states only times. An
+edge is at the first position with the new level. Spans in which a level is unknown (gaps between chunks, `x` in a VCD,
+`X` in a CSV) must not be crossed by a decoder.
 """
 
 from __future__ import annotations
@@ -28,17 +27,20 @@ from ...core.time import seconds
 Positions = NDArray[np.int64]
 Levels = NDArray[np.uint8]
 
-MOST_DIGITS = 40  # maximum digits of a number in text; Python refuses to convert more than 4300
+MOST_DIGITS = 40  # maximum number of digits of a number in text; Python refuses to convert more than 4300
 MOST_NAMED = 12  # maximum number of channels that a message names
 MOST_LISTED = 3  # maximum number of spans that a note lists
-UNKNOWN = 2  # the state of a line whose level is unknown, beside the states 0 and 1
+UNKNOWN = 2  # the state of a line whose level is unknown; the other states are 0 and 1
 UNITS = {"": 1, "hz": 1, "khz": 10**3, "mhz": 10**6, "ghz": 10**9}
 FASTEST = 10**15  # highest rate that is accepted, in samples per second
 RATE = re.compile(rf"\s*(\d{{1,{MOST_DIGITS}}}(?:\.\d{{0,{MOST_DIGITS}}})?(?:[eE]\+?\d\d?)?)\s*([A-Za-z]*)\s*")
 
 
 class BadCapture(ValueError):
-    """A file cannot be read. The message states the file, the place, what was found and expected, and a remedy."""
+    """A file cannot be read or written.
+
+    The message states the file, the place in it, what was found and expected, and a remedy (`way_out`).
+    """
 
     def __init__(self, path: Path, place: str, found: str, expected: str, way_out: str) -> None:
         said = f"{shorten(place)}: found {shorten(found)}, expected {shorten(expected)}; {shorten(way_out)}"
@@ -62,7 +64,8 @@ class Channel:
 
     initial: the level before the first edge.
     edges: the positions of the edges, strictly increasing, from 1 to length - 1. Each edge inverts the level.
-    index: the place of the line in the file: a bit of the sample, a column, or the number of an export file.
+    index: the number of the line in the file: its bit in a sample, its column, or the number of its export file.
+    unknown: the spans in which the level is unknown, in order.
     """
 
     name: str
@@ -79,7 +82,7 @@ class Channel:
         return levels
 
     def at(self, positions: Positions) -> Levels:
-        """Return the level at each position; an edge at a position is included."""
+        """Return the level at each position. At the position of an edge, this is the level after the edge."""
         done = np.searchsorted(self.edges, positions, side="right")
         return (self.initial ^ (done & 1)).astype(np.uint8)
 
@@ -88,14 +91,14 @@ class Channel:
         return self.at(positions - 1)
 
     def without_glitches(self, shortest: int) -> Channel:
-        """Return the line without pulses of fewer than `shortest` positions, high or low. It must be known throughout.
+        """Return the line without high and low pulses of fewer than `shortest` positions. All levels must be known.
 
             shortest = 3     __-_______----____        __________----____
                              __--_-----___-____   -->  ______----________
 
-        Pulses are removed from left to right, each with both its edges. If consecutive short pulses end at another
-        level than they begin with, their last edge remains. The levels before the first and after the last edge are no
-        pulses.
+        Both edges of a short pulse are removed, from left to right. If the level after a series of short pulses differs
+        from the level before this series, the last edge of the series remains. The levels before the first edge and
+        after the last edge of the line are no pulses.
         """
         if shortest <= 1 or len(self.edges) < 2:
             return self
@@ -104,16 +107,16 @@ class Channel:
     def without_levels(self, short: NDArray[np.bool_]) -> Channel:
         """Return the line without some of its levels.
 
-        short: for each edge, True if the level after it is removed. The last one is False.
+        short: for each edge, True if the level that begins with this edge is removed; False for the last edge.
         """
         if not short.any():
             return self
-        begins = np.flatnonzero(~np.append(False, short[:-1]))  # edges that begin a run of such levels
-        ends = np.flatnonzero(~short)
+        begins = np.flatnonzero(~np.append(False, short[:-1]))  # indices of the edges after a level that is kept
+        ends = np.flatnonzero(~short)  # indices of the edges before a level that is kept
         return replace(self, edges=self.edges[ends[(ends - begins) & 1 == 0]])
 
     def cut(self, span: Span) -> Channel:
-        """Return the line within a span, with its positions unchanged; `initial` is the level where the span begins."""
+        """Return the line within a span. Positions are unchanged; `initial` is the level at the begin of the span."""
         first, last = np.searchsorted(self.edges, [span.begin + 1, span.end])
         initial = self.initial ^ (int(first) & 1)
         return Channel(self.name, self.index, initial, self.edges[first:last])
@@ -123,9 +126,9 @@ class Channel:
 class Capture:
     """A recording of some lines.
 
-    rate: the number of positions per second; None if neither the file nor the caller states it.
-    sampled: True if a position is a sample of the analyser; False if positions are the ticks of time stamps, whose
-        sampling grid is unknown (see `sampling`).
+    rate: the number of positions per second; None if neither the file nor the caller states a rate.
+    sampled: True if positions are samples of the analyser; False if they are ticks of time stamps whose sampling grid
+        is unknown (see `sampling`).
     notes: sentences that say how the reader treated irregularities of the file.
     exact: True if positions are exact instants, as in our own simulations.
     """
@@ -139,14 +142,14 @@ class Capture:
     exact: bool = False
 
     def noted(self, *notes: str) -> Capture:
-        """Return the capture with more notes."""
+        """Return the capture with these notes added."""
         return replace(self, notes=(*self.notes, *notes))
 
     def channel(self, wanted: str | int) -> Channel:
-        """Return the channel with a name, or with an index, which may be given as digits.
+        """Return the channel with this name or index. An index can also be given as a text of digits.
 
-        The part of a name after its last dot is sufficient if it is unique. If there is no such channel, raise
-        LookupError with the most similar names.
+        The part of a name after its last dot is sufficient if it is unique. Raise LookupError, with similar names, if
+        no channel or more than one channel matches.
         """
         if isinstance(wanted, str):
             found = [c for c in self.channels if c.name == wanted]
@@ -184,7 +187,10 @@ def listed(channels: Sequence[Channel]) -> str:
 
 
 def channel_of(name: str, index: int, at: Iterable[int], levels: Iterable[int | None], length: int) -> Channel:
-    """Build a Channel from levels in order of time, which are None if unknown. See `channel_of_states`."""
+    """Build a Channel from positions and the level from each position on, which is None if the level is unknown.
+
+    The rules are those of `channel_of_states`.
+    """
     states = [UNKNOWN if level is None else level for level in levels]
     return channel_of_states(name, index, np.fromiter(at, np.int64), np.array(states, np.uint8), length)
 
@@ -205,8 +211,8 @@ def channel_of_states(name: str, index: int, at: Positions, states: Levels, leng
     """Build a Channel from positions and the state of the line from each position on: 0, 1 or UNKNOWN.
 
     Positions may repeat but never decrease. The last of several states at one position counts, and a state that equals
-    the one before is ignored. An unknown part has no edges: it has the level before it, or, at the start of the
-    capture, the level after it.
+    the previous state is ignored. A span in which the level is unknown has no edges: the level before the span, or at
+    the start of the capture the level after the span, is assumed throughout.
     """
     if len(at):
         last = np.append(at[1:] != at[:-1], True)
@@ -242,7 +248,10 @@ def changes(capture: Capture) -> tuple[Positions, NDArray[np.int64], Levels]:
 
 
 def _states(channel: Channel, length: int) -> tuple[Positions, Levels]:
-    """Return the positions at which a channel's state changes, the first of which is 0, and its states from them on."""
+    """Return the positions at which a channel's state changes, and the state from each position on.
+
+    The first position is 0.
+    """
     begins = np.array([span.begin for span in channel.unknown], np.int64)
     ends = np.array([span.end for span in channel.unknown if span.end < length], np.int64)
     at = np.unique(np.concatenate([np.zeros(1, np.int64), channel.edges, begins, ends]))
@@ -262,7 +271,7 @@ def gaps(capture: Capture, *channels: Channel) -> list[Span]:
 
 
 def gap_notes(capture: Capture, *channels: Channel) -> list[str]:
-    """Return a note on where and for how long the channels were not recorded; an empty list if they always were."""
+    """Return a list with a note on the spans in which a channel is unknown; an empty list if there are none."""
     found = gaps(capture, *channels)
     if not found:
         return []
@@ -285,12 +294,18 @@ def _seconds(rate: Fraction, positions: int) -> str:
 
 
 def with_channels(capture: Capture, names: Sequence[str]) -> Capture:
-    """Return the named channels in the order given. Raise LookupError, with similar names, if one does not exist."""
+    """Return the capture with only the named channels, in this order.
+
+    Raise LookupError, with similar names, if a channel does not exist.
+    """
     return replace(capture, channels=tuple(capture.channel(name) for name in names))
 
 
 def within(capture: Capture, window: Span) -> Capture:
-    """Return the part in the window, which begins at position 0. Raise BadCapture if it is outside the capture."""
+    """Return the part of the capture in a window. Positions are then counted from the begin of the window.
+
+    Raise BadCapture if the window is not within the capture.
+    """
     if not 0 <= window.begin < window.end <= capture.length:
         raise BadCapture(
             capture.path,
@@ -313,7 +328,7 @@ def _within(channel: Channel, window: Span) -> Channel:
 def window_of(text: str, rate: Fraction | None) -> Span:
     """Parse a window of times, `100 us..1.2 ms`, or of positions, `400..4800`.
 
-    Times between two positions are rounded outwards. Raise ValueError if the text is invalid.
+    Times between two positions are rounded so that the window becomes longer. Raise ValueError if the text is invalid.
     """
     begin, dots, end = text.partition("..")
     if not dots:

@@ -1,9 +1,9 @@
 """Find the buses of a capture by the names of its channels: pairs of SCL and SDA, and serial lines.
 
 SCL, SDA                                             one bus
-EEPROM SCL, EEPROM SDA, SCL2, SDA2                   two buses: the other words, or the numbers, are equal
-Channel 0 (SDA), Channel 1 (SCL)                     one bus, because no other channel can be its SCL or SDA
-SCL_A, SDA_A, SCL_B                                  one bus; SCL_B is left over
+EEPROM SCL, EEPROM SDA, SCL2, SDA2                   two buses: the names of a pair have the same other word or number
+Channel 0 (SDA), Channel 1 (SCL)                     one bus, because no other channel can be SCL or SDA
+SCL_A, SDA_A, SCL_B                                  one bus; SCL_B has no partner
 tb.scl, tb.dut.scl, tb.sda, tb.dut.sda               one bus if both scopes show the same edges
 """
 
@@ -31,7 +31,7 @@ def channels_named(capture: Capture, line: str) -> list[Channel]:
 
 
 LINE = re.compile(r"(scl|sda|rx|tx)(\d*)")
-PLACE = re.compile(r"channel|(ch|d|a)?\d+")  # names an input of the analyser and is no part of the name of a bus
+PLACE = re.compile(r"channel|(ch|d|a)?\d+")  # a word that names an input of the analyser, and not a bus
 
 Key = tuple[str, ...]
 
@@ -40,8 +40,8 @@ class Named(NamedTuple):
     """The buses of a capture.
 
     i2c: SCL and SDA of each I2C bus.
-    uart: lines called RX or TX.
-    left_over: SCL or SDA lines without a partner.
+    uart: the lines whose names contain RX or TX.
+    left_over: the SCL and SDA lines without a partner.
     """
 
     i2c: list[tuple[Channel, Channel]]
@@ -51,7 +51,7 @@ class Named(NamedTuple):
 
 class _Line(NamedTuple):
     line: str
-    key: Key  # scope, other words of the name, number of the line
+    key: Key  # the scope, the other words of the name, and the number of the line
     channel: Channel
 
 
@@ -81,7 +81,7 @@ def _line(channel: Channel) -> _Line | None:
 
 
 def _same(line: _Line, other: _Line) -> bool:
-    """Return True if two channels of a simulation are the same wire in different scopes: their edges are equal."""
+    """Return True if the edges of two lines are equal: they seem to be one wire in two scopes of a simulation."""
     a, b = line.channel, other.channel
     return line.line == other.line and len(a.edges) > 0 and a.initial == b.initial and np.array_equal(a.edges, b.edges)
 
@@ -91,7 +91,10 @@ def _key_without_places(line: _Line) -> Key:
 
 
 def _pairs(lines: Iterable[_Line], alike: Callable[[_Line], Key]) -> list[tuple[_Line, _Line]]:
-    """Return the pairs of SCL and SDA with equal keys, for each key that has exactly one of both."""
+    """Return a pair of SCL and SDA for each key that exactly one SCL and exactly one SDA have.
+
+    alike: a function that returns the key of a line.
+    """
     groups: dict[Key, dict[str, list[_Line]]] = {}
     for line in lines:
         groups.setdefault(alike(line), {"scl": [], "sda": []})[line.line].append(line)

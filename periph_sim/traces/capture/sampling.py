@@ -1,13 +1,13 @@
-"""The grid of a capture's positions: its sampling step, its conversion from and to times, and to another grid.
+"""Sampling grids: the grid of a capture's positions, and conversions between positions, times and other grids.
 
     "0.000016460", ISO 8601 --> ticks (a power of ten per second) <--> samples of a known rate
 
 A file of time stamps (VCD, Saleae CSV and binary) does not say how it was sampled. Its sample period is assumed to be
-that of the coarsest grid on which all its edges lie. If that grid is finer than any analyser's, the file comes from a
-simulation, whose times are exact, as are those of our own runs.
+the step of the coarsest grid on which all its edges lie. If this grid is finer than the grid of any analyser, the file
+is assumed to come from a simulation, and its times to be exact. The times of our own runs are always exact.
 
-Resampling moves an edge to the first sample at or after it, where an analyser of that rate would have recorded it. A
-pulse between two samples is lost; a note states the number of lost pulses. All conversions are exact or fail.
+Resampling moves an edge to the first sample at or after the edge, where an analyser would have recorded it. A pulse
+between two samples is lost; a note states the number of lost pulses. Positions are calculated without floats.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from .capture import MOST_DIGITS, BadCapture, Capture, Channel, Positions, Span
 
 MOST_POSITION = 1 << 62
 FASTEST_ANALYSER = 10**10  # samples per second; no logic analyser is faster
-LONGEST_PAUSE = 1 << 26  # samples without an edge when time stamps become samples: 0.7 s at 100 MHz
+LONGEST_PAUSE = 1 << 26  # a longer pause, in samples, may be an error in a time stamp: 0.7 s at 100 MHz
 
 
 def resampled(capture: Capture, rate: Fraction) -> Capture:
@@ -41,7 +41,7 @@ def resampled(capture: Capture, rate: Fraction) -> Capture:
         )
     ratio = rate / capture.rate
     last = max((int(channel.edges[-1]) for channel in capture.channels if len(channel.edges)), default=0)
-    length = max(ceil(capture.length * ratio), ceil(last * ratio) + 1)  # no edge is after the last sample
+    length = max(ceil(capture.length * ratio), ceil(last * ratio) + 1)  # so that no edge is after the last sample
     if length > MOST_POSITION:
         raise BadCapture(capture.path, "its length", f"{length} samples", f"at most {MOST_POSITION}", "use less --rate")
     moved = [_moved(channel, ratio, length) for channel in capture.channels]
@@ -73,7 +73,7 @@ def _moved(channel: Channel, ratio: Fraction, length: int) -> tuple[Channel, int
 
 
 def _up(positions: Positions, ratio: Fraction) -> Positions:
-    """Return the first sample at or after each position, exactly."""
+    """Return the number of the first sample at or after each position. ratio: the number of samples per position."""
     top, bottom = ratio.numerator, ratio.denominator
     if len(positions) and int(positions[-1]) * top + bottom >= 1 << 63:
         positions = positions.astype(object)
@@ -81,29 +81,32 @@ def _up(positions: Positions, ratio: Fraction) -> Positions:
 
 
 def grid_of(channels: tuple[Channel, ...]) -> int:
-    """Return the greatest common divisor of the positions between any two edges; 1 with fewer than two edges."""
+    """Return the greatest common divisor of the distances between edges, in positions; 1 for fewer than two edges."""
     busy = [channel.edges for channel in channels if len(channel.edges)]
     steps = [int(np.gcd.reduce(edges - busy[0][0])) for edges in busy]
     return max(1, gcd(*steps))
 
 
 def is_exact(capture: Capture) -> bool:
-    """Return True if the positions are instants of a simulation, or finer than those of any analyser."""
+    """Return True if the capture is marked as exact, or if the grid of its edges is finer than that of any analyser.
+
+    Samples are never exact.
+    """
     if capture.sampled or capture.rate is None:
         return False
     return capture.exact or capture.rate / grid_of(capture.channels) > FASTEST_ANALYSER
 
 
 def sample_step(capture: Capture) -> int:
-    """Return the positions from one sample to the next, which is the uncertainty of an edge's true instant.
+    """Return the number of positions per sample, which is the uncertainty of the true instant of an edge.
 
-    It is 1 if positions are samples or exact instants; otherwise it is the step of the edges' grid.
+    The number is 1 if positions are samples or exact instants; otherwise it is the step of the grid of all edges.
     """
     return 1 if capture.sampled or is_exact(capture) else grid_of(capture.channels)
 
 
 def stamp_notes(capture: Capture) -> list[str]:
-    """Return a note on the assumed resolution of a capture's time stamps; none for samples and exact times."""
+    """Return a list with a note on the assumed resolution of time stamps; an empty list for samples and exact times."""
     if capture.sampled or capture.rate is None or is_exact(capture):
         return []
     apart = float(grid_of(capture.channels) * 10**9 / capture.rate)
@@ -114,10 +117,11 @@ def stamp_notes(capture: Capture) -> list[str]:
 
 
 def on_samples(capture: Capture) -> Capture:
-    """Return the capture in samples of the slowest rate that loses no edge, with a note that says so.
+    """Return the capture in samples of the slowest rate that loses no edge. A note states the rate if it is a new one.
 
-    A capture of samples, or without a rate, is returned unchanged. Raise BadCapture if most of the samples would lie in
-    one long pause, which is the effect of a single damaged time stamp.
+    A capture of samples, or without a rate, is returned unchanged.
+
+    Raise BadCapture if most of the samples would lie in one long pause, which a single damaged time stamp can cause.
     """
     if capture.sampled or capture.rate is None:
         return capture
@@ -130,9 +134,9 @@ def on_samples(capture: Capture) -> Capture:
 
 
 def _refuse_pause(capture: Capture, rate: Fraction) -> None:
-    """Raise BadCapture if one pause has more samples than LONGEST_PAUSE and than the rest of the capture together.
+    """Raise BadCapture if a pause has more samples than LONGEST_PAUSE and more than the rest of the capture.
 
-    A capture with exact times may have such a pause.
+    A capture that is marked as exact is always accepted.
     """
     assert capture.rate is not None
     edges = np.sort(np.concatenate([channel.edges for channel in capture.channels] or [np.empty(0, np.int64)]))
@@ -153,16 +157,20 @@ def _refuse_pause(capture: Capture, rate: Fraction) -> None:
     )
 
 
-# A text with more digits is not a time.
+# These patterns limit the number of digits. A text with more digits is not a time.
 DECIMAL = re.compile(r"\s*([+-]?)(\d{1,40})(?:\.(\d{0,40}))?(?:[eE]([-+]?\d\d?))?\s*", re.ASCII)
 ISO = re.compile(r"\s*(\d{4}-\d\d-\d\d[T ]\d\d:\d\d:\d\d)(?:\.(\d{1,40}))?(Z|[+-]\d\d:?\d\d)?\s*")
 
 FINEST = 15  # maximum number of decimals with which seconds are written: femtoseconds
-LEAST_DECIMALS = 9  # nanoseconds: Saleae's exports are exact with these if the sample period is whole nanoseconds
+LEAST_DECIMALS = 9  # number of decimals of a second in Saleae's CSV, unless more are needed: nanoseconds
 
 
 class OffGrid(ValueError):
-    """A time lies between two samples of the given rate. It has an index in its sequence and an offset in ticks."""
+    """A time lies between two samples of the given rate.
+
+    which: the index of the time in its sequence.
+    off: the time minus the time of the nearest sample, in ticks.
+    """
 
     def __init__(self, which: int, off: Fraction) -> None:
         super().__init__(f"time {which} is {float(off):.3g} ticks off the grid")
@@ -170,13 +178,14 @@ class OffGrid(ValueError):
 
 
 def exact_time(text: str) -> tuple[int, int]:
-    """Parse a time exactly. Return (digits, decimals), which means digits / 10**decimals seconds.
+    """Parse a time exactly. Return (digits, decimals); the time is digits / 10**decimals seconds.
 
-    Raise ValueError if the text is neither a number nor a time of ISO 8601.
+    A time of ISO 8601 is counted from the beginning of 1970 in UTC. Raise ValueError if the text is neither a number of
+    seconds nor a time of ISO 8601.
     """
     whole, _, part = text.partition(".")
     if part.isdecimal() and whole.isdecimal() and text.isascii() and len(text) <= MOST_DIGITS:
-        return int(whole + part), len(part)  # the same as below, for most times
+        return int(whole + part), len(part)  # a quicker way for the most frequent form
     if match := DECIMAL.fullmatch(text):
         part = match[3] or ""
         decimals = len(part) - int(match[4] or 0)
@@ -190,13 +199,15 @@ def exact_time(text: str) -> tuple[int, int]:
 
 
 def decimals_for(capture: Capture, least: int, rounded_to: int, otherwise: str = "") -> tuple[int, bool]:
-    """Return with how many decimals of a second times are written, from `least` to FINEST, and whether this is exact.
+    """Return the number of decimals with which seconds are written, and True if all times are then exact.
 
-    This is the smallest number of decimals with which each sample is exact. If there is none, it is the smallest number
-    with which a sample is at least `rounded_to` units of the last decimal. With it, a reader that knows the rate gets
-    the same samples.
+    The number is the smallest number, from `least` to FINEST, with which the times of all samples are exact. If no
+    number is exact, it is the smallest number with which a sample period is at least `rounded_to` units of the
+    last decimal. Then a reader that knows the rate gets the same samples.
 
-    otherwise: an addition to the expected rate in the message. Raise BadCapture if there is no rate or it is too high.
+    otherwise: a text that the message appends to the highest possible rate.
+
+    Raise BadCapture if the capture has no rate, or a rate that is too high.
     """
     rate = capture.rate
     if rate is None:
@@ -229,11 +240,14 @@ def nearest(times: Positions, ratio: Fraction) -> Positions:
 
 
 def quantized(ticks: Positions, per_second: Fraction, rate: Fraction) -> Positions:
-    """Return the nearest sample number of each time.
+    """Return the number of the sample nearest to each time.
 
-    If a sample period is a whole number of ticks, each time must be on a sample. Otherwise the writer may have rounded
-    or truncated times by up to a tick. Raise OffGrid for a time that is further off, and OverflowError if a sample
-    number exceeds 64 bits.
+    If a sample period is a whole number of ticks, each time must be exactly on a sample. Otherwise a time may be up to
+    one tick away from a sample, because the writer of the file may have rounded or truncated the time. Raise OffGrid
+    for a time that is further away, and OverflowError if the number of a sample exceeds 64 bits.
+
+    ticks: the times.
+    per_second: the number of ticks per second.
     """
     period = per_second / rate  # ticks per sample
     samples = nearest(ticks, 1 / period)
@@ -248,10 +262,13 @@ def quantized(ticks: Positions, per_second: Fraction, rate: Fraction) -> Positio
 def on_grid(
     path: Path, lines: Sequence[Positions], last: int, per_second: Fraction, rate: Fraction, said: str
 ) -> tuple[list[Positions], int]:
-    """Return the sample numbers of the times of each line, and of the time `last`.
+    """Return the sample numbers of the times of each line, and the sample number of the time `last`.
 
-    Raise BadCapture if a time is not on a sample. said: a description of such a time for the message, with {} in place
-    of the time.
+    lines, last: times in ticks.
+    per_second: the number of ticks per second.
+    said: the description of a wrong time in the message, with {} in place of the time.
+
+    Raise BadCapture if a time is not on a sample.
     """
     moments = np.unique(np.concatenate([np.array([last], np.int64), *lines]))
     try:

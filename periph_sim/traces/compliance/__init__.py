@@ -1,4 +1,4 @@
-"""Check of a trace against the timing limits of the I2C-bus specification, for the command and for tests.
+"""Check of a capture against the timing limits of the I2C-bus specification, for the command line and for tests.
 
     Capture --measure--> times of every limit --row_of--> Report: pass, fail, or undecidable at this sample rate
 
@@ -24,9 +24,11 @@ def check(
     *,
     exact: bool | None = None,
 ) -> Report:
-    """Return the verdict on every limit of a mode. Its `str()` is a table.
+    """Return a report with the verdict on each limit of the mode. The `str()` of the report is a table.
 
-    exact: as for `resolution_of`. Raise LookupError if a channel is missing, and ValueError if there is no rate.
+    exact: how time stamps are interpreted; see `resolution_of`.
+
+    Raise LookupError if a channel is missing, and ValueError if the capture has no rate.
     """
     mode = Mode(mode)
     resolution = resolution_of(capture, exact)

@@ -2,12 +2,13 @@
 
     Capture --> Resolution --thresholds--> whole numbers of positions to compare with
 
-A time of n samples is truly between n - 1 and n + 1 sample periods, both ends excluded: each edge is at the first
-sample after it. Exact positions (ticks of a simulation) have no error. All arithmetic is in whole numbers.
+If positions are samples, an edge is recorded at the first sample at or after the true edge. So a time that is measured
+as n samples is in truth longer than n - 1 and shorter than n + 1 sample periods. Exact positions (ticks of a
+simulation) have no error. Times are compared as whole numbers of positions.
 
 Source: UM10204 (I2C-bus specification and user manual), Table 10, characteristics of the SDA and SCL bus lines, with
-its footnotes; the maxima of tVD in Fast-mode Plus from general knowledge. Times are whole nanoseconds. The maximum
-of fSCL is stated as the minimum period.
+its footnotes. The maxima of tVD in Fast-mode Plus are from general knowledge. Limits are whole nanoseconds. The maximum
+of the frequency fSCL is stated as the minimum of its period.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ class Mode(Enum):
 
 
 class Bounds(NamedTuple):
-    """Minimum and maximum of a time in nanoseconds; None if there is no such limit."""
+    """Minimum (`least`) and maximum (`most`) of a time in nanoseconds; None for a bound that does not exist."""
 
     least: int | None = None
     most: int | None = None
@@ -38,8 +39,11 @@ class Bounds(NamedTuple):
 class Limit(NamedTuple):
     """A limit of the specification.
 
-    seen: False if a capture with one threshold per line cannot show this time.
-    rule: a footnote of the table and how it is interpreted.
+    symbol: the symbol of the limited time in Table 10.
+    begins, ends: the events between which the time is measured.
+    bounds: a dictionary from each mode to its minimum and maximum.
+    seen: False for rise and fall times, which a capture with one voltage threshold per line cannot show.
+    rule: a remark on how the limit is interpreted; empty if there is no remark.
     """
 
     symbol: str
@@ -104,7 +108,7 @@ LIMITS: tuple[Limit, ...] = (
 )
 
 LIMIT = {limit.symbol: limit for limit in LIMITS}
-SPIKES_TO = 2  # a pulse of up to this multiple of tSP is a spike; above tSP it breaks the limit
+SPIKES_TO = 2  # pulses of up to this multiple of tSP count as spikes; spikes longer than tSP break the limit
 
 
 NS = 10**9
@@ -123,7 +127,7 @@ class Resolution:
 
     @property
     def period(self) -> Fraction:
-        """Maximum error of a time, in nanoseconds."""
+        """The maximum error of a time, in nanoseconds."""
         return self.slack * NS / self.rate
 
     def ns(self, positions: int) -> Fraction:
@@ -149,8 +153,9 @@ class Resolution:
 def resolution_of(capture: Capture, exact: bool | None = None) -> Resolution:
     """Return the resolution of the capture's positions.
 
-    exact: how time stamps are interpreted. True: as exact instants. False: as samples on the coarsest grid that
-        contains all edges. None: as exact if the capture is known to be exact, or if it is finer than any analyser.
+    exact: how positions are interpreted if they are time stamps and not samples. True: as exact instants. False: as
+        samples on the coarsest grid that contains all edges. None: as exact instants if `is_exact` is True for the
+        capture, otherwise as samples.
 
     Raise ValueError if the capture has no rate.
     """

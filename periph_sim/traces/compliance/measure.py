@@ -9,19 +9,22 @@
                 |--| tHD;DAT (first change), tVD;DAT (last change before the rise)
 
 Rules:
-- A change of SDA while SCL is high is a condition: START (falling) or STOP (rising). A START after a START is a
-  repeated START. If both lines change at one position, the change of SDA is data whose hold or setup time is 0.
-- A high phase of SCL with a condition inside is not measured as tHIGH or as part of a period. tSU;STA and tSU;STO are
-  measured from the rise to the first condition after it.
-- Data times are measured between START and STOP. tVD;DAT, tVD;ACK and the maximum of tHD;DAT are measured only in low
-  phases before a bit, which is a high phase without a condition. The ninth bit of each byte is ACK.
-- The controller causes conditions and edges of SCL. The protocol determines the driver of a bit: the target drives the
-  bytes after R/W = 1, the controller their ACKs, and all other bits the other way round. A falling SDA is caused by the
-  driver of this bit, a rising one by the driver of the bit before, which released SDA. The controller causes the fall
-  of SDA before a STOP.
-- No time is measured across an unknown span.
+- A change of SDA while SCL is high is a condition: START (falling) or STOP (rising). A START that follows another START
+  without a STOP between them is a repeated START. If both lines change at one position, the change of SDA is data: its
+  hold time is 0 if SCL falls, and its setup time is 0 if SCL rises.
+- A bit is a high phase of SCL that contains no condition. The ninth bit of each byte is its ACK. Only bits are measured
+  as tHIGH or as part of a period. tSU;STA and tSU;STO are measured from a rise of SCL to the first condition after this
+  rise.
+- tHD;DAT, tSU;DAT, tVD;DAT and tVD;ACK are measured between START and STOP. Only in low phases before a bit are tVD;DAT
+  and tVD;ACK measured, and the maximum of tHD;DAT applied.
+- The controller causes conditions and edges of SCL. The protocol determines the driver of each bit: after R/W = 1, the
+  target drives the data bytes and the controller their ACKs; all other bytes are driven by the controller and their
+  ACKs by the target. A falling edge of SDA is caused by the driver of the next bit. A rising edge is caused by the
+  driver of the previous bit, which releases SDA. The controller causes the fall of SDA before a STOP.
+- No time is measured across a span in which the level of a line is unknown.
 - Spikes are removed first, as by the filter of an I2C input: a level that lasts no longer than a spike may last is
-  removed, and the other edges keep their places. If an edge rings, the last one counts. `limits.SPIKE` defines a spike.
+  removed, and the other edges keep their places. If an edge rings, its last change counts. The text `SPIKE` in `limits`
+  states which pulses are spikes.
 """
 
 from __future__ import annotations
@@ -44,7 +47,8 @@ def without_spikes(
 ) -> tuple[Channel, Channel, Positions, Positions]:
     """Return SCL and SDA without spikes, and the positions and lengths of the spikes.
 
-    Only pulses that are certainly spikes at this resolution count. Standard-mode has no filter, and so no spikes.
+    Only pulses that are certainly spikes at this resolution are removed. In Standard-mode nothing is removed, because
+    this mode has no spike filter.
     """
     most = LIMIT["tSP"].bounds[mode].most
     none = np.zeros(0, np.int64)
@@ -64,12 +68,15 @@ def without_spikes(
 
 
 def _lengths(channel: Channel) -> Positions:
-    """Return the duration of the level after each edge; the last level has no end."""
+    """Return how many positions the level after each edge lasts. For the last level, this is a huge number."""
     return np.append(np.diff(channel.edges), np.iinfo(np.int64).max // 2)[: len(channel.edges)]
 
 
 def _filtered(channel: Channel, short: NDArray[np.bool_]) -> tuple[Channel, Positions, Positions]:
-    """Return the channel without the levels that are too short, and the positions and lengths of these levels."""
+    """Return the channel without the levels that are marked in `short`, and the positions and lengths of these levels.
+
+    short: for each edge, True if the level that begins with this edge is removed.
+    """
     return channel.without_levels(short), channel.edges[short], _lengths(channel)[short]
 
 
@@ -82,13 +89,15 @@ PARTY: dict[int, Party | None] = {NOBODY: None, CONTROLLER: Party.CONTROLLER, TA
 
 
 class Measured(NamedTuple):
-    """All measured times of one symbol, in order.
+    """All measured times of one limit, as arrays of equal length.
 
-    begins, lengths: positions.
-    party: the party that caused the time, a key of PARTY.
-    excused: True where the maximum does not apply.
-    doubtful: True where the resolution does not show whether the limit applies, because the pulse may be a spike or the
-        low phase may be stretched. A time beyond the limit is then not certainly wrong.
+    begins: the positions at which the times begin.
+    lengths: the lengths of the times, in positions.
+    party: for each time, the party that caused it, as a key of PARTY.
+    excused: True for a time to which the maximum of the limit does not apply.
+    doubtful: True for a time to which the limit may not apply: the resolution does not show whether the pulse is a
+        spike, the low phase is stretched, or the change of SDA is a condition. If a doubtful time is beyond the limit,
+        it is not certainly wrong.
     """
 
     begins: Positions
@@ -105,7 +114,10 @@ def measured(
     excused: Flags | None = None,
     doubtful: Flags | None = None,
 ) -> Measured:
-    """Return the times from `begins` to `ends`; none is excused or doubtful by default."""
+    """Return the times from `begins` to `ends`.
+
+    By default, the controller causes all times, and no time is excused or doubtful.
+    """
     nothing = np.zeros(len(begins), np.bool_)
     who = np.full(len(begins), party, np.uint8) if isinstance(party, int) else party
     return Measured(
@@ -121,11 +133,11 @@ def measured(
 class Measures:
     """The measured times of a capture.
 
-    times: the times of each symbol, for every limit that a capture can show.
-    starts: the number of STARTs, repeated ones included.
-    shared: positions at which both lines change, so that the order of the edges is unknown.
+    times: a dictionary from the symbol of each limit that a capture can show to its measured times.
+    starts: the number of STARTs and repeated STARTs.
+    shared: the positions at which both lines change. The order of these two edges is unknown.
     coarse: True if the mode allows pulses of SCL that are shorter than a sample.
-    blind: True if also some levels of SCL last only one sample, so that others may have been missed.
+    blind: True if `coarse` is True and a level of SCL lasts only one sample. Shorter levels were possibly missed.
     """
 
     times: dict[str, Measured]
@@ -136,7 +148,7 @@ class Measures:
 
 
 def measure(capture: Capture, scl: str | int, sda: str | int, mode: Mode, resolution: Resolution) -> Measures:
-    """Measure all times of a capture. The mode determines which pulses are spikes.
+    """Measure all times of a capture. The mode determines which pulses are spikes and which low phases are stretched.
 
     Raise LookupError if a channel is missing.
     """
@@ -162,7 +174,7 @@ def measure(capture: Capture, scl: str | int, sda: str | int, mode: Mode, resolu
 
 
 class _Part:
-    """The lines within one known span."""
+    """SCL and SDA within one span in which both levels are known."""
 
     def __init__(self, scl: Channel, sda: Channel, span: Span, mode: Mode, resolution: Resolution) -> None:
         self._mode, self._resolution = mode, resolution
@@ -170,10 +182,10 @@ class _Part:
         edges = edges_of(scl, sda)
         self.rises, self.conditions, self.is_start = edges.rises, edges.conditions, edges.starts
         self.falls = scl.edges[scl.levels == 0]
-        self.shortest_phase = np.diff(scl.edges).min(initial=np.iinfo(np.int64).max)  # SCL's, in positions
+        self.shortest_phase = np.diff(scl.edges).min(initial=np.iinfo(np.int64).max)  # of SCL, in positions
         self._edges, self._levels = sda.edges, sda.levels
         self.starts = self.conditions[self.is_start]
-        # A pulse is the low phase before a rise of SCL and the high phase up to the next fall; -1: not in the capture.
+        # For each rise of SCL, the positions of the falls before and after it; -1 if the span has no such fall.
         self._low_from: Positions = _pick(self.falls, np.searchsorted(self.falls, self.rises) - 1)
         self._high_to: Positions = _pick(self.falls, np.searchsorted(self.falls, self.rises, side="right"))
         high_to = np.where(self._high_to < 0, span.end, self._high_to)
@@ -181,10 +193,10 @@ class _Part:
         self._number_bits(edges)
 
     def _number_bits(self, edges: I2cEdges) -> None:
-        """Determine the number of each pulse since the last START, and the party that should drive SDA in it."""
+        """Count the pulses of SCL since the last condition, and determine which party should drive SDA in each."""
         last = np.searchsorted(self.conditions, self.rises) - 1
         busy = (last >= 0) & _pick(self.is_start, last, False)
-        first = edges.seen  # the first pulse after each condition
+        first = edges.seen  # the index of the first pulse after each condition
         number = np.arange(len(self.rises)) - _pick(first, last, 0)
         self._busy = busy
         self._is_bit = busy & ~self._condition_in
@@ -201,12 +213,15 @@ class _Part:
         self._driver_before = np.where(busy & (number == 0), CONTROLLER, before).astype(np.uint8)
 
     def own_lows(self) -> Positions:
-        """Return the lengths of the low phases before bits."""
+        """Return the lengths of SCL's low phases before bits, in positions."""
         seen = self._is_bit & (self._low_from >= 0)
         return self.rises[seen] - self._low_from[seen]
 
     def measures(self, shortest_low: int) -> dict[str, Measured]:
-        """Return the times of each symbol. shortest_low: the shortest low phase of the whole capture, in positions."""
+        """Return a dictionary from the symbol of each limit to its measured times.
+
+        shortest_low: the length of the shortest low phase before a bit in the whole capture, in positions.
+        """
         return {
             **self._clock(),
             **self._start_stop(),
@@ -232,7 +247,7 @@ class _Part:
         after_start = np.concatenate((np.zeros(1, np.bool_), is_start))[:-1]
         before = np.concatenate((np.full(1, -1, np.int64), conditions))[:-1]
         rise = _pick(self.rises, np.searchsorted(self.rises, conditions) - 1)
-        rise = np.where(rise > before, rise, -1)  # not measured from a rise that another condition follows
+        rise = np.where(rise > before, rise, -1)  # -1 if another condition is between the rise and this one
         fall = _pick(self.falls, np.searchsorted(self.falls, conditions))
         behind = np.append(conditions[1:], np.iinfo(np.int64).max)[: len(conditions)]
         held = is_start & (fall >= 0) & (fall < behind)
@@ -263,7 +278,7 @@ class _Part:
         first, last = np.minimum(first, len(self._edges) - 1), np.maximum(last, 0)
         hold_by, setup_by = self._by(first), self._by(last)
         valid = self._edges[last]
-        # A change in the sample of SCL's rise is either data or a condition just after the rise.
+        # A change of SDA in the same sample as a rise of SCL is either data or a condition just after the rise.
         unsure = (valid == rises) & (self._resolution.slack > 0)
         return {
             "tHD;DAT": measured(low_from[seen], self._edges[first][seen], hold_by[seen], excused[seen], maybe[seen]),
@@ -273,14 +288,17 @@ class _Part:
         }
 
     def _by(self, edge: NDArray[np.intp]) -> Parties:
-        """Return for each pulse the party that caused the given SDA edge in its low phase."""
+        """Return for each pulse the party that caused an edge of SDA in its low phase.
+
+        edge: for each pulse, the index of this edge.
+        """
         return np.where(self._levels[edge] == 0, self._driver, self._driver_before).astype(np.uint8)
 
     def _stretched(self, shortest_low: int) -> tuple[Flags, Flags]:
-        """Return two masks of pulses: the low phase is certainly stretched, and this cannot be decided.
+        """Return two masks of pulses: those whose low phase is certainly stretched, and those that are undecidable.
 
-        A low phase is not stretched if it is no longer than the minimum of tLOW, or than 1.1 times the shortest low
-        phase of the trace; both lengths are exact to within the slack.
+        A low phase is not stretched if it is no longer than the minimum of tLOW, or no longer than 1.1 times the
+        shortest low phase of the capture. Each measured length may be wrong by up to the slack.
         """
         least, slack = _least("tLOW", self._mode), self._resolution.slack
         lengths = self.rises - self._low_from
@@ -302,6 +320,6 @@ def _least(symbol: str, mode: Mode) -> int:
 
 
 def _pick(values: NDArray[Scalar], index: NDArray[np.intp], default: bool | int = -1) -> NDArray[Scalar]:
-    """Return values[index], with the default where the index is out of range."""
+    """Return values[index], with `default` in place of values whose index is out of range."""
     padded = np.concatenate((values, np.array([default], values.dtype)))
     return padded[np.where((index < 0) | (index >= len(values)), len(values), index)]

@@ -1,10 +1,11 @@
-"""The verdict on one trace, from its measured times, as text, JSON or an AssertionError.
+"""The verdict on one capture, from its measured times, as text, JSON or an AssertionError.
 
     Measures + LIMITS + Resolution --judge--> one Row per limit --> Report
 
-A time is measured with an error. It passes if all its possible true values keep the limit, fails if none does, and is
-undecidable otherwise. A row fails if any of its times fails, else it is undecidable if any is, else it passes. Only
-texts and JSON contain floats; all calculations are in whole numbers.
+Each time is measured with an error, so it has several possible true values. A time passes if all of these values keep
+the limit, fails if none of them does, and is undecidable otherwise. A row fails if any of its times fails. Otherwise it
+is undecidable if any of its times is undecidable, or if the resolution may have hidden a time. Otherwise it passes.
+Floats are used only in texts and JSON; all calculations are exact.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from ..decode.i2c import Party
 from .limits import STRETCHED, Bounds, Limit, Mode, Resolution
 from .measure import PARTY, Flags, Measured, Measures
 
-PLACES = 3  # number of worst places that a row lists
+PLACES = 3  # maximum number of worst occurrences that a row lists
 
 
 class Verdict(Enum):
@@ -28,14 +29,19 @@ class Verdict(Enum):
     FAIL = "fail"
     UNDECIDABLE = "undecidable at this sample rate"
     NOT_SEEN = "does not occur"
-    NOT_JUDGED = "not judged: nothing was measured"  # verdict of a whole trace
+    NOT_JUDGED = "not judged: nothing was measured"  # only for a whole capture
     NO_LIMIT = "no limit in this mode"
     NOT_IN_CAPTURE = "not in a logic capture"
 
 
 @dataclass(frozen=True)
 class Occurrence:
-    """A measured time that breaks its limit or may break it. at: the position where it begins. length: in positions."""
+    """A measured time that breaks its limit or may break it.
+
+    at: the position at which the time begins.
+    length: the length of the time, in positions.
+    party: the party that caused the time; None if the cause is unknown.
+    """
 
     at: int
     length: int
@@ -46,11 +52,13 @@ class Occurrence:
 class Row:
     """The verdict on one limit.
 
-    least, most: the shortest and the longest time, in positions; None if nothing was measured.
-    failed, undecided: numbers of times with this verdict.
-    excused: the number of times beyond a maximum that does not apply to them.
-    unsure: the number of undecided times that are beyond a limit which may not apply to them.
-    worst: the worst places, the worst one first.
+    count: the number of measured times.
+    least, most: the shortest and the longest measured time, in positions; None if nothing was measured.
+    failed: the number of times that fail.
+    undecided: the number of times that are undecidable.
+    excused: the number of times that exceed the maximum, but to which the maximum does not apply.
+    unsure: the number of times that are beyond the limit, but undecidable, because the limit may not apply to them.
+    worst: the worst occurrences, at most PLACES, in order from the worst.
     """
 
     limit: Limit
@@ -74,7 +82,7 @@ def row_of(limit: Limit, measures: Measures, mode: Mode, resolution: Resolution)
         return Row(limit, bounds, 0, None, None, Verdict.NOT_IN_CAPTURE)
     if bounds == Bounds():
         return Row(limit, bounds, 0, None, None, Verdict.NO_LIMIT)
-    # A pulse that is shorter than a sample may lie between two samples.
+    # A pulse that is shorter than a sample is missed if it lies between two samples.
     hidden = measures.blind or (limit.symbol == "tSP" and resolution.period > (bounds.most or 0))
     if found is None or not len(found.lengths):
         return Row(limit, bounds, 0, None, None, Verdict.UNDECIDABLE if hidden or measures.coarse else Verdict.NOT_SEEN)
@@ -93,7 +101,7 @@ def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolutio
         within = lengths <= resolution.surely_at_most(bounds.most)
         excused = int((found.excused & ~within).sum())
         kept &= within | found.excused
-        if not (hidden or coarse):  # otherwise the time may be too long because edges in between were missed
+        if not (hidden or coarse):  # a time may seem too long because edges within it were missed
             broken |= (lengths >= resolution.surely_above(bounds.most)) & ~found.excused
     unsure = int((broken & found.doubtful).sum())
     broken &= ~found.doubtful
@@ -109,7 +117,7 @@ def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolutio
 
 
 def _worst(found: Measured, culprits: Flags, bounds: Bounds, resolution: Resolution) -> tuple[Occurrence, ...]:
-    """Return the worst of the times in the mask `culprits`: those furthest beyond the limit, or nearest to it."""
+    """Return the worst of the times that `culprits` marks: those furthest beyond the limit, or else nearest to it."""
     which = np.flatnonzero(culprits)
     lengths = found.lengths[which]
     beyond = np.full(len(which), np.iinfo(np.int64).min)
@@ -125,9 +133,10 @@ def _worst(found: Measured, culprits: Flags, bounds: Bounds, resolution: Resolut
 
 @dataclass(frozen=True)
 class Report:
-    """The verdict on one trace.
+    """The verdict on one capture.
 
-    shared: positions at which both lines change.
+    starts: the number of STARTs and repeated STARTs.
+    shared: the number of positions at which both lines change.
     notes: sentences for the user.
     """
 
@@ -141,9 +150,10 @@ class Report:
 
     @property
     def verdict(self) -> Verdict:
-        """The verdict on the trace.
+        """The verdict on the capture.
 
-        It is NOT_JUDGED if no time was measured, else FAIL if any row fails, else UNDECIDABLE if any row is, else PASS.
+        The verdict is NOT_JUDGED if no time with a limit was measured. Otherwise it is FAIL if any row fails, otherwise
+        UNDECIDABLE if any row is undecidable, and otherwise PASS.
         """
         found = {row.verdict for row in self.rows}
         judged = {row.verdict for row in self.rows if row.count}
@@ -161,13 +171,15 @@ class Report:
         raise KeyError(f"there is no limit {symbol!r}; there are {', '.join(row.limit.symbol for row in self.rows)}")
 
     def symbols_with(self, verdict: Verdict) -> list[str]:
-        """Return the symbols that have this verdict."""
+        """Return the symbols of the limits with this verdict."""
         return [row.limit.symbol for row in self.rows if row.verdict is verdict]
 
     def assert_compliant(self, strict: bool = False) -> None:
-        """Raise AssertionError, with the worst rows, if a limit is broken or no time was measured.
+        """Raise AssertionError, with the broken limits and their worst occurrences, if a limit is broken.
 
-        strict: True to raise it also if a limit is undecidable.
+        AssertionError is also raised if no time was measured.
+
+        strict: True if an undecidable limit counts as broken.
         """
         if self.verdict is Verdict.NOT_JUDGED:
             raise AssertionError(f"{self.name}: no time of the I2C limits was measured; the trace has no whole bit")
@@ -188,7 +200,7 @@ class Report:
         return position / self.resolution.rate
 
     def __str__(self) -> str:
-        """Format a table with the measured times and the worst place of each limit, notes and the verdict."""
+        """Format a table of the measured times, a table of the worst occurrences, the notes and the verdict."""
         lines = text_table(MEASURED, [_measured(self, row) for row in self.rows], (2, 3, 4))
         rules = text_table(RULES, [_rule(self, row) for row in self.rows], (2,))
         period = self.resolution.period
@@ -203,7 +215,7 @@ RULES = ("symbol", "from -> to", "worst begins at", "by")
 
 
 def as_json(report: Report) -> dict[str, object]:
-    """Convert a report to JSON: times as numbers in seconds, positions as in the capture."""
+    """Convert a report to JSON. The ends of the keys state the units of times; positions are those of the capture."""
     return {
         "capture": report.name,
         "mode": report.mode.value,
@@ -218,7 +230,7 @@ def as_json(report: Report) -> dict[str, object]:
 
 
 def limit_text(bounds: Bounds) -> str:
-    """Format bounds: `min 4.7 us`, `0 to 3.45 us`, `max 50 ns`, or `-`."""
+    """Format bounds as `min 4.7 us`, `0 to 3.45 us` or `max 50 ns`, or as `-` if there are none."""
     if bounds.least is None and bounds.most is None:
         return "-"
     if bounds.most is None:

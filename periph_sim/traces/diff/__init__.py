@@ -1,14 +1,17 @@
 """Comparison of two captures by the events on the bus.
 
-    Capture A, Capture B --decode--> words --pair--> entries --> TraceDiff
+    Capture A, Capture B --decode--> events --pair--> entries --> TraceDiff
 
-Events are paired by what they are and in order, not by their times. Then the times of each pair are compared. If an
-interrupt came 3 us later in B, all events after it are 3 us later, and the first of them is reported.
+Events are paired in order by their kind and content, and not by their times. Then the times of each pair are compared.
+If an interrupt came 3 us later in B, all events after it are 3 us later, and only the first of them is reported.
 
-Times are whole ticks of a clock whose rate is a multiple of both rates. The clocks of A and B started at different
-moments, so the first common event defines the offset between them, and the lateness of events in B is relative to it.
-A change point is an event whose lateness deviates by more than the tolerance from that of the last change point. Its
-cause lies just before it. Later events that are equally late are not reported.
+Times are whole ticks of a clock whose rate is a multiple of the rates of both captures. The lateness of an event is its
+time in B minus its time in A, minus the same difference for the first event that is in both captures. The subtraction
+is needed because the clocks of A and B started at different moments.
+
+A change point is an event whose lateness differs by more than the tolerance from the lateness at the last change point
+(from 0 if there is none). The cause of the change lies just before this event. Later events that are equally late are
+no change points.
 """
 
 from __future__ import annotations
@@ -40,7 +43,7 @@ def diff_i2c(
     """Return the differences of two I2C captures.
 
     lines: the names of SCL and SDA in A, and also in B unless `lines_b` is given.
-    tolerance: the allowed difference of times in seconds; None: one position of each capture.
+    tolerance: the allowed lateness or earliness in seconds. None allows the sum of one position of each capture.
 
     Raise LookupError if a channel is missing, and ValueError if a capture has no rate.
     """
@@ -55,7 +58,15 @@ def diff_uart(
     channel_b: str | int | None = None,
     tolerance: Fraction | None = None,
 ) -> TraceDiff:
-    """Return the differences of two UART lines. Arguments and errors are as for `diff_i2c`."""
+    """Return the differences of two UART lines.
+
+    line: the rate and the frame format of both lines.
+    channel: the name of the line in A, and also in B unless `channel_b` is given.
+    tolerance: as for `diff_i2c`.
+
+    Raise LookupError if a channel is missing, and ValueError if a capture has no rate, or fewer than two positions per
+    bit.
+    """
     other = channel if channel_b is None else channel_b
     return _diff(a, b, uart_groups(a, channel, line), uart_groups(b, other, line), tolerance)
 
@@ -71,10 +82,11 @@ def _diff(a: Capture, b: Capture, of_a: list[Group], of_b: list[Group], toleranc
 
 
 class Entry(NamedTuple):
-    """A pair of events, one of which may be missing.
+    """A pair of an event in A and an event in B, one of which may be missing.
 
-    number: the index among all pairs.
-    later: the number of ticks by which B's event is later than A's; None if one is missing.
+    number: the index of the entry among all entries.
+    a, b: the event in each capture; None if it is missing there.
+    later: the lateness in ticks, which is negative if B's event is early; None if an event is missing.
     """
 
     number: int
@@ -97,8 +109,8 @@ class Entry(NamedTuple):
 class ChangePoint(NamedTuple):
     """An entry at which the lateness changes.
 
-    before: the last common event before it.
-    step: the change of the lateness from `before` to `entry`, in ticks.
+    before: the last entry before `entry` whose event is in both captures.
+    step: the lateness of `entry` minus the lateness at the last change point, in ticks.
     """
 
     entry: Entry
@@ -108,10 +120,13 @@ class ChangePoint(NamedTuple):
 
 @dataclass(frozen=True)
 class KindSummary:
-    """Summary of a kind of event.
+    """Summary of the events of one kind.
 
-    median: the median lateness of B in ticks; None if there is no common event.
-    worst: the entry with the largest lateness or earliness; None if there is no common event.
+    both: the number of events in both captures.
+    changed: the number of events in both captures whose content differs.
+    missing, inserted: the numbers of events that are only in A and only in B.
+    median: the median lateness in ticks; None if no event is in both captures.
+    worst: the entry that is latest or earliest; None if no event is in both captures.
     """
 
     kind: str
@@ -128,8 +143,9 @@ class TraceDiff:
     """The result of comparing two captures.
 
     ticks: the number of ticks per second.
-    offset: the number of ticks from A's clock to B's; None if there is no common event.
-    tolerance: the lateness, in seconds, that is no difference.
+    offset: the time in B minus the time in A of the first event in both captures, in ticks; None if there is no such
+        event.
+    tolerance: the greatest lateness or earliness, in seconds, that does not count as a difference.
     """
 
     name_a: str
@@ -143,12 +159,12 @@ class TraceDiff:
 
     @cached_property
     def missing(self) -> list[Entry]:
-        """Entries in A only."""
+        """Entries whose event is only in A."""
         return [entry for entry in self.entries if entry.b is None]
 
     @cached_property
     def inserted(self) -> list[Entry]:
-        """Entries in B only."""
+        """Entries whose event is only in B."""
         return [entry for entry in self.entries if entry.a is None]
 
     @cached_property
@@ -157,7 +173,7 @@ class TraceDiff:
 
     @cached_property
     def late(self) -> list[Entry]:
-        """Entries later or earlier in B by more than the tolerance."""
+        """Entries whose event is late or early in B by more than the tolerance."""
         return [entry for entry in self.entries if entry.later is not None and self.beyond(entry.later)]
 
     @cached_property
@@ -195,7 +211,7 @@ class TraceDiff:
 
     @cached_property
     def _most(self) -> int:
-        """The largest lateness in ticks that is no difference."""
+        """The tolerance in whole ticks."""
         return int(self.tolerance * self.ticks)
 
     def beyond(self, ticks: int) -> bool:
@@ -224,8 +240,10 @@ def compared(
 ) -> TraceDiff:
     """Compare pairs of events.
 
-    tolerance: the allowed difference in seconds. The default, None, is one position of each capture, since sampling
-        alone can cause such a difference.
+    names: the names of captures A and B.
+    rates: the numbers of positions per second of A and B.
+    tolerance: the allowed lateness or earliness in seconds. None allows the sum of one position of each capture,
+        because sampling alone can cause such a difference.
     """
     rate_a, rate_b = rates
     ticks = lcm(rate_a.numerator, rate_b.numerator)

@@ -1,21 +1,23 @@
-"""Alignment of two sequences of numbers: the items that they have in common, as runs in order.
+"""Alignment of two sequences of numbers. The result is the items that both have in common, as runs in order.
 
     1 2 3 4 5 6
     1 2 9 4 5 5 6   -->  Run(0, 0, 2) Run(3, 3, 2) Run(5, 6, 1)
 
 The greedy algorithm of Myers (An O(ND) difference algorithm and its variations, 1986) finds the fewest insertions and
-deletions. Its time grows with the length times the number of differences, so a long capture with few differences is
-quick, even if a polling loop repeats one transfer endlessly, where difflib's SequenceMatcher is quadratic. Items that
-occur on one side only are removed first. After `MOST_EDITS` differences in one piece, the furthest path is kept, and
-the search restarts from its end. The result is then not always the smallest, but the time is never quadratic.
+deletions. Its time grows with the product of the length and the number of differences, so long captures with few
+differences are aligned quickly. This also holds if a polling loop repeats one transfer many times, for which the time
+of difflib's SequenceMatcher is quadratic. Items that occur in only one sequence are removed first. After `MOST_EDITS`
+differences, the path that reached furthest is kept, and the search restarts from the end of this path. Then the number
+of differences is not always the smallest, but the time is never quadratic.
 
-Among several equal items, times decide which one is missing:
+Among several equal items, times decide which item is missing:
 
-    A   poll 0  poll 10  poll 20  poll 30      by words alone: the last one is missing, two are 10 late
-    B   poll 0           poll 20  poll 30      by time: the second is missing, nothing is late
+    A   poll 0  poll 10  poll 20  poll 30      without times: the last poll is missing, and two polls are 10 late
+    B   poll 0           poll 20  poll 30      with times: the second poll is missing, and no poll is late
 
-If items repeat, a gap between two runs can be moved without changing what is equal. It is placed where the lateness
-changes least from item to item. A gap of several equal items is treated as several gaps, each with its own place.
+A gap between two runs contains items of only one sequence, or of both. If items repeat, a gap in one sequence can be
+moved without changing the number of equal items. It is placed where the lateness changes least from item to item. A gap
+that consists of repetitions is divided into one gap for each repetition, and each of these gaps is placed separately.
 """
 
 from __future__ import annotations
@@ -28,11 +30,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 MOST_EDITS = 200
-STRIDE = 16  # number of items in the first comparison; later ones compare larger arrays
+STRIDE = 16  # number of items in the first comparison; each later comparison has four times as many
 
 
 class Run(NamedTuple):
-    """`length` equal items, from `a` in the first sequence and from `b` in the second."""
+    """Equal items: `length` items from index `a` in the first sequence and from index `b` in the second."""
 
     a: int
     b: int
@@ -60,7 +62,7 @@ def align(a: Sequence[int] | NDArray[np.int64], b: Sequence[int] | NDArray[np.in
 
 
 def _middle(a: NDArray[np.int64], b: NDArray[np.int64]) -> list[Run]:
-    """Align two sequences in pieces with up to MOST_EDITS differences each."""
+    """Align two sequences piece by piece. Each piece has at most MOST_EDITS differences."""
     found: list[Run] = []
     x = y = 0
     while x < len(a) and y < len(b):
@@ -71,11 +73,12 @@ def _middle(a: NDArray[np.int64], b: NDArray[np.int64]) -> list[Run]:
 
 
 def _piece(a: NDArray[np.int64], b: NDArray[np.int64]) -> tuple[list[Run], int, int]:
-    """Align the first piece. Return its runs and the numbers of items of a and b that it covers.
+    """Align the first piece of two sequences. Return its runs and the numbers of items of `a` and `b` that it covers.
 
-    It covers all items, or those that can be reached with MOST_EDITS differences.
+    The piece covers all items, or as many as a path with MOST_EDITS differences can reach. A path at (x, y) has covered
+    x items of `a` and y items of `b`, and is then on the diagonal x - y.
     """
-    reach = {1: 0}  # for each diagonal x - y, the furthest x that was reached on it
+    reach = {1: 0}  # a dictionary from each diagonal to the furthest x that was reached on this diagonal
     history: list[dict[int, int]] = []
     for edits in range(MOST_EDITS + 1):
         history.append(dict(reach))
@@ -83,7 +86,7 @@ def _piece(a: NDArray[np.int64], b: NDArray[np.int64]) -> tuple[list[Run], int, 
             x, _ = _step(reach, k, edits)
             y = x - k
             if x > len(a) or y > len(b) or y < 0:
-                reach[k] = x  # outside of the matrix, so this diagonal ends
+                reach[k] = x  # the end of a sequence is passed, so no path continues on this diagonal
                 continue
             x += equal_from_start(a[x:], b[y:])
             reach[k] = x
@@ -95,9 +98,9 @@ def _piece(a: NDArray[np.int64], b: NDArray[np.int64]) -> tuple[list[Run], int, 
 
 
 def _step(reach: dict[int, int], k: int, edits: int) -> tuple[int, int]:
-    """Return the x at which a path enters diagonal k, and the diagonal from which it comes.
+    """Return the x at which a path enters diagonal k, and the diagonal from which the path comes.
 
-    It comes down from k + 1 (insertion) or right from k - 1 (deletion).
+    A path comes from diagonal k + 1 by an insertion, or from diagonal k - 1 by a deletion.
     """
     if k == -edits or (k != edits and reach[k - 1] < reach[k + 1]):
         return reach[k + 1], k + 1
@@ -148,9 +151,10 @@ Times = NDArray[np.float64]  # used only to choose between alignments; reported 
 
 
 def place_by_time(runs: Sequence[Run], a: Numbers, b: Numbers, time_a: Times, time_b: Times) -> list[Run]:
-    """Return the runs with their gaps moved to the places where times fit best.
+    """Return the runs after the gaps between them are moved to the places where times fit best.
 
-    time_a, time_b: the time of each item, in the same unit.
+    a, b: the items of both sequences.
+    time_a, time_b: the time of each item of `a` and of `b`, in the same unit.
     """
     edges = _split([Run(0, 0, 0), *runs, Run(len(a), len(b), 0)], a, b)
     for before, behind in pairwise(edges):
@@ -170,7 +174,7 @@ def place_by_time(runs: Sequence[Run], a: Numbers, b: Numbers, time_a: Times, ti
 
 
 def _split(runs: list[Run], a: Numbers, b: Numbers) -> list[list[int]]:
-    """Return the runs as lists. Empty runs divide a gap of repeated items into one gap for each repetition."""
+    """Return each run as a list of a, b and length. Empty runs divide a gap of repetitions into one gap for each."""
     found: list[list[int]] = []
     for before, behind in pairwise(runs):
         found.append(list(before))
@@ -185,7 +189,7 @@ def _split(runs: list[Run], a: Numbers, b: Numbers) -> list[list[int]]:
 
 
 def _period(items: Numbers) -> int:
-    """Return the period of the items: the shortest length that divides their number and after which they repeat."""
+    """Return the shortest length after which the items repeat, and of which their number is a multiple; at least 1."""
     size = len(items)
     return next((n for n in range(1, size) if not size % n and np.array_equal(items[n:], items[:-n])), max(size, 1))
 
@@ -193,16 +197,20 @@ def _period(items: Numbers) -> int:
 def _moved(
     before: list[int], behind: list[int], gap: int, long: int, items: Numbers, time_short: Times, time_long: Times
 ) -> int:
-    """Return the number of items by which a gap moves to the right; negative to the left.
+    """Return the number of items by which a gap moves to the right. The number is negative for a move to the left.
 
-    long: 1 if B has the items of the gap, 0 if A has them.
+    before, behind: the runs before and behind the gap.
+    gap: the number of items in the gap.
+    long: 0 if the items of the gap are in A, 1 if they are in B.
+    items, time_long: the items and times of the sequence that has the items of the gap.
+    time_short: the times of the other sequence.
     """
-    end = before[long] + before[2]  # first item of the gap
+    end = before[long] + before[2]  # index of the first item of the gap
     left = equal_from_start(items[end - before[2] : end][::-1], items[end - before[2] + gap : end + gap][::-1])
     right = equal_from_start(items[end : end + behind[2]], items[end + gap : end + gap + behind[2]])
     if not left and not right:
         return 0
-    # One more item on each side is included, if there is one, because its lateness does not depend on the gap.
+    # If possible, one more item on each side is included, whose lateness does not depend on the place of the gap.
     first, last = min(left + 1, before[2]), min(right + 1, behind[2])
     place = np.arange(-first, last)
     short = time_short[before[1 - long] + before[2] + place]

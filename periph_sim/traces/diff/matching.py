@@ -1,23 +1,26 @@
 """Pairing of the events of two captures, in order, by their words and not by their times.
 
-    groups of A, groups of B --whole groups alike--> --events alike--> --events of one kind--> pairs
+The word of an event is a text with its content. Two events with the same word are equal. Words are, for example:
 
-    I2C   START, address 53 W, ACK, byte 1D, ACK, STOP     a group is a transfer
-    UART  41, 0D FE, break                                 a group is one frame
+    I2C   START, address 53 W, ACK, byte 1D, ACK, STOP     a group of events is a transfer
+    UART  41, 0D FE, break                                 a group of events is one frame or break
 
-Two captures of the same behaviour give the same words, even if their rates and timing differ.
+Two captures of the same behaviour have the same words, even if their rates and timing differ.
 
-First, whole groups (transfers) are aligned by their text, which covers most of a long capture. Then the events between
-these groups are aligned if they have much in common; if not, each transfer is paired with the most similar one. If
-several equal events are possible, times decide which one is missing. Of two paired transfers, the remaining events are
-paired if they are of the same class (a byte with a byte, ACK with NACK); these events are changed. All other events are
-missing (in B) or inserted.
+    groups of A, groups of B --equal groups--> --equal events--> --events of the same class--> pairs
+
+First, equal groups are paired, which covers most of a long capture. Then the events between these groups are paired one
+by one if enough of them are equal. Otherwise each group is paired with the most similar group of the other capture. If
+one of several equal events is missing, times decide which one. In a pair of groups, the events that are not equal are
+paired if they are of the same class (a byte with a byte, ACK with NACK), and count as changed. All other events are
+missing (only in A) or inserted (only in B).
 
     A   read 6 of 68    read 6 of 53    read 6 of 1E
-    B   53 NACK         read 1 of 53                     -->  the reads of 53 are paired, as changed; the others are not
+    B   53 NACK         read 1 of 53                     -->  only the reads of 53 are paired, with changed events
 
-The similarity of two groups is their share of common words; half of them is enough, and so is the same sequence of
-addresses, or of kinds of events. The pairing in order with the largest total similarity is chosen.
+The similarity of two groups is the share of words that they have in common. Two groups can be paired if this share is
+at least a half, or if their sequences of addresses or of classes of events are equal. Of all pairings that keep the
+order, the pairing with the greatest total similarity is chosen.
 """
 
 from __future__ import annotations
@@ -39,7 +42,12 @@ from .align import Numbers, Run, align, place_by_time
 
 
 class Event(NamedTuple):
-    """An event. kind: its type. word: the text that is compared. at: its position in the capture."""
+    """An event.
+
+    kind: the kind of the event, such as `byte`.
+    word: the text that is compared, such as `byte 1D`.
+    at: the position of the event in the capture.
+    """
 
     kind: str
     word: str
@@ -50,7 +58,10 @@ Group = list[Event]
 
 
 def i2c_groups(capture: Capture, scl: str | int, sda: str | int) -> list[Group]:
-    """Return the transfers of a capture from its first START on. Raise LookupError for a missing channel."""
+    """Return each transfer of a capture as a group, from the first START on.
+
+    Raise LookupError if a channel is missing.
+    """
     groups: list[Group] = []
     for event in i2c.events(capture, scl, sda):
         if event.kind is I2cRowKind.START:
@@ -62,7 +73,7 @@ def i2c_groups(capture: Capture, scl: str | int, sda: str | int) -> list[Group]:
 def uart_groups(capture: Capture, channel: str | int, line: uart.Line) -> list[Group]:
     """Return each frame and break of a line as a group. Rejected starts are left out.
 
-    Errors are those of `decode.uart.events`.
+    The same errors are raised as by `decode.uart.events`.
     """
     digits = (line.bits + 3) // 4
     events = uart.events(capture, channel, line)
@@ -97,7 +108,7 @@ CLASSES = {"NACK": "ACK", "repeated START": "START", "cut byte": "byte", "cut fr
 
 
 def similar_runs(a: Sequence[Group], b: Sequence[Group]) -> list[Run]:
-    """Return the pairs of similar groups as runs of length 1. The time grows with the product of both lengths."""
+    """Return the pairs of similar groups as runs of length 1. The time that this takes grows with len(a) * len(b)."""
     score = [[is_similar(one, other) for other in b] for one in a]
     best = [[0.0] * (len(b) + 1) for _ in range(len(a) + 1)]
     for i in reversed(range(len(a))):
@@ -118,7 +129,10 @@ def similar_runs(a: Sequence[Group], b: Sequence[Group]) -> list[Run]:
 
 
 def is_similar(a: Group, b: Group) -> float:
-    """Return the similarity of two groups, from 0 for no common word to 1 for the same words in any order."""
+    """Return the similarity of two groups, from 0 for no common word to 1 for the same words in any order.
+
+    It is at least ENOUGH if the sequences of addresses, or of classes of events, are equal.
+    """
     common = Counter(event.word for event in a) & Counter(event.word for event in b)
     share = 2 * common.total() / (len(a) + len(b))
     same = shape(a) == shape(b) or (head(a) == head(b) != ())
@@ -126,12 +140,12 @@ def is_similar(a: Group, b: Group) -> float:
 
 
 def head(group: Group) -> tuple[str, ...]:
-    """Return the group's addresses and START conditions."""
+    """Return the words of the group's STARTs and addresses, in order."""
     return tuple(event.word for event in group if event.kind in HEADS)
 
 
 def shape(group: Group) -> tuple[str, ...]:
-    """Return the classes of the group's events."""
+    """Return the classes of the group's events, in order."""
     return tuple(class_of(event.kind) for event in group)
 
 
@@ -141,13 +155,13 @@ def class_of(kind: str) -> str:
 
 
 T = TypeVar("T")
-Pair = tuple[Event | None, Event | None]  # an event of A and one of B; None if it is missing there
-FEW_EVENTS = 5_000  # up to this number, events are aligned one by one, also across transfers
-FEW_GROUPS = 60  # up to this number, each group is compared with every group of the other capture
+Pair = tuple[Event | None, Event | None]  # an event of A and an event of B; None for a missing event
+FEW_EVENTS = 5_000  # maximum number of events that are aligned one by one, regardless of their groups
+FEW_GROUPS = 60  # maximum number of groups in each capture if every group of A is compared with every group of B
 
 
 class Pairing:
-    """Pairs the events of two captures. rates: positions per second of A and B."""
+    """Pairs the events of two captures. rates: the numbers of positions per second of A and B."""
 
     def __init__(self, rates: tuple[Fraction, Fraction]) -> None:
         self._rates = tuple(map(float, rates))  # times are used only to choose between equal events
@@ -162,7 +176,8 @@ class Pairing:
     def _block(self, a: Sequence[Group], b: Sequence[Group]) -> Iterator[Pair]:
         """Pair the events of groups that are not equal.
 
-        If half of the events are equal, align the events; otherwise pair each group with a similar one.
+        If an alignment of the single events has at least half as many equal pairs as other entries, it is used.
+        Otherwise similar groups are paired.
         """
         if len(a) == len(b) and all(shape(one) == shape(other) for one, other in zip(a, b, strict=True)):
             for one, other in zip(a, b, strict=True):
@@ -194,14 +209,18 @@ class Pairing:
     def _aligned(
         self, a: Sequence[T], b: Sequence[T], key: Callable[[T], Hashable], at: Callable[[T], int]
     ) -> list[Run]:
-        """Return runs of items with equal keys. at: a function that returns the time of an item."""
+        """Return the runs of items with equal keys.
+
+        key: a function that returns the key of an item.
+        at: a function that returns the position of an item.
+        """
         one, other = _numbered(map(key, a), map(key, b))
         times_a, times_b = (np.array([*map(at, items)]) / rate for items, rate in zip((a, b), self._rates, strict=True))
         return place_by_time(align(one, other), one, other, times_a, times_b)
 
 
 def _unlike(a: Sequence[Event], b: Sequence[Event]) -> Iterator[Pair]:
-    """Pair events that are not equal: those of one class are changed, and the others are missing or inserted."""
+    """Pair events that are not equal, in order. Events of the same class are paired; the others have no partner."""
     classes = align(*_numbered([class_of(event.kind) for event in a], [class_of(event.kind) for event in b]))
     for run, left, right in _between(classes, a, b):
         yield from ((event, None) for event in left)
@@ -210,7 +229,7 @@ def _unlike(a: Sequence[Event], b: Sequence[Event]) -> Iterator[Pair]:
 
 
 def _numbered(a: Iterable[Hashable], b: Iterable[Hashable]) -> tuple[Numbers, Numbers]:
-    """Replace items by numbers, equal for equal items."""
+    """Return a number for each item of both sequences. Equal items have equal numbers."""
     numbers: dict[Hashable, int] = {}
     left = [numbers.setdefault(item, len(numbers)) for item in a]
     right = [numbers.setdefault(item, len(numbers)) for item in b]
@@ -218,7 +237,10 @@ def _numbered(a: Iterable[Hashable], b: Iterable[Hashable]) -> tuple[Numbers, Nu
 
 
 def _between(runs: list[Run], a: Sequence[T], b: Sequence[T]) -> Iterator[tuple[Run, Sequence[T], Sequence[T]]]:
-    """Yield each run with the items of both sequences before it and after the last run; at the end an empty run."""
+    """Yield each run with the items of both sequences between the previous run and this run.
+
+    An empty run at the end of both sequences is yielded last.
+    """
     at_a = at_b = 0
     for run in [*runs, Run(len(a), len(b), 0)]:
         yield run, a[at_a : run.a], b[at_b : run.b]

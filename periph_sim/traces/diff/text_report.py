@@ -10,15 +10,14 @@ from . import ChangePoint, Entry, KindSummary, TraceDiff
 
 COUNTS = ("kind", "in both", "changed", "missing", "inserted")
 LATENESS = ("kind", "median later", "worst later", "worst at (A)")
-SHOWN = 10  # number of entries of each list that are shown, unless all are requested
-WORDS = 8  # number of words that are shown of successive events in only one of the captures
+SHOWN = 10  # maximum number of entries of a list that are shown, unless all are requested
+WORDS = 8  # maximum number of words that are shown of successive missing or inserted events
 
 
 def text(diff: TraceDiff, everything: bool = False) -> str:
-    """Format the whole report.
+    """Format the report: the offset, tables of kinds of events, differences, and the verdict.
 
-    It has the offset, a table of kinds, the first difference, changes of lateness, events in only one capture, and the
-    verdict.
+    everything: True to list all events, and to show each list in full length.
     """
     counts = [(one.kind, *map(str, (one.both, one.changed, one.missing, one.inserted))) for one in diff.kinds]
     parts = [_title(diff), "", *text_table(COUNTS, counts, range(1, len(COUNTS))), ""]
@@ -35,7 +34,7 @@ def text(diff: TraceDiff, everything: bool = False) -> str:
 def as_json(diff: TraceDiff, everything: bool = False) -> dict[str, object]:
     """Convert a diff to JSON, with times in seconds and positions as in the captures.
 
-    everything: True to include equal events.
+    everything: True to include events that do not differ.
     """
     return {
         "a": diff.name_a,
@@ -69,7 +68,7 @@ def as_json(diff: TraceDiff, everything: bool = False) -> dict[str, object]:
 
 
 def duration(seconds: Fraction) -> str:
-    """Format a duration with its sign, in microseconds with three decimals; long ones in milliseconds or seconds."""
+    """Format a duration with its sign, in microseconds. From 10 ms it is in milliseconds, and from 10 s in seconds."""
     us = float(seconds * 10**6)
     if abs(us) < 10_000:
         return f"{us:+.3f} us"

@@ -1,4 +1,4 @@
-"""Lanes of a diagram from a span of a capture: waves of the wires, and the bytes on the bus.
+"""Lanes of a timing diagram for a span of a capture: waves of the wires, and the bytes on the I2C bus.
 
 Capture --cut to span--> SCL, SDA, bytes, other wires that move
 """
@@ -21,10 +21,10 @@ Seconds = Callable[[float], float]  # converts a position of the capture to seco
 
 
 def wire_lanes(capture: Capture, span: Span, seconds: Seconds, columns: int, colour: str = BLACK) -> list[Lane]:
-    """Return the lanes of the bus and its bytes, followed by those of other wires that change within the span.
+    """Return the lanes of the bus and of its bytes, followed by the lanes of other wires that change within the span.
 
-    columns: the number of columns of the diagram. If a bit is less than a column, the lane of the bytes shows whole
-        phases instead of bytes; if a byte is less than a column, there is no such lane.
+    columns: the number of columns of the diagram. If a bit is narrower than a column, the lane of bytes shows whole
+        phases of transfers. If a byte is narrower than a column, there is no lane of bytes.
     """
     lanes: list[Lane] = []
     names = [channel.name for channel in capture.channels]
@@ -41,9 +41,9 @@ def wire_lanes(capture: Capture, span: Span, seconds: Seconds, columns: int, col
 
 
 def bit_of(capture: Capture, otherwise: int) -> int:
-    """Return the length of a bit on the I2C bus in positions: the median distance of SCL's rising edges.
+    """Return the length of a bit on the I2C bus in positions: the median distance between rising edges of SCL.
 
-    otherwise: the result if there are too few edges.
+    otherwise: the result if SCL has too few edges.
     """
     for channel in capture.channels:
         rises = channel.edges[channel.levels == 1]
@@ -70,10 +70,10 @@ def _boxes(capture: Capture, span: Span, seconds: Seconds, columns: int) -> tupl
     )
 
 
-Stretch = tuple[float, float, str]  # begin and end of a box, and its text
+Stretch = tuple[float, float, str]  # begin and end of a box in positions, and its text
 
 
-# The texts of the boxes of events other than bytes. Incomplete bytes have no box.
+# The texts of the boxes of events other than addresses and bytes. An incomplete byte has no box.
 LETTERS = {
     I2cRowKind.START: "S",
     I2cRowKind.REPEATED_START: "Sr",
@@ -85,7 +85,7 @@ LETTERS = {
 
 
 def _bytes(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
-    """Yield the boxes of a transfer: START, bytes, ACKs and STOP."""
+    """Yield a box for each START, complete byte, ACK, NACK and STOP of a transfer."""
     for event in i2c.events_of(transfer):
         text = LETTERS.get(event.kind, f"0x{event.value:02X}")
         if event.kind is I2cRowKind.ADDRESS:
@@ -95,7 +95,7 @@ def _bytes(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
 
 
 def _phases(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
-    """Yield a box for each phase of a transfer, with its address and number of bytes."""
+    """Yield a box for each phase of a transfer, with the address, the direction and the number of data bytes."""
     stops = [phase.start.at for phase in transfer.phases[1:]]
     stops.append(end if transfer.stop is None else transfer.stop.at)
     for phase, stop in zip(transfer.phases, stops, strict=True):
@@ -108,8 +108,8 @@ def _phases(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
 def _around(capture: Capture, span: Span) -> Capture:
     """Return the part of the capture that is decoded for a diagram of the span.
 
-    It begins with the last STOP before the span and ends half the span's length after it, so that a byte at the end of
-    the span is complete if the capture is long enough.
+    This part begins with the last STOP before the span. It extends beyond the end of the span by half the length of the
+    span, so that a byte at the end of the span is complete if the capture is long enough.
     """
     scl, sda = (capture.channel(name) for name in BUS)
     known = [one for one in capture.known(scl, sda) if one.begin <= span.begin]

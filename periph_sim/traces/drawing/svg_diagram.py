@@ -4,8 +4,8 @@
     marks ------------------> lines across all lanes   replay   SCL  _/-\\___/-
     window -----------------> axis with its unit                0   5   10 us
 
-Times are seconds on a common axis. They are floats, since they are used only to place things on paper. Equal input
-gives equal text. Readers can distinguish the colours side by side, in grey print, and with colour blindness.
+Times are seconds on a common axis. They are floats, because they are used only for drawing. Equal input gives equal
+text. Readers can distinguish the colours side by side, in grey print, and with colour blindness.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ WRONG, WRONG_PALE = "#b00020", "#fbdde2"
 GRID, RULE = "#e2e2e2", "#888888"
 
 WIDTH, GUTTER, MARGIN = 1120, 132, 16
-LANE, WAVE, GAP = 30, 18, 14  # height of a lane, of its wave, and between groups
+LANE, WAVE, GAP = 30, 18, 14  # heights of a lane, of its wave, and of the gap between groups
 TITLE, LABELS, AXIS = 34, 18, 44
 FONT, MONO = "Helvetica, Arial, sans-serif", "DejaVu Sans Mono, Menlo, Consolas, monospace"
 UNITS = ((1e-9, "ns"), (1e-6, "us"), (1e-3, "ms"), (1.0, "s"))
@@ -32,7 +32,11 @@ CHARACTER = 6.3  # width of a character in the labels
 
 @dataclass(frozen=True)
 class Box:
-    """A named interval in a lane. wrong: True to draw it as an error."""
+    """A named interval in a lane.
+
+    begin, end: times in seconds.
+    wrong: True if the box is drawn as an error.
+    """
 
     begin: float
     end: float
@@ -42,7 +46,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Tick:
-    """A named instant in a lane."""
+    """A named instant in a lane. `at` is a time in seconds."""
 
     at: float
     text: str
@@ -52,9 +56,9 @@ class Tick:
 class Lane:
     """One line of the diagram. It can have a wave, boxes and ticks.
 
-    initial: the level of the wave before its first edge; None for no wave.
-    edges: the edges of the wave as (time, level).
-    group: the name of a group of lanes, which are drawn together under this name and in `colour`.
+    group: the name of the group to which the lane belongs. The name is drawn above the first lane of the group.
+    initial: the level of the wave before its first edge; None if the lane has no wave.
+    edges: the edges of the wave, as pairs of a time and the level from this time on.
     """
 
     name: str
@@ -68,7 +72,11 @@ class Lane:
 
 @dataclass(frozen=True)
 class Mark:
-    """A line across all lanes. wrong: True if it marks a divergence of two sides."""
+    """A vertical line across all lanes.
+
+    at: the time in seconds.
+    wrong: True if the line marks a difference between two sides of a comparison.
+    """
 
     at: float
     text: str
@@ -80,7 +88,7 @@ def timing_diagram(
 ) -> str:
     """Return the diagram as SVG text.
 
-    window: the first and the last time shown.
+    window: the first and the last time shown, in seconds.
     axis: the label of the axis, which says what time 0 is.
 
     Raise ValueError if the window is empty or there is no lane.
@@ -168,7 +176,7 @@ class _Diagram:
             self.page.append(band)
 
     def _draw_marks(self, marks: Sequence[Mark]) -> None:
-        free = [float("-inf"), float("-inf")]  # the places at which the labels in both rows end
+        free = [float("-inf"), float("-inf")]  # for each of the two rows of labels, the x at which its last label ends
         for mark in sorted(marks, key=lambda one: one.at):
             if not self._seen(mark.at):
                 continue

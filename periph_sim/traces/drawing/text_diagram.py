@@ -4,8 +4,8 @@
     marks -----------------> a row above each, pointing down                    └─┘ └─┘ └
     window ----------------> axis with its unit                           bytes [-- 68 write --]
 
-One column is one slice of the window. A wave that changes more than once within a slice is shown as ░: too fast to
-be drawn, but not lost. `svg_diagram` draws the same lanes as SVG. Equal input gives equal text.
+One column is one slice of the window. A column in which a wave has more than one edge is drawn as ░. `svg_diagram`
+draws the same lanes as SVG. Equal input gives equal text.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from .svg_diagram import UNITS, Box, Lane, Mark, nice_step
 GUTTER = 8  # minimum number of columns for the names of lanes
 LEAST = 20  # minimum number of columns for waves
 FAST = "░"
-LEVEL = ("─", " "), (" ", "─")  # the characters of a low and of a high column, each as (lower row, upper row)
+LEVEL = ("─", " "), (" ", "─")  # the characters of a low and of a high level, each as (lower row, upper row)
 RISE, FALL = ("┘", "┌"), ("└", "┐")
 
 
@@ -50,15 +50,15 @@ def text_diagram(
 
 
 class _Slices:
-    """A window cut into columns."""
+    """A window of time that is divided into columns."""
 
     def __init__(self, begin: float, end: float, count: int) -> None:
         self.begin, self.end, self.count = begin, end, count
 
     def column(self, at: float) -> int:
-        """Return the column of a time. It is below 0, or `count` or more, if the time is not in the window.
+        """Return the column of a time. The result is below 0, or `count` or more, if the time is not in the window.
 
-        A time that is earlier than a column only by the rounding error of floats is in that column.
+        A time that is before a column only because of a rounding error of floats counts as in this column.
         """
         return floor((at - self.begin) / (self.end - self.begin) * self.count + 1e-6)
 
@@ -81,7 +81,7 @@ def _lane(lane: Lane, slices: _Slices) -> list[str]:
 def _wave(initial: int, edges: Sequence[tuple[float, int]], slices: _Slices) -> list[str]:
     """Return the upper and the lower row of a wave."""
     level = initial
-    turns: dict[int, int] = {}  # number of edges in each column that has any
+    turns: dict[int, int] = {}  # a dictionary from each column with edges to the number of its edges
     for at, value in edges:
         column = slices.column(at)
         if column < 0:
@@ -101,9 +101,12 @@ def _wave(initial: int, edges: Sequence[tuple[float, int]], slices: _Slices) -> 
 
 
 def _boxes(boxes: Sequence[Box], slices: _Slices) -> str:
-    """Draw boxes as [-- text --]; a narrow one as its text, its first word or |. The text of a wrong box ends in !."""
+    """Draw each box as [-- text --] or, if the box is too narrow, as the text, the first word of the text, or |||.
+
+    The text of a wrong box ends in !.
+    """
     row = [" "] * slices.count
-    taken = 0  # number of columns that are occupied by earlier boxes
+    taken = 0  # the first column that no earlier box occupies
     for box in sorted(boxes, key=lambda one: one.begin):
         if box.end <= slices.begin or box.begin >= slices.end:
             continue
@@ -128,7 +131,7 @@ def _boxed(text: str, width: int) -> str:
 
 
 def _ticks(ticks: Sequence[tuple[float, str]], slices: _Slices) -> str:
-    """Draw instants as |text. A text that would cover another instant is left out."""
+    """Draw each tick as |text. A text that would cover another tick or text is left out."""
     row = [" "] * slices.count
     places = [(slices.column(at), text) for at, text in ticks if 0 <= slices.column(at) < slices.count]
     for column, _ in places:

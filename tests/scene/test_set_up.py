@@ -11,8 +11,8 @@ import pytest
 
 from periph_sim.core.convert import keys_of
 from periph_sim.f28335.gpio.settings import pin_settings_of
-from periph_sim.imu import noise
-from periph_sim.imu.models import counts, sensed_motion
+from periph_sim.imu import model_codes, near_gaussian
+from periph_sim.imu.models import counts
 from periph_sim.scene import firmware_loader
 from periph_sim.scene.case import load as loading
 from periph_sim.scene.case.load import load
@@ -25,8 +25,8 @@ SHARED = {
     "settings": keys_of,
     "measures": measure_of,
     "routes": pin_settings_of,
-    "noise": noise._block_of,
-    "models": sensed_motion._model_of,
+    "noise": near_gaussian.first_of,
+    "models": model_codes.model_codes,
     "operations": counts._counted,
 }
 CASE = """

@@ -3,9 +3,9 @@
     first accel, mag --> start --+
     gyro, accel, mag ----------> EKF, sample by sample --> quaternions --> errors against the truth
 
-The filter is that of the library `ahrs` (the extra `attitude`). It expects the direction of gravity, but an
-accelerometer at rest reads the opposite, (0, 0, -1 g) when level with z down, so the sign is inverted here. The filter
-has no model of biases; known ones must be subtracted before.
+The filter is the EKF of the library `ahrs`, which the extra `attitude` installs. The filter expects the direction of
+gravity. An accelerometer at rest reads the opposite, (0, 0, -1 g) if it is level with z down, so its sign is inverted
+here. The filter has no model of biases, so known biases must be subtracted from the samples before.
 
 Source: the conventions of the dissertation's chapter 4; documentation of ahrs.filters.EKF.
 """
@@ -22,17 +22,17 @@ from ..core.input_error import InputError
 from .firmware_model import resting_attitude
 from .rotations import Floats, angle_between, angles, quaternions, wrapped
 
-VARIANCES = 0.3**2, 0.5**2, 0.8**2  # those of the library
+VARIANCES = 0.3**2, 0.5**2, 0.8**2  # default variances of the library for gyro, accel and mag
 LEAST_ANGLE = 1e-6  # minimum angle in radians between gravity and field, below which yaw is undefined
 
 
 class NoAttitude(InputError):
-    """An attitude cannot be estimated, because samples have the wrong shape or the library is missing."""
+    """An attitude cannot be estimated, for example because samples have the wrong shape or the library is missing."""
 
 
 @dataclass(frozen=True)
 class Errors:
-    """Errors of an attitude in degrees, float64[n].
+    """Errors of n attitudes in degrees. Each attribute is float64[n].
 
     total: the angle of the rotation from truth to estimate, which is always unambiguous.
     roll, pitch, yaw: estimate minus truth, from -180 to 180. Near a pitch of +-90 degrees, roll and yaw are rotations
@@ -54,16 +54,17 @@ def estimate(
     variances: tuple[float, float, float] = VARIANCES,
     start: ArrayLike | None = None,
 ) -> Floats:
-    """Return the attitude at each sample as quaternions of `rotations`, float64[n, 4].
+    """Return the attitude at each sample as a quaternion (see `rotations`), float64[n, 4].
 
     seconds: the time of each sample, float64[n], increasing.
     gyro, accel, mag: samples in deg/s, g and gauss, float64[n, 3]. A sample of accel or mag that is zero or NaN (an
         overflow) is skipped.
     field: the north, east and down components of the magnetic field at the body; only its direction counts.
-    variances: those that the filter assumes of gyro in (rad/s)^2, and of accel and mag as vectors scaled to length 1.
-    start: the attitude at the first sample; by default the one that fits its accel and mag.
+    variances: the variances of gyro, accel and mag that the filter assumes. The variance of gyro is in (rad/s)^2; the
+        variances of accel and mag refer to vectors that are scaled to length 1.
+    start: the attitude at the first sample; None to calculate it from accel and mag, as if the body were at rest.
 
-    Raise NoAttitude if the input is invalid.
+    Raise NoAttitude if the input is invalid or the library is missing.
     """
     times, rates, gravity, magnetic = _checked(seconds, gyro, accel, mag)
     reference = np.asarray(field, np.float64)
@@ -95,7 +96,7 @@ def errors(estimated: ArrayLike, truth: ArrayLike) -> Errors:
 
 
 def _at_rest(accel: Floats, mag: Floats, field: Floats) -> Floats:
-    """Return the attitude of a resting body, float64[4]."""
+    """Return the attitude of a resting body as a quaternion, float64[4]."""
     if not _usable(accel) or not _usable(mag):
         raise NoAttitude("the first sample has no usable accel and mag; omit it, or give start")
     for down, magnetic in ((accel, mag), (np.array([0.0, 0.0, 1.0]), field)):
@@ -126,7 +127,7 @@ def _checked(seconds: ArrayLike, gyro: ArrayLike, accel: ArrayLike, mag: ArrayLi
 
 
 def _filter(field: Floats, variances: tuple[float, float, float]) -> Any:
-    """Return the library's filter before its first sample."""
+    """Return a new filter of the library. Raise NoAttitude if the library is missing."""
     try:
         from ahrs.filters import EKF
     except ImportError:

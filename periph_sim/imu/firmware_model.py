@@ -1,4 +1,4 @@
-"""Firmware that computes the sensors, as a `scene.unit.FirmwareModel` for the scene.
+"""What a scene knows about firmware that calculates the sensors of an IMU: a `scene.unit.FirmwareModel`.
 
 settings with sensors, arithmetic, noise_seed --firmware_model--> ImuFirmware
 """
@@ -22,9 +22,10 @@ if TYPE_CHECKING:
 
 
 class ImuFirmware:
-    """A `FirmwareModel` of firmware that computes the sensors of an IMU.
+    """A `FirmwareModel` of firmware that calculates the sensors of an IMU.
 
-    settings: the settings of the firmware. Its `arithmetic` and `noise_seed` determine the results.
+    parameters: the parameters of the sensors.
+    settings: the settings of the firmware. The settings `arithmetic` and `noise_seed`, if present, affect the results.
     """
 
     def __init__(self, parameters: ImuParameters, settings: object) -> None:
@@ -35,9 +36,10 @@ class ImuFirmware:
         self._noise_seed: Any = getattr(settings, "noise_seed", None)
 
     def check(self, case: Case, unit: str) -> None:
-        """Raise BadCase unless the models' period is the period at which this firmware runs them.
+        """Raise BadCase unless the period in the parameters is the period at which this firmware runs the models.
 
-        This is the period of the host if `models_run` is "frame" or there are no rounds; otherwise that of the rounds.
+        The firmware runs the models once per host frame if the setting `models_run` is "frame" or the case has no
+        rounds; otherwise once per round.
         """
         rounds = case.controller or case.rounds
         per_frame = getattr(self._settings, "models_run", "round") == "frame" or rounds is None
@@ -51,7 +53,7 @@ class ImuFirmware:
             raise case.mistake(error.what, "unit", unit, "settings", "parameters") from None
 
     def codes(self) -> ChipModel | None:
-        """Return the model of the chips' bytes; None if no setting names the arithmetic."""
+        """Return the model that calculates the bytes of the chips; None if no setting names the arithmetic."""
         if self._arithmetic is None:
             return None
         from .model_codes import model_codes
@@ -59,13 +61,13 @@ class ImuFirmware:
         return model_codes(self.parameters, self._arithmetic, self._noise_seed)
 
     def truth(self, motion: Motion, first: Fraction) -> MotionTruth:
-        """Return the true values of a motion. first: the time of the motion, in seconds, at which frame 0 is due."""
+        """Return the true readings of a motion. first: the time of the motion, in seconds, at which frame 0 is due."""
         return MotionTruth(self.parameters, motion, first)
 
     def attitude(self, readings: Mapping[str, Sequence[float]]) -> list[float] | None:
         """Return roll, pitch, yaw of the resting body in degrees; None before accelerometer and magnetometer were read.
 
-        readings: x, y, z of each chip in its unit. The known errors of the sensors are subtracted.
+        readings: a dictionary from the name of a chip to its x, y, z in its unit. Known biases are subtracted here.
         """
         accel, mag, sensors = readings.get("accelerometer"), readings.get("magnetometer"), self.parameters
         if accel is None or mag is None:
@@ -76,7 +78,7 @@ class ImuFirmware:
 
 
 def firmware_model(settings: object) -> ImuFirmware | None:
-    """Return the model of a firmware with these settings; None if its `sensors` are not those of an IMU."""
+    """Return the model of firmware with these settings; None if the setting `sensors` is no set of IMU parameters."""
     sensors: object = getattr(settings, "sensors", None)
     return ImuFirmware(sensors, settings) if isinstance(sensors, ImuParameters) else None
 
@@ -86,15 +88,16 @@ def _less(values: Sequence[float], bias: Sequence[float]) -> list[float]:
 
 
 class MotionTruth:
-    """The readings of the true motion by ideal sensors with the same parameters, in float64.
+    """The readings that sensors without noise or rounding would make of the true motion, calculated in float64.
 
-    They have no noise: the noise of a sensor is not a property of the body, and the sample that a read contains depends
-    on the timing of the firmware, from which the truth is independent.
+    The readings contain no noise for two reasons: noise is not a property of the body, and the timing of the firmware
+    determines which sample of the noise a read contains, while the truth must not depend on this timing.
 
+    imu: the parameters of the sensors.
     first: the time of the motion, in seconds, at which frame 0 is due.
     """
 
-    KEPT = 64  # number of cached instants; each is used for several chips and budgets
+    KEPT = 64  # number of instants whose readings are cached, because several chips and budgets use the same instant
 
     def __init__(self, imu: ImuParameters, motion: Motion, first: Fraction) -> None:
         self._imu = imu
@@ -103,9 +106,9 @@ class MotionTruth:
 
     @cached_property
     def at(self) -> Callable[[Fraction], Mapping[str, Axes]]:
-        """Return a function from time to the readings of each chip.
+        """The function from a time, in seconds after frame 0 is due, to the readings of each chip in LSB.
 
-        It is built at its first use, since few runs need it.
+        The function is created when this property is first used, since few runs need it.
         """
         from .models.sensed_motion import SensedMotion
 
@@ -120,10 +123,11 @@ def resting_attitude(
 
         gravity --> roll, pitch --turn the field level--> yaw
 
-    An accelerometer that is at rest and level, with z down, reads (0, 0, -1 g). `attitude` has a filter that tolerates
-    motion.
+    An accelerometer that is at rest and level, with z down, reads (0, 0, -1 g). For a moving body, use the filter in
+    `attitude`.
 
-    field: the north and east components of the magnetic field at the body.
+    accel, mag: x, y, z of the sample, in any unit.
+    field: the components of the magnetic field at the body; only north and east are used.
     """
     x, y, z = (-value for value in accel)
     roll, pitch = atan2(y, z), atan2(-x, hypot(y, z))

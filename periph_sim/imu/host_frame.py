@@ -2,7 +2,7 @@
 
     motion --sampled--> rad, g --/ value of one count--> counts --if beyond 16 bits--> refuse, saturate or wrap
 
-The dissertation does not define the encoding (section 3.4.1), so every value has a named setting.
+The dissertation does not define the encoding (section 3.4.1), so each of its properties is a setting.
 """
 
 from __future__ import annotations
@@ -21,17 +21,18 @@ from .motion.quantities import Acceleration, Angle
 
 LEAST, MOST = -0x8000, 0x7FFF
 
-KEPT = 256  # number of frames that are kept for later reading
+KEPT = 256  # number of frames whose counts are cached
 
-Frame = tuple[tuple[int, ...], tuple[str, ...]]  # the values of a frame, and the names of those beyond 16 bits
+Frame = tuple[tuple[int, ...], tuple[str, ...]]  # the six counts, and the names of the values that do not fit 16 bits
 
 
 @dataclass(frozen=True)
 class Encoding:
     """The encoding of the six values of a frame.
 
-    phi to az: the value of one count, in rad and g.
-    beyond: the treatment of a value that does not fit into 16 bits.
+    phi, theta, psi: the angle of one count in rad.
+    ax, ay, az: the acceleration of one count in g.
+    beyond: the treatment of a value that does not fit 16 bits.
     """
 
     phi: Angle = 1e-4
@@ -54,10 +55,10 @@ class Encoding:
         return self.phi, self.theta, self.psi, self.ax, self.ay, self.az
 
     def counts(self, values: Sequence[float]) -> Frame:
-        """Convert six values in rad and g to counts.
+        """Convert six values in rad and g to counts. Return the counts and the names of values that do not fit 16 bits.
 
-        Counts are rounded to nearest, and halves to even. If `beyond` is "refuse", raise BadMotion for the first count
-        beyond 16 bits.
+        Counts are rounded to nearest, and halves to even. If `beyond` is "refuse", raise BadMotion for the first value
+        that does not fit.
         """
         counts: list[int] = []
         beyond: list[str] = []
@@ -76,17 +77,17 @@ class Encoding:
 
 
 class MotionFrames:
-    """Source of the values of frame n, which is due at the time first + n * period of the motion, in seconds.
+    """Source of the frames of a motion. Frame n has the values of the motion at first + n * period seconds.
 
     motion: the motion that is sampled.
-    beyond: how often each value of the frames so far was beyond 16 bits.
+    beyond: a counter from the name of a value to the number of frames so far in which the value did not fit 16 bits.
     """
 
     def __init__(self, motion: Motion, encoding: Encoding, first: Fraction, period: Fraction) -> None:
         self.beyond: Counter[str] = Counter()
         self.motion = motion
         self._encoding = encoding
-        # Number of parts of a second with which times are whole numbers.
+        # In units of 1 / _scale seconds, `first` and `period` are whole numbers.
         self._scale = lcm(first.denominator, period.denominator)
         self._first, self._period = (int(length * self._scale) for length in (first, period))
         self._counted = 0
@@ -99,7 +100,7 @@ class MotionFrames:
     def __call__(self, number: int) -> tuple[int, ...]:
         """Return the six counts of a frame.
 
-        Raise BadMotion if the motion is out of range at this frame, or beyond 16 bits with "refuse".
+        Raise BadMotion if a value is out of the range of a motion, or does not fit 16 bits and `beyond` is "refuse".
         """
         values, beyond = self._frame(number)
         if number >= self._counted:
@@ -115,4 +116,4 @@ class MotionFrames:
             raise BadMotion(f"frame {number}, due at {seconds:.6g} s: {error}") from None
 
 
-ANGLE, ACCELERATION = 1e-4, 1e-3  # rad and g per count
+ANGLE, ACCELERATION = 1e-4, 1e-3  # the values of one count that the sensor models assume, in rad and g

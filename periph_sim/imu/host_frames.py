@@ -28,14 +28,17 @@ FRAME_BYTES = 2 * VALUES
 PACKED = {"little": Struct(f"<{VALUES}h"), "big": Struct(f">{VALUES}h")}
 RAMP = ((1, 1), (3, 1000), (5, -2000), (7, 12), (11, -34), (13, 1000))
 PARTS = {"angles": slice(0, 3), "accelerations": slice(3, 6)}
-# The values that each chip shows without sensor models.
+# A dictionary from the name of a chip to the part of a frame that the chip shows if the firmware has no sensor models.
 SHOWN = {"gyroscope": "angles", "accelerometer": "accelerations", "magnetometer": "angles"}
 BY_ADDRESS = {SENSORS[name].address: (SENSORS[name], PARTS[part]) for name, part in SHOWN.items()}
 ADDRESSES = frozenset(BY_ADDRESS)
 
 
 def ramp(number: int) -> tuple[int, ...]:
-    """Return values that do not repeat for minutes, so that a byte on the bus identifies its frame."""
+    """Return the values of frame `number` of a host without a motion.
+
+    The values do not repeat for minutes, so that values on the bus identify their frame.
+    """
     return tuple((number * step + start + 0x8000) % 0x10000 - 0x8000 for step, start in RAMP)
 
 
@@ -53,12 +56,12 @@ def decode(data: bytes) -> tuple[int, ...]:
 
 
 def shown(values: Sequence[T]) -> dict[str, Sequence[T]]:
-    """Return for each chip the three of a frame's six values that it shows if there are no sensor models."""
+    """Return a dictionary from a chip's name to the three values of a frame that it shows without sensor models."""
     return {name: values[PARTS[part]] for name, part in SHOWN.items()}
 
 
 def data(address: int, values: tuple[int, ...]) -> bytes:
-    """Return the register bytes of the chip with this address while it shows the values of a frame."""
+    """Return the register bytes with which the chip at this address shows the values of a frame."""
     chip, part = BY_ADDRESS[address]
     return register_bytes(chip, values[part])
 
@@ -71,21 +74,27 @@ def encoding_type() -> type[object]:
 
 
 def motion_settings() -> Mapping[str, type[object]]:
-    """Return the dataclass of each kind of [host.motion]."""
+    """Return a dictionary from the name of each kind of [host.motion] to the dataclass of its settings."""
     from .motion import kinds
 
     return {name: kind.Settings for name, kind in kinds().items()}
 
 
 def encoding_of(given: dict[str, object]) -> Encoding:
-    """Return the encoding of the frames. Raise BadSetting, naming the setting, if one is wrong."""
+    """Return the encoding with the settings `given`. Raise BadSetting if a setting is invalid."""
     from .host_frame import Encoding
 
     return shared(Encoding, given, "host.encoding")
 
 
 def frames_of(given: dict[str, object], encoding: Encoding, first: Fraction, period: Fraction) -> MotionFrames:
-    """Return the frames of the motion in `given`. Raise BadSetting, naming the setting, if one is wrong."""
+    """Return the frames of the motion with the settings `given`.
+
+    first: the time of the motion, in seconds, at which frame 0 is due.
+    period: the time between two frames in seconds.
+
+    Raise BadSetting, with the setting's name, if a setting is invalid.
+    """
     from .host_frame import MotionFrames
     from .motion import kind_named, kinds
 
@@ -99,7 +108,7 @@ def frames_of(given: dict[str, object], encoding: Encoding, first: Fraction, per
     checked = shared(kind.Settings, settings, f"motion {name}")
     try:
         motion = kind.motion(checked)
-    # BadMotion, or BadCapture for a file, whose module is not imported because it imports numpy.
+    # The error is BadMotion, or BadCapture for a file. BadCapture is not imported, because its module imports numpy.
     except ValueError as error:
         raise BadSetting(str(error), "") from None
     return MotionFrames(motion, encoding, first, period)

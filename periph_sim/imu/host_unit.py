@@ -1,12 +1,12 @@
-"""The host unit as a separate program: sends frames of 12 bytes, from a flight or datagrams, over a serial port.
+"""The host unit as a separate program, which sends the values of a flight or of datagrams to a serial port.
 
     flight.csv --motion--> MotionFrames --.
                                            +--> frame n, n periods after the first --> port
     Simulink --UDP--> latest datagram ----'
 
-The port is any port that pyserial can open: a real one, the pseudo-terminal of `serve`, rfc2217://, f28335://. Bytes
-that are received on it are read and counted, so that their sender never blocks. Frames are those that the [host] of a
-case sends (see `host_frame`).
+The port is any port that pyserial can open: a real port, the pseudo-terminal of `serve`, rfc2217://, f28335://. Bytes
+that arrive at the port are read and counted, so that their sender never blocks. A frame has 12 bytes, with the encoding
+of the [host] table of a case (see `host_frame`).
 """
 
 from __future__ import annotations
@@ -29,14 +29,18 @@ from .motion import BadMotion
 from .motion.flight import Settings, motion
 
 NANOSECONDS = 10**9
-AT_ONCE = 4096  # maximum number of bytes that one call reads
+AT_ONCE = 4096  # maximum number of bytes that are read from the port at a time
 LONGEST = 1 << 16  # maximum number of bytes of a datagram
-KINDS = {VALUES * 8: "d", VALUES * 4: "f"}  # for each length of a datagram, the format of its numbers
+KINDS = {VALUES * 8: "d", VALUES * 4: "f"}  # from the number of bytes of a datagram to the `struct` format of a value
 OTHERS = "six doubles (48 bytes), six singles (24) or a frame as it is (12)"
 
 
 class FlightFrames:
-    """The frames of a flight in a CSV file. Raise BadMotion or BadCapture if the file contains no flight."""
+    """The frames of a flight in a CSV file. Raise BadMotion or BadCapture if the file is invalid.
+
+    encoding: the encoding of the values.
+    period: the time between two frames in seconds.
+    """
 
     def __init__(self, file: Path, encoding: Encoding, period: Fraction) -> None:
         flight = motion(Settings(file))
@@ -49,18 +53,19 @@ class FlightFrames:
         return encode(self._values(number), self._order)
 
     def over(self, number: int) -> bool:
-        """Return True if the frame before `number` was the last one."""
+        """Return True if the flight has ended before frame `number`."""
         return number > self._last
 
 
 class UdpFrames:
     """Frames with the values of the latest datagram: phi, theta, psi in rad, and ax, ay, az in g.
 
-    order: the byte order of the datagrams.
-    refused: the number of datagrams without such values.
-    held: the number of frames that repeated the values of the frame before.
+    order: the byte order of the datagrams, "little" or "big".
+    notify: a function that is called with a message at the first invalid datagram.
+    refused: the number of invalid datagrams, which are ignored.
+    held: the number of frames that repeat the previous frame, because no valid datagram has arrived in between.
 
-    Raise OutsideError if the port is in use.
+    Raise OutsideError if the UDP port cannot be used.
     """
 
     def __init__(self, address: str, port: int, encoding: Encoding, order: str, notify: Callable[[str], None]) -> None:
@@ -83,7 +88,7 @@ class UdpFrames:
         self._socket.close()
 
     def frame(self, number: int) -> bytes | None:
-        """Return the bytes of the latest values; None before the first datagram."""
+        """Return a frame with the values of the latest valid datagram; None before the first valid datagram."""
         latest = self._latest()
         if latest is None:
             self.held += self._frame is not None
@@ -95,14 +100,14 @@ class UdpFrames:
         return False
 
     def _latest(self) -> bytes | None:
-        """Return the last valid datagram since the last call; None if there is none."""
+        """Return the frame of the last valid datagram since the previous call; None if no valid datagram arrived."""
         found = None
         while True:
             try:
                 data = self._socket.recv(LONGEST)
             except BlockingIOError:
                 return found
-            except OSError:  # an error of one datagram, which is skipped
+            except OSError:  # The error belongs to a single datagram, which is skipped.
                 continue
             try:
                 found = self._framed(data)
@@ -125,7 +130,12 @@ class UdpFrames:
 
 @dataclass
 class Sent:
-    """The numbers of frames and bytes that were sent. came: the number of bytes that were received."""
+    """What the host unit has sent and received.
+
+    frames: the number of frames sent.
+    bytes: the number of bytes sent.
+    came: the number of bytes received.
+    """
 
     frames: int = 0
     bytes: int = 0
@@ -140,11 +150,13 @@ def send_frames(
     frames: int | None = None,
     stopped: Callable[[], bool] = lambda: False,
 ) -> Sent:
-    """Send frames until `frames` of them were sent, the source has ended or `stopped` returns True.
+    """Send frames until `frames` frames were sent, the source has ended, or `stopped` returns True.
 
-    Between frames, the function reads from the port. This also advances a port whose time is simulated.
+    Between frames, the function reads from the port. If the port is simulated, reading also advances its time.
 
-    pacer: the schedule, whose ticks are nanoseconds. It also measures lateness.
+    period: the time between two frames in seconds.
+    pacer: the object that waits until a frame is due, and measures how late frames are. Its ticks are nanoseconds.
+    frames: the maximum number of frames; None for no limit.
     """
     sent = Sent()
     number = 0
@@ -167,5 +179,5 @@ def send_frames(
 
 
 def pacer_for(port: Any) -> Pacer:
-    """Return a pacer with the port's clock, if its time is simulated."""
+    """Return a pacer that uses the clock of a simulated port, or the computer's clock for any other port."""
     return Pacer(NANOSECONDS, Fraction(1), "slip", getattr(port, "clock", time.monotonic))

@@ -1,8 +1,9 @@
-"""Register bytes that a controller should read if firmware calculates them from a frame with sensor models.
+"""Register bytes that a controller should read from firmware that calculates them from a host frame with sensor models.
 
     six int16 --> attitude (1e-4 rad), acceleration (1e-3 g) --> Imu in the firmware's arithmetic --> bytes, by address
 
-The byte order is that of the controller (`sensors`), so that firmware with another byte order is detected as wrong.
+The bytes have the order that the controller expects (see `sensors`). So firmware with another byte order is detected as
+wrong.
 """
 
 # core: compiled
@@ -23,15 +24,17 @@ from .numeric import arithmetic_names as named
 from .numeric.q import Q
 from .sensors import SENSORS
 
-REMEMBERED = 16  # number of cached results, which may belong to several runs of a scene's models
+REMEMBERED = 16  # number of cached results, which firmware, the check of its output and several scenes share
 BY_ADDRESS = {chip.address: (name, chip) for name, chip in SENSORS.items()}
 
 
 @final
 class ModelCodes(ChipModel):
-    """The sensor models as a `ChipModel`.
+    """The sensor models of an IMU as a `ChipModel`.
 
-    noise_seed: the seed of the noise, of which run n of the models uses sample n; None for no noise.
+    parameters: the parameters of the sensors.
+    arithmetic: the name of the arithmetic in which the models calculate, such as "q16".
+    noise_seed: the seed of the noise; None for no noise. Run n of the models uses sample n of the noise.
     """
 
     _model: Imu[Any]
@@ -40,7 +43,7 @@ class ModelCodes(ChipModel):
 
     def __init__(self, parameters: ImuParameters, arithmetic: str, noise_seed: int | None = None) -> None:
         self._model = Imu(named.scalar(arithmetic), parameters)
-        # True if numpy would warn of divisions by zero, whose results float32 defines.
+        # True if numpy's warnings must be turned off: numpy warns of divisions by zero, which float32 defines.
         self._warns = arithmetic == "float32"
         self._noise = None if noise_seed is None else ImuNoise(parameters, noise_seed)
         self._remembered = lru_cache(REMEMBERED)(self._computed)
@@ -48,10 +51,13 @@ class ModelCodes(ChipModel):
         self.at_rest = Shown(None, self._model.at_rest, None)
 
     def run(self, number: int, values: tuple[int, ...] | None, before: Shown) -> Shown:
-        """Return the result of run `number` of the models, from 0, for the values of a frame.
+        """Return the result of run `number` of the models. The first run has number 0.
 
-        The first frame after `at_rest` has no attitude before it, so its rates are zero. Equal runs after the same
-        result are calculated once.
+        If `before` is `at_rest`, there is no earlier attitude, so the rates are zero. The results of the last runs are
+        cached.
+
+        values: the values of the host frame; None if no frame has arrived.
+        before: the result of the previous run.
         """
         shown: Shown = self._remembered(number, values, before)
         return shown
@@ -70,7 +76,10 @@ class ModelCodes(ChipModel):
         return Shown(self, state, Inputs(turned, pushed, body, last.body, noise), model.overflows - overflows)
 
     def data_of(self, address: int, shown: Shown) -> bytes:
-        """Return the register bytes of one chip, and count overflows in `shown`."""
+        """Return the register bytes of the chip with this address.
+
+        The overflows of this calculation are added to the number in `shown`.
+        """
         name, chip = BY_ADDRESS[address]
         overflows = self._model.overflows
         codes = self._quietly(self._model.codes_of, name, shown.inputs)
@@ -78,7 +87,7 @@ class ModelCodes(ChipModel):
         return register_bytes(chip, codes)
 
     def noise(self, number: int) -> Noise[Any]:
-        """Return sample `number` of the noise in the numbers of the arithmetic."""
+        """Return sample `number` of the noise, converted to numbers of the arithmetic."""
         if self._noise is None:
             return self._model.silence
         a = self._model.a
@@ -90,7 +99,7 @@ class ModelCodes(ChipModel):
         return Noise((p, q, r), (x, y, z), (north, east, down))
 
     def _quietly(self, computed: Callable[..., Any], *inputs: Any) -> Any:
-        """Return computed(*inputs) without warnings of numpy."""
+        """Return computed(*inputs). In float32, numpy's warnings are turned off during the call."""
         if not self._warns:
             return computed(*inputs)
         import numpy as np
@@ -101,12 +110,18 @@ class ModelCodes(ChipModel):
 
 @lru_cache(maxsize=16)
 def model_codes(parameters: ImuParameters, arithmetic: str, noise_seed: int | None) -> ModelCodes:
-    """Return the models, which firmware, the check of its output and scenes with equal arguments share."""
+    """Return the sensor models for these arguments.
+
+    Firmware, the check of its output and all scenes with equal arguments share one object.
+    """
     return ModelCodes(parameters, arithmetic, noise_seed)
 
 
 def _rounded(a: Q, near: list[tuple[float, float]] | None) -> list[Any] | None:
-    """Return values with an error in a Q format; None if the error of one might change its rounding."""
+    """Convert noise values to a Q format. Return None if an error might change the number to which a value is rounded.
+
+    near: each value with its maximum error; None if the values are unknown.
+    """
     if near is None:
         return None
     numbers = [a.nearest(value - off) for value, off in near]
@@ -114,12 +129,15 @@ def _rounded(a: Q, near: list[tuple[float, float]] | None) -> list[Any] | None:
 
 
 def model_of(arithmetic: str, parameters: ImuParameters) -> Imu[Any]:
-    """Return the model, for firmware of earlier versions that calls `Imu.step` itself."""
+    """Return the models of an IMU. This function is for firmware of earlier versions, which calls `Imu.step` itself."""
     return Imu(named.scalar(arithmetic), parameters)
 
 
 class ModelNoise:
-    """The noise of a model's samples, for firmware of earlier versions. at: returns sample n."""
+    """The noise of the models, in numbers of the arithmetic. This class is for firmware of earlier versions.
+
+    at: the function from the number of a sample to its noise.
+    """
 
     at: Callable[[int], Noise[Any]]
 

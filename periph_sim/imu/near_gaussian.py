@@ -1,12 +1,12 @@
-"""The first standard normal values of a block without numpy, whose import takes longer than many runs.
+"""The first standard normal values of a block of `noise`, without numpy, whose import takes longer than many runs.
 
     key, block --Philox 4x64--> words of 64 bits --ziggurat--> values within NEAR of numpy's, or None
 
 A value is a place in one of 256 layers of equal area under the normal curve (Marsaglia and Tsang, "The ziggurat
 method", J. Stat. Software 5, 2000). The lowest byte of a word selects the layer, a bit selects the sign, and 52 bits
-select the place. Of 1000 words, 985 are inside their layer, and only these are returned. The edges of the layers differ
-from numpy's in the last bits. So these values are for callers that round them, which can decide with the bound of the
-error whether it matters.
+select the place. Of 1000 words, 985 select a place that is certainly under the curve. Only these words give a value;
+the others give None. The edges of the layers differ from numpy's in their last bits. So the values are for callers that
+round them: with the maximum error, a caller can decide whether it could change the rounded value.
 """
 
 from __future__ import annotations
@@ -16,24 +16,28 @@ from itertools import pairwise
 from math import exp, log, sqrt
 
 FEW = 8  # number of values of a block that are calculated
-NEAR = 1e-12  # maximum error of a value; that of an edge is a thousandth of it
+NEAR = 1e-12  # maximum error of a value; the error of an edge is a thousandth of NEAR
 
 LAYERS = 256
-OUTERMOST = 3.6541528853610088  # edge of the last layer, and area of each layer
-AREA = 0.00492867323397465
-STEPS = 1 << 52
-UNSURE = 1 << 14  # number of steps beside an edge that may be inside or outside: about 1000 times the error of an edge
+OUTERMOST = 3.6541528853610088  # edge of the outermost layer
+AREA = 0.00492867323397465  # area of each layer
+STEPS = 1 << 52  # number of places in a layer
+UNSURE = 1 << 14  # number of steps inside an edge that give no value, about 1000 times the error of the edge
 
 WORD = (1 << 64) - 1
-# Multipliers of Philox 4x64 (Salmon et al., SC11); WEYL is added to keys.
+# Multipliers of Philox 4x64 (Salmon et al., SC11). WEYL is added to the key after each round.
 MULTIPLIERS = 0xD2E7470EE14C6C93, 0xCA5A826395121157
 WEYL = 0x9E3779B97F4A7C15, 0xBB67AE8584CAA73B
 ROUNDS = 10
 
 
-@lru_cache(maxsize=64)  # the number of whole blocks that `noise` keeps
+@lru_cache(maxsize=64)  # Nine axes use one block each, and several scenes may use the same blocks.
 def first_of(key: int, block: int) -> tuple[float | None, ...]:
-    """Return the first FEW values of a block. From the first value on that needs further words, they are None."""
+    """Return the first FEW values of a block. A value that needs more than one word is None, like all values after it.
+
+    key: the key of a stream.
+    block: the number of the block.
+    """
     words = [word for counter in range(1, FEW // 4 + 1) for word in philox(key, (counter, block, 0, 0))]
     found: list[float | None] = []
     for word in words:
@@ -42,7 +46,7 @@ def first_of(key: int, block: int) -> tuple[float | None, ...]:
 
 
 def philox(key: int, counter: tuple[int, int, int, int]) -> tuple[int, int, int, int]:
-    """Return four random words of 64 bits for each counter."""
+    """Return the four random words of 64 bits that belong to a key of 128 bits and a counter of four words."""
     a, b, c, d = counter
     low, high = key & WORD, key >> 64
     for _ in range(ROUNDS):
@@ -63,9 +67,9 @@ def _value(word: int) -> float | None:
 
 @cache
 def _layers() -> list[tuple[float, float]]:
-    """Return for each layer its edge, and the number of its steps under the next layer.
+    """Return, for each layer, its edge and the number of its steps up to the edge of the next narrower layer.
 
-    Layer 0 is wider, because it includes the tail.
+    Places within these steps are certainly under the curve. Layer 0 is wider, because it includes the tail.
     """
     height = exp(-0.5 * OUTERMOST * OUTERMOST)
     edges = [OUTERMOST]

@@ -1,4 +1,4 @@
-"""Sensor noise as a function of the sample number: float64 values from a seed, the name of a stream, and the number.
+"""Sensor noise as a function of the sample number: float64 values that follow from a seed, a stream name and a number.
 
     (seed, "gyroscope/x/white") --> Gaussian --> value n, independent of earlier calls
     NoiseTerms of an axis       --> AxisNoise --> white + bias instability + random walk
@@ -6,7 +6,7 @@
 Value n of a stream is a function of (seed, name, n) alone, so a run that is split, resumed or read sample by sample has
 the same bits. Each block of `BLOCK` values begins with its own counter of numpy's Philox, a counter-based generator
 (Salmon et al., "Parallel random numbers: as easy as 1, 2, 3", SC11). The key is a hash of seed and name. Only the
-random walk is a sum, which must be calculated up to n.
+random walk is a sum, so its steps must be added up from sample 0 to n.
 
 Terms as in IEEE Std 952 annex C: N (white), B (bias instability), K (random walk); dissertation section 4.3.4.
 """
@@ -33,14 +33,15 @@ if TYPE_CHECKING:
 
     Floats: TypeAlias = NDArray[np.float64]
 
-BLOCK = 1024  # number of values of a block; with this, a single value at any place takes about 30 us
-OCTAVES = 24  # octaves of the bias instability, which is flat up to periods of 2**23 samples, 46 h at 50 Hz
-WALKED_AT_ONCE = 1 << 20  # steps of a random walk that are in memory while it is calculated up to a sample
+BLOCK = 1024  # number of values in a block; with this number, a single value of any block takes about 30 us
+# Number of octaves of the bias instability. Its Allan deviation is flat up to 2**23 samples, which are 46 h at 50 Hz.
+OCTAVES = 24
+WALKED_AT_ONCE = 1 << 20  # maximum number of steps of a random walk that are in memory together
 AXES = ("x", "y", "z")
 
 
 class Gaussian:
-    """Independent standard normal values, which are numbered 0, 1, 2 ..."""
+    """A stream of independent standard normal values, which are numbered 0, 1, 2 ..."""
 
     key: BigInt
 
@@ -57,7 +58,7 @@ class Gaussian:
         return joined[begin : begin + count]
 
     def near(self, number: int) -> float | None:
-        """Return a value with an error of up to NEAR; None if this is impossible without numpy."""
+        """Return value `number` with an error of up to NEAR; None if numpy is needed to calculate the value."""
         block, place = number // BLOCK, number % BLOCK
         return first_of(self.key, block)[place] if place < FEW and number >= 0 else None
 
@@ -70,9 +71,9 @@ class Gaussian:
 
 
 class NoiseTerms(Struct, frozen=True):
-    """The noise terms of one axis, finite numbers of 0 or more.
+    """The coefficients of the noise of one axis, finite numbers of 0 or more. `unit` is the unit of the sensor.
 
-    density: N squared, in unit**2 s.
+    density: N squared, the density of white noise, in unit**2 s.
     bias_instability: B, in unit.
     random_walk: K, in unit/sqrt(s).
     """
@@ -83,7 +84,13 @@ class NoiseTerms(Struct, frozen=True):
 
 
 class AxisNoise:
-    """The noise of one axis, sampled every `period` seconds. stream: the name of the axis, such as "gyroscope/x"."""
+    """The noise of one axis of a sensor.
+
+    terms: the coefficients of the noise.
+    period: the time between two samples in seconds.
+    seed: the seed of all streams.
+    stream: the name of the axis, such as "gyroscope/x".
+    """
 
     _step: float
     _white_sigma: float
@@ -92,7 +99,8 @@ class AxisNoise:
     def __init__(self, terms: NoiseTerms, period: float, seed: int, stream: str) -> None:
         self._white_sigma = sqrt(terms.density / period)
         self._white = Gaussian(seed, f"{stream}/white")
-        # Octaves of equal variance v have the one-sided density v / (f ln 2); that of B is defined as B**2 / (pi f).
+        # Octaves of equal variance v have the one-sided spectral density v / (f ln 2). The spectral density of the bias
+        # instability is B**2 / (pi f) by definition.
         self._octave_sigma = terms.bias_instability * sqrt(log(2) / pi)
         self._octaves = [
             Gaussian(seed, f"{stream}/bias instability/{octave}")
@@ -101,7 +109,7 @@ class AxisNoise:
         self._step = terms.random_walk * sqrt(period)
         self._walk = Gaussian(seed, f"{stream}/random walk")
         self._walked = (0, 0.0)  # the number of a sample, and the sum of the steps before it
-        self._block: int | None = None  # number of the cached block, for access sample by sample
+        self._block: int | None = None  # number of the block whose samples `_kept` contains
         self._kept: list[float] = []
 
     def values(self, first: int, count: int) -> Floats:
@@ -114,19 +122,22 @@ class AxisNoise:
         return noise
 
     def at(self, number: int) -> float:
-        """Return one sample. This is quick if numbers increase."""
+        """Return sample `number`. The samples of its block are cached until a sample of another block is requested."""
         block, place = number // BLOCK, number % BLOCK
         if block != self._block:
             self._block, self._kept = block, self.values(block * BLOCK, BLOCK).tolist()
         return self._kept[place]
 
     def near(self, number: int) -> tuple[float, float] | None:
-        """Return one sample and its maximum error; None if this is impossible without numpy."""
+        """Return sample `number` and its maximum error; None if numpy is needed to calculate the sample."""
         white = None if self._octaves or self._step else self._white.near(number)
         return None if white is None else (white * self._white_sigma, NEAR * self._white_sigma)
 
     def _flicker(self, first: int, count: int) -> Floats:
-        """Return 1/f noise: each octave k holds a value for 2**k samples, at a phase that depends on the key."""
+        """Return 1/f noise, which is the sum of all octaves.
+
+        Octave k has a new value every 2**k samples. The key of the octave determines at which samples.
+        """
         import numpy as np
 
         total = np.zeros(count)
@@ -148,9 +159,9 @@ class AxisNoise:
         return sums[:-1]
 
     def _sums(self, begin: int, count: int, total: float) -> Floats:
-        """Return the random walk at `begin` and after each of `count` steps, which are added one by one.
+        """Return the random walk at sample `begin` and after each of `count` steps, which are added one by one.
 
-        total: the value at `begin`.
+        total: the value of the random walk at sample `begin`.
         """
         import numpy as np
 
@@ -162,18 +173,18 @@ def _phase(octave: Gaussian, k: int) -> int:
 
 
 def _hold(octave: Gaussian, k: int, number: int) -> int:
-    """Return the number of the value that octave `k` holds at a sample."""
+    """Return the number of the value that octave `k` has at sample `number`."""
     return (number + _phase(octave, k)) >> k
 
 
 class ImuNoise:
-    """Noise of the three sensors of an IMU, as added before the scale S, in deg/s, g and gauss on x, y, z."""
+    """Noise of the three sensors of an IMU on x, y, z, in deg/s, g and gauss. The models add it before the matrix S."""
 
     def __init__(self, imu: ImuParameters, seed: int) -> None:
         self._sensors = [_axes_of(name, getattr(imu, name), imu.period, seed) for name in Noise._fields]
 
     def values(self, first: int, count: int) -> Noise[Floats]:
-        """Return samples `first` up to `first + count - 1`: nine float64[count]."""
+        """Return samples `first` up to `first + count - 1` as nine arrays float64[count]."""
         sensors = [[axis.values(first, count) for axis in axes] for axes in self._sensors]
         return Noise(*[(x, y, z) for x, y, z in sensors])
 
@@ -183,7 +194,7 @@ class ImuNoise:
         return Noise(*[(x, y, z) for x, y, z in sensors])
 
     def near(self, number: int) -> list[tuple[float, float]] | None:
-        """Return the nine values of a sample with their maximum errors; None if this is impossible without numpy."""
+        """Return the nine values of sample `number`, each with its maximum error; None if any value needs numpy."""
         found = []
         for axis in chain(*self._sensors):
             value = axis.near(number)

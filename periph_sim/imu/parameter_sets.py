@@ -3,9 +3,9 @@
     period = "20 ms"                      [gyroscope]
     wrap = "unwrapped"                    bias = "-3.1, 3.6, 0.04 deg/s"
 
-Keys that a file does not contain have the values of Table 4.1. A number is followed by its unit; three numbers share
-one unit. A number without a unit is accepted only for keys that have none. Sets that come with periph_sim
-(`models/sets`) are known by name.
+Keys that a file does not contain have the values of Table 4.1. A unit follows a number, or the last number of a vector.
+A number without a unit is accepted only for parameters that have no unit or are whole numbers. Sets that come with
+periph_sim (in `models/sets`) are loaded by name.
 """
 
 from __future__ import annotations
@@ -22,7 +22,8 @@ from .models.quantity import BadParameter, Checked, Parameter, Quantity, Vector,
 
 C = TypeVar("C", bound=Checked)
 
-# For each unit of a parameter, other units in which it may be given, with the factors that convert them to its unit.
+# A dictionary from the unit of a parameter to other accepted units, each with the factor that converts a number from
+# this other unit to the unit of the parameter.
 OTHERS: dict[str, dict[str, float]] = {
     "s": {"ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "m": {"cm": 1e-2, "mm": 1e-3},
@@ -36,7 +37,10 @@ SHIPPED = Path(__file__).parent / "models" / "sets"
 
 
 def named(name: str) -> ImuParameters:
-    """Return the parameters of a shipped set ("table_5_1") or of a file. Raise BadCase if there is neither."""
+    """Return the parameters of the shipped set with this name, such as "table_5_1", or of the file with this path.
+
+    Raise BadCase if neither exists, or the file is invalid.
+    """
     shipped = {path.stem: path for path in sorted(SHIPPED.glob("*.toml"))}
     if name in shipped:
         return load(shipped[name])
@@ -47,7 +51,10 @@ def named(name: str) -> ImuParameters:
 
 
 def load(path: Path) -> ImuParameters:
-    """Return the parameters in a file. Raise BadCase, with file, line, name, value and range, if one is wrong."""
+    """Return the parameters in a file.
+
+    Raise BadCase, with file, line, name, value and range, if a parameter is invalid.
+    """
     text, tree = read(path, "parameter")
     return _set(Source(path, text), (), ImuParameters, tree)
 
@@ -88,7 +95,9 @@ def _value(source: Source, place: Place, parameter: Parameter, value: Any) -> An
 def _numbers(value: Any, unit: str, bare: bool) -> tuple[list[float], float]:
     """Parse a value. Return its numbers, and the factor that converts them to `unit`.
 
-    Raise ValueError, with a phrase, if a number is wrong.
+    bare: True if a number without a unit is accepted.
+
+    Raise ValueError, whose message is a phrase, if a number or the unit is invalid.
     """
     if isinstance(value, str):
         *numbers, last = [part.strip() for part in value.split(",")]
@@ -123,7 +132,7 @@ def _wrong(source: Source, place: Place, what: str, inside: list[str] | None = N
 
 
 def text_of(imu: ImuParameters) -> str:
-    """Format all parameters as TOML, those of the whole set first. `load` returns exactly the same values."""
+    """Format all parameters as TOML, first those that belong to no sensor. `load` reads exactly these values back."""
     parts = parameters_of(ImuParameters)
     lines = [_line(imu, one) for one in parts if one.says is not None]
     for one in parts:

@@ -1,9 +1,10 @@
 """Attitudes as quaternions and as roll, pitch, yaw: conversions of arrays, and angles between attitudes.
 
 An attitude is the rotation from the body's axes (x ahead, y right, z down) to north, east, down. A quaternion is
-w, x, y, z with length 1; q and -q are the same attitude. Roll, pitch and yaw are the angles of aerospace in radians:
-the body's axes result from north, east, down by a rotation first about down (yaw), then pitch, then roll. So a vector v
-is Rx(roll) Ry(pitch) Rz(yaw) v in the body's axes, as in the dissertation's section 4.1.
+w, x, y, z with length 1; q and -q are the same attitude. Roll, pitch and yaw are the angles of aerospace in radians: a
+rotation of the axes north, east, down first about z (yaw), then about the new y (pitch), then about the new x (roll)
+gives the body's axes. So a vector v in north, east, down is Rx(roll) Ry(pitch) Rz(yaw) v in the body's axes, as in the
+dissertation's section 4.1.
 """
 
 from __future__ import annotations
@@ -54,7 +55,7 @@ def matrices(attitudes: ArrayLike) -> Floats:
 
 
 def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
-    """Return the angle of the rotation from each attitude of `a` to that of `b`, float64[n] in radians, 0 to pi."""
+    """Return the angle between each attitude in `a` and the same row of `b`, float64[n] in radians, from 0 to pi."""
     one, other = (np.atleast_2d(np.asarray(q, np.float64)) for q in (a, b))
     apart = np.linalg.norm(one - other, axis=1)
     against = np.linalg.norm(one + other, axis=1)
@@ -62,5 +63,5 @@ def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
 
 
 def wrapped(angle: ArrayLike) -> Floats:
-    """Return the same angle in radians, from -pi up to pi."""
+    """Return each angle, in radians, reduced to the range from -pi to pi."""
     return np.asarray(np.arctan2(np.sin(angle), np.cos(angle)), np.float64)

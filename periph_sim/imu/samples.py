@@ -1,8 +1,8 @@
-"""Arrays of a sensor head's readings: samples in deg/s, g and gauss, round by round.
+"""Readings of a sensor head as arrays: samples in deg/s, g and gauss, with one row per round.
 
     SensorHead --transfers--> SampleLog --> Samples: seconds, gyro, accel, mag
 
-Source: scales as set up by the drivers, `sensors.SENSORS`.
+The scales are those that the drivers in `sensors.SENSORS` set up.
 """
 
 from __future__ import annotations
@@ -25,10 +25,12 @@ Ints = NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Samples:
-    """Samples of the three chips, with one row for each round in which all of them answered.
+    """Samples of the three chips, with one row for each round in which all three answered.
 
-    seconds: the time at which the round is due, from the start of the run, float64[n].
-    gyro, accel, mag: float64[n, 3] in deg/s, g and gauss; NaN for the overflow code of a chip.
+    seconds: the times at which the rounds are due, counted from the start of the run, float64[n].
+    gyro: the samples of the gyroscope in deg/s, float64[n, 3].
+    accel: the samples of the accelerometer in g, float64[n, 3].
+    mag: the samples of the magnetometer in gauss, float64[n, 3]. They are NaN if the chip reported an overflow.
     """
 
     seconds: Floats
@@ -42,9 +44,9 @@ class Readings:
     """Codes of the three chips, with one row per round.
 
     seconds: the times at which the rounds are due, float64[n].
-    codes: for each chip x, y, z, int64[n, 3].
-    lsb_per_unit: for each chip the number of LSB per unit.
-    overflow: the code of the magnetometer for an invalid value, if it has one.
+    codes: a dictionary from the name of a chip to its codes on x, y, z, int64[n, 3].
+    lsb_per_unit: a dictionary from the name of a chip to the number of LSB per unit.
+    overflow: the code with which the magnetometer reports an overflow; None if there is no such code.
     """
 
     seconds: Floats
@@ -53,9 +55,9 @@ class Readings:
     overflow: int | None = None
 
     def samples(self, imu: ImuParameters) -> Samples:
-        """Convert to deg/s, g and gauss in the body's axes.
+        """Return the readings in deg/s, g and gauss, in the body's axes.
 
-        Cross-axis sensitivity, biases and hard iron are removed.
+        Cross-axis sensitivity, biases and hard iron, as given by the parameters `imu`, are removed.
         """
         found = {}
         for name, codes in self.codes.items():
@@ -73,14 +75,14 @@ class Readings:
 
 
 def in_units(chip: ChipData, counts: ArrayLike) -> Floats:
-    """Convert the counts of a chip, int[n, 3], to deg/s, g or gauss, float64[n, 3]."""
+    """Convert the counts of a chip, int[n, 3], to deg/s, g or gauss, float64[n, 3]. An overflow code becomes NaN."""
     raw = np.asarray(counts, np.float64)
     values = raw / float(chip.lsb_per_unit)
     return values if chip.overflow is None else np.where(raw == chip.overflow, np.nan, values)
 
 
 class SampleLog:
-    """Log of a sensor head's readings from its creation on.
+    """Log of the readings that a sensor head makes after the log was created.
 
     start: the tick of time 0.
     ticks: the number of ticks per second.
@@ -105,7 +107,7 @@ class SampleLog:
         return Samples(seconds, gyro, accel, mag)
 
     def counts(self) -> dict[str, Ints]:
-        """Return all samples so far as raw counts of each chip, int64[n, 3]."""
+        """Return a dictionary from the name of a chip to the raw counts of all samples so far, int64[n, 3]."""
         return {name: np.array(counts, np.int64).reshape(-1, 3) for name, counts in self._counts.items()}
 
     def _transfer(self, transfer: Transfer) -> None:

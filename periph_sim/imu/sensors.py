@@ -1,6 +1,6 @@
 """The three sensors of an IMU as a controller reads them: registers, scales and start-up.
 
-They are named in `order` of the [controller] and [rounds] tables of a case.
+The key `order` of the [controller] and [rounds] tables of a case uses their names.
 
 Source: the dissertation's Figure A.2 (order), Table 3.1 (scales); data sheets of ITG-3200 (registers 0x1D to 0x22),
 ADXL345 (0x32 to 0x37), HMC5883L (0x03 to 0x08).
@@ -19,7 +19,7 @@ SENSORS: dict[str, ChipData] = {
         big=True,
         lsb_per_unit=Fraction(115, 8),
         unit="deg/s",
-        # PLL with the x gyroscope, 1 kHz, full scale 2000 deg/s and 42 Hz
+        # The driver selects the PLL of the x gyroscope, 1 kHz, a full scale of 2000 deg/s and a filter of 42 Hz.
         startup=driver("gyroscope", 0x68, (0x00, "68"), ((0x3E, 0x01), (0x15, 0x00), (0x16, 0x1B))),
     ),
     "accelerometer": ChipData(
@@ -28,7 +28,7 @@ SENSORS: dict[str, ChipData] = {
         big=False,
         lsb_per_unit=Fraction(256),
         unit="g",
-        # 100 Hz, full resolution and 2 g, measure
+        # The driver selects 100 Hz, full resolution and a range of 2 g, and starts to measure.
         startup=driver("accelerometer", 0x53, (0x00, "e5"), ((0x2C, 0x0A), (0x31, 0x08), (0x2D, 0x08))),
     ),
     "magnetometer": ChipData(
@@ -39,7 +39,7 @@ SENSORS: dict[str, ChipData] = {
         lsb_per_unit=Fraction(660),
         unit="gauss",
         overflow=-4096,
-        # 75 Hz, 2.5 gauss, continuous
+        # The driver selects 75 Hz, a range of 2.5 gauss and continuous measurement.
         startup=driver("magnetometer", 0x1E, (0x0A, "48 34 33"), ((0x00, 0x18), (0x01, 0x60), (0x02, 0x00))),
     ),
 }

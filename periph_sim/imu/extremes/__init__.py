@@ -50,8 +50,12 @@ class Report:
     """The results of all examinations.
 
     imu, seed: the parameters and the seed of the search in the working range.
-    errors: the errors of each arithmetic except the reference.
+    names: the names of the arithmetics.
+    errors: a dictionary from the name of an arithmetic to its largest errors in the working range. The reference is
+        omitted.
+    costs: a dictionary from the name of an arithmetic to its cost.
     without_fastrts: the cost of float32 with the compiler's library in place of fastRTS.
+    findings: the behaviour of the arithmetics at each extreme.
     """
 
     imu: ImuParameters
@@ -77,10 +81,12 @@ def report(
     imu: ImuParameters | None = None,
     tables: Tables = "RAM",
 ) -> Report:
-    """Examine all extremes, or the named ones, in all named arithmetics.
+    """Examine extremes of several arithmetics.
 
-    samples: the number of samples of the search in the working range.
-    imu: the parameters of the search and of the costs; extremes have their own.
+    names: the names of the arithmetics.
+    seed, samples: the seed and the number of samples of the search in the working range.
+    only: the names of the extremes to examine; empty for all extremes.
+    imu: the parameters of the search and of the costs; None for Table 4.1. Extremes have parameters of their own.
     tables: the memory that contains the tables of the libraries.
 
     Raise NoSuchArithmetic, DoesNotFit or InputError for an invalid name.

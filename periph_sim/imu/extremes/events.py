@@ -1,6 +1,7 @@
 """Extremes other than a sweep of one sample: lost frames, weeks, divisions by 0, rejected parameters, steps.
 
-Each function yields its findings for the named arithmetics. worst: the deviation of each of them in the working range.
+Each function yields its findings for the arithmetics in `names`. The argument `worst` is a dictionary from the name of
+an arithmetic to its largest errors in the working range.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from .working_range import Worst
 
 DAY = 86_400.0
 MONTH = 30 * DAY
-ROLL = 0  # the row of the gyroscope's x axis
+ROLL = 0  # the row of the gyroscope's x axis among the nine codes
 
 
 def first_where(holds: Callable[[float], bool], low: float, high: float) -> float | None:
@@ -60,7 +61,7 @@ def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Fin
 
 
 def _rolled(steps: Ints, times: int) -> Ints:
-    """Return frames of a body at rest that then rolls by `times` steps at once, int64[12, n]."""
+    """Return the counts of a body that is at rest and then rolls by `times` steps within one sample, int64[12, n]."""
     counts = np.zeros((12, len(steps)), dtype=np.int64)
     counts[0] = counts[3] = -(times * steps) // 2
     counts[6] = counts[0] + times * steps
@@ -68,7 +69,7 @@ def _rolled(steps: Ints, times: int) -> Ints:
 
 
 def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
-    """Find when a time that is incremented by Ts for 30 days is off by more than half of Ts after an addition.
+    """Find the first time, within 30 days, at which adding Ts to the time has an error of more than half of Ts.
 
     The sensor models are not affected: they store no time and no sum, only one attitude and one rate.
     """
@@ -90,7 +91,7 @@ def weeks(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
 
 
 def _first_time(a: Arithmetic[Any], end: float, holds: Callable[[float], bool]) -> float | None:
-    """Return the first time in seconds at which `holds` is true for the effect of adding Ts."""
+    """Return the first time in seconds at which adding Ts changes the time by an amount for which `holds` is true."""
     step = a.constant(ImuParameters().period)
 
     def at(seconds: float) -> bool:

@@ -1,7 +1,7 @@
-"""Conversion of host frames to the nine codes in any arithmetic, which all extremes use.
+"""Conversion of host frames to nine codes in any arithmetic. All extremes use it.
 
-A sample needs an acceleration and three attitudes: the last two for the rates, and the first for the change of the
-rates. They are int16 counts of host frames, so every arithmetic receives the same whole numbers.
+A sample needs an acceleration and three attitudes: the last two attitudes for the rates, and all three for the change
+of the rates. All values are int16 counts of host frames, so every arithmetic receives the same whole numbers.
 
     counts int64[12, n]: attitude before last, last, now (roll, pitch, yaw in 1e-4 rad), acceleration (1e-3 g)
 """
@@ -31,9 +31,9 @@ REFERENCE = "float64"
 class Codes:
     """The codes of n samples.
 
-    codes: LSB as the chips return them, float64[9, n].
-    exact: the same before saturation and rounding.
-    overflown: True if an intermediate value exceeded its Q format, bool[n].
+    codes: the codes that the chips return, in LSB, float64[9, n].
+    exact: the LSB before saturation and rounding, float64[9, n].
+    overflown: for each sample, True if an intermediate value exceeded the Q format, bool[n].
     """
 
     codes: NDArray[np.float64]
@@ -42,11 +42,15 @@ class Codes:
 
 
 def codes_of(name: str, imu: parameters.ImuParameters, counts: Ints) -> Codes:
-    """Return nine codes for each of n samples in an arithmetic. counts: int64[12, n]."""
+    """Return nine codes for each of n samples.
+
+    name: the name of the arithmetic.
+    counts: the counts of the samples, int64[12, n], in the order above.
+    """
     a = named.scalar(name)
     model = Imu(a, imu)
     with np.errstate(all="ignore"):
-        if name == "float32":  # it computes arrays as fast as single numbers
+        if name == "float32":  # float32 calculates an array as fast as a single number
             codes, exact = np.array(_sample(model, counts), np.float64)
             return Codes(codes, exact, np.zeros(counts.shape[1], np.bool_))
         rows, overflows = [], []
@@ -58,7 +62,7 @@ def codes_of(name: str, imu: parameters.ImuParameters, counts: Ints) -> Codes:
 
 
 def _sample(model: Imu[Any], counts: Any) -> tuple[list[Any], list[Any]]:
-    """Return the codes of a sample, and its exact LSB as floats. counts: twelve numbers of the arithmetic."""
+    """Return the codes of a sample, and its LSB before saturation and rounding as floats. counts: the twelve counts."""
     a = model.a
     before, last, now = (_scaled(a, counts[i : i + 3], ANGLE) for i in (0, 3, 6))
     _, body_before = model.motion(last, before)

@@ -6,9 +6,9 @@
 Each finding is measured: errors are caused, edges are counted, and runs are compared.
 
 Baud rates: an SCI samples at eight times its own rate and counts from the first low sample of each start bit, which is
-up to one sample late. Two of the three votes on the stop bit, which are samples 4 to 6 of 8, must be in it. For a fast
-sender these are the first two, before the next start bit; for a slow one the last two, after the last data bit. With a
-bit of b samples,
+up to one sample late. The SCI votes on the stop bit with samples 4 to 6 of 8, and two of these three samples must be in
+the sender's stop bit. For a fast sender, the first two samples must be before the next start bit. For a slow sender,
+the last two samples must be after the last data bit. If a bit of the sender has a length of b samples,
 
     fast   10 b >= 72 + 5        slow   9 b <= 72 + 4        (TI SPRUFZ5A section 1.2.7, figure 1-7)
 """
@@ -62,7 +62,7 @@ Edges = list[tuple[str, int, int]]  # wire, ticks after the start, level
 
 
 def longest_run() -> Iterator[Finding]:
-    """Find the longest run. Ticks go up to 2^62; neither a chip nor the int64 of a recording overflows before."""
+    """Find the longest run. Ticks end at 2^62, before a counter of a chip or the int64 of a recording overflows."""
     for name, hertz in (("150 MHz", SYSCLK), ("28.636363 MHz x 5", ODD_CRYSTAL)):
         begins = first_where(partial(_too_long, Timebase(hertz)), 1, 1e11)
         message = _why(partial(Timebase(hertz).end_of_run, 0, MORE_THAN_A_CENTURY), TimeError)
@@ -103,7 +103,7 @@ def clocks() -> Iterator[Finding]:
 
 
 def lines_at_the_last_tick() -> Iterator[Finding]:
-    """Compare a transfer and a UART burst in a run that ends with the last tick to those in a run from tick 0 on."""
+    """Compare a run that ends with the last tick with a run that begins at tick 0: I2C transfer and UART burst."""
     begins = LAST_TICK - Timebase(SYSCLK).ticks(LINES_RUN)
     for name, traffic in (("I2C transfer", i2c_edges), ("UART burst", uart_edges)):
         first, last = traffic(0), traffic(begins)
@@ -127,7 +127,7 @@ def i2c_edges(start: int) -> Edges:
 
 
 def uart_edges(start: int) -> Edges:
-    """Return the edges of sixteen bytes at 115200 bit/s."""
+    """Return the edges of sixteen bytes at 115200 bit/s, from tick `start` on."""
     base, kernel, recorder = Timebase(SYSCLK), Kernel(start), Recorder()
     line = Wire(kernel, "RX", recorder)
     edges = _watched(start, line)
@@ -167,7 +167,7 @@ def noise_sums() -> Iterator[Finding]:
 
 
 def inputs() -> Iterator[Finding]:
-    """Check that models reject NaN, and a period other than the one at which they run."""
+    """Check that the models reject a NaN, and a period that differs from the period at which they run."""
     model = Imu(Float64(), ImuParameters())
     zero = model.at_rest.body
     found = _why(lambda: model.check((0.0, nan, 0.0), zero, model.silence), NotFinite)
@@ -194,13 +194,13 @@ SAMPLE = 4 * (BRR + 1)  # length of a sample in SYSCLKOUT cycles, with LSPCLK = 
 NOMINAL = 8  # samples per bit if the sender has the right rate
 PHASES = 16  # number of phases within a sample at which the first start bit begins
 BYTES = b"\x55\x00\x7f" * 4  # twelve bytes whose last data bit is 0, unlike a stop bit
-LIMITS = {"fast": Fraction(77, 10), "slow": Fraction(76, 9)}  # limits of the samples per bit
+LIMITS = {"fast": Fraction(77, 10), "slow": Fraction(76, 9)}  # limit of the samples per bit for each kind of sender
 HALVINGS = 8  # number of bisections of an interval of half a sample per bit
 START = 10_000  # cycle of the first start bit
 
 
 def baud_rates() -> Iterator[Finding]:
-    """Compare the largest rate error at which an SCI receives in every phase with the exact limit.
+    """Compare the largest rate error at which an SCI receives all bytes, at every phase, with the exact limit.
 
     The largest rate error is found by bisection.
     """
@@ -220,6 +220,7 @@ def received(bit: Fraction, phase: int) -> bool:
     """Return True if an SCI receives all bytes without an error.
 
     bit: the sender's bit time, in samples of the receiver.
+    phase: the instant of the first start bit within a sample, from 0 to PHASES - 1.
     """
     kernel, recorder, timebase = Kernel(), Recorder(), Timebase(SYSCLK)
     clock, line, sci = Clock(timebase, SYSCLK), Wire(kernel, "RX", recorder), Sci()
@@ -239,15 +240,15 @@ def received(bit: Fraction, phase: int) -> bool:
     return not errors & SCI_MAP["SCIRXST"]["RXERROR"].mask and bytes(word & 0xFF for word in words) == BYTES
 
 
-LENGTH = 3001  # number of samples; with it their mean is no whole number
-NOISE = 9  # maximum noise in LSB; samples are whole numbers, so that `exact_variance` does not round
+LENGTH = 3001  # number of samples, chosen so that their mean is not a whole number
+NOISE = 9  # maximum noise in LSB; all samples are whole numbers, so that `exact_variance` does not round
 OFFSETS = (10**9, 10**15)
 RAMPS = (10**3, 10**9)  # slopes in LSB per sample
 ALLOWED = 1e-9  # maximum relative error of the variance
 
 
 def allan_variances() -> Iterator[Finding]:
-    """Compare the variance of noise with an offset, and with a ramp, with its exact value at every averaging time."""
+    """Check the Allan variances of noise plus an offset, and of noise plus a ramp, against their exact values."""
     random = Random(1)
     noise = [random.randint(-NOISE, NOISE) for _ in range(LENGTH)]
     for offset in OFFSETS:
@@ -266,7 +267,7 @@ def _finding(extreme: str, samples: list[int]) -> Finding:
 
 
 def exact_variance(samples: list[int], m: int) -> Fraction:
-    """Return half the mean square of the change between adjacent averages over m samples, at all places."""
+    """Return the Allan variance: half the mean square of the change between adjacent averages over m samples."""
     sums = [0, *accumulate(samples)]
     changes = (sums[i + 2 * m] - 2 * sums[i + m] + sums[i] for i in range(len(samples) - 2 * m + 1))
     return Fraction(sum(change**2 for change in changes), 2 * (len(samples) - 2 * m + 1) * m**2)
@@ -278,10 +279,10 @@ LEAST_ROUNDS = 4
 
 
 def imu_hil_clocks() -> Iterator[Finding]:
-    """Run the flagship scene twice, with the crystals of unit and controller at opposite extremes.
+    """Run the scene imu_hil twice, with the crystals of unit and controller at opposite extremes.
 
-    The host's bit rate follows the unit's crystal, because an SCI cannot receive at ten percent error. The bytes of
-    each round are compared with the frames, and the instant of each round with the exact one.
+    The host's bit rate follows the unit's crystal, because an SCI cannot receive with a rate error of ten percent. The
+    bytes of each round are compared with the frames, and the instant of each round with its exact instant.
     """
     for sign in (1, -1):
         unit, controller = sign * CRYSTALS_PPM, -sign * CRYSTALS_PPM

@@ -53,7 +53,7 @@ def picture(report: Report) -> str:
 
 
 class _Axis:
-    """A logarithmic axis with whole powers of ten from below `low` to above `high`, between two places on paper."""
+    """A logarithmic axis with whole powers of ten from below `low` to above `high`, drawn from `begin` to `end`."""
 
     def __init__(self, low: float, high: float, begin: float, end: float) -> None:
         self.powers = range(floor(log10(low)), ceil(log10(high)) + 1)

@@ -18,16 +18,17 @@ from ..models import parameters
 from .frames import REFERENCE, SENSORS, Codes, Ints, codes_of
 from .working_range import Worst
 
-# agrees: as near as in the working range. exact: no deviation. full scale: the converter's last code, as intended.
+# agrees: the deviation is no larger than in the working range. exact: there is no deviation. off: the deviation is
+# larger. full scale: the converter returns its last code, as intended. refused: the input is rejected with an error.
 Happens = Literal["agrees", "exact", "off", "full scale", "saturates", "wraps", "NaN", "refused"]
 
 
 def overflow_of(arithmetic: str) -> Happens:
-    """Return the effect of an overflow in a Q format."""
+    """Return the effect of an overflow in the Q format with this name."""
     return "saturates" if arithmetic.endswith("saturating") else "wraps"
 
 
-EVERY = "every"  # in place of an arithmetic if a finding involves none
+EVERY = "every"  # replaces the name of an arithmetic in findings that do not depend on the arithmetic
 
 
 @dataclass(frozen=True)
@@ -35,9 +36,10 @@ class Finding:
     """The behaviour of an arithmetic at an extreme.
 
     arithmetic: the name of the arithmetic, or EVERY.
-    begins: the first input at which it happens, in `unit`; None if it never happens.
-    worst: the largest deviation from the reference, in LSB.
-    overflows: the first input at which an intermediate value exceeded a Q format, with or without a visible effect.
+    happens: the effect.
+    begins: the first input with this effect, in `unit`; None if no single input causes the effect.
+    worst: the largest deviation from the reference, in LSB; None if no codes were compared.
+    overflows: the first input at which an intermediate value exceeds the Q format, with or without an effect on codes.
     """
 
     extreme: str
@@ -50,9 +52,10 @@ class Finding:
     overflows: float | None = None
 
 
-FIRST_GRID = 121  # number of points from ordinary to extreme; with fewer, values that wrapped may look right
-GRID = 13  # number of points of each finer grid between two points
-ZOOMS = 4
+# Number of points from the ordinary to the extreme value. With fewer points, values that wrapped might look right.
+FIRST_GRID = 121
+GRID = 13  # number of points of each finer grid, which lies between two adjacent points of the previous grid
+ZOOMS = 4  # number of finer grids
 
 Bools = NDArray[np.bool_]
 Floats = NDArray[np.float64]
@@ -60,10 +63,14 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Sample:
-    """The inputs of a model at one value of a sweep, and those of the reference, which are the same by default."""
+    """The inputs of an arithmetic and of the reference at one value of a sweep.
+
+    imu, counts: the parameters, and the counts of a sample (see `frames`), int64[12].
+    true_imu, true_counts: the parameters and the counts for the reference; None if they are the same.
+    """
 
     imu: parameters.ImuParameters
-    counts: Ints  # counts of a sample (see `frames`), int64[12]
+    counts: Ints
     true_imu: parameters.ImuParameters | None = None
     true_counts: Ints | None = None
 
@@ -72,7 +79,9 @@ class Sample:
 class Sweep:
     """A sweep of an input from an ordinary to an extreme value.
 
+    what: a description for the report.
     ordinary, extreme: the first and the last value, in `unit`. The last value may be smaller than the first.
+    at: the function from a value of the sweep to the inputs.
     slack: additional LSB by which codes may differ, because the counts of a frame are rounded differently in the
         reference.
     """
@@ -86,7 +95,10 @@ class Sweep:
     slack: float = 0
 
     def find(self, arithmetic: str, worst: Worst | None) -> Finding:
-        """Find the first deviation of an arithmetic. worst: its allowed deviation; None for the reference itself."""
+        """Find the first value of the sweep at which an arithmetic deviates from the reference.
+
+        worst: the errors of the arithmetic in the working range, which are allowed; None for the reference itself.
+        """
         allowed = (np.ones(9) if worst is None else worst.allowed()) + self.slack
         largest = float(_grid(self, arithmetic, self.ordinary, self.extreme, FIRST_GRID).off.max())
         overflows = self._first(arithmetic, lambda grid: grid.codes.overflown)
@@ -102,7 +114,7 @@ class Sweep:
         return Finding(self.name, arithmetic, happens, begins, self.unit, largest, overflows=overflows)
 
     def _first(self, arithmetic: str, holds: Callable[[Grid], Bools]) -> float | None:
-        """Return the first value of the sweep at which `holds` is true, found by ever finer grids; else None."""
+        """Return the first value of the sweep at which `holds` is true, or None. The search uses ever finer grids."""
         low, high, found = self.ordinary, self.extreme, None
         for points in (FIRST_GRID, *[GRID] * ZOOMS):
             grid = _grid(self, arithmetic, low, high, points)
@@ -135,7 +147,7 @@ class Grid:
         return np.logical_or((self.off > allowed[:, None]).any(axis=0), np.isnan(self.codes.exact).any(axis=0))
 
     def how(self, arithmetic: str) -> Happens:
-        """Return the reason of the deviation at the first point."""
+        """Return the effect at the first point, at which the codes deviate."""
         if np.isnan(self.codes.exact[:, 0]).any():
             return "NaN"
         return overflow_of(arithmetic) if self.codes.overflown[0] else "off"
@@ -155,7 +167,7 @@ def _grid(sweep: Sweep, arithmetic: str, low: float, high: float, points: int) -
 
 @lru_cache(maxsize=256)
 def _true(sweep: Sweep, low: float, high: float, points: int) -> Floats:
-    """Return the codes of the reference at the points of such a grid."""
+    """Return the codes of the reference at a number of points from low to high."""
     samples = [sweep.at(float(value)) for value in np.linspace(low, high, points)]
     true = [
         Sample(one.true_imu or one.imu, one.counts if one.true_counts is None else one.true_counts) for one in samples

@@ -1,8 +1,8 @@
 """Sweeps of motions and of parameters.
 
 Motions: pitch through 90 degrees, wraps of yaw and of int16, rates and accelerations beyond full scale. Parameters:
-fields along an axis, weak and strong, and lever arms whose products exceed the format. Each is a Sweep, which converts
-a value, ordinary or extreme, to the frames that a host would send.
+fields along an axis, weak and strong, and lever arms whose products exceed the Q format. Each sweep converts a value,
+from ordinary to extreme, to the counts that a host would send.
 """
 
 from __future__ import annotations
@@ -33,11 +33,14 @@ CORRECTED = ImuParameters(gyroscope=GyroscopeParameters(rates="corrected"))
 UNWRAPPED = ImuParameters(wrap="unwrapped")
 SLOW = radians(1)  # a slow rate in rad per sample, which is 50 deg/s
 FAST = 500.0  # a fast rate in deg/s
-ONE_COUNT = 5.0  # maximum LSB of the gyroscope for one count of an angle: 4.1, and the cross-axis effect
+ONE_COUNT = 5.0  # maximum LSB of the gyroscope for one count of an angle: 4.1 LSB, and the cross-axis effect
 
 
 def sent(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Ints:
-    """Return the counts that a host without range checks sends, which are int16 that wrap, int64[12]."""
+    """Return the counts that a host without range checks sends, int64[12]. Counts beyond int16 wrap.
+
+    attitude, acceleration: the same as for `meant`.
+    """
     counts: Ints = (meant(attitude, acceleration) + INT16) % (2 * INT16) - INT16
     return counts
 
@@ -45,7 +48,8 @@ def sent(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Ints
 def meant(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Ints:
     """Return the counts of a host whose frames have no range limit, int64[12].
 
-    attitude: returns the attitude 2, 1 and 0 samples ago. acceleration: in g.
+    attitude: the function from a number of samples, 2, 1 or 0, to the attitude so many samples ago.
+    acceleration: the acceleration on all three axes in g.
     """
     angles = [np.asarray(attitude(k)) / ANGLE for k in (2, 1, 0)]
     exact: Floats = np.concatenate([*angles, np.full(3, acceleration / ACCELERATION)])
@@ -53,7 +57,12 @@ def meant(attitude: Callable[[int], Attitude], acceleration: float = 0.0) -> Int
 
 
 def pitching(value: float, imu: ImuParameters) -> Sample:
-    """Return a body that pitches past 90 degrees and is then upside down. The reference's pitch continues beyond 90."""
+    """Return the sample of a body that pitches past 90 degrees and is then upside down.
+
+    The pitch of the reference continues beyond 90 degrees.
+
+    value: the last pitch in degrees.
+    """
 
     def level(ago: int) -> Attitude:
         return (0.0, radians(value) - ago * SLOW, 0.0)
@@ -66,7 +75,11 @@ def pitching(value: float, imu: ImuParameters) -> Sample:
 
 
 def yawing(value: float, imu: ImuParameters, wrapped_by_host: bool) -> Sample:
-    """Return a yaw through 180 degrees. The reference's yaw continues beyond 180."""
+    """Return the sample of a body that yaws through 180 degrees. The yaw of the reference continues beyond 180.
+
+    value: the last yaw in degrees.
+    wrapped_by_host: True if the host wraps angles; False if only int16 wraps.
+    """
 
     def on(ago: int) -> Attitude:
         return (0.0, 0.0, radians(value) - ago * SLOW)
@@ -78,13 +91,13 @@ def yawing(value: float, imu: ImuParameters, wrapped_by_host: bool) -> Sample:
 
 
 def yaw_step(value: float) -> Sample:
-    """Return a yaw step from rest, centred at 0, so that no angle wraps."""
+    """Return the sample of a yaw step in degrees from rest. The step is centred at 0, so that no angle wraps."""
     half = radians(value) / 2
     return Sample(AS_BUILT, sent(lambda ago: (0.0, 0.0, -half if ago else half)))
 
 
 def rolling(value: float, late: float = 0.0) -> Sample:
-    """Return a roll at a rate in deg/s. late: the delay of the frames as a fraction of Ts."""
+    """Return the sample of a roll at a rate in deg/s. late: the delay of the frames as a fraction of Ts."""
     step = radians(value) * AS_BUILT.period
 
     def steady(ago: int) -> Attitude:
@@ -94,7 +107,7 @@ def rolling(value: float, late: float = 0.0) -> Sample:
 
 
 def spinning(value: float) -> Sample:
-    """Return a roll at a rate that no frame can represent, as counts without a range limit."""
+    """Return the sample of a roll at a rate in deg/s, which no frame could represent. Counts have no range limit."""
     step = radians(value) * AS_BUILT.period
     counts = meant(lambda ago: (-ago * step, 0.0, 0.0))
     return Sample(AS_BUILT, counts)
@@ -172,7 +185,7 @@ MOTIONS = (
 )
 
 
-VERTICAL = 0.2  # in gauss, the vertical field that remains when the horizontal one goes to 0
+VERTICAL = 0.2  # vertical field in gauss, which remains when the horizontal field goes to 0
 TURN_RATE = 500.0  # rate of the rotation for lever arms, in deg/s
 
 
@@ -181,14 +194,19 @@ def still(ago: int) -> Attitude:
 
 
 def along_z(value: float, spherical: Spherical, vertical: float = VERTICAL) -> Sample:
-    """Return a field with a small horizontal part. The reference uses "four-quadrant"."""
+    """Return the sample of a resting body in a field with a small horizontal part.
+
+    value: the horizontal part of the field in gauss.
+    spherical: the method of the arithmetic. The reference uses "four-quadrant".
+    vertical: the vertical part of the field in gauss.
+    """
     sensor = MagnetometerParameters(earth_field=(value, 0.0, vertical), hard_iron=(0.0, 0.0, 0.0))
     true = ImuParameters(magnetometer=sensor)
     return Sample(ImuParameters(magnetometer=replace(sensor, spherical=spherical)), sent(still), true)
 
 
 def turned(value: float, spherical: Spherical) -> Sample:
-    """Return a field that points north and down, measured at a yaw in degrees."""
+    """Return the sample of a resting body at a yaw in degrees, in a field that points north and down."""
     sensor = MagnetometerParameters(earth_field=(0.3, 0.0, 0.2), hard_iron=(0.0, 0.0, 0.0))
     true = ImuParameters(magnetometer=sensor)
     counts = sent(lambda ago: (0.0, 0.0, radians(value)))
@@ -196,7 +214,7 @@ def turned(value: float, spherical: Spherical) -> Sample:
 
 
 def strong(value: float, norm: Norm) -> Sample:
-    """Return a field with a strength in gauss, in a direction between the axes."""
+    """Return the sample of a resting body in a field with a strength in gauss, in a direction between the axes."""
     part = value / 3**0.5
     sensor = MagnetometerParameters(earth_field=(part, part, part), hard_iron=(0.0, 0.0, 0.0))
     return Sample(
@@ -205,9 +223,10 @@ def strong(value: float, norm: Norm) -> Sample:
 
 
 def lever(value: float, reversing: bool) -> Sample:
-    """Return a body with a lever arm in steady rotation, or in one that reverses within a sample.
+    """Return the sample of a rotating accelerometer with a lever arm.
 
-    value: the lever arm in m along x; it is half of this along y and negative along z.
+    value: the x component of the lever arm in m. The y component is half of it, and the z component its negative.
+    reversing: True if the rotation reverses within a sample; False if it is steady.
     """
     step = radians(TURN_RATE) * ImuParameters().period
     imu = ImuParameters(

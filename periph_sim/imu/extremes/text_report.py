@@ -97,7 +97,7 @@ def _common_rows(report: Report) -> Rows:
 
 
 def _titled(title: str, rows: Rows) -> list[str]:
-    """Format a table under its title, and an empty line; nothing if it has no rows."""
+    """Format a title, a table and an empty line; return no lines if the table has no rows."""
     return [title, "", *_table(rows), ""] if len(rows) > 1 else []
 
 
@@ -127,7 +127,7 @@ def _rest(least: int, most: int) -> str:
 
 
 def as_json(report: Report) -> dict[str, object]:
-    """Convert a report to JSON. Errors and inputs are numbers; a finding that never begins is null."""
+    """Convert a report to a dictionary for JSON. `begins` is null if no single input causes the effect."""
     return {
         "reference": REFERENCE,
         "seed": report.seed,

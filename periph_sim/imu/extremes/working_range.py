@@ -3,8 +3,8 @@
 Working range: any roll and yaw, pitch between -90 and 90 degrees, no wrap between two frames, angle rates up to the
 gyroscope's 2000 deg/s, linear acceleration up to the accelerometer's 2 g; parameters as given.
 
-Search: samples are drawn uniformly from the range, and then ever closer to the worst sample of each axis. The largest
-error that is found is a lower bound of the true maximum; more samples improve it.
+Search: samples are drawn uniformly from the range, and then ever closer to the worst sample of each sensor. The largest
+error that is found is a lower bound of the true maximum. More samples improve this bound.
 """
 
 from __future__ import annotations
@@ -19,13 +19,17 @@ from ..host_frame import ACCELERATION, ANGLE
 from ..models import parameters
 from .frames import REFERENCE, SENSORS, Ints, codes_of
 
-LIMITS = np.array([int(pi / ANGLE), int(pi / 2 / ANGLE), int(pi / ANGLE)])  # counts of roll, pitch, yaw
-ROUNDS = 10  # number of refinements
+LIMITS = np.array([int(pi / ANGLE), int(pi / 2 / ANGLE), int(pi / ANGLE)])  # largest roll, pitch, yaw
+ROUNDS = 10  # number of refinements of the search
 
 
 @dataclass(frozen=True)
 class Worst:
-    """The largest error of each sensor, in LSB before saturation and rounding, and its counts, int64[12]."""
+    """The largest errors of an arithmetic in the working range.
+
+    error: a dictionary from the name of a sensor to its largest error, in LSB before saturation and rounding.
+    at: a dictionary from the name of a sensor to the counts of the sample with this error, int64[12].
+    """
 
     error: dict[str, float]
     at: dict[str, Ints]
@@ -40,7 +44,7 @@ class Worst:
 
 
 def drawn(samples: int, seed: int, rate: float = 2000.0) -> Ints:
-    """Draw the counts of n samples from the working range, int64[12, n].
+    """Draw the counts of random samples from the working range, int64[12, samples].
 
     rate: the largest rate of an angle in deg/s.
     """
@@ -56,7 +60,11 @@ def drawn(samples: int, seed: int, rate: float = 2000.0) -> Ints:
 def worst(
     arithmetic: str, imu: parameters.ImuParameters, samples: int = 2000, seed: int = 0, rate: float = 2000.0
 ) -> Worst:
-    """Search the largest errors. rate: the largest rate of an angle in deg/s."""
+    """Search for the largest errors of an arithmetic.
+
+    samples: the number of samples drawn from the whole range.
+    rate: the largest rate of an angle in deg/s.
+    """
     counts = drawn(samples, seed, rate)
     random = np.random.default_rng(seed + 1)
     error: dict[str, float] = {}
@@ -79,7 +87,7 @@ def _errors(arithmetic: str, imu: parameters.ImuParameters, counts: Ints) -> NDA
 
 
 def _around(at: Ints, random: np.random.Generator, samples: int, reach: int, rate: float) -> Ints:
-    """Draw samples near a given one, within the working range."""
+    """Draw samples near the sample `at`, within the working range. reach: the largest distance of a count."""
     near = at[:, None] + random.integers(-reach, reach, (12, samples), endpoint=True)
     most = int(np.radians(rate) * parameters.ImuParameters().period / ANGLE)
     g = int(parameters.AccelerometerParameters().full_scale / ACCELERATION)

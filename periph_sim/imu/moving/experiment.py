@@ -3,9 +3,9 @@
 real sensors --EKF-->  A   truth    B, C emulator, gyroscope as built and corrected --EKF-->
                        A - truth, B - truth, B - A, ...  in degrees, one row per round
 
-The emulator's answers are older than a chip's samples, because a frame waits for the models and their values wait for
-the next round. While the body turns, this causes an angle error that is not due to the models. So the lag at which both
-series of attitudes fit best is reported separately.
+The emulator's answers are older than a chip's samples, because a frame waits for the models, and the results of the
+models wait for the next round. While the body turns, this delay causes an angle error that is not due to the models. So
+the delay with which both series of attitudes fit best is reported separately.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ STEP, MOST = 0.001, 0.1  # resolution and range of the search for the lag, in se
 
 @dataclass(frozen=True)
 class Lag:
-    """The lag between two series of attitudes.
+    """The lag of a late series of attitudes behind another series.
 
-    seconds: the delay.
-    apart: the difference that remains when the other series is delayed by it.
+    seconds: the delay of the late series.
+    apart: the differences that remain if the other series is delayed by the same time.
     """
 
     seconds: float
@@ -47,10 +47,12 @@ class Lag:
 def lag_between(times: Floats, late: Floats, other: Floats) -> Lag:
     """Find the delay of `late` relative to `other`.
 
-    It is the delay from 0 to 0.1 s with the least mean square of the whole angle. All delays are compared over the same
-    instants, from 0.1 s after the first instant on. If there are no such instants, the delay and the difference are 0.
+    The result is the delay from 0 to 0.1 s with the least mean square of the angle between the attitudes. All delays
+    are compared at the same instants, from 0.1 s after the first instant on. If there are no such instants, the delay
+    is 0 and the differences are empty.
 
-    times: increasing, float64[n]. late, other: the attitudes at these times, float64[n, 4].
+    times: the times of the attitudes in seconds, increasing, float64[n].
+    late, other: the attitudes at these times, float64[n, 4].
     """
     begins = int(np.searchsorted(times, times[0] + MOST)) if len(times) else 0
     least, found = np.inf, Lag(0.0, errors(late[begins:], other[begins:]))
@@ -67,32 +69,35 @@ def lag_between(times: Floats, late: Floats, other: Floats) -> Lag:
 
 
 def _at(instants: Floats, times: Floats, attitudes: Floats) -> Floats:
-    """Interpolate quaternions linearly and normalise them, which is accurate enough for steps of a few degrees."""
+    """Return the attitudes at some instants.
+
+    Quaternions are interpolated linearly and normalised, which is accurate enough for steps of a few degrees.
+    """
     between = np.stack([np.interp(instants, times, column) for column in attitudes.T], axis=1)
     return np.asarray(between / np.linalg.norm(between, axis=1, keepdims=True), np.float64)
 
 
 def _continuous(attitudes: Floats) -> Floats:
-    """Return the attitudes with signs such that each quaternion, q or -q, is the one nearer to the previous one."""
+    """Return the same attitudes with signs that make each quaternion as near as possible to the previous quaternion."""
     turns = np.sign(np.sum(attitudes[1:] * attitudes[:-1], axis=1))
     signs = np.concatenate([[1.0], np.cumprod(np.where(turns == 0, 1.0, turns))])
     return np.asarray(attitudes * signs[:, np.newaxis], np.float64)
 
 
-BITS_OF_REQUEST = 3 + 9 * 9  # bits for START, repeated START and STOP; two addresses, a pointer, six bytes
-BITS_OF_BYTE = 10  # number of bits of a character: start, eight, stop
+# Three bits for START, repeated START and STOP; nine bits for each of two addresses, a pointer and six data bytes.
+BITS_OF_REQUEST = 3 + 9 * 9
+BITS_OF_BYTE = 10  # number of bits of a character: start bit, eight data bits, stop bit
 
 
 def computed_emulator(subject: EmulatorUnderTest, frames: Ints | None = None) -> Readings:
-    """Return the readings of the emulator in each round, calculated without wires.
+    """Return the readings of the emulator, calculated without wires.
 
-    Run n of the models has the noise with number n. Run 0 is before the first frame and uses zeros. The frame that a
-    run uses depends on timing. It is given, or calculated from a schedule without jitter.
+    Run n of the models uses sample n of the noise. A run before the first frame uses zeros and does not affect later
+    runs. The rates at the first frame are zero, as in the firmware.
 
-    Runs of the models before the first frame do not affect later runs. The rates of the first frame are zero, as in the
-    firmware.
-
-    frames: the frame that each run of the models uses, -1 for none; then the readings are those of each run.
+    frames: for each run of the models, the number of the frame that the run uses, -1 for none; the result then has one
+        row per run. If it is None, the frames follow from a schedule without jitter, and the result has one row per
+        round.
     """
     carried = frames_by_schedule(subject) if frames is None else frames
     models = model_codes(subject.sensors, subject.arithmetic, subject.seed)
@@ -106,7 +111,7 @@ def computed_emulator(subject: EmulatorUnderTest, frames: Ints | None = None) ->
 
 
 def computed_sensors(subject: EmulatorUnderTest) -> Readings:
-    """Return the readings of real sensors that sample when a round is due. Their noise is not that of the emulator."""
+    """Return the readings of real sensors that sample when a round is due, with other noise than the emulator."""
     seconds = _due(subject, subject.rounds)
     felt = SensedMotion(subject.sensors, subject.frames.motion)
     noise = None if subject.seed is None else ImuNoise(subject.sensors, subject.seed + 1)
@@ -116,7 +121,7 @@ def computed_sensors(subject: EmulatorUnderTest) -> Readings:
 
 
 def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
-    """Return the frame that the run before each round uses if nothing is late, int64[rounds]; -1 for none."""
+    """Return, for each round, the number of the frame whose values are read if nothing is late; -1 for no frame."""
     host, controller = subject.host, subject.controller
     request = BITS_OF_REQUEST / controller.rate + controller.gap
     over = controller.first + 3 * request - controller.gap  # end of round 0, at which the models begin
@@ -143,7 +148,11 @@ RATES: tuple[Rates, ...] = ("as built", "corrected")
 
 @dataclass(frozen=True)
 class Estimate:
-    """The readings of the three chips and the attitudes that the filter estimates from them, float64[n, 4]."""
+    """Readings and attitudes of the real sensors or of the emulator.
+
+    readings: the readings of the three chips in all rounds.
+    attitudes: the attitudes that the filter estimates, in the rounds of the outcome, float64[n, 4].
+    """
 
     readings: Readings
     attitudes: Floats
@@ -151,7 +160,11 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Bytes:
-    """The number of bytes that the head read from the emulator, and how many differ from those without wires."""
+    """Comparison of the bytes that were read from the emulator over wires with the bytes calculated without wires.
+
+    compared: the number of bytes that were compared.
+    different: the number of bytes that differ.
+    """
 
     compared: int
     different: int
@@ -163,8 +176,9 @@ class Outcome:
 
     seconds: the times at which rounds are due, float64[n].
     truth: the true attitudes, float64[n, 4].
-    emulated: the estimates from the emulator, for each kind of the gyroscope's rates.
-    bytes: None if the experiment had no wires.
+    real: the estimate from the real sensors.
+    emulated: a dictionary from the kind of the gyroscope's rates to the estimate from the emulator.
+    bytes: the comparison of the bytes; None if the experiment had no wires.
     """
 
     subject: EmulatorUnderTest
@@ -175,7 +189,7 @@ class Outcome:
     bytes: Bytes | None
 
     def apart(self) -> dict[str, Errors]:
-        """Return all comparisons, indexed by name, in the order in which they are shown."""
+        """Return a dictionary from the name of a comparison to its errors, in the order in which reports show them."""
         found = {"real sensors less truth": errors(self.real.attitudes, self.truth)}
         for rates, one in self.emulated.items():
             found[f"emulator {rates} less truth"] = errors(one.attitudes, self.truth)
@@ -183,14 +197,14 @@ class Outcome:
         return found
 
     def behind(self, rates: Rates) -> Lag:
-        """Return the delay of the emulator relative to the real sensors."""
+        """Return the delay of the emulator, with this kind of rates, relative to the real sensors."""
         return lag_between(self.seconds, self.emulated[rates].attitudes, self.real.attitudes)
 
 
 def attitudes(subject: EmulatorUnderTest, readings: Readings) -> Floats:
     """Return the attitudes that the filter estimates from readings, float64[n, 4].
 
-    It starts with the true attitude, because the experiment began at a known one.
+    The filter starts with the true attitude, because the dissertation's experiment began at a known attitude.
     """
     s = readings.samples(subject.sensors)
     start = truth(subject, readings.seconds[:1])[0] if len(readings.seconds) else None
@@ -241,7 +255,7 @@ def run(subject: EmulatorUnderTest, wires: bool, progress: Callable[[float], Non
 
 
 def _different(came: on_wires.Emulated, computed: Readings) -> int:
-    """Count the bytes that the head read and that differ from those of the run of the models."""
+    """Return the number of bytes that were read over wires and differ from the bytes calculated without wires."""
     found = 0
     for name, codes in came.readings.codes.items():
         apart = (codes ^ computed.codes[name][came.runs]) & 0xFFFF
@@ -250,5 +264,5 @@ def _different(came: on_wires.Emulated, computed: Readings) -> int:
 
 
 def _estimate(subject: EmulatorUnderTest, readings: Readings, seconds: Floats) -> Estimate:
-    """Filter the readings of all rounds. Return the readings and attitudes of the common rounds at `seconds`."""
+    """Filter the readings of all rounds. Return all readings, and the attitudes in the rounds due at `seconds`."""
     return Estimate(readings, attitudes(subject, readings)[np.isin(readings.seconds, seconds)])

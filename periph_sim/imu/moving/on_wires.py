@@ -1,4 +1,4 @@
-"""The experiment over wires, which is simulated edge by edge: returns the codes that are read in each round.
+"""The experiment over wires that are simulated edge by edge: the codes that the sensor head reads in each round.
 
 emulator   host --SCI--> firmware --I2C--> head     chips   motion --> ITG-3200, ADXL345, HMC5883L --I2C--> head
 """
@@ -26,7 +26,7 @@ from .subject import EmulatorUnderTest
 
 Progress = Callable[[float], None]
 
-# The settings of the chips before the run, as made by the drivers of `sensor_head.SENSORS`.
+# The registers of the chips before the run. They have the values that the drivers in `sensors.SENSORS` write.
 REAL: dict[str, dict[str, Any]] = {
     "gyroscope": {"model": "itg3200", "registers": {"PWR_MGM": 0x01, "SMPLRT_DIV": 0x00, "DLPF_FS": 0x1B}},
     "accelerometer": {"model": "adxl345", "registers": {"BW_RATE": 0x0A, "DATA_FORMAT": 0x08, "POWER_CTL": 0x08}},
@@ -38,9 +38,10 @@ REAL: dict[str, dict[str, Any]] = {
 class Emulated:
     """The readings of the emulator.
 
-    frames: for each run of the models, the last host frame that the firmware had read when it began, int64; -1 for
-        none.
-    runs: for each round, the run of the models whose values it read, int64[n].
+    readings: the codes that the sensor head read in each round.
+    frames: for each run of the models, the number of the last host frame that the firmware had read when the run began,
+        int64[runs]; -1 for none.
+    runs: for each round, the number of the models' run whose values were read, int64[rounds].
     """
 
     readings: Readings
@@ -49,9 +50,12 @@ class Emulated:
 
 
 class ModelRuns:
-    """Observer of the runs of the models in a scene: the frames that each used, and the run that each round read.
+    """Observer of a scene, which finds the frame that each run of the models used.
 
-    A frame counts as read when the receive FIFO becomes empty, which may be some bits before its last stop bit ends.
+    A frame counts as read when the receive FIFO becomes empty, which may be some bits before the end of the frame's
+    last stop bit.
+
+    runs: for each round, the number of the models' run whose values were read.
     """
 
     def __init__(self) -> None:
@@ -65,7 +69,8 @@ class ModelRuns:
     @property
     def frames(self) -> list[int]:
         """The number of the frame that each run used; -1 for none."""
-        sent = [*self._sent, self._sent[-1] + 1]  # the scene may end before the end of the last stop bit
+        # The scene may end when the last frame has been read, but its last stop bit has not ended.
+        sent = [*self._sent, self._sent[-1] + 1]
         return [sent[taken] for taken in self._begun_with]
 
     def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
@@ -96,7 +101,7 @@ class ModelRuns:
 
 
 def emulator(subject: EmulatorUnderTest, progress: Progress | None = None) -> Emulated:
-    """Run the host's frames through SCI, firmware and I2C."""
+    """Simulate the host's frames through SCI, firmware and I2C. Return what the sensor head reads."""
     heard = ModelRuns()
     scene = Scene(subject.case, heard.subscribe)
     heard.listen(scene)
@@ -106,7 +111,7 @@ def emulator(subject: EmulatorUnderTest, progress: Progress | None = None) -> Em
 
 
 def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readings:
-    """Run the true motion through the three real chips, each sampling with its own clock."""
+    """Simulate the three real chips, each of which samples the true motion with its own clock. Return the readings."""
     values = {"values": {"fixed": [0, 0, 0]}}
     tables = {name: ChipTable.model_validate({**table, **values}) for name, table in REAL.items()}
     case = subject.case.model_copy(update={"unit": {}, "host": None, "chip": tables})
@@ -118,12 +123,13 @@ def chips(subject: EmulatorUnderTest, progress: Progress | None = None) -> Readi
 
 
 def sources(subject: EmulatorUnderTest, ticks: int, start: int) -> dict[str, Source]:
-    """Return the input of each chip in its unit, with cross-axis sensitivity, bias and noise.
+    """Return a dictionary from the name of a chip to the function that gives the chip's input at a tick, in its unit.
 
-    The noise with number n is constant from n to n + 1 periods of the models, because its density refers to that sample
-    rate.
+    The input includes cross-axis sensitivity, bias and noise. Sample n of the noise is used from n to n + 1 periods of
+    the models, because the density of the noise refers to the sample rate of the models.
 
     ticks: the number of ticks per second.
+    start: the tick at which the motion is at time 0.
     """
     imu = subject.sensors
     felt = SensedMotion(imu, subject.frames.motion)

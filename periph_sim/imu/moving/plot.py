@@ -1,7 +1,7 @@
 """Plots of a moving experiment: attitudes (as in Figure 5.6) and rates (as in Figure B.1).
 
 attitudes.svg has the true motion, the estimates from real sensors and from the emulator, and their differences.
-rates.svg has the rates of the gyroscopes: real, as built and corrected.
+rates.svg has the rates of the real gyroscope, and of the emulated gyroscope as built and corrected.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from .experiment import Outcome
 
 DASHES = ("-", "--", "-.")
 ANGLES = ("roll", "pitch", "yaw")
-POINTS = 1200  # maximum number of points of a line; more are not visible and make files larger
+POINTS = 1200  # maximum number of points of a line; more points would not be visible and would make the file larger
 
 
 def attitudes(outcome: Outcome, path: Path) -> None:
@@ -42,7 +42,7 @@ def attitudes(outcome: Outcome, path: Path) -> None:
 
 
 def rates(outcome: Outcome, path: Path) -> None:
-    """Write the rates about the axes of the chips as SVG, in deg/s without biases."""
+    """Write the rates about the axes of the body as SVG, in deg/s without biases. Equal input gives an equal file."""
     imu = outcome.subject.sensors
     read = {"real": outcome.real.readings}
     read |= {rates: one.readings for rates, one in outcome.emulated.items()}

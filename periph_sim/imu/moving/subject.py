@@ -1,7 +1,7 @@
-"""The subject of an experiment: motion, sensors and frames of a case.
+"""The subject of a moving experiment: motion, sensors and frames of a case.
 
 The host of the case must have a motion, the firmware must have sensor models, and the controller must read the three
-known chips.
+chips of `sensors.SENSORS`.
 """
 
 from __future__ import annotations
@@ -22,10 +22,14 @@ from ..sensors import SENSORS
 
 @dataclass(frozen=True)
 class EmulatorUnderTest:
-    """The case of an experiment.
+    """The case of a moving experiment, and what the experiment uses of it.
 
     unit: the name of the unit whose firmware is the emulator.
+    sensors: the parameters of the emulator's sensor models.
+    arithmetic: the name of the emulator's arithmetic.
     seed: the seed of the emulator's noise; None for no noise.
+    frames: the frames of the host.
+    duration: the duration of the experiment in seconds.
     """
 
     case: Case
@@ -53,7 +57,7 @@ class EmulatorUnderTest:
 
     @property
     def rounds(self) -> int:
-        """The number of rounds that are due before the end."""
+        """The number of rounds that are due before the end of the experiment."""
         left = self.duration - self.controller.first
         most = max(0, -(-left // self.controller.period))
         return most if self.controller.rounds is None else min(most, self.controller.rounds)
@@ -64,7 +68,7 @@ def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTes
 
     duration: the duration of the experiment in seconds; None for that of the case.
     """
-    case = case.model_copy(update={"budget": (), "breaks": ()})  # a copy, which still knows its file for messages
+    case = case.model_copy(update={"budget": (), "breaks": ()})  # The copy still knows the file for messages.
     scene = Scene(case)
     if case.host is None or not isinstance(scene.frames, MotionFrames):
         raise case.mistake("a moving experiment needs a motion; give host.motion", "host")

@@ -42,7 +42,7 @@ def lines(outcome: Outcome) -> Iterator[str]:
 
 
 def _point(outcome: Outcome, rates: Rates) -> str:
-    """Return a sentence on the difference of the emulator from the real sensors, with and without its delay."""
+    """Return a sentence on the difference between emulator and real sensors, with and without the emulator's delay."""
     apart, late = outcome.apart(), outcome.behind(rates)
     between = rms(apart[f"emulator {rates} less real sensors"].total)
     said = f"{rates}: emulator and real sensors {between:.3f} degrees apart (rms)"

@@ -110,7 +110,11 @@ class BadTable(ValueError):
     """A table that does not match its class. mistakes: all mistakes, in the order of the class's keys."""
 
     def __init__(self, mistakes: list[Mistake]) -> None:
-        super().__init__("; ".join(_in_short(one) for one in mistakes))
+        shown = []
+        for one in mistakes:
+            what = one.what or ("it is missing" if one.is_missing else "there is no such key")
+            shown.append(": ".join(filter(None, [".".join(map(str, one.place)), what])))
+        super().__init__("; ".join(shown))
         self.mistakes = mistakes
 
     @property
@@ -119,12 +123,6 @@ class BadTable(ValueError):
         return next((one for one in self.mistakes if one.known is not None), self.mistakes[0])
 
 
-def _in_short(one: Mistake) -> str:
-    what = one.what or ("it is missing" if one.is_missing else "there is no such key")
-    return ": ".join(filter(None, [".".join(map(str, one.place)), what]))
-
-
-# A function that converts a value and adds its mistakes to the list. Its result is valid only if it adds no mistake.
 Converter = Callable[[Any, Place, list[Mistake]], Any]
 
 

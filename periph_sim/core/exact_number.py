@@ -22,7 +22,8 @@ def exact_number(text: str) -> Fraction:
     quoted = shorten(repr(text), SHOWN)
     written = text.strip()
     exponent = _EXPONENT.search(written)
-    if exponent is not None and not _is_small(exponent[1]):
+    digits = "" if exponent is None else exponent[1].lstrip("+-").replace("_", "").lstrip("0")
+    if len(digits) > 2 or int(digits or "0") > MAX_EXPONENT:
         raise ValueError(f"{quoted} has an exponent beyond {MAX_EXPONENT}")
     if sum(map(str.isdigit, written)) > MAX_DIGITS:
         raise ValueError(f"{quoted} has more than {MAX_DIGITS} digits")
@@ -30,8 +31,3 @@ def exact_number(text: str) -> Fraction:
         return Fraction(written)
     except (ValueError, ZeroDivisionError):
         raise ValueError(f"{quoted} is not a number") from None
-
-
-def _is_small(exponent: str) -> bool:
-    digits = exponent.lstrip("+-").replace("_", "").lstrip("0")
-    return len(digits) < 3 and int(digits or "0") <= MAX_EXPONENT

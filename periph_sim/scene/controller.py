@@ -51,15 +51,6 @@ class HeadPlan(Struct, frozen=True):
     clear_after: int
 
 
-def _agent_of(context: SceneContext) -> type[I2cController]:
-    if not skips_bits(context):
-        return I2cController
-
-    from ..bus.i2c.skipping_controller import SkippingController
-
-    return SkippingController
-
-
 def skips_bits(context: SceneContext) -> bool:
     """Return True if seven bits of an I2C byte may be simulated in one step.
 
@@ -107,7 +98,12 @@ def build_head(
     context: SceneContext, table: Controller, plan: HeadPlan, on_stuck: Callable[[Wire], None]
 ) -> SensorHead:
     """Return the sensor head that `plan` describes, with its I2C controller connected to the wires of a scene."""
-    controller = _agent_of(context)(
+    kind = I2cController
+    if skips_bits(context):
+        from ..bus.i2c.skipping_controller import SkippingController
+
+        kind = SkippingController
+    controller = kind(
         context.kernel,
         context.recorder,
         context.wire("SCL"),

@@ -60,7 +60,8 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
             return ""  # firmware loops without a wait, or the watchdog will end its wait
         if not takes_interrupts(dsp):
             return f"only a service routine could change that, and {OFF[bool(dsp.core.intm)]}; {ENABLE}"
-    modules = [module for module in signals_behind(dsp, spin) if has_clock(dsp, module)]
+    gates = {module: dsp.plan.part.by_name[module].gate for module in signals_behind(dsp, spin)}
+    modules = [module for module, gate in gates.items() if not gate or dsp.control.enabled(gate)]
     if spin.polls and not modules and not unanswered:
         return f"PCLKCR gives {' and '.join(dict.fromkeys(poll.place.name for poll in spin.polls))} no clock"
     found = nothing_comes(dsp, modules, may_move, instant)
@@ -162,11 +163,6 @@ def waking(dsp: Dsp) -> list[str]:
     direct = (name for name, number in CPU_VECTORS.items() if number > GROUPS and ier >> number - 1 & 1)
     found = dict.fromkeys(module for vector in (*enabled, *direct) for module in dsp.plan.part.requesters(vector))
     return [module for module in found if module in dsp.sockets]
-
-
-def has_clock(dsp: Dsp, module: str) -> bool:
-    gate = dsp.plan.part.by_name[module].gate
-    return not gate or dsp.control.enabled(gate)
 
 
 def wires_into(dsp: Dsp, module: str) -> list[Wire]:

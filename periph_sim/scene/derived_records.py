@@ -53,7 +53,12 @@ class DerivedRecords:
         if named[Kind.DATA]:
             self._attach_data(scene, named[Kind.DATA])
         if named[Kind.TRANSFER] & OF_UNITS:
-            self._attach_holds(scene)
+            from ..timing.derived.held_records import HELD_ALONE, HeldRecords
+
+            for unit in scene.units:
+                if self._recorder.topic(Kind.TRANSFER, unit, HELD_ALONE).has_subscribers:
+                    self._held.append(HeldRecords(self._recorder, unit))
+                    self._held[-1].attach(scene.wires["SCL"], scene.wires["SDA"])
         if named[Kind.TRANSFER] - OF_UNITS:
             from ..timing.derived.transfer_records import TransferRecords
 
@@ -65,20 +70,7 @@ class DerivedRecords:
             RoundRecords(self._recorder, scene.bus.rounds, scene.bus.period)
         if named[Kind.RECEIVER]:
             scene.uart.record_receivers()
-        if "stuck" in named[Kind.BUS]:
-            self._watch_for_stuck_lines(scene)
-
-    def _attach_holds(self, scene: Scene) -> None:
-        from ..timing.derived.held_records import HELD_ALONE, HeldRecords
-
-        for unit in scene.units:
-            if self._recorder.topic(Kind.TRANSFER, unit, HELD_ALONE).has_subscribers:
-                self._held.append(HeldRecords(self._recorder, unit))
-                self._held[-1].attach(scene.wires["SCL"], scene.wires["SDA"])
-
-    def _watch_for_stuck_lines(self, scene: Scene) -> None:
-        """Report lines that stay low. Do nothing if there is a controller agent, which reports them itself."""
-        if scene.head is None:
+        if "stuck" in named[Kind.BUS] and scene.head is None:  # a controller agent reports stuck lines itself
             from ..bus.i2c.line_observers import STUCK_AFTER, StuckWatch
 
             length = STUCK_AFTER if scene.case.rounds is None else scene.case.rounds.stuck_after

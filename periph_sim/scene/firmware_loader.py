@@ -45,11 +45,6 @@ _packages: dict[tuple[Path, int], str] = {}
 _numbers = count()
 
 
-def shipped_names() -> list[str]:
-    """Return the sorted names of the shipped programs and of the modules that these programs share."""
-    return sorted(file.stem for file in SHIPPED.glob("*.py") if file.stem != "__init__")
-
-
 def is_shipped(name: str) -> bool:
     """Return True if a shipped program, or a module that shipped programs share, has this name."""
     if f"{SHIPPED_PACKAGE}.{name}" in sys.modules:  # an earlier scene has imported it, so it exists
@@ -201,19 +196,14 @@ def load_firmware(name: str) -> Firmware:
     return _loaded(name) if name.endswith(".py") else _loaded_once(name)
 
 
-@lru_cache(maxsize=64)
-def _loaded_once(name: str) -> Firmware:
-    """Return a shipped program, from a cache."""
-    return _loaded(name)
-
-
 def _loaded(name: str) -> Firmware:
     load = partial(shipped_module, name)
     path = Path(name)
     if name.endswith(".py"):
         load = partial(module_of_file, existing(path, "firmware file", BadFirmware))
     elif not is_shipped(name):
-        raise BadFirmware(f"there is no firmware {name!r}; {did_you_mean(name, shipped_names())}")
+        names = sorted(file.stem for file in SHIPPED.glob("*.py") if file.stem != "__init__")
+        raise BadFirmware(f"there is no firmware {name!r}; {did_you_mean(name, names)}")
     module = imported(f"firmware {name!r}", load, path.parent, BadFirmware)
     if not callable(getattr(module, "main", None)):
         raise BadFirmware(f"firmware {name!r} has no function main(dsp, settings)")
@@ -222,6 +212,9 @@ def _loaded(name: str) -> Firmware:
         at = defined_at(module.main)
         raise BadFirmware(f"firmware {name!r}, {at}: main {what}; expected a plain function main(dsp, settings)")
     return Firmware(name, module.main, getattr(module, "Settings", None), _replay_settings(name, module))
+
+
+_loaded_once = lru_cache(maxsize=64)(_loaded)  # for shipped programs
 
 
 def _replay_settings(name: str, module: ModuleType) -> tuple[str, ...]:

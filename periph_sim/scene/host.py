@@ -74,21 +74,16 @@ class HostAgent:
             frames = partial(kind.frames_of, table.motion, encoding, table.first, table.period)
             self.frames = self._settings("motion", frames)
         self.values: Callable[[int], tuple[int, ...]] = self.frames or kind.ramp
-        self.truth = self._truth(table, model)
+        self.truth: Truth | None = None
+        if model is None:
+            self.truth = LineBetweenFrames(self.values, table.period, kind.shown)
+        elif self.frames is not None:
+            self.truth = model.truth(self.frames.motion, table.first)
         self._line = bit, UartFormat()
         self.peer = UartSender(context.kernel, context.recorder, context.wire("RX"), bit)
         seed = context.case.seed + 1
         encode = partial(kind.encode, byte_order=encoding.byte_order)
         self.host = Host(context.kernel, self.peer, schedule, self.values, encode, seed)
-
-    def _truth(self, table: HostTable, model: FirmwareModel | None) -> Truth | None:
-        """Return the true values of the chips; None if they are not known.
-
-        They are not known if firmware computes the chips' data with a model, but the host's frames have no motion.
-        """
-        if model is None:
-            return LineBetweenFrames(self.values, table.period, host_frames().shown)
-        return None if self.frames is None else model.truth(self.frames.motion, table.first)
 
     def line(self) -> tuple[Fraction, UartFormat]:
         """Return the length of a bit on the host's line, in ticks, and the format of its characters."""

@@ -229,17 +229,14 @@ class Scene:
             chip = self.chips[name] = parts.sensor_chips.build_chip(context, name, sources.get(name))
             parts.devices.put_on_bus(context, name, table, chip)
         if self.case.device:
-            self._build_devices(context)
+            taken = {address: name for name, chip in self.chips.items() for address in chip.addresses}
+            try:
+                self.devices = parts.devices.build_devices(context, self.wires, taken)
+            except FirmwareStalled as stalled:  # the code of a user's device stalled, so the run ends at its first tick
+                self.stalled = str(stalled)
         if self.case.strict:
             for name, log in self.note_logs().items():
                 log.on_note = partial(_raise_in_firmware, self.units, name)
-
-    def _build_devices(self, context: SceneContext) -> None:
-        taken = {address: name for name, chip in self.chips.items() for address in chip.addresses}
-        try:
-            self.devices = parts.devices.build_devices(context, self.wires, taken)
-        except FirmwareStalled as stalled:  # the code of a user's device stalled, so the run ends at its first tick
-            self.stalled = str(stalled)
 
     def note_logs(self) -> dict[str, NoteLog]:
         """Return the log of notes of each chip and device, by its name."""

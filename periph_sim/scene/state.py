@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from ..processor.dsp import Dsp
     from ..processor.host_code.firmware import HostFirmware
     from ..processor.image.cpu import ImageCpu
-    from ..processor.image_files.load import Image
     from .scene import Scene
 
 NO_PART = ("name", "about", "duration", "budget", "breaks")  # keys of a case that do not affect the state
@@ -105,7 +104,7 @@ def _unit_modules(name: str, dsp: Dsp, cycle: int, keys: Mapping[type, Keyed]) -
     if dsp.sources is not None:
         parts[f"{name}.sources"] = dsp.sources
     parts |= {f"{name}.{module}": socket for module, socket in dsp.sockets.items()}
-    keys = {**keys, Operand: Keyed(_operand_key, dsp.processor.bus.named)}
+    keys = {**keys, Operand: Keyed(lambda one: (one.address, one.words, one.named), dsp.processor.bus.named)}
     if isinstance(program, ImageProgram):
         keys[Operation] = Keyed(partial(_operation_key, program.cpu), program.cpu.operation_of)
     return {part: Module(target, cycle, keys) for part, target in parts.items()}
@@ -190,10 +189,6 @@ def _is_whole(state: Snapshot) -> bool:
 # Objects that a scene finds again by a key ---------------------------------------
 
 
-def _operand_key(operand: Operand) -> tuple[object, ...]:
-    return (operand.address, operand.words, operand.named)
-
-
 def _operation_key(cpu: ImageCpu, operation: Operation) -> tuple[object, ...] | None:
     at = operation.address
     return (at, cpu.word_at(at), cpu.word_at(at + 1)) if operation.place == at else None
@@ -210,7 +205,9 @@ def _identity(scene: Scene) -> Iterator[tuple[str, str]]:
             yield f"[{key}]", _digest(repr(getattr(scene.case, key)).encode())
     for name, dsp in scene.units.items():
         if isinstance(dsp.program, ImageProgram):
-            program = _digest_of_image(dsp.program.image)
+            image = dsp.program.image
+            words = [(section.address, section.run, list(section.words)) for section in image.sections]
+            program = _digest(msgspec.json.encode((words, image.initial)))
         elif dsp.sources is not None:
             program = _digest(dsp.sources.contents)
         else:
@@ -227,11 +224,6 @@ def _recorded(recorder: Recorder) -> Iterator[object]:
     for kind in RECORDED:
         subjects = recorder.subjects(kind)
         yield kind.value, recorder.wants(kind), subjects if subjects is None else sorted(subjects)
-
-
-def _digest_of_image(image: Image) -> str:
-    words = [(section.address, section.run, list(section.words)) for section in image.sections]
-    return _digest(msgspec.json.encode((words, image.initial)))
 
 
 def _bytes_of(source: Path) -> bytes:

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from fractions import Fraction
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol, cast
+from typing import TYPE_CHECKING, Any, Protocol
 
 from msgspec.structs import replace
 
@@ -54,13 +54,6 @@ class FirmwareModel(Protocol):
 
         readings: a dictionary from a chip to its last values.
         """
-
-
-def firmware_model_of(settings: object) -> FirmwareModel | None:
-    """Return the model of a firmware with these settings; None if the settings have no `sensors`."""
-    if getattr(settings, "sensors", None) is None:
-        return None
-    return cast("FirmwareModel | None", registered("firmware model").firmware_model(settings))
 
 
 def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
@@ -122,7 +115,9 @@ def build_unit(
     except BadSetting as error:
         inside = (error.name,) if error.name else ()  # no name if several settings do not fit together
         raise case.mistake(str(error), "unit", name, "settings", *inside) from None
-    model = guard(firmware_model_of, settings)
+    model: FirmwareModel | None = None
+    if getattr(settings, "sensors", None) is not None:
+        model = guard(registered("firmware model").firmware_model, settings)
     if model is not None:
         model.check(case, name)
     dsp.start(partial(run_main, firmware, dsp, settings))

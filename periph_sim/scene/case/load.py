@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cached_property, lru_cache
 from pathlib import Path
 from typing import Any, cast
@@ -240,23 +240,15 @@ class CaseFile:
         refuse_unusable(source, {key: tree[key] for key in named})
         if named & BUDGETS:
             named.add("budget")
-        fields = _converted(tree, named)
-        if fields is None:
+        keys, mistakes = keys_of(Case), list[Mistake]()
+        fields: dict[str, object] = {}
+        for said in named & keys.keys():
+            key = keys[said]
+            fields[key.name] = key.convert(tree[said], (said,), mistakes) if said in tree else key.default
+        if mistakes or named - keys.keys():
             return None
         case = self.case.model_copy(update=fields).completed()
         return built(located(case, self.path.parent) if "unit" in named else case, source)
-
-
-def _converted(tree: Mapping[str, Any], named: set[str]) -> dict[str, object] | None:
-    """Return the fields of a case for the named keys of a tree; None if a key is unknown or has a wrong value."""
-    keys, mistakes = keys_of(Case), list[Mistake]()
-    fields: dict[str, object] = {}
-    for said in named:
-        if said not in keys:
-            return None
-        key = keys[said]
-        fields[key.name] = key.convert(tree[said], (said,), mistakes) if said in tree else key.default
-    return None if mistakes else fields
 
 
 _TOO_LONG = re.compile(r"[0-9_]{4300}")  # matches an integer that is too long for Python

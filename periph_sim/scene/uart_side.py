@@ -1,7 +1,10 @@
 """Serial lines of a scene: outside parties, pairs, and records of receivers and lines.
 
 [host], [serial] --> RX, or a pair --transceiver--> RX --> SCI --> SciMonitor: records of its receiver
-TX of an SCI, pairs --> UartLines: frames, characters
+TX of an SCI, pairs --> UartMonitor, UartCounter: frames, characters
+
+A frame is read with the rate and format of its sender: those of the host, or the settings of the SCI whose TX is on the
+wire. If no sender is known, it is read with the settings of the SCI whose RX is on the wire.
 """
 
 from __future__ import annotations
@@ -10,9 +13,11 @@ from collections.abc import Collection, Mapping
 from functools import partial
 from typing import TYPE_CHECKING, cast
 
+from ..core.records import Kind
 from .context import SceneContext
 
 if TYPE_CHECKING:
+    from ..bus.uart.reader import Line, UartCounter
     from ..core.wire import Wire
     from ..f28335.sci.module import Sci
     from ..processor.dsp import Dsp
@@ -20,7 +25,6 @@ if TYPE_CHECKING:
     from .host import HostAgent
     from .pairs import Pairs
     from .serial.side import SerialSide
-    from .uart_lines import UartLines
 
 
 class UartSide:
@@ -40,29 +44,37 @@ class UartSide:
         self._scis = context.wiring.scis
         self.has_sci = bool(self._scis)
         self._recorder = context.recorder
+        self._wires = wires
         self._pairs: Pairs | None = None
-        self._lines: UartLines | None = None
+        self._lines: dict[str, Line] = {}  # rate and format of the characters, by wire
+        self._counters: dict[str, UartCounter] = {}
         self._counted: dict[str, int] = {}  # from a wire to the number of characters that came from outside
         self._sent: dict[str, int] = {}
-        senders = {} if host is None else {"RX": host.line}
+        if self._scis:
+            from .uart_lines import sci_line
+
+            lines = {
+                (sci.unit, sci.module): partial(sci_line, context, units[sci.unit], sci.module) for sci in self._scis
+            }
+            self._lines = {sci.rx: lines[sci.unit, sci.module] for sci in reversed(self._scis)}
+            self._lines |= {sci.tx: lines[sci.unit, sci.module] for sci in self._scis}
+        if host is not None:
+            self._lines["RX"] = host.line
         if serial is not None or context.case.transceiver:
-            self._pairs = self._pairs_of(context)
+            from .pairs import Pairs
+
+            self._pairs = Pairs(context, lambda unit, module: lines[unit, module])
         if serial is not None and self._pairs is not None:
             serial.attach(context, self._pairs)
             serial.listen(events)
-            senders |= serial.lines()
+            self._lines |= serial.lines()
         if self._pairs is not None:
-            senders |= self._pairs.lines()
-        if self._scis or senders:
-            from .uart_lines import UartLines
+            self._lines |= self._pairs.lines()
+        for name, line in sorted(self._lines.items()):
+            if context.recorder.wants(Kind.FRAME, name):
+                from ..bus.uart.reader import UartMonitor
 
-            self._lines = UartLines(context, wires, units, senders)
-
-    def _pairs_of(self, context: SceneContext) -> Pairs:
-        from .pairs import Pairs
-        from .uart_lines import sci_line
-
-        return Pairs(context, lambda unit, module: partial(sci_line, context, self._units[unit], module))
+                UartMonitor(wires[name], line)
 
     @property
     def characters(self) -> int:
@@ -72,8 +84,15 @@ class UartSide:
 
     def count(self, wires: Collection[str]) -> None:
         """Count the characters on each of these wires that leads to an SCI. The outside party drives these wires."""
-        if self._lines is not None:
-            self._lines.on_character_from(wires, self._came)
+        for name in dict.fromkeys(sci.rx for sci in self._scis if sci.rx in wires):
+            self._counter(name).on_character.append(partial(self._came, name))
+
+    def _counter(self, name: str) -> UartCounter:
+        from ..bus.uart.reader import UartCounter
+
+        if name not in self._counters:
+            self._counters[name] = UartCounter(self._wires[name], self._lines[name])
+        return self._counters[name]
 
     def sent(self, wire: str, count: int) -> None:
         """Add characters that the outside party has sent on a wire as bytes.
@@ -95,15 +114,19 @@ class UartSide:
         return told + ([] if self._serial is None else self._serial.notes())
 
     def finish(self, now: int) -> None:
-        """Complete the counts of characters at tick `now`, the end of the run."""
-        if self._lines is not None:
-            self._lines.finish(now)
+        """Detect the last characters at tick `now`, the end of the run."""
+        for counter in self._counters.values():
+            counter.finish(now)
 
     def record_receivers(self) -> None:
-        """Start recording the waiting words and losses of SCIs' receivers, and the characters that SCIs receive."""
+        """Start recording the waiting words and losses of SCIs' receivers, and the characters that SCIs receive.
+
+        A character is recorded at its start bit, once for each SCI that it goes to. The record is made when the next
+        character begins or the run ends, because `UartCounter` detects it then.
+        """
         from .sci_monitor import SciMonitor
 
         for sci in self._scis:
             SciMonitor(self._units[sci.unit], sci.module, self._recorder)
-        if self._lines is not None:
-            self._lines.record_characters(self._recorder)
+        for sci in self._scis:
+            self._counter(sci.rx).topics.append(self._recorder.topic(Kind.RECEIVER, sci.rx, "character"))

@@ -9,13 +9,17 @@ from __future__ import annotations
 
 from collections.abc import Set
 from fractions import Fraction
-from typing import Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from msgspec import Meta, field
 
 from ...bus.uart.frame_format import UartFormat
+from ...core.input_files import read_input
 from ...core.table import Duration, HexBytes, Table
 from .scalars import Byte, Length, Ppm
+
+if TYPE_CHECKING:
+    from .model import Case
 
 Baud = Annotated[int, Meta(ge=1, le=10_000_000)]
 DataBits = Annotated[int, Meta(ge=1, le=8)]
@@ -26,6 +30,7 @@ Encoding = Literal["ascii", "latin-1", "utf-8"]
 Times = Annotated[int, Meta(ge=1)]
 Places = tuple[Annotated[int, Meta(ge=0)], ...]
 
+LARGEST = 1 << 24  # maximum number of bytes of a file: at 115200 baud they take 24 minutes
 FORMAT = ("bits", "parity", "stop", "multiprocessor")
 UNITS = (("s", 1), ("ms", 10**3), ("us", 10**6), ("ns", 10**9))
 NAMES = {"data": "bytes", "low": "break"}  # names of keys in a file, for fields with other names
@@ -147,3 +152,54 @@ def in_words(length: Fraction) -> str:
         ((symbol, length * size) for symbol, size in UNITS if (length * size).denominator == 1), ("s", length)
     )
     return f"{number} {symbol}"
+
+
+def content_of(case: Case, entry: SerialEntry, bits: int, *place: str | int) -> bytes:
+    """Return the characters of an entry of [serial].
+
+    Raise BadCase, with its line, if a character has more than `bits` bits, if a file is empty or cannot be read, or if
+    a text cannot be encoded.
+    """
+    data, key = entry.data or b"", "bytes"
+    if entry.text is not None:
+        data, key = encoded(case, entry.text, entry, *place, "text"), "text"
+    elif entry.file is not None:
+        data, key = _read(case, entry.file, *place, "file"), "file"
+    wide = next((byte for byte in data if byte >> bits), None)
+    if wide is not None:
+        what = f"{wide:#04x} does not fit a character of {bits} bits; give other content, or more bits"
+        raise case.mistake(what, *place, key)
+    return data
+
+
+def encoded(case: Case, text: str, entry: SerialEntry, *place: str | int) -> bytes:
+    """Return a text in the encoding of its entry. Raise BadCase for a character that cannot be encoded."""
+    try:
+        return text.encode(entry.encoding)
+    except UnicodeEncodeError as error:
+        wrong = text[error.start : error.end]
+        what = f"{wrong!r} cannot be encoded in {entry.encoding}; give another encoding, or bytes instead of text"
+        raise case.mistake(what, *place) from None
+
+
+def _read(case: Case, name: str, *place: str | int) -> bytes:
+    path = case.folder / name
+    try:
+        data = read_input(path, LARGEST)
+    except OSError as error:
+        what = f"{name} cannot be read ({error.strerror}); a path counts from the folder of the case"
+        raise case.mistake(what, *place) from None
+    if not data:
+        raise case.mistake(f"{name} is empty; it needs at least one character", *place)
+    return data
+
+
+def show_characters(characters: tuple[int, ...], as_text: bool) -> str:
+    """Return characters as text for messages, such as 'OK\\r\\n' or 06 15.
+
+    A character with a value above 0xFF was received with an error. It is followed by an exclamation mark: 06!.
+    """
+    bad = any(value > 0xFF for value in characters)
+    if as_text and not bad and all(value < 0x80 for value in characters):
+        return repr(bytes(characters))[1:]
+    return " ".join(f"{value & 0xFF:02x}{'!' if value > 0xFF else ''}" for value in characters)

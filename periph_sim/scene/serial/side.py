@@ -21,11 +21,18 @@ from ...timing.language.scope import BadEvent, Scope
 from ...timing.measures.expectations import Expected, Reply
 from ...timing.measures.measure import MeasuredScene
 from ..case.model import Case
-from ..case.serial import ExpectTable, SendTable, SerialEntry, SerialTable
+from ..case.serial import (
+    ExpectTable,
+    SendTable,
+    SerialEntry,
+    SerialTable,
+    content_of,
+    encoded,
+    show_characters,
+)
 from ..case.wiring import SciLines, sci_named
 from ..context import SceneContext
 from ..pairs import Pairs
-from .content import content_of, encoded, show_characters
 from .send_schedule import EventTrigger, Send, TextTrigger
 
 WHO = "serial"  # name of the outside party that drives a line

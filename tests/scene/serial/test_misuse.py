@@ -11,9 +11,8 @@ from periph_sim.cli import run_command as main
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase, Case
 from periph_sim.scene.case.origin import Source
-from periph_sim.scene.case.serial import SendTable
+from periph_sim.scene.case.serial import SendTable, content_of, show_characters
 from periph_sim.scene.scene import Scene
-from periph_sim.scene.serial.content import content_of, show_characters
 
 TEXT = """\
 name = "small"

@@ -21,8 +21,7 @@ from ....devices.targets import eeprom
 from ....f28335.gpio.register_map import control_register
 from ....f28335.i2c.descriptor import I2C_A
 from ....records.record_text import bus_byte, happened
-from ....scene.case.serial import ExpectTable, SerialTable
-from ....scene.serial.content import content_of
+from ....scene.case.serial import ExpectTable, SerialTable, content_of
 from ....timing.budget_schema import REPLY
 from .chain import Part, Step
 from .cpu_activity import phrase

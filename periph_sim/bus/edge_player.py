@@ -13,26 +13,23 @@ from ..core.records import Recorder
 from ..core.state import State
 from ..core.wire import Pin, Wire
 
+PLAYER = "capture"  # name of the players on the wires
+
 
 class EdgePlayer:
     """Plays edges on a wire. edges: pairs (tick, level) in order of time. The line is high before the first edge."""
 
     STATE = State("_next")
 
-    def __init__(self, kernel: Kernel, wire: Wire, edges: Sequence[tuple[int, int]], who: str = "capture") -> None:
-        self.who = who
+    def __init__(self, kernel: Kernel, wire: Wire, edges: Sequence[tuple[int, int]]) -> None:
         self._kernel = kernel
-        self._pin = wire.attach(who)
+        self._pin = wire.attach(PLAYER)
         self._edges = edges
         self._next = 0
         self._plan()
 
-    @property
-    def busy(self) -> bool:
-        return self._next < len(self._edges)
-
     def _plan(self) -> None:
-        if self.busy:
+        if self._next < len(self._edges):
             self._kernel.call_at(self._edges[self._next][0], self._edge)
 
     def _edge(self) -> None:
@@ -42,17 +39,15 @@ class EdgePlayer:
 
 
 class OneWayWire(Wire):
-    """A wire that only one party drives; all other parties read this wire, but drive the wire `back`.
+    """A wire that only a player drives; all other parties read this wire, but drive the wire `back`.
 
-    player: the name of the driving party.
     back: the wire that all other parties drive. Its edges are not recorded.
     """
 
-    def __init__(self, kernel: Kernel, name: str, recorder: Recorder, player: str = "capture") -> None:
+    def __init__(self, kernel: Kernel, name: str, recorder: Recorder) -> None:
         super().__init__(kernel, name, recorder)
-        self.player = player
         self.back = Wire(kernel, name, Recorder())
 
     def attach(self, who: str) -> Pin:
         """Attach a party and return its pin: on this wire for the player, on `back` for all others."""
-        return super().attach(who) if who == self.player else self.back.attach(who)
+        return super().attach(who) if who == PLAYER else self.back.attach(who)

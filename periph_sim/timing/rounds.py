@@ -208,7 +208,7 @@ class BusRounds:
             self._tell_incomplete(start)
         self._made = place + 1
         current.transfers += 1
-        current.nacked += not made.all_acked()
+        current.nacked += not made.acked
         self._tell(made)
         if self._made == len(self._requests):
             current.end = self._over = transfer.stop_at

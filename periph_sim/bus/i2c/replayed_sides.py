@@ -57,7 +57,7 @@ class I2cPlayer:
         self._sda = sda.attach(who)
         self._moves: Sequence[Move] = ()
         self._next = 0
-        self._done: Callable[[], None] = _nothing
+        self._done: Callable[[], None] = lambda: None
         self._lines = watch([scl], self._on_scl)
 
     @property
@@ -101,10 +101,6 @@ class I2cPlayer:
             self.delay += stretch
             self.longest = max(self.longest, stretch)
             self._go_on()
-
-
-def _nothing() -> None:
-    """Do nothing: the default callback."""
 
 
 @dataclass(frozen=True, slots=True)

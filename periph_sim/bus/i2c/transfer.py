@@ -120,7 +120,11 @@ class Transfer:
     @property
     def acked(self) -> bool:
         """True if every address was acknowledged and arbitration was not lost."""
-        return self.all_acked()
+        acked = not self.lost
+        phase: Phase
+        for phase in self.phases:
+            acked = acked and phase.acked
+        return acked
 
     @property
     def wire_bytes(self) -> int:
@@ -130,11 +134,3 @@ class Transfer:
             if phase.start_at != NO_TIME:
                 count += 1 + len(phase.acks)
         return count
-
-    def all_acked(self) -> bool:
-        """Return the value of `acked`, by a method instead of a property."""
-        acked = not self.lost
-        phase: Phase
-        for phase in self.phases:
-            acked = acked and phase.acked
-        return acked

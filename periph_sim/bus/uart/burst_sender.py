@@ -12,25 +12,14 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 from ...core.kernel import Kernel
 from ...core.state import State
 from ...core.wire import Pin
 from .frame_format import UartFormat
+from .rs485 import Driver
 from .sender import EdgeSender
-
-
-class Drives(Protocol):
-    """Interface of the output of a sender: a pin, or a driver that is enabled for each burst."""
-
-    def drive(self, level: int) -> None: ...
-
-
-class Enables(Protocol):
-    """Interface of a driver that can release its line between bursts."""
-
-    def enable(self, on: bool) -> None: ...
 
 
 class Character(NamedTuple):
@@ -102,46 +91,31 @@ class Burst:
         return len(self.characters)
 
 
-class _Edges(EdgeSender):
-    """Makes the edges of a burst at the output `out`."""
+class BurstSender(EdgeSender):
+    """Sends bursts at the output `out`: a pin, or a driver that is switched on for each burst.
 
-    __slots__ = ("_out",)
-
-    def __init__(self, kernel: Kernel, out: Drives) -> None:
-        EdgeSender.__init__(self, kernel, out.mask if isinstance(out, Pin) else 0)
-        self._out = out
-
-    def drive(self, level: int) -> None:
-        self._out.drive(level)
-
-
-class BurstSender:
-    """Sends bursts at the output `out`.
-
-    enabled: a driver that is switched on for each burst, or None.
     hold: the number of ticks for which the driver stays on after a burst.
+    line: the length of a bit in ticks and the format of the present or last burst; None before the first burst.
     """
 
-    STATE = State("_edges _burst _busy _characters _line _waiting", ticks="_began _ends_at _free_at")
+    STATE = State("_burst _busy _characters line _waiting", ticks="_began _ends_at _free_at")
 
-    def __init__(self, kernel: Kernel, out: Drives, who: str, enabled: Enables | None = None, hold: int = 0) -> None:
+    def __init__(self, kernel: Kernel, out: Pin | Driver, who: str, hold: int = 0) -> None:
+        EdgeSender.__init__(self, kernel)
         self.who = who
         self._characters = 0  # number of characters of past bursts
         self._burst: Burst | None = None  # the present burst
         self._began = self._ends_at = 0  # ticks at which the present or last burst begins and ends
-        self._kernel = kernel
-        self._edges = _Edges(kernel, out)
-        self._enabled = enabled
+        self._out = out
+        self._driver = out if isinstance(out, Driver) else None
         self._hold = hold
         self._waiting: deque[tuple[Burst, Callable[[int], None], Callable[[int], None]]] = deque()
         self._busy = False
         self._free_at = 0
-        self._line: tuple[Fraction, UartFormat] | None = None
+        self.line: tuple[Fraction, UartFormat] | None = None
 
-    @property
-    def line(self) -> tuple[Fraction, UartFormat] | None:
-        """The length of a bit in ticks and the format of the present or last burst; None before the first burst."""
-        return self._line
+    def drive(self, level: int) -> None:
+        self._out.drive(level)
 
     @property
     def characters(self) -> int:
@@ -158,9 +132,9 @@ class BurstSender:
         """Send a burst as soon as the line is free. begins, ends: callbacks with the tick of its begin and its end."""
         self._waiting.append((burst, begins, ends))
         if not self._busy:
-            self._next()
+            self._schedule_burst()
 
-    def _next(self) -> None:
+    def _schedule_burst(self) -> None:
         burst = self._waiting[0][0]
         start = max(self._kernel.now, self._free_at + int(burst.idle * burst.bit))
         self._busy = True
@@ -169,14 +143,14 @@ class BurstSender:
     def _begin(self) -> None:
         burst, begins, ends = self._waiting.popleft()
         now = self._kernel.now
-        self._line = burst.bit, burst.form
+        self.line = burst.bit, burst.form
         edges, end = burst.edges(now)
         self._burst, self._began, self._ends_at = burst, now, end
-        if self._enabled is not None:
-            self._enabled.enable(True)
+        if self._driver is not None:
+            self._driver.enable(True)
         begins(now)
         if edges:
-            self._edges.make(edges[::-1])
+            self.make(edges[::-1])
         self._kernel.call_at(end, lambda: self._end(ends))
 
     def _end(self, ends: Callable[[int], None]) -> None:
@@ -184,13 +158,13 @@ class BurstSender:
         if self._burst is not None:
             self._characters += len(self._burst.characters)
             self._burst = None
-        if self._enabled is not None:
+        if self._driver is not None:
             self._kernel.call_at(self._free_at + self._hold, self._let_go)
         self._busy = False
         ends(self._free_at)
         if self._waiting and not self._busy:
-            self._next()
+            self._schedule_burst()
 
     def _let_go(self) -> None:
-        if not self._busy and self._enabled is not None and self._kernel.now >= self._free_at + self._hold:
-            self._enabled.enable(False)
+        if not self._busy and self._driver is not None and self._kernel.now >= self._free_at + self._hold:
+            self._driver.enable(False)

@@ -37,10 +37,6 @@ class Rs485Pair:
         self._recorder = recorder
         self._on: list[Driver] = []
 
-    def driver(self, who: str) -> Driver:
-        """Return a new driver on the pair, switched off."""
-        return Driver(self, who)
-
     @property
     def driving(self) -> Driver | None:
         """The active driver that has been on longest."""
@@ -64,7 +60,7 @@ class Rs485Pair:
 
 
 class Driver:
-    """One party's driver on a pair."""
+    """One party's driver on a pair, initially switched off."""
 
     STATE = State("on _level", ticks="_last_off _last_on")
 
@@ -112,7 +108,7 @@ class Transceiver:
         self, pair: Rs485Pair, who: str, tx: Wire, rx: Wire, de: Wire, line: Line, hears_itself: bool, at_first: int
     ) -> None:
         self.pair = pair
-        self.driver = pair.driver(who)
+        self.driver = Driver(pair, who)
         self.on_cut: list[Callable[[int, int], None]] = []
         self.line = line
         self._hears_itself = hears_itself

@@ -25,15 +25,14 @@ EDGE = 0x100  # the tag of events that make an edge; a subclass may have events 
 
 
 class EdgeSender(Agent):
-    """Makes edges on a line, each with an event of the kernel. mask: the bit of the sender's pin in `Wire.pulling`."""
+    """Makes edges on a line, each with an event of the kernel."""
 
     STATE = State("_level _next", ticks="_edges")
 
-    __slots__ = ("_edges", "_kernel", "_level", "_mask", "_next")
+    __slots__ = ("_edges", "_kernel", "_level", "_next")
 
-    def __init__(self, kernel: Kernel, mask: int) -> None:
+    def __init__(self, kernel: Kernel) -> None:
         self._kernel = kernel
-        self._mask = mask
         self._edges: list[int] = []  # ticks of the edges that are left, the last edge first
         self._level = 1
         self._next: Event | None = None
@@ -92,6 +91,7 @@ class UartSender(EdgeSender):
         "_format",
         "_gap",
         "_length",
+        "_mask",
         "_recorder",
         "_wire",
         "who",
@@ -111,7 +111,8 @@ class UartSender(EdgeSender):
         frame_format: UartFormat | None = None,
         who: str = "host",
     ) -> None:
-        EdgeSender.__init__(self, kernel, wire.attach(who).mask)
+        EdgeSender.__init__(self, kernel)
+        self._mask = wire.attach(who).mask
         self.who = who
         self._recorder = recorder if recorder.wants(Kind.FRAME, who) else None
         self._wire = wire

@@ -166,9 +166,9 @@ class SerialSide:
                 self._check_free(sci, *place)
                 self._senders[wire] = BurstSender(kernel, self._context.wire(wire).attach(WHO), WHO)
             else:
-                driver = transceiver.pair.driver(WHO)
+                driver = Driver(transceiver.pair, WHO)
                 hold = self._context.ticks(self._table.turnaround, self._table.ppm)
-                self._senders[wire] = BurstSender(kernel, driver, WHO, driver, hold)
+                self._senders[wire] = BurstSender(kernel, driver, WHO, hold)
                 self._pairs.outside[WHO] = self._line_of(self._senders[wire])
         return self._senders[wire]
 

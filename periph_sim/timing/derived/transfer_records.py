@@ -81,7 +81,7 @@ class TransferRecords:
 
     def _record_refusal(self, transfer: Transfer) -> None:
         first: Phase = transfer.phases[0]
-        if first.start_at != NO_TIME and not transfer.all_acked():
+        if first.start_at != NO_TIME and not transfer.acked:
             self._refused.emit(first.start_at, len(transfer.phases))
 
 

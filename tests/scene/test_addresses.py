@@ -7,6 +7,7 @@ import pytest
 from periph_sim.core.kernel import Kernel
 from periph_sim.core.records import Recorder
 from periph_sim.core.time import Timebase
+from periph_sim.f28335.memory.memory_map import AddressMap
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.processor.dsp import Dsp, DspPlan
 
@@ -58,9 +59,6 @@ def test_no_module_is_left_out() -> None:
     assert set(ADDRESSES) == {*PART.selectable, "SYS", "PIE"}
 
 
-def _at(memory, address: int) -> tuple[str, str] | None:
-    try:
-        place, register, _ = memory.find(address)
-    except Exception as error:
-        return (type(error).__name__, hex(address))
-    return (place.name, register.name)
+def _at(memory: AddressMap, address: int) -> tuple[str, str] | None:
+    found = memory.at(address)
+    return None if found is None else (found[0].name, found[1].name)

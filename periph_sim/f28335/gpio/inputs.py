@@ -33,7 +33,7 @@ from ...core.state import State
 from ...form.c_types import BigInt
 from . import register_map as at
 from .register_map import BIT
-from .settings import ALL, DIRECTIONS, INPUTS, PULL_UPS, GpioSettings, Routes
+from .settings import ALL, DIRECTIONS, INPUTS, PULL_UPS, GpioSettings, PinSettings
 
 DEPTH = 6  # the maximum number of samples that QSEL can require
 
@@ -177,11 +177,11 @@ class GpioInputs(GpioSettings):
 
     def source(self, signal: str) -> int | None:
         """Return the pin that feeds an input signal; None if none or more than one is assigned to it."""
-        return self._routes.source[signal]
+        return self._settings.source[signal]
 
     def sink(self, signal: str) -> tuple[int, ...]:
         """Return the pins that an output signal drives."""
-        return self._routes.sink[signal]
+        return self._settings.sink[signal]
 
     # From pads to levels ------------------------------------------------------
 
@@ -224,17 +224,17 @@ class GpioInputs(GpioSettings):
             self._last_words = [shown >> shift & 0xFFFF for shift in WORDS]
         return self._last_words
 
-    def _report_signals(self, now: int, routes: Routes, shown: BigInt) -> None:
+    def _report_signals(self, now: int, settings: PinSettings, shown: BigInt) -> None:
         """Report in `changed` each input signal whose level has changed because routes or levels of pins changed.
 
-        routes, shown: the old routes, and the old levels of the pins after synchroniser and qualifier.
+        settings, shown: the old settings, and the old levels of the pins after synchroniser and qualifier.
         """
         shown_now = self._shown(now)
-        if routes is self._routes and shown == shown_now:
+        if settings is self._settings and shown == shown_now:
             return
         for signal in INPUTS:
-            level = self._routes.level(signal, shown_now)
-            if level != routes.level(signal, shown):
+            level = self._settings.level(signal, shown_now)
+            if level != settings.level(signal, shown):
                 self.changed.append((signal, level))
 
     # XINT lines ---------------------------------------------------------------
@@ -259,9 +259,9 @@ class GpioInputs(GpioSettings):
         """Compute the masks of directions and input paths; create and delete samplers."""
         shown = self._shown(now)
         self._pull_ups: BigInt = ALL & ~self._ports(PULL_UPS)  # mask: pins whose pull-up is on
-        self._outputs: BigInt = self._ports(DIRECTIONS) & self._routes.gpio  # mask: general-purpose outputs
-        self._dead = 0 if self._input_clock else (self._outputs | self._routes.outputs) & ~NOT_GATED
-        self._asynchronous = self._settings.asynchronous & ~self._routes.gpio
+        self._outputs: BigInt = self._ports(DIRECTIONS) & self._settings.gpio  # mask: general-purpose outputs
+        self._dead = 0 if self._input_clock else (self._outputs | self._settings.outputs) & ~NOT_GATED
+        self._asynchronous = self._settings.asynchronous & ~self._settings.gpio
         self._last_level = None
         self._sampled = 0
         pin: int
@@ -281,7 +281,7 @@ class GpioInputs(GpioSettings):
             if self._watching >> line & 1:
                 self.watched |= BIT[self._xint_pin(line)]
         # Mask: pins whose edges the owner itself passes to the peripheral.
-        forwarded = self._routes.inputs & ~self.watched
+        forwarded = self._settings.inputs & ~self.watched
         # Mask: pins for which an exact edge needs a wake-up.
         self._settles: BigInt = ALL & ~self._asynchronous & ~self._sampled & ~self._dead & ~forwarded
         if self._edge_at == now and (self.pads ^ self._before) & self._settles:

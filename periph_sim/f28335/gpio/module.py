@@ -92,7 +92,7 @@ class Gpio(GpioInputs):
     def peripheral_level(self, now: int, signal: str) -> int:
         """Return the level of an input signal in cycle `now`."""
         self._advance(now)
-        return self._routes.level(signal, self._shown(now))
+        return self._settings.level(signal, self._shown(now))
 
     def gate(self, now: int, on: bool) -> None:
         """Switch the input clock: PCLKCR3.GPIOINENCLK takes effect in cycle `now`."""
@@ -159,7 +159,7 @@ class Gpio(GpioInputs):
 
     def reset(self, now: int) -> None:
         """Reset by XRS: registers take their reset values at once; wired pads keep their levels."""
-        routes, shown = self._routes, self._shown(now)
+        settings, shown = self._settings, self._shown(now)
         self.reset_settings(now)
         self._waiting.clear()
         self._outs.clear()
@@ -170,7 +170,7 @@ class Gpio(GpioInputs):
             self.out_version += 1
         self._configure(now)
         self._follow_drive(now)
-        self._report_signals(now, routes, shown)
+        self._report_signals(now, settings, shown)
         self._plan()
 
     # Timed events ------------------------------------------------------------
@@ -186,7 +186,7 @@ class Gpio(GpioInputs):
             if qualifier.due <= now:
                 qualifier.advance(now)
                 self._qualified ^= BIT[pin]
-                signal = self._routes.signal_at.get(pin)
+                signal = self._settings.signal_at.get(pin)
                 if signal is not None:
                     self.changed.append((signal, qualifier.qualified))
         while self._outs and self._outs[0][0] <= now:
@@ -215,13 +215,13 @@ class Gpio(GpioInputs):
 
     def _apply_settings(self, now: int) -> None:
         """Apply the writes to MUX, QSEL and CTRL that take effect now."""
-        routes, shown = self._routes, self._shown(now)
+        settings, shown = self._settings, self._shown(now)
         while self._waiting and self._waiting[0][0] <= now:
             _, offset, value = self._waiting.pop(0)
             self._active[offset] = value
         self._configure(now)
         self._drive(now)
-        self._report_signals(now, routes, shown)
+        self._report_signals(now, settings, shown)
 
     def _configure(self, now: int) -> None:
         """Derive routes and paths from the active MUX, QSEL and CTRL."""

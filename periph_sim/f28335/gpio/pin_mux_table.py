@@ -1,7 +1,7 @@
 """Table of the signals that each multiplexer value assigns to a pin, copied from the manual.
 
 FUNCTIONS[pin] has the names for GPxMUX = 1, 2, 3. "GPIO" is the pin's own port function, and "" is a reserved value.
-`settings.Routes` derives routes from it.
+`settings.PinSettings` derives routes from it.
 
 Source: SPRUFB0D Tables 46 (inputs without a pin), 47 to 49 (multiplexer).
 """

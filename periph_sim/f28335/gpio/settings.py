@@ -11,7 +11,6 @@ Source: SPRUFB0D sections 6.4 to 6.6, Tables 42 to 49.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import lru_cache
 
 from ...core.chip import Chip, Note
@@ -35,40 +34,6 @@ def function(pin: int, mux: int) -> str:
 def idle_level(signal: str) -> int:
     """Return the level of an input when no pin, or more than one, is assigned to it (Table 46)."""
     return 0 if signal in IDLE_LOW else 1
-
-
-class Routes:  # core: python
-    """Routes of all pins. mux: one value 0 to 3 for each of the 88 pins."""
-
-    def __init__(self, mux: Sequence[int]) -> None:
-        self.source: dict[str, int | None] = {}
-        self.sink: dict[str, tuple[int, ...]] = {}
-        self.signal_at: dict[int, str] = {}  # maps a pin to the input signal that only this pin feeds
-        self.crowded: dict[str, tuple[int, ...]] = {}  # input signals with more than one pin, and these pins
-        given: dict[str, list[int]] = {}
-        self.gpio = 0  # mask: pins that are general-purpose
-        for pin, value in enumerate(mux):
-            name = function(pin, value)
-            if name == "GPIO":
-                self.gpio |= BIT[pin]
-            else:
-                given.setdefault(name, []).append(pin)
-        for signal in INPUTS:
-            pins = given.get(signal, [])
-            self.source[signal] = pins[0] if len(pins) == 1 else None
-            if len(pins) == 1:
-                self.signal_at[pins[0]] = signal
-            elif pins:
-                self.crowded[signal] = tuple(pins)
-        for signal in OUTPUTS:
-            self.sink[signal] = tuple(given.get(signal, ()))
-        self.inputs = sum(BIT[pin] for pin in self.signal_at)  # mask: pins that feed a modelled input
-        self.outputs = sum(BIT[pin] for pins in self.sink.values() for pin in pins)  # mask: pins that a module drives
-
-    def level(self, signal: str, shown: int) -> int:
-        """Return the level of an input signal for these levels of the pins, after their qualifiers."""
-        pin = self.source[signal]
-        return idle_level(signal) if pin is None else shown >> pin & 1
 
 
 def note_for(pin: int, mux: int) -> Note | None:
@@ -133,16 +98,36 @@ class PinSettings:  # core: python
     sampled: (pin, samples) for each pin with a sampling qualifier.
     asynchronous: mask of the pins without synchronisation and qualification.
     notes: (pin, note) for each pin whose multiplexer value deserves one.
+    source: for each input signal, the pin that feeds it; None if none or more than one is assigned to it.
+    sink: for each output signal, the pins that it drives.
+    signal_at: for a pin, the input signal that only this pin feeds.
+    crowded: input signals with more than one pin, and these pins.
+    gpio, inputs, outputs: masks of the pins that are general-purpose, feed a modelled input, or are driven by a module.
     """
 
     def __init__(self, values: tuple[int, ...]) -> None:
         value_at = dict(zip(CONFIGURED, values, strict=True))
         self.mux = tuple(value_at[offset] >> shift & 3 for offset, shift in MUX)
         select = [value_at[offset] >> shift & 3 for offset, shift in SELECT]
-        self.routes = Routes(self.mux)
         self.sampled = tuple((pin, SAMPLES[each]) for pin, each in enumerate(select) if each in SAMPLES)
         self.asynchronous = sum(1 << pin for pin, each in enumerate(select) if each == ASYNCHRONOUS)
         self.notes = [(pin, note) for pin, each in enumerate(self.mux) if (note := note_for(pin, each)) is not None]
+        given: dict[str, list[int]] = {}
+        for pin, value in enumerate(self.mux):
+            given.setdefault(function(pin, value), []).append(pin)
+        fed = {signal: tuple(given.get(signal, ())) for signal in INPUTS}
+        self.source = {signal: pins[0] if len(pins) == 1 else None for signal, pins in fed.items()}
+        self.sink = {signal: tuple(given.get(signal, ())) for signal in OUTPUTS}
+        self.signal_at = {pin: signal for signal, pin in self.source.items() if pin is not None}
+        self.crowded = {signal: pins for signal, pins in fed.items() if len(pins) > 1}
+        self.gpio = sum(BIT[pin] for pin in given.get("GPIO", ()))
+        self.inputs = sum(BIT[pin] for pin in self.signal_at)
+        self.outputs = sum(BIT[pin] for pins in self.sink.values() for pin in pins)
+
+    def level(self, signal: str, shown: int) -> int:
+        """Return the level of an input signal for these levels of the pins, after their qualifiers."""
+        pin = self.source[signal]
+        return idle_level(signal) if pin is None else shown >> pin & 1
 
 
 @lru_cache(maxsize=256)  # firmware sets its pins in the same steps in each scene
@@ -161,7 +146,6 @@ class GpioSettings(Chip):
     def __init__(self) -> None:
         super().__init__()
         self._settings: PinSettings = pin_settings_of((0,) * len(CONFIGURED))
-        self._routes: Routes = self._settings.routes
 
     def reset_settings(self, now: int) -> None:
         """Set all registers to their reset values, and all sampling periods to one cycle. Call `activate` after it."""
@@ -175,16 +159,23 @@ class GpioSettings(Chip):
     def restored(self) -> None:
         """Derive the settings from the restored registers."""
         self._settings = pin_settings_of(tuple([self._active[offset] for offset in CONFIGURED]))
-        self._routes = self._settings.routes
 
     def activate(self, now: int) -> None:
         """Derive routes, samplers and periods from the active values, in effect from cycle `now` on."""
         before = self._settings
         self.restored()
-        if self._settings.mux != before.mux:
-            mux = self._settings.mux
-            self.notes += [note for pin, note in self._settings.notes if before.mux[pin] != mux[pin]]
-            self._note_crowded(before.routes.crowded)
+        settings = self._settings
+        if settings.mux != before.mux:
+            self.notes += [note for pin, note in settings.notes if before.mux[pin] != settings.mux[pin]]
+            for signal, pins in settings.crowded.items():
+                if before.crowded.get(signal) != pins:
+                    names = " and ".join([f"GPIO{pin}" for pin in pins])
+                    self.note(
+                        "duty",
+                        f"{names} are all assigned to {signal}, so it is a constant {idle_level(signal)}; "
+                        "assign one pin",
+                        "SPRUFB0D section 6.5, Table 46",
+                    )
         port: int
         for port, offset in enumerate(CONTROLS):
             control: int = self._active[offset]
@@ -192,16 +183,6 @@ class GpioSettings(Chip):
             if periods != self._periods[4 * port : 4 * port + 4]:
                 self._periods[4 * port : 4 * port + 4] = periods
                 self._origins[4 * port : 4 * port + 4] = [now] * 4
-
-    def _note_crowded(self, before: dict[str, tuple[int, ...]]) -> None:
-        for signal, pins in self._routes.crowded.items():
-            if before.get(signal) != pins:
-                names = " and ".join(f"GPIO{pin}" for pin in pins)
-                self.note(
-                    "duty",
-                    f"{names} are all assigned to {signal}, so it is a constant {idle_level(signal)}; assign one pin",
-                    "SPRUFB0D section 6.5, Table 46",
-                )
 
     def _ports(self, offsets: tuple[int, ...]) -> BigInt:
         """Combine one register per port into a mask of all pins."""

@@ -64,41 +64,16 @@ class AddressMap:
     def _place(self, address: int) -> ModuleRange | None:
         return next((place for place in self.places.values() if 0 <= address - place.base < place.size), None)
 
-    def find(self, address: int) -> tuple[ModuleRange, Register, int]:
-        """Return the result of `at`. Raise NoSuchAddress if there is no register."""
-        found = self.at(address)
-        if found is None:
-            raise self.refusal(address)
-        return found
-
     def refusal(self, address: int) -> NoSuchAddress:
         """Return the error for an address without a register, with the nearest registers, or else all modules."""
         place = self._place(address)
         if place is None:
             here = ", ".join(f"{p.name} {p.base:#06x}" for p in self.places.values())
             return NoSuchAddress(f"{address:#06x} belongs to no module of this scene, which has {here}")
-        last = place.base + place.size - 1
+        last, offset = place.base + place.size - 1, address - place.base
+        by_distance = sorted(place.socket.chip.MAP, key=lambda r: (abs(r.offset - offset), r.offset))[:2]
+        nearest = [f"{r.name} {place.base + r.offset:#06x}" for r in sorted(by_distance, key=lambda r: r.offset)]
         return NoSuchAddress(
             f"{address:#06x} is not a register of {place.name} ({place.base:#06x} to {last:#06x}); "
-            f"the nearest are {nearest(place, address - place.base)}"
+            f"the nearest are {' and '.join(nearest)}"
         )
-
-    def named(self, text: str) -> tuple[ModuleRange, Register]:
-        """Return the register with a name like "I2C-A.I2CSTR". Raise NoSuchAddress, with the nearest name, if there is
-        none.
-        """
-        module, _, name = text.partition(".")
-        if module not in self.places:
-            raise NoSuchAddress(f"there is no module {module!r} in this scene; {did_you_mean(module, self.places)}")
-        place = self.places[module]
-        if name not in place.socket.chip.MAP:
-            raise NoSuchAddress(
-                f"{module} has no register {name!r}; {did_you_mean(name, (r.name for r in place.socket.chip.MAP))}"
-            )
-        return place, place.socket.chip.MAP[name]
-
-
-def nearest(place: ModuleRange, offset: int) -> str:
-    """Return as text the two registers nearest to an offset that has no register, with their addresses."""
-    by_distance = sorted(place.socket.chip.MAP, key=lambda r: (abs(r.offset - offset), r.offset))[:2]
-    return " and ".join(f"{r.name} {place.base + r.offset:#06x}" for r in sorted(by_distance, key=lambda r: r.offset))

@@ -28,32 +28,17 @@ from ...core.discover import modules_with
 from ...core.kernel import Kernel
 from ...core.sampler import watch
 from ...core.state import State
-from ...core.table import DURATION_TEXT
-from ...core.time import seconds
+from ...core.table import DURATION_TEXT, Duration, duration
 from ...core.wire import Wire
 
 
-def _length(value: object) -> Fraction:
-    if not isinstance(value, str):
-        raise ValueError(f'{value!r} has no unit; write for instance "{value} ms"')
-    return seconds(value)
-
-
-def _not_negative(value: object) -> object:
-    length = _length(value)
-    if length < 0:
-        raise ValueError("it is negative; a time is 0 or more")
-    return length
-
-
-def _above_zero(value: object) -> object:
-    length = _length(value)
-    if length <= 0:
+def _above_zero(value: object) -> Fraction:
+    length = duration(value)
+    if not length:
         raise ValueError("it must be longer than 0")
     return length
 
 
-Time = Annotated[Fraction, Before(_not_negative, DURATION_TEXT)]
 Length = Annotated[Fraction, Before(_above_zero, DURATION_TEXT)]
 Count = Annotated[int, Meta(ge=1)]
 
@@ -68,9 +53,9 @@ class When:
     times: the maximum number of faults.
     """
 
-    at: Time
+    at: Duration
     every: Length | None = None
-    spread: Time = Fraction(0)
+    spread: Duration = Fraction(0)
     times: Count | None = None
 
     def __post_init__(self) -> None:

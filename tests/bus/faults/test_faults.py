@@ -154,7 +154,7 @@ def test_without_every_a_fault_comes_once_and_without_times_for_ever():
     [
         ("spike", {"at": "1 us", "wire": "SCL", "width": "0 s"}, "it must be longer than 0"),
         ("spike", {"at": 3, "wire": "SCL", "width": "1 us"}, '3 has no unit; write for instance "3 ms"'),
-        ("spike", {"at": "-1 us", "wire": "SCL", "width": "1 us"}, "it is negative; a time is 0 or more"),
+        ("spike", {"at": "-1 us", "wire": "SCL", "width": "1 us"}, "'-1 us' is negative; a duration is 0 or more"),
         ("spike", {"at": "1 us", "times": 3, "wire": "SCL", "width": "1 us"}, "times needs every"),
         (
             "spike",

@@ -113,7 +113,12 @@ class Class:
         inherited = {name for base in self.bases for name in (*base.known, *base.defined)}
         found: dict[str, Type] = {}
         self.__dict__["known"] = found  # set before it is complete, because values may refer to other attributes
-        for target, annotation in self._annotated():
+        nodes = [one for one in self.node.body if isinstance(one, ast.AnnAssign) and one.value is None]
+        annotated = [(one.target.id, one.annotation) for one in nodes if isinstance(one.target, ast.Name)]
+        for one in (one for method in self.defined.values() for one in walked(method)):
+            if isinstance(one, ast.AnnAssign) and is_own(one.target):
+                annotated.append((cast("ast.Attribute", one.target).attr, one.annotation))
+        for target, annotation in annotated:
             if target.isupper():  # uppercase names are constants that subclasses set
                 continue
             kind = self.source.type_of(annotation)
@@ -129,15 +134,6 @@ class Class:
                 if value and (says := self.source.type_of_value(value, self, arguments)):
                     found[name] = says
         return {name: kind for name, kind in found.items() if name not in inherited}
-
-    def _annotated(self) -> Iterator[tuple[str, ast.expr]]:
-        for node in self.node.body:
-            if isinstance(node, ast.AnnAssign) and isinstance(node.target, ast.Name) and node.value is None:
-                yield node.target.id, node.annotation
-        for method in self.defined.values():
-            for one in walked(method):
-                if isinstance(one, ast.AnnAssign) and is_own(one.target):
-                    yield cast("ast.Attribute", one.target).attr, one.annotation
 
     @cached_property
     def methods(self) -> dict[str, Function]:

@@ -69,15 +69,13 @@ class Source:
 
     def __init__(self, sources: Sources, name: str, text: str) -> None:
         self.sources, self.name, self.text = sources, name, text
+        self.text_lines = text.split("\n")
         self.header = header_of(text)
+        self.is_compiled = bool(self.header)
         if self.header not in ("", COMPILED, UNCHECKED):
-            line = text[: text.index(f"# core: {self.header}")].count("\n") + 1
+            line = self.text_lines.index(f"# core: {self.header}") + 1
             expected = f"expected '# core: {COMPILED}' or '# core: {UNCHECKED}'"
             raise self.bad(line, f"'# core: {self.header}'; {expected}")
-
-    @property
-    def is_compiled(self) -> bool:
-        return bool(self.header)
 
     def bad(self, line: int, what: str) -> BadDeclaration:
         return BadDeclaration(f"{self.name.replace('.', '/')}.py:{line}: {what}")
@@ -112,10 +110,6 @@ class Source:
             if not known.fullmatch(one):
                 raise self.bad(node.lineno, f"'# core: {one}' at {node.name}; expected {known.pattern}")
         return found
-
-    @cached_property
-    def text_lines(self) -> list[str]:
-        return self.text.split("\n")
 
     @cached_property
     def imports(self) -> dict[str, tuple[str, str]]:
@@ -307,16 +301,11 @@ class Source:
         return {one.attr for one in calls if isinstance(one, ast.Attribute) and ast.unparse(one.value) != "self"}
 
     @cached_property
-    def called(self) -> set[str]:
-        """The names of functions that the module calls."""
-        calls = (node.func for node in walked(self.tree) if isinstance(node, ast.Call))
-        return {one.id for one in calls if isinstance(one, ast.Name)}
-
-    @cached_property
     def cimported(self) -> dict[str, str]:
         """A dictionary from each imported C function that this module only calls to the module that defines it."""
         found = {}
-        called = self.called - read_names(self.tree, "")
+        calls = (node.func for node in walked(self.tree) if isinstance(node, ast.Call))
+        called = {one.id for one in calls if isinstance(one, ast.Name)} - read_names(self.tree, "")
         for name, (module, there) in self.imports.items():
             other = self.sources[module].functions.get(name) if name == there and name in called else None
             if other and other.kind != "def" and self.sources[module].is_compiled:

@@ -256,7 +256,9 @@ class I2cController(BitParty):
                 stretch = now - self._let_go_at
                 if stretch > self._stretch:
                     self._stretch = self._phase.stretch = stretch
-                self._rose(now)
+                if self._index == 0 and self._bit == 0:
+                    self._phase.answer_at = now
+                self._then(now + self._high, self._high_end)
             else:
                 self._watch_stuck()
 
@@ -289,11 +291,6 @@ class I2cController(BitParty):
         self._rising = True
         self._sampler.request_sample()
 
-    def _rose(self, now: int) -> None:
-        if self._index == 0 and self._bit == 0:
-            self._phase.answer_at = now
-        self._then(now + self._high, self._high_end)
-
     def _bit_end(self) -> None:
         """End the high phase: sample SDA and begin the next bit."""
         level = self._bus.sda(self._kernel.now)
@@ -302,18 +299,17 @@ class I2cController(BitParty):
             self._byte_end(level == 0)
             return
         if level == 0 and self._sda_level and not self._receiving:
-            self._lose()
+            self._transfer.lost = True
+            self._mark("arbitration lost", 0)
+            self._set_sda(1)
+            self._finish()
             return
         self._in = self._in << 1 | level
         self._bit = bit = bit + 1
         if bit < 8:
             self._low(self._byte >> (7 - bit) & 1)
-        else:
-            self._low(self._ack_level() if self._receiving else 1)
-
-    def _ack_level(self) -> int:
-        """Return the level of the acknowledge of a byte that is read: 1 (NACK) for the last byte, else 0."""
-        return 1 if self._index + 1 >= self._wanted else 0
+        else:  # all bytes that are read are acknowledged, except the last one
+            self._low(int(not self._receiving or self._index + 1 >= self._wanted))
 
     # Bytes --------------------------------------------------------------------
 
@@ -353,12 +349,6 @@ class I2cController(BitParty):
     def _stop(self) -> None:
         self._set_sda(1)
         self._mark("STOP", 0)
-        self._finish()
-
-    def _lose(self) -> None:
-        self._transfer.lost = True
-        self._mark("arbitration lost", 0)
-        self._set_sda(1)
         self._finish()
 
     def _finish(self) -> None:

@@ -147,7 +147,8 @@ class I2cMonitor(BitParty):
             self._masters_of.clear()
         holds = self._masters_of.get(self._starting)
         if holds is None:
-            masters = {who.partition(".")[0] for who in _parties(self._sda, self._starting)}
+            pulling = [who for place, who in enumerate(self._sda.parties()) if self._starting >> place & 1]
+            masters = {who.partition(".")[0] for who in pulling}
             holds = self._masters_of[self._starting] = _mask(self._scl, masters), _mask(self._sda, masters)
         return holds
 
@@ -233,10 +234,6 @@ class I2cMonitor(BitParty):
                 self._got.append(byte)
             else:
                 phase.data += bytes([byte])
-
-
-def _parties(wire: Wire, mask: int) -> list[str]:
-    return [who for place, who in enumerate(wire.parties()) if mask >> place & 1]
 
 
 def _mask(wire: Wire, parties: set[str]) -> int:

@@ -116,7 +116,11 @@ class TargetSide(BitParty):
                 self._fall()
         elif event == RISE:
             if self._does != NOT_MEANT:
-                self._rise(int(levels >= SDA))
+                self._bit += 1
+                if self._bit <= 8:
+                    self._in = self._in << 1 | levels >> 1
+                elif self._does == SENDS_DATA:
+                    self._refused = levels >= SDA
         elif event:
             if self._taken:
                 self._taken = False
@@ -135,14 +139,10 @@ class TargetSide(BitParty):
         elif self._does == SENDS_DATA and self._bit:
             self._put(self._out >> (7 - self._bit) & 1)
         if self._stretches:
-            self._stretch()
-
-    def _stretch(self) -> None:
-        """Hold SCL low after its fall, if the reply has a stretch before the next bit."""
-        byte = -1 if self._does == RECEIVES_ADDRESS else self._byte
-        ticks = self._stretches.pop((byte, self._bit), 0)
-        if ticks:
-            self.hold_clock(ticks)
+            byte = -1 if self._does == RECEIVES_ADDRESS else self._byte
+            ticks = self._stretches.pop((byte, self._bit), 0)
+            if ticks:
+                self.hold_clock(ticks)
 
     def hold_clock(self, ticks: int) -> None:
         """Hold SCL low for the next `ticks`. Only `answer` and the reply may call it, just after a fall of SCL."""
@@ -160,13 +160,6 @@ class TargetSide(BitParty):
             self._held_until = 0
             self._sda.drive(1)
             self._scl.drive(1)
-
-    def _rise(self, level: int) -> None:
-        self._bit += 1
-        if self._bit <= 8:
-            self._in = self._in << 1 | level
-        elif self._does == SENDS_DATA:
-            self._refused = level == 1
 
     def _ninth(self) -> int:
         """Pass a received byte to `answer` or to the reply, and return the level of SDA for the ninth bit; 0 is ACK."""

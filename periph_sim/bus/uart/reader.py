@@ -99,18 +99,13 @@ class UartReader(Agent):
         elif not levels:
             self._begin(now)
 
-    def _set_line(self, now: int) -> None:
-        """Set the bit times and format of a frame that begins now."""
-        if now == self._set_at:
-            return
-        self._set_at = now
-        bit, form = self._line()
-        if bit != self._bit or form != self._format:
-            self._bit, self._format, self._length = bit, form, form.length
-            self._halves = form.half_bits(bit)
-
     def _begin(self, now: int) -> None:
-        self._set_line(now)
+        if now != self._set_at:
+            self._set_at = now
+            bit, form = self._line()
+            if bit != self._bit or form != self._format:
+                self._bit, self._format, self._length = bit, form, form.length
+                self._halves = form.half_bits(bit)
         self._start, self._edges = now, [now]
         self._ending = self._kernel.schedule(now + self._halves[2 * self._length], self)
         for callback in self.on_begin:
@@ -187,17 +182,13 @@ class UartCounter(Agent):
         if levels or now < self._free_at:
             return
         self._tell()
-        self._set_line()
-        self._begun_at = now
-        self._over_at, self._free_at = now + self._lasted, now + self._taken
-
-    def _set_line(self) -> None:
-        """Set rate and format of the next character."""
         line = self._line()
         if line is not self._as and line != self._as:
             self._as, (bit, form) = line, line
             halves = form.half_bits(bit)
             self._taken, self._lasted = halves[-2], halves[-1]
+        self._begun_at = now
+        self._over_at, self._free_at = now + self._lasted, now + self._taken
 
     def finish(self, now: int) -> None:
         """Count the last character at the end of the run, unless it is incomplete."""

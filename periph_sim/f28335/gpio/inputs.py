@@ -195,17 +195,14 @@ class GpioInputs(GpioSettings):
             self._before = self.pads
         self.pads ^= bits
         if bits & self._sampled:
-            self._sample(now + 1 if exact else now, bits)
+            for pin, qualifier in self._qualifiers.items():
+                if bits >> pin & 1 and not self._dead >> pin & 1:
+                    qualifier.edge(now + 1 if exact else now, self.pads >> pin & 1)
         if exact and bits & self._settles:
             self._settle_at = now + 1
             self.next_wake = min(self.next_wake, now + 1)
         if settling or bits & self.watched:
             self._report_xints(now)
-
-    def _sample(self, now: int, bits: BigInt) -> None:
-        for pin, qualifier in self._qualifiers.items():
-            if bits >> pin & 1 and not self._dead >> pin & 1:
-                qualifier.edge(now, self.pads >> pin & 1)
 
     def _synchronised(self, now: int) -> BigInt:
         return self._before if self._edge_at == now else self.pads

@@ -194,7 +194,13 @@ class Gpio(GpioInputs):
             self.out_version += 1
             self._follow_drive(now)
         if self._waiting and self._waiting[0][0] <= now:
-            self._apply_settings(now)
+            settings, shown = self._settings, self._shown(now)
+            while self._waiting and self._waiting[0][0] <= now:
+                _, offset, value = self._waiting.pop(0)
+                self._active[offset] = value
+            self._configure(now)
+            self._drive(now)
+            self._report_signals(now, settings, shown)
         if self._settle_at <= now:
             self._settle_at = NEVER
         self._report_xints(now)
@@ -212,16 +218,6 @@ class Gpio(GpioInputs):
         self.next_wake = when
 
     # From registers to settings ----------------------------------------------
-
-    def _apply_settings(self, now: int) -> None:
-        """Apply the writes to MUX, QSEL and CTRL that take effect now."""
-        settings, shown = self._settings, self._shown(now)
-        while self._waiting and self._waiting[0][0] <= now:
-            _, offset, value = self._waiting.pop(0)
-            self._active[offset] = value
-        self._configure(now)
-        self._drive(now)
-        self._report_signals(now, settings, shown)
 
     def _configure(self, now: int) -> None:
         """Derive routes and paths from the active MUX, QSEL and CTRL."""

@@ -43,7 +43,7 @@ class SciLines(Chip):
 
     STATE = State(
         "_layout _rx_clock _tx_clock _bits _rx _tx _autobaud _rxd _gated _suspended _rx_stopping _ccr "
-        "_ctl1 _hbaud _lbaud _ffct _pri _abd_requested _listening",
+        "_ctl1 _ffct _pri _abd_requested _listening",
         cycles="_rx_at _tx_at _request_at",
     )
     MAP = SCI_MAP
@@ -71,7 +71,7 @@ class SciLines(Chip):
 
     def reset(self, now: int) -> None:
         self._run(now)
-        self._ccr = self._hbaud = self._lbaud = self._ffct = self._pri = 0
+        self._ccr = self._ffct = self._pri = 0
         self._ctl1 = 0  # SCICTL1 without TXWAKE, which `SciTx` has
         self._gated = True  # the clock gate is off
         self._suspended = False
@@ -234,7 +234,9 @@ class SciLines(Chip):
                 if self.options.rxwake_idle_point.assume(self.touched) == "tenth_bit" and self._rx.enabled:
                     self._rx.status |= ST_RXWAKE
             elif event == BREAK:
-                self._break_received(at)
+                if self._rx.line_break() and self.options.rx_after_break.assume(self.touched) == "blocked":
+                    bits.close()
+                self._request_rx(at)
         self._watch_idle(at)
         self._rx_at = self._rx_clock.at(bits.next_tick)
 
@@ -243,8 +245,7 @@ class SciLines(Chip):
         rx = self._rx
         rx.deliver(word, address, bool(word & FE) and self._is_break_like(word, address))
         self._load_received()
-        if rx.request:
-            self._request_rx(now)
+        self._request_rx(now)
 
     def _load_received(self) -> None:
         """Update `loaded` if SCIRXBUF shows a new word, even one equal to the old word."""
@@ -258,14 +259,10 @@ class SciLines(Chip):
             return False
         return not self._layout.parity or bool(word & PE) != self._layout.even
 
-    def _break_received(self, now: int) -> None:
-        if self._rx.line_break() and self.options.rx_after_break.assume(self.touched) == "blocked":
-            self._bits.close()
-        if self._rx.request:
-            self._request_rx(now)
-
     def _request_rx(self, now: int) -> None:
-        """Request RXINT for an event on the line."""
+        """Request RXINT if an event on the line does so."""
+        if not self._rx.request:
+            return
         self._rx.request = False
         extra = self.options.rx_int_extra.assume(self.touched)
         if extra:
@@ -287,19 +284,15 @@ class SciLines(Chip):
         auto = self._autobaud
         clock = self._rx_clock
         brr = auto.brr(clock.divider, clock.phase, self.options.autobaud_brr_rule.assume(self.touched) == "nearest")
-        self._hbaud, self._lbaud = brr >> 8, brr & 0xFF
-        self._set_brr(at)
+        self._set_brr(at, brr)
         word = auto.character
-        self._set_abd()
-        self._arm_receiver(at)
-        self._move(at, word, 0)
-        self._replan()
-
-    def _set_abd(self) -> None:
         self._ffct |= ABD
         if not self._abd_requested:
             self._abd_requested = True
             self.requests |= TXINT
+        self._arm_receiver(at)
+        self._move(at, word, 0)
+        self._replan()
 
     def _arm_receiver(self, now: int) -> None:
         """Connect RXD to autobaud while that waits for a character, else to the bit receiver; to neither in reset."""
@@ -333,8 +326,7 @@ class SciLines(Chip):
     def _note(self, code: str, text: str, source: str) -> None:
         self.notes.append(Note(code, f"{self.name}: {text}", source))
 
-    def _set_brr(self, now: int) -> None:
-        brr = self._hbaud << 8 | self._lbaud
+    def _set_brr(self, now: int, brr: int) -> None:
         at_once = self.options.brr_write_effect.assume(self.touched) == "at_once"
         self._rx_clock.set_brr(now, brr, at_once)
         self._tx_clock.set_brr(now, brr, at_once)

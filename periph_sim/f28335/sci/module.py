@@ -94,11 +94,9 @@ class Sci(SciLines):
         elif offset == CTL1:
             self._write_ctl1(now, value)
         elif offset == HBAUD:
-            self._hbaud = value & 0xFF
-            self._set_brr(now)
+            self._set_brr(now, (value & 0xFF) << 8 | self._rx_clock.brr & 0xFF)
         elif offset == LBAUD:
-            self._lbaud = value & 0xFF
-            self._set_brr(now)
+            self._set_brr(now, self._rx_clock.brr & 0xFF00 | value & 0xFF)
         elif offset == CTL2:
             self._rx.set_enables(bool(value & RXBKINTENA), bool(self._ctl1 & RXERRINTENA))
             self._tx.set_int_enabled(bool(value & TXINTENA))
@@ -142,9 +140,9 @@ class Sci(SciLines):
         if offset == CCR:
             return self._ccr
         if offset == HBAUD:
-            return self._hbaud
+            return self._rx_clock.brr >> 8
         if offset == LBAUD:
-            return self._lbaud
+            return self._rx_clock.brr & 0xFF
         if offset == FFCT:
             return self._ffct
         return self._pri if offset == PRI else 0
@@ -182,16 +180,13 @@ class Sci(SciLines):
         if (before ^ value) & SWRESET:
             tx.in_swreset = not value & SWRESET
             if tx.in_swreset:
-                self._enter_swreset()
+                tx.halt()
+                rx.status = 0
+                used = tx.fifo_mode or rx.fifo.words or tx.fifo.words
+                if used and self.options.swreset_fifo_effect.assume(self.touched) == "cleared":
+                    rx.clear_fifo()
+                    tx.clear_fifo()
             self._set_running(now)
-
-    def _enter_swreset(self) -> None:
-        self._tx.halt()
-        self._rx.status = 0
-        used = self._tx.fifo_mode or self._rx.fifo.words or self._tx.fifo.words
-        if used and self.options.swreset_fifo_effect.assume(self.touched) == "cleared":
-            self._rx.clear_fifo()
-            self._tx.clear_fifo()
 
     def _write_fftx(self, now: int, value: int) -> None:
         tx = self._tx

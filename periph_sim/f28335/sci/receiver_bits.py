@@ -181,15 +181,11 @@ class SciRxBits:
             if end > tick:
                 return
             toggles.pop(0)
-            self._turn(end)
-
-    def _turn(self, tick: int) -> None:
-        """Begin the next run of equal samples at `tick`."""
-        self._level ^= 1
-        if self._level:
-            self._high_from = max(tick, self._idle_base)
-        else:
-            self._low_from = tick
+            self._level ^= 1  # the next run of equal samples begins at `end`
+            if self._level:
+                self._high_from = max(end, self._idle_base)
+            else:
+                self._low_from = end
 
     def _end_break_on_high(self, tick: int) -> None:
         t: int

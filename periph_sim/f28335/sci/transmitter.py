@@ -160,7 +160,8 @@ class SciTx:
         if self._loaded:
             return
         planned = self._start_at
-        if not self._may_load():
+        waiting = len(self.fifo) > 0 if self.fifo_mode else self._waiting
+        if not (waiting and self.running and (self.enabled or self._drain > 0)):
             self._start_at = self._load_at = FAR
             self._load_cycle = NEVER
         elif self.active:
@@ -205,10 +206,6 @@ class SciTx:
         if delay == 255:
             delay = self.options.fftxdly_max.assume(self.touched)
         return delay * 8 if self.options.fftxdly_unit.assume(self.touched) == "bit" else delay
-
-    def _may_load(self) -> bool:
-        waiting = len(self.fifo) > 0 if self.fifo_mode else self._waiting
-        return waiting and self.running and (self.enabled or self._drain > 0)
 
     def _load(self) -> None:
         """Move a word to TXSHF, and TXWAKE to WUT."""

@@ -152,8 +152,13 @@ class SystemControl(Chip):
             self._write_pllcr(now, value)
         elif offset in self._stored:
             self._write_stored(now, offset, value)
-        else:
-            self._write_watchdog(now, offset, value)
+        elif offset == WDKEY.offset:
+            self._watchdog.write_wdkey(self._clock.at(now), value)
+        elif offset == WDCR.offset:
+            self._watchdog.write_wdcr(self._clock.at(now), value)
+        elif offset == SCSR.offset:
+            self._watchdog.write_scsr(self._clock.at(now), value)
+        self._update_from_watchdog(now)
         self._schedule()
 
     def boot(self, now: int) -> None:
@@ -240,16 +245,6 @@ class SystemControl(Chip):
             )
         elif register in (PCLKCR0, PCLKCR3):
             self._gates_to_come.append((now + GATE_DELAY, self._gates()))
-
-    def _write_watchdog(self, now: int, offset: int, value: int) -> None:
-        position = self._clock.at(now)
-        if offset == WDKEY.offset:
-            self._watchdog.write_wdkey(position, value)
-        elif offset == WDCR.offset:
-            self._watchdog.write_wdcr(position, value)
-        elif offset == SCSR.offset:
-            self._watchdog.write_scsr(position, value)
-        self._update_from_watchdog(now)
 
     # Inside -----------------------------------------------------------------
 

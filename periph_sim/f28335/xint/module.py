@@ -62,7 +62,10 @@ class Xint(Chip):
         if not moved:
             return NO_CHANGE
         for line in range(LINES):
-            if moved >> line & 1 and self._is_valid(line, levels >> line & 1):
+            if not moved >> line & 1:
+                continue
+            polarity = POLARITY.extract(self._control[line])
+            if polarity == BOTH or (polarity == RISING) == bool(levels >> line & 1):
                 self.requests |= 1 << line
                 if line < len(self._since):
                     self._since[line] = now
@@ -89,10 +92,6 @@ class Xint(Chip):
             self._count[offset] = self._counted(now, offset)
             self._since[offset] = now - self._count[offset]
         self.enabled = self.enabled & ~(1 << offset) | enable << offset
-
-    def _is_valid(self, line: int, level: int) -> bool:
-        polarity = POLARITY.extract(self._control[line])
-        return polarity == BOTH or (polarity == RISING) == bool(level)
 
     def _counted(self, now: int, line: int) -> int:
         return now - self._since[line] & 0xFFFF if self.enabled >> line & 1 else self._count[line]

@@ -11,7 +11,7 @@ from functools import partial
 from random import Random
 
 from ..bus.faults import HeldLine
-from ..bus.i2c.disturbed_target import Answers, DisturbedTarget, Rule, When, cut_power, flip, replaced, stretch
+from ..bus.i2c.disturbed_target import DisturbedTarget, Rule, When, cut_power, flip, replaced, stretch
 from ..bus.i2c.target_side import TargetSide
 from ..core.chip import Note
 from ..core.phrases import did_you_mean
@@ -80,7 +80,7 @@ class DeviceOnBus:
             self.side.hold_clock(ticks)
 
 
-def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Answers) -> TargetSide:
+def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Target) -> TargetSide:
     """Connect a target to SCL and SDA, with the disturbances in its table. Return the object that drives the wires."""
     scl, sda = context.wire("SCL"), context.wire("SDA")
     sides: list[TargetSide] = []

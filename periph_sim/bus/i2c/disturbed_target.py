@@ -13,27 +13,13 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from random import Random
-from typing import Protocol
 
 from ...core.kernel import Kernel
 from ...core.state import State
 from ..faults import HeldLine
-from .target_side import Reply, Stretches, TargetSide
+from .target_side import Reply, Stretches, Target, TargetSide
 
 READ = 1
-
-
-class Answers(Protocol):
-    """Interface of a target that can be disturbed. addresses: its 7-bit addresses."""
-
-    @property
-    def addresses(self) -> tuple[int, ...]: ...
-
-    def answer(self, address_byte: int) -> Reply | None: ...
-
-    def on_end(self, stop: bool, whole: bool) -> None: ...
-
-    def power_on(self) -> None: ...
 
 
 @dataclass(frozen=True)
@@ -110,7 +96,7 @@ class DisturbedTarget:
 
     ack = True
 
-    def __init__(self, kernel: Kernel, target: Answers, rules: Sequence[Rule]) -> None:
+    def __init__(self, kernel: Kernel, target: Target, rules: Sequence[Rule]) -> None:
         self._kernel = kernel
         self._target = target
         self._rules = rules
@@ -172,7 +158,7 @@ def _strike(rules: Sequence[Rule]) -> None:
             rule.strike()
 
 
-def cut_power(kernel: Kernel, side: TargetSide, target: Answers, at: int, until: int | None) -> None:
+def cut_power(kernel: Kernel, side: TargetSide, target: Target, at: int, until: int | None) -> None:
     """Switch the target off at tick `at`, and on again at tick `until` unless it is None."""
     kernel.call_at(at, lambda: side.power(False))
 

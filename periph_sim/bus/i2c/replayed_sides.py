@@ -60,18 +60,12 @@ class I2cPlayer:
         self._done: Callable[[], None] = lambda: None
         self._lines = watch([scl], self._on_scl)
 
-    @property
-    def busy(self) -> bool:
-        return self._next < len(self._moves)
-
     def held(self, now: int) -> int:
         """Return the ticks for which others have held SCL low since the player released it; 0 if they do not."""
         return 0 if self.waiting_since == NO_TIME else now - self.waiting_since
 
     def play(self, moves: Sequence[Move], done: Callable[[], None]) -> None:
         """Make the moves, the first one `Move.after` ticks from now. `done()` is called after the last one."""
-        if self.busy:
-            raise ValueError(f"{self.who}: asked to play while {len(self._moves) - self._next} moves are left")
         self._moves, self._next, self._done = moves, 0, done
         self._go_on()
 

@@ -52,6 +52,26 @@ class Reply(Protocol):
         """Receive data byte number `byte` of a write, counted from 0. Return True to acknowledge it."""
 
 
+class Target(Protocol):
+    """A device on the bus. addresses: all addresses that it acknowledges, 7 bits each."""
+
+    @property
+    def addresses(self) -> tuple[int, ...]: ...
+
+    def answer(self, address_byte: int) -> Reply | None:
+        """Return the reply to an address byte after START; None if the device does not acknowledge it."""
+
+    def on_end(self, stop: bool, whole: bool) -> None:
+        """Handle the end of a phase whose address was acknowledged.
+
+        stop: True for a STOP, False for a repeated START.
+        whole: False if the phase ends in the middle of a byte.
+        """
+
+    def power_on(self) -> None:
+        """Handle the return of the supply. Volatile data are lost."""
+
+
 def _ignore(stop: bool, whole: bool) -> None:
     """Do nothing: the default for `on_end`."""
 

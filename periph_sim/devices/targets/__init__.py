@@ -19,7 +19,8 @@ from pathlib import Path
 from random import Random
 from typing import Any, Protocol, cast
 
-from ...bus.i2c.target_side import Reply, Stretches
+from ...bus.i2c.target_side import Stretches
+from ...bus.i2c.target_side import Target as Target
 from ...core.chip import Note
 from ...core.discover import modules_with
 from ...core.kernel import Kernel
@@ -77,26 +78,6 @@ class PlainReply:
 
     ack = True
     stretches: Stretches = ()
-
-
-class Target(Protocol):
-    """A device on the bus. addresses: all addresses that it acknowledges, 7 bits each."""
-
-    @property
-    def addresses(self) -> tuple[int, ...]: ...
-
-    def answer(self, address_byte: int) -> Reply | None:
-        """Return the reply to an address byte after START; None if the device does not acknowledge it."""
-
-    def on_end(self, stop: bool, whole: bool) -> None:
-        """Handle the end of a phase whose address was acknowledged.
-
-        stop: True for a STOP, False for a repeated START.
-        whole: False if the phase ends in the middle of a byte.
-        """
-
-    def power_on(self) -> None:
-        """Handle the return of the supply. Volatile data are lost."""
 
 
 class Family(Protocol):

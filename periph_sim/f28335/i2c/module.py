@@ -152,7 +152,11 @@ class I2c(I2cLines):
         if value & MDR_IRS and not old & MDR_IRS:
             self._enable(now)
         elif old & MDR_IRS and not value & MDR_IRS:
-            self._disable(now)
+            self.target.reset()
+            self.master.reset()
+            self._frozen_pull = 0
+            self.target.muted = False
+            state.irs_reset(now)
             return
         held = (self.target.pulls | self.master.pulls) & SCL
         if value & old & MDR_IRS and held and self.options.irs_write1_releases_bus.assume(self.touched):
@@ -177,13 +181,6 @@ class I2c(I2cLines):
         self.target.reset()
         state.fifo_levels(now)
         state.update(now)
-
-    def _disable(self, now: int) -> None:
-        self.target.reset()
-        self.master.reset()
-        self._frozen_pull = 0
-        self.target.muted = False
-        self.state.irs_reset(now)
 
     # System reset ---------------------------------------------------------------------------
 

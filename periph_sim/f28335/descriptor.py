@@ -88,11 +88,6 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     bus: bool = False
     plain: bool = False
 
-    @cached_property
-    def signals(self) -> tuple[str, ...]:
-        """Inputs and outputs without duplicates."""
-        return tuple(dict.fromkeys((*(self.inputs or ()), *self.outputs)))
-
     def build(self, options: Mapping[str, Answers]) -> Chip:
         """Return a new chip. options: answers of a unit by group; a missing group has the defaults."""
         given = options.get(self.options)

@@ -172,8 +172,7 @@ def require_directives(pxd: str, c_file: Path) -> None:
     if passed_on := PASSED_ON.search(text):
         method = f"{c_file.stem}.py passes on the typed method {passed_on[1]}"
         raise NoBuild(f"{method}, which Cython calls with one argument less; pass on a function that calls it")
-    found = disobeyed(pxd, text)
-    if found:
+    if found := list(disobeyed(pxd, text)):
         raise NoBuild(f"{c_file.stem}.pxd: {'; '.join(found)}; write it where Cython {version('cython')} obeys it")
 
 

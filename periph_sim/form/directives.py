@@ -5,8 +5,7 @@
     @cython.locals(at=...)   the function declares this variable, of this C type
     trashcan (every class)   a deallocator that releases objects does so in a loop
 
-Cython silently ignores a directive in an unexpected place. A directive that is not in this list is reported, too,
-because it cannot be checked here.
+Cython silently ignores a directive in an unexpected place. `declarations` writes no other directives than these.
 """
 
 from __future__ import annotations
@@ -14,9 +13,9 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-DIRECTIVE = re.compile(r"cython\.(\w+)(?:\((.*)\))?")
+FINAL = "@cython.final"
 CLASS = re.compile(r"cdef class (\w+)")
-FUNCTION = re.compile(r"cp?def .*?(\w+)\([^()]*\)")
+FUNCTION = re.compile(r" *cp?def .*?(\w+)\([^()]*\)")
 # C spelling of the types of local variables, except Python's own types and compiled classes.
 LOCALS = {
     "cython.bint": "int ",
@@ -29,47 +28,31 @@ LOCALS = {
 PYTHONS_OWN = ("bytearray", "bytes", "dict", "list", "object", "set", "str", "tuple")  # all are `PyObject *` in C
 
 
-def disobeyed(pxd: str, c_text: str) -> list[str]:
-    """Return a sentence for each directive without effect in the C code. pxd: the text of the .pxd file."""
-    return list(_disobeyed(pxd, c_text))
-
-
-def _disobeyed(pxd: str, c_text: str) -> Iterator[str]:
+def disobeyed(pxd: str, c_text: str) -> Iterator[str]:
+    """Yield a sentence for each directive without effect in the C code. pxd: the text of the .pxd file."""
     inside = ""  # the class that contains the present line; "" outside of classes
-    for decorators, line in _decorated(pxd):
-        found = CLASS.match(line)
-        inside = found[1] if found else inside if line.startswith(" ") else ""
-        function = FUNCTION.match(line.strip())
-        for text in decorators:
-            directive = DIRECTIVE.fullmatch(text)
-            name, given = directive.groups() if directive else ("", None)
-            if found and name in ("final", "freelist"):
-                obeyed = _is_final(c_text, found[1]) if name == "final" else _keeps(c_text, found[1], given)
-                if not obeyed:
-                    yield f"@{text} of class {found[1]} has no effect in the C code"
-            elif function and name == "locals":
-                for one in (given or "").rstrip(", ").split(","):
-                    variable, _, kind = (part.strip() for part in one.partition("="))
-                    if not _declares(pxd, c_text, inside, function[1], variable, kind):
-                        what = f"@cython.locals({variable}={kind}) of {function[1]}"
-                        yield f"{what} declares no such variable in the C code"
-            else:
-                yield f"@{text} above {line.strip()!r} is a directive that the build does not know how to verify"
-        if found and not _is_released_in_a_loop(c_text, found[1]):
-            what = f"the deallocator of class {found[1]} releases other objects by recursion"
-            yield f"{what}: the directive trashcan is lost"
-
-
-def _decorated(pxd: str) -> Iterator[tuple[list[str], str]]:
-    """Yield (decorators, line) for each class, for each function with decorators, and for other lines at the margin."""
     decorators: list[str] = []
     for line in pxd.split("\n"):
         if line.lstrip().startswith("@"):
-            decorators.append(line.strip().removeprefix("@"))
-        elif line.strip():
-            if decorators or not line.startswith(" "):
-                yield decorators, line
-            decorators = []
+            decorators.append(line.strip())
+            continue
+        if found := CLASS.match(line):
+            inside = found[1]
+            for text in decorators:
+                count = text.removeprefix("@cython.freelist(").removesuffix(")")
+                if not (_is_final(c_text, inside) if text == FINAL else _keeps(c_text, inside, count)):
+                    yield f"{text} of class {inside} has no effect in the C code"
+            if not _is_released_in_a_loop(c_text, inside):
+                what = f"the deallocator of class {inside} releases other objects by recursion"
+                yield f"{what}: the directive trashcan is lost"
+        elif function := FUNCTION.match(line):
+            inside = inside if line.startswith(" ") else ""
+            given = [one for text in decorators for one in text.removeprefix("@cython.locals(")[:-1].split(", ")]
+            for variable, kind in (one.split("=") for one in given):
+                if not _declares(pxd, c_text, inside, function[1], variable, kind):
+                    what = f"@cython.locals({variable}={kind}) of {function[1]}"
+                    yield f"{what} declares no such variable in the C code"
+        decorators.clear()
 
 
 def _slot(c_text: str, name: str, slot: str) -> str:
@@ -89,7 +72,7 @@ def _is_final(c_text: str, name: str) -> bool:
     return bool(flags) and all("Py_TPFLAGS_BASETYPE" not in one for one in flags)
 
 
-def _keeps(c_text: str, name: str, count: str | None) -> bool:
+def _keeps(c_text: str, name: str, count: str) -> bool:
     return re.search(rf"__pyx_freecount_\w*_{name} < {count}\b", _slot(c_text, name, "tp_dealloc")) is not None
 
 

@@ -150,7 +150,13 @@ class I2c(I2cLines):
             state.duty("BC was changed after I2CDXR was written; expected BC first", "SPRUG03B §5.12")
         state.mdr = value
         if value & MDR_IRS and not old & MDR_IRS:
-            self._enable(now)
+            state.tm = state.psc + 1  # IRS latches I2CPSC
+            self.filter_width = state.filter_width = self.options.noise_filter_cycles.assume(state.touched) * state.tm
+            self.limits.module_clock()
+            self.limits.address("I2COAR", state.oar)
+            self.target.reset()
+            state.fifo_levels(now)
+            state.update(now)
         elif old & MDR_IRS and not value & MDR_IRS:
             self.target.reset()
             self.master.reset()
@@ -171,16 +177,6 @@ class I2c(I2cLines):
                 self.limits.start_commanded(self._bus_busy)
             self.master.command(now, value)
             self.target.muted = self.master.active
-
-    def _enable(self, now: int) -> None:
-        state = self.state
-        state.latch_module_clock()
-        self.filter_width = state.filter_width
-        self.limits.module_clock()
-        self.limits.address("I2COAR", state.oar)
-        self.target.reset()
-        state.fifo_levels(now)
-        state.update(now)
 
     # System reset ---------------------------------------------------------------------------
 

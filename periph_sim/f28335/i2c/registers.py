@@ -15,7 +15,7 @@ from __future__ import annotations
 
 from typing import final
 
-from ...core.chip import Note
+from ...core.chip import NEVER, Note
 from ...core.state import State
 from ...form.c_types import Text
 from ..interrupt_fifo import DEPTH, FLAG
@@ -72,11 +72,6 @@ class I2cRegisters(I2cRequests):
         self.nack_of: str = ""  # description of the byte that was refused at `nack_since`
         self.dxr_behind: list[int] = []  # bytes queued after a full I2CDXR (dxr_write_while_full)
 
-    def latch_module_clock(self) -> None:
-        """Latch I2CPSC, as IRS goes to 1."""
-        self.tm = self.psc + 1
-        self.filter_width = self.options.noise_filter_cycles.assume(self.touched) * self.tm
-
     def irs_reset(self, now: int) -> None:
         """Set the status to its defaults, as IRS goes to 0; options decide what is kept."""
         busy = self.str & i2c_map.STR_BB
@@ -89,7 +84,10 @@ class I2cRegisters(I2cRequests):
         self.xsr_full = False
         self.wanted = False
         self.str = i2c_map.STR_RESET | busy
-        self.forget_requests(now)
+        if self.code and self.options.irs_clears_isrc.assume(self.touched):
+            self._show(now, 0)
+        self.code_at = NEVER
+        self._pending = self._active = 0  # all requests are dropped
         self.drr_unread = False
         if self.mdr & COMMANDS and self.options.irs_clears_commands.assume(self.touched):
             self.mdr &= ~COMMANDS

@@ -161,13 +161,6 @@ class I2cRequests:
             self.load_code(now)
         return code | self.isrc_high
 
-    def forget_requests(self, now: int) -> None:
-        """Drop all requests, as IRS goes to 0."""
-        if self.code and self.options.irs_clears_isrc.assume(self.touched):
-            self._show(now, 0)
-        self.code_at = NEVER
-        self._pending = self._active = 0
-
     # FIFOs -------------------------------------------------------------------
 
     def fifo_levels(self, now: int) -> None:

@@ -170,7 +170,10 @@ class I2cSlave(I2cSlaveData):
         elif phase == TRANSMIT:
             self._answered(now, sda)
         elif self._ack:
-            self._ack_rise(now)
+            if phase == RECEIVE and not self._rsr_waits and self.state.rrdy_rises_at("rise9"):
+                self._store_byte(now)
+            if self._read and phase == ADDRESS:
+                self._copy_at_rise9(now)
 
     def fall(self, now: int) -> None:
         phase = self.phase
@@ -283,13 +286,6 @@ class I2cSlave(I2cSlaveData):
         state.set(now, flags)
 
     # The acknowledge slot -----------------------------------------------------------
-
-    def _ack_rise(self, now: int) -> None:
-        """Process rise 9 of a byte that this module acknowledges."""
-        if self.phase == RECEIVE and not self._rsr_waits and self.state.rrdy_rises_at("rise9"):
-            self._store_byte(now)
-        if self._read and self.phase == ADDRESS:
-            self._copy_at_rise9(now)
 
     def _slot_ends(self, now: int) -> None:
         state = self.state

@@ -10,7 +10,6 @@ from ...core.registers import Register, RegisterMap, Tie, field
 
 BASE = 0x0CE0
 GROUPS = 12
-LINES_PER_GROUP = 8
 
 PIECTRL = Register(
     "PIECTRL",

@@ -90,15 +90,14 @@ class Source:
         found: dict[str, Class] = {}
         self.__dict__["classes"] = found  # set before it is complete, because classes may have bases in this module
         for node in self.tree.body if self.is_compiled else ():
-            if isinstance(node, ast.ClassDef) and self._is_compiled_class(node):
+            if not isinstance(node, ast.ClassDef) or "python" in self.marks(node, CLASS_MARKS):
+                continue
+            decorated = any(ast.unparse(one) != "final" for one in node.decorator_list)
+            if decorated or len(node.bases) > 1 or node.keywords:
+                continue
+            if not node.bases or self.find_class(ast.unparse(node.bases[0])) is not None:
                 found[node.name] = Class(self, node)
         return found
-
-    def _is_compiled_class(self, node: ast.ClassDef) -> bool:
-        if "python" in self.marks(node, CLASS_MARKS) or len(node.bases) > 1 or node.keywords:
-            return False
-        decorated = any(ast.unparse(one) != "final" for one in node.decorator_list)
-        return not decorated and (not node.bases or self.find_class(ast.unparse(node.bases[0])) is not None)
 
     def marks(self, node: ast.ClassDef | ast.FunctionDef, known: re.Pattern[str]) -> list[str]:
         """Return the marks (`# core: ...`) of a class or function. Raise BadDeclaration for an unknown mark."""

@@ -68,9 +68,8 @@ class Pairs:
         self._transceivers[sci.unit, sci.module] = transceiver
 
     def _line(self, pair: Rs485Pair) -> tuple[Fraction, UartFormat]:
-        driver = pair.driving
         lines = {one.driver.who: one.line for one in self._transceivers.values() if one.pair is pair} | self.outside
-        return lines[driver.who if driver is not None else next(iter(lines))]()
+        return lines[pair.on[0].who if pair.on else next(iter(lines))]()
 
     def _note(self, tick: int, text: str) -> None:
         first, times = self._notes.get(text, (tick, 0))

@@ -56,7 +56,9 @@ class FilteredBus:
         if (before ^ levels) & SDA:
             if before >> 1 != self._sda_seen:
                 self.settle(now)
-            self._sda_moved, self._sda_event = now, self._classify_sda_edge(now, event)
+            if event == NOTHING and now - self.scl_moved < self._filter and self._scl_seen:
+                event = START if before & SDA else STOP  # just after an edge of SCL, SCL's filtered level decides
+            self._sda_moved, self._sda_event = now, event
         if (before ^ levels) & SCL:
             if now - self.scl_moved >= self._filter:
                 self._scl_seen = before & SCL
@@ -64,12 +66,6 @@ class FilteredBus:
         self._lines = levels
         if levels >> 1 != self._sda_seen:
             self.settle(now)
-
-    def _classify_sda_edge(self, now: int, event: int) -> int:
-        """Return START, STOP or NOTHING for an edge of SDA. Just after an edge of SCL, SCL's filtered level decides."""
-        if event != NOTHING or now - self.scl_moved >= self._filter or not self._scl_seen:
-            return event
-        return START if self._lines & SDA else STOP
 
     def settle(self, now: int) -> None:
         """Apply the last change of SDA, with its original tick, if it has lasted for the time of the filter."""

@@ -155,7 +155,9 @@ class I2cMonitor(BitParty):
     def _condition(self, now: int, before: int, levels: int) -> None:
         """Detect START and STOP while SCL is high and released by the master."""
         pulled, self._pulls_sda = self._pulls_sda, bool(self._sda.pulling & self._sda_mask)
-        if before & ~levels & SDA and self._given_up(now):
+        # Another party made a STOP in mid-transfer, and the master made no clock for two periods.
+        given_up = self._ended_at != NO_TIME and now - self._pulled_at > 2 * self._clock_length
+        if before & ~levels & SDA and given_up:
             self._over(self._ended_at)
             self._start_at, self._starting = now, self._sda.pulling
         elif self._pulls_sda and not pulled:
@@ -164,10 +166,6 @@ class I2cMonitor(BitParty):
             self._over(now)
         elif before & levels & SCL and levels & ~before & SDA and now - self._sda_at >= self._filter:
             self._ended_at = now
-
-    def _given_up(self, now: int) -> bool:
-        """Return True if another party made a STOP in mid-transfer, and the master made no clock for two periods."""
-        return self._ended_at != NO_TIME and now - self._pulled_at > 2 * self._clock_length
 
     def _phase_begins(self, at: int) -> None:
         self._phase = Phase(0, False)

@@ -25,22 +25,18 @@ COLLISION, CUT = "collision", "cut"  # names of the records that a pair makes be
 class Rs485Pair:
     """A pair and the drivers that are on.
 
+    on: the active drivers; the first one has been on longest.
     on_collision: called with (tick, names of the drivers that are on) when a driver is switched on while another is on.
     """
 
-    STATE = State("_on")
+    STATE = State("on")
 
     def __init__(self, kernel: Kernel, recorder: Recorder, wire: Wire) -> None:
         self.kernel = kernel
         self.wire = wire
         self.on_collision: list[Callable[[int, tuple[str, ...]], None]] = []
         self._recorder = recorder
-        self._on: list[Driver] = []
-
-    @property
-    def driving(self) -> Driver | None:
-        """The active driver that has been on longest."""
-        return self._on[0] if self._on else None
+        self.on: list[Driver] = []
 
     def record(self, what: str, text: str) -> None:
         if self._recorder.wants(Kind.FRAME, self.wire.name):
@@ -49,11 +45,11 @@ class Rs485Pair:
     def switched(self, driver: Driver) -> None:
         """Handle a driver that was switched on or off."""
         if not driver.on:
-            self._on.remove(driver)
+            self.on.remove(driver)
             return
-        self._on.append(driver)
-        if len(self._on) > 1:
-            who = tuple(one.who for one in self._on)
+        self.on.append(driver)
+        if len(self.on) > 1:
+            who = tuple(one.who for one in self.on)
             self.record(COLLISION, " and ".join(who))
             for callback in self.on_collision:
                 callback(self.kernel.now, who)

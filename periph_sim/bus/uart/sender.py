@@ -150,7 +150,12 @@ class UartSender(EdgeSender):
             if self._recorder is not None:
                 self._kernel.schedule(start + self._begins[first], self, byte)
             bit: int
-            for bit in self._edges_in(byte):
+            changes: list[int] | None = self._edges_of.get(byte)
+            if changes is None:
+                levels = [1, *self._format.levels(byte)]
+                changes = [n for n in range(self._length) if levels[n] != levels[n + 1]]
+                self._edges_of[byte] = changes
+            for bit in changes:
                 edges.append(start + self._begins[first + bit])
             first += self._length + 1
         self._ends_at = start + self._begins[first - 1]
@@ -186,11 +191,3 @@ class UartSender(EdgeSender):
         for frame in range(known, frames):
             at = frame * (self._length * parts + pause)
             self._begins += [(at + bit * parts) * num // den for bit in range(self._length + 1)]
-
-    def _edges_in(self, byte: int) -> list[int]:
-        found = self._edges_of.get(byte)
-        if found is None:
-            levels = self._format.levels(byte)
-            found = [bit for bit, level in enumerate(levels) if level != (levels[bit - 1] if bit else 1)]
-            self._edges_of[byte] = found
-        return found

@@ -151,7 +151,6 @@ class GpioInputs(GpioSettings):
         # `_last_level`: synchronised levels from which `_last_words` was computed; None after a change of paths.
         self._last_level: int | None = None
         self._last_pads = self._last_qualified = 0
-        self.reset_inputs()
 
     def reset_inputs(self) -> None:
         """Reset by XRS: all input paths are on, no pin has a qualifier, and no XINT line is watched."""

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from msgspec import Struct
 
-from ...core.phrases import did_you_mean
 from ...core.registers import Register
 from ...core.socket import Socket
 from ..descriptor import Frame

@@ -2,11 +2,12 @@
 
     read    issued | wait for writes, wait states | fetched
     write   issued | wait states | posted . . | lands
-    field   issued | wait for writes, wait states | fetched, posted . . | lands      while the CPU continues
+    modify  issued | wait for writes, wait states | fetched, posted . . | lands      read, then write of a bit field
 
-A write leaves the pipeline in its last stage, W, two cycles after the stage in which a read has its value, R2. So it is
-posted: it takes effect at the end of a later cycle, while the CPU continues. A read in the protected block, or of the
-same register, waits for it; any other may overtake it, and one in the cycle of the landing does.
+A read has its value in the stage R2 of the pipeline. A write leaves the pipeline in the last stage, W, two cycles after
+R2. So a write is posted: it takes effect (lands) at the end of a later cycle, while the CPU continues. A read in the
+protected block, or of the same register, waits until the write has landed. Any other read does not wait; it returns the
+old value up to the cycle in which the write lands.
 
 The bus serves no interrupt and advances no clock: it returns the cycle in which an access can be made. The program
 advances to that cycle (`CpuTime.advance`, and `meet` for accesses with effects) before it makes the access.
@@ -38,16 +39,18 @@ from .firmware_notes import FirmwareNotes
 from .operand import Operand
 from .source_location import SourceLocation
 
-REGISTERS_END = 0x8000  # no register lies above
+REGISTERS_END = 0x8000  # all registers are below this address
 
 
 @final
 class Posted:  # core: freelist 4
-    """A write that was issued and has not landed yet, as an element of the queue of such writes.
+    """A write that was issued and has not landed yet, as an element of the queue of posted writes.
 
-    where: the place of the instruction that issued it; None if the place is not used.
-    cause: the record of this instruction.
-    following: the write that lands next.
+    lands: the cycle at whose end the write takes effect.
+    value: the words to write, each at its position in the register.
+    where: the statement that issued the write; None if no subscriber needs the statement.
+    cause: the record that caused the write.
+    following: the posted write that lands after this one; None for the last.
     """
 
     STATE = State("operand value where", cycles="lands", records="cause", made=True)
@@ -64,11 +67,12 @@ class Posted:  # core: freelist 4
 class Bus:
     """The bus of one CPU, with the wait states of accesses and the posted writes.
 
-    map: the modules by address.
-    ram: memory without registers.
-    free_from: the cycle from which a read in the protected block need not wait for a write.
-    free_of: the same cycle for registers outside of the block, by address.
-    issued_at: the statement that issued the write that lands now.
+    map: the address map, which finds the module and the register at an address.
+    ram: the memory of the chip.
+    free_from: from this cycle on, a read in the protected block does not wait for a write.
+    free_of: a dictionary from the address of a register outside of the protected block to the cycle from which on a
+        read of this register does not wait for a write.
+    issued_at: the statement that issued the write that lands now; None if no write lands now, or it is unknown.
     """
 
     STATE = State("ram _posted_last issued_at", cycles="free_from free_of _last_pf1_write", chains="_posted")
@@ -88,7 +92,7 @@ class Bus:
         options: SystemOptions,
         place: Callable[[], SourceLocation | None],
     ) -> None:
-        """place: returns the statement that makes the access."""
+        """place: returns the statement that the program executes now."""
         self.map = memory
         self.ram = Ram()
         self.free_from = 0
@@ -110,30 +114,34 @@ class Bus:
         self._pf1_back_to_back_write: IntOption = options.pf1_back_to_back_write
         self._pf2_read_ws, self._pf2_write_ws = options.pf2_read_ws, options.pf2_write_ws
         self._write_lands: IntOption = options.write_lands
-        self._read_listed = self._write_listed = False  # an access in frame 2
-        self._words: list[Operand | None] = []  # by address, made at the first access
-        self._pairs: list[Operand | None] = []  # of 32 bits
+        # True once a read, or a write, in frame 2 has noted that the run depends on the option of its wait states.
+        self._read_listed = self._write_listed = False
+        self._words: list[Operand | None] = []  # the 16-bit operand at each address, made at its first access
+        self._pairs: list[Operand | None] = []  # the 32-bit operand at each even address
         self._nothing: Operand = Operand.__new__(Operand)  # the entry of an address without a register
-        self._named: dict[tuple[Operand, int], Operand] = {}  # by operand and bits read
-        self._posted: Posted | None = None  # the first of a chain
-        self._posted_last: Posted | None = None  # the last of the chain
+        self._named: dict[tuple[Operand, int], Operand] = {}  # results of `naming`
+        self._posted: Posted | None = None  # the write that lands first
+        self._posted_last: Posted | None = None  # the write that lands last
         self._last_pf1_write = -NEVER
 
     # Operands ------------------------------------------------------------
 
     def operand(self, place: ModuleRange, register: Register, words: int, field: Field | None = None) -> Operand:
-        """Return the operand of these words of a register of the map, or of a field in them."""
+        """Return the operand of some words of a register, or of a field. words: LOW, HIGH or BOTH."""
         names, subjects = (register.name, register.upper), self._subjects
         recorded = self._records_access and (subjects is None or any(name in subjects for name in names))
         operand = Operand(place, register, words, field, self._waits, recorded)
         if operand.recorded:
-            kind, recorder = Kind.ACCESS, self._recorder  # an attribute of an enumeration costs as much as a call
+            kind, recorder = Kind.ACCESS, self._recorder  # read once: a member of an enumeration is slow to get
             reads = recorder.topic(kind, self._name, f"R {operand.name}")
             operand.record(reads, recorder.topic(kind, self._name, f"W {operand.name}"))
         return operand
 
     def find(self, address: int, width: int) -> Operand | None:
-        """Return the register at an address, 32 bits from an even one on; None if no register is there."""
+        """Return the operand of the register at an address; None if no register is there.
+
+        width: 16 or 32. A 32-bit operand begins at the even address at or before this one.
+        """
         if not 0 <= address < REGISTERS_END:
             return None
         if not self._words:
@@ -154,16 +162,17 @@ class Bus:
         return None if found is self._nothing else found
 
     def at(self, address: int, width: int) -> Operand:
-        """Return the register at an address as `find` does. Raise NoSuchAddress if no register is there."""
+        """Return the operand that `find` returns. Raise NoSuchAddress if no register is there."""
         found = self.find(address, width)
         if found is None:
             raise self.map.refusal(address & ~1 if width == 32 else address)
         return found
 
     def naming(self, operand: Operand, mask: int) -> Operand:
-        """Return the same words with the field named that has these bits; the same operand if it is not one field.
+        """Return an operand with the same words whose records name the field with the bits of `mask`.
 
-        mask: bits of the word that is transferred, not shifted to its place in the register.
+        If these bits belong to no field, or to several fields, return the same operand. mask: bits of the transferred
+        word; bit 0 is the lowest bit of that word, also for the upper word of a register.
         """
         found = self._named.get((operand, mask))
         if found is None:
@@ -175,13 +184,13 @@ class Bus:
         return found
 
     def named(self, address: int, words: int, field: Text) -> Operand:
-        """Return the operand of these words of the register at an address, with a field of it named if one is given."""
+        """Return the operand of the register at an address. words: LOW, HIGH or BOTH. field: its name, or ""."""
         found = self.at(address + 1 if words == HIGH else address, 32 if words == BOTH else 16)
         return self.naming(found, found.register[field].mask >> found.shift) if field else found
 
     @property
     def lands_after(self) -> int:
-        """Cycles from a write to its effect."""
+        """Cycles from the posting of a write to its effect."""
         return self._write_lands.unrecorded()
 
     # By address ----------------------------------------------------------------
@@ -205,7 +214,7 @@ class Bus:
         return self.load(at, self.at(address, width), width)
 
     def load(self, at: int, operand: Operand, width: int) -> int:
-        """Return the value of a read of a register in cycle `at`, which is 0 for 32 bits in frame 2."""
+        """Return the value of a read of a register in cycle `at`. A 32-bit read in frame 2 returns 0."""
         if width == 32 and operand.frame2:
             self.note_width(at, operand)
             return 0
@@ -224,14 +233,14 @@ class Bus:
             self.ram.put(address, value)
 
     def save(self, at: int, operand: Operand, value: int, width: int) -> None:
-        """Post a write to a register in cycle `at`; 32 bits in frame 2 are ignored."""
+        """Post a write to a register in cycle `at`. A 32-bit write in frame 2 is ignored."""
         if width == 32 and operand.frame2:
             self.note_width(at, operand)
         else:
             self.store(at, operand, value << operand.shift)
 
     def note_width(self, cycle: int, operand: Operand) -> None:
-        """Note a 32-bit access to frame 2, which has 16-bit accesses only and does not perform it."""
+        """Note a 32-bit access to frame 2, which performs 16-bit accesses only."""
         what = f"{operand.register.name} of {operand.place.name}"
         text = f"{what} was accessed with 32 bits; peripheral frame 2 takes 16 only"
         self._notes.note(cycle, Note("duty", text, "SPRUFB0D Table 88"))
@@ -241,30 +250,33 @@ class Bus:
     def read_waits(self, operand: Operand) -> int:
         """Return the wait states of a read that is made now."""
         if operand.frame2 and not self._read_listed:
-            self._read_listed = True  # the CPU's list keeps its entries
+            self._read_listed = True
             self._pf2_read_ws.assume(self._core.touched)
         return operand.read_waits
 
     def free(self, operand: Operand) -> int:
-        """Return the cycle from which write-to-read protection of the block or the register delays no read."""
+        """Return the cycle from which on a read of this operand does not wait for an earlier write."""
         return self.free_from if operand.block else self.free_of.get(operand.address, 0)
 
     def fetches_at(self, cycle: int, operand: Operand) -> int:
-        """Return the cycle in which a read of a register that is issued in `cycle` has its value."""
+        """Return the cycle in which the value of a register is read, if the read is issued in `cycle`."""
         return max(cycle, self.free(operand)) + self.read_waits(operand)
 
     def fetch(self, at: int, operand: Operand) -> int:
-        """Return the value of these words of the register in cycle `at`, each in its place."""
+        """Return the words of an operand in cycle `at`, each at its position in the register."""
         if not operand.recorded:
             return operand.see(at) if operand.harmless else self._read(at, operand)
         return self._recorded(at, operand, self._place() if operand.records_place() else None)
 
     def record_poll(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
-        """Record a read that was a look at the chip and returned this value. where: see `_recorded`."""
+        """Record a read that the caller made by `Operand.see`, with the value that it returned.
+
+        where: the statement with the read; None if the records do not contain statements.
+        """
         operand.reads.emit(self._clock.tick(at), value, where or "", operand.named)
 
     def _recorded(self, at: int, operand: Operand, where: SourceLocation | None) -> int:
-        """Return the value of a read that is recorded, before its effects. where: its statement; None if unused."""
+        """Record a read, then make it and return its value. where: see `record_poll`."""
         recorder = self._recorder
         outer = recorder.cause
         seen = operand.see(at)
@@ -291,25 +303,25 @@ class Bus:
         return cycle + operand.write_waits
 
     def store(self, at: int, operand: Operand, value: int) -> None:
-        """Post these words of a register, each in its place in `value`, in cycle `at`.
+        """Post a write of an operand in cycle `at`. Each word is in `value` at its position in the register.
 
-        The write is ignored if EALLOW protects the register.
+        The write is ignored if the register is protected and EALLOW is 0.
         """
         self._post(at, operand, value, self._place() if self._wants_place(operand) else None)
         if operand.pieack:
             self._core.wrote_pieack(at)
 
     def modify(self, at: int, operand: Operand, number: int) -> None:
-        """Write a bit field by one instruction that reads and writes the word with the field, as the compiler does.
+        """Write `number` to a bit field by one instruction that reads and writes the word with the field.
 
-        It costs as much as a read; the write lands while the CPU continues.
+        The compiler emits such instructions. They take the cycles of a read; the write lands while the CPU continues.
         """
         where = self._place() if self._wants_place(operand) else None
         value = self._recorded(at, operand, where) if operand.recorded else self.fetch(at, operand)
         self._post(at, operand, value & ~operand.mask | number << operand.lsb & operand.mask, where)
 
     def _wants_place(self, operand: Operand) -> bool:
-        """Return True if the statement of a write, or of the read for a modify, is needed."""
+        """Return True if a subscriber needs the statement that makes a write or a modify."""
         return self._notes.placed or (operand.recorded and operand.reads.places + operand.writes.places > NOWHERE)
 
     def _post(self, at: int, operand: Operand, value: int, where: SourceLocation | None) -> None:
@@ -340,7 +352,7 @@ class Bus:
         self._notes.note(cycle, Note("duty", text, "SPRUFB0D section 7.2"))
 
     def land(self) -> None:
-        """Let the first posted write take effect in its cycle."""
+        """Let the write that lands first take effect, in its cycle."""
         first = self._posted
         assert first is not None
         self._posted = after = first.following
@@ -366,6 +378,6 @@ class Bus:
     # Both ------------------------------------------------------------------------
 
     def _require_met(self, at: int) -> None:
-        """Raise RuntimeError if the kernel's time is not that of an access with effects."""
+        """Raise RuntimeError if the kernel's time was not set to cycle `at`, that of an access with effects."""
         if self._time.met != at:
             raise RuntimeError(f"{self._name}: an access in cycle {at} has effects; call CpuTime.meet before it")

@@ -1,10 +1,10 @@
-"""Time of one CPU: advances to the cycle that its program requests, at once or by a wake-up of the kernel.
+"""Time of one CPU, which advances to the cycle that its program requests, at once or by a wake-up of the kernel.
 
-    program --> cycle wanted --lease--> it is that cycle now
-                               \\------> wake-up scheduled --> kernel --> the processor continues
+    requested cycle --within the lease--> the time of the CPU is that cycle
+                    --else-------------> a wake-up is scheduled --> kernel --> the processor continues
 
-As long as nothing else can act (`Kernel.quiet_until`: a lease) the CPU advances its time by itself; else it is woken by
-an event. Nothing is called here that could read, write or take an interrupt.
+The lease is the time in which nothing else can act (`Kernel.quiet_until`). In the lease, the CPU advances its time by
+itself; otherwise an event wakes the CPU. Advancing makes no access and takes no interrupt.
 """
 
 # core: compiled
@@ -25,17 +25,18 @@ class CpuTime:
     """The time of one CPU, in cycles of its SYSCLKOUT.
 
     cycle: the number of cycles that have passed for this CPU.
-    lease: before this cycle only this CPU's program can act; 0 if it is not known.
-    lands: the cycle at whose end the next posted write takes effect; NEVER if there is none. The lease ends there.
-    met: the cycle at which the kernel's time was last set to this CPU's.
-    asleep: True if it sleeps at an instruction boundary, so that an interrupt can wake it.
-    watching: True if it executes passes of a wait that it could sleep through; it would then be woken at cycle `wakes`.
+    lease: the end of the lease: before this cycle only the program of this CPU can act. 0 if the end is unknown.
+    lands: the cycle at whose end the next posted write takes effect; NEVER if there is none. The lease ends after it.
+    met: the cycle of this CPU to which the kernel's time was set last.
+    asleep: True if the CPU sleeps at an instruction boundary, so that an interrupt can wake it.
+    watching: True if the CPU executes passes of a wait through which it could sleep.
+    wakes: the cycle at which a sleeping CPU would be woken, if `watching`.
     """
 
     STATE = State("asleep watching _wake", cycles="cycle lands met wakes _wake_cycle _until", ticks="_wake_tick")
 
     def __init__(self, kernel: Kernel, clock: Clock, agent: Agent) -> None:
-        """agent: acts at the cycle of a scheduled wake-up; it calls `arrive` first."""
+        """agent: the kernel calls its `act` at a scheduled wake-up; `act` must call `arrive` first."""
         self.cycle = 0
         self.lease = 0
         self.lands = NEVER
@@ -47,25 +48,25 @@ class CpuTime:
         self._wake: Event = kernel.event(agent, CPU)  # the event that wakes this CPU
         self._wake_tick = 0
         self._wake_cycle = 0
-        self._until = NEVER  # a sleeping CPU's time does not pass beyond this cycle
+        self._until = NEVER  # the cycle that the time of a sleeping CPU does not exceed
 
     def instant(self) -> tuple[int, int]:
-        """Return values that change with simulated time."""
+        """Return values that differ at each later instant of simulated time."""
         return self.cycle, self._kernel.now
 
     @property
     def waits_for_input(self) -> bool:
-        """True if asleep without a scheduled wake-up: only a watched register or an interrupt can wake it."""
+        """True if the CPU sleeps without a scheduled wake-up: only a watched register or an interrupt can wake it."""
         return self.wakes == NEVER if self.watching else self.asleep and not self._wake.queued
 
     def left(self) -> int:
-        """Return the cycles from here to the last possible tick."""
+        """Return the cycles from now to the last possible tick."""
         return self._clock.cycle_at(LAST_TICK) - self.cycle
 
     # Advancing ---------------------------------------------------------------
 
     def advance(self, cycle: int) -> bool:
-        """Return True if it is `cycle` now, False if something else may act before; the CPU is woken then.
+        """Set the time to `cycle` and return True; if something else may act before, schedule a wake-up, return False.
 
         A cycle in the past, as in a replayed pass of a wait, is always possible.
         """
@@ -79,13 +80,16 @@ class CpuTime:
         return True
 
     def renew(self) -> int:
-        """Return a new lease: up to where something else may act, or after the next posted write."""
+        """Begin a new lease and return its end: where something else may act, or after the next posted write lands."""
         quiet = self._clock.cycle_at(self._kernel.quiet_until())
         self.lease = lease = quiet if quiet <= self.lands else self.lands + 1
         return lease
 
     def rest(self, cycle: int) -> bool:
-        """Return True if it is `cycle` now; else sleep until it or an interrupt. NEVER: until an interrupt only."""
+        """Set the time to `cycle` and return True if nothing else may act before; else sleep and return False.
+
+        The sleep ends at `cycle` or at an interrupt. NEVER: only an interrupt ends the sleep.
+        """
         if cycle < NEVER:
             kernel, tick = self._kernel, self._clock.tick(cycle)
             if tick < kernel.quiet_until():
@@ -97,16 +101,25 @@ class CpuTime:
         return False
 
     def sleep(self, until: int) -> None:
-        """Sleep at an instruction boundary, until a wake-up that the caller scheduled, or `resume_by`."""
+        """Sleep at an instruction boundary. The caller, or a later call of `resume_by`, schedules the wake-up.
+
+        until: the time does not exceed this cycle, even if the wake-up is later.
+        """
         self.asleep = True
         self._until = until
 
     def watch(self, until: int) -> None:
-        """Continue, and keep the cycle at which a sleeping CPU would have been woken: `until`, or by `resume_by`."""
+        """Set `watching`, and keep in `wakes` the cycle at which a sleeping CPU would be woken.
+
+        until: that cycle, unless `resume_by` is called with an earlier one.
+        """
         self.watching, self.wakes = True, until
 
     def meet(self) -> None:
-        """Set the kernel's time to this CPU's for an access with effects. It may schedule events: the lease ends."""
+        """Set the kernel's time to that of this CPU. Call it before an access with effects.
+
+        The lease ends, because such an access may schedule events.
+        """
         kernel, cycle = self._kernel, self.cycle
         tick = self._clock.tick(cycle)
         if tick > kernel.now:
@@ -115,7 +128,7 @@ class CpuTime:
         self.lease = 0
 
     def limit(self, lands: int) -> None:
-        """Limit the lease: a posted write takes effect at the end of this cycle."""
+        """Limit the lease, because a posted write takes effect at the end of cycle `lands`."""
         if lands < self.lands:
             self.lands = lands
         if lands < self.lease:
@@ -129,7 +142,7 @@ class CpuTime:
         self.wake_at(self.cycle)
 
     def arrive(self) -> None:
-        """Set the time at a scheduled wake-up."""
+        """Set the time of the CPU to that of the wake-up that happens now."""
         self.lease = 0
         if self.asleep:
             self.asleep = False
@@ -140,14 +153,14 @@ class CpuTime:
             self.cycle = self._wake_cycle
 
     def wake_at(self, cycle: int) -> None:
-        """Schedule a wake-up at `cycle`; now, if that is past."""
+        """Schedule a wake-up at `cycle`, or now if that cycle is in the past."""
         tick, now = self._clock.tick(cycle), self._kernel.now
         self._wake_cycle = cycle
         self._wake_tick = tick = tick if tick > now else now
         self._kernel.reschedule(self._wake, tick, 0)
 
     def resume_by(self, cycle: int) -> None:
-        """Schedule a wake-up at `cycle`, unless an earlier one is scheduled."""
+        """Schedule a wake-up at `cycle`, unless an earlier wake-up is scheduled."""
         if self.watching:
             self.wakes = min(self.wakes, cycle)
             return
@@ -156,17 +169,17 @@ class CpuTime:
             self.wake_at(cycle)
 
     def restored(self) -> None:
-        """Forget the lease, which is not part of a restored state."""
+        """End the lease, which is not part of a restored state."""
         self.lease = 0
 
     def reclock(self) -> None:
-        """Move a scheduled wake-up to the new tick of its cycle after the clock was retuned."""
+        """Move a scheduled wake-up to the new tick of its cycle, after the frequency of the clock has changed."""
         if self._wake.queued:
             self._kernel.cancel(self._wake)
             self.wake_at(self._wake_cycle)
 
     def stop(self) -> None:
-        """Cancel the wake-up and the landing, since the program has ended."""
+        """Cancel the scheduled wake-up, and forget posted writes, since the program has ended."""
         self._kernel.cancel(self._wake)
         self.lands = NEVER
         self.asleep = self.watching = False

@@ -55,11 +55,23 @@ WATCHDOG_OFF = 0x68  # WDCR: WDDIS with its check bits
 
 
 class DspPlan(Struct):
-    """Contents of a unit. wires: GPIO number -> wire. ppm: error of its crystal. pulled_down: GPIO numbers.
+    """Description of a unit, from which `Dsp` builds it.
 
+    modules: the names of the modules that the case requests.
+    wires: a dictionary from a GPIO number to the wire at its pin.
+    oscclk_hz, ppm: the nominal frequency of the crystal, and its error in parts per million.
+    pll: the multiplier in PLLCR that the start-up code sets.
+    from_boot: True if the firmware begins with the state after a reset, False if TI's start-up code has run before.
+    skip_polls: True if passes of a wait that repeat the previous pass are skipped.
+    keeps_decoded: see `Engine`.
+    strict: True if a violated duty of the firmware ends the run.
     seed: seed of the values drawn from spreads.
-    options: answers to open questions about modules, by group; modules take their defaults where a group is missing.
-    part: the part of the family.
+    stall_limit: seconds of CPU time that firmware may take at one instant of simulated time; 0 if unlimited.
+    pulled_down: the GPIO numbers of the pins with an external pull-down resistor.
+    part: the part of the F2833x family.
+    code: the cycles of compiled code around accesses.
+    system, options: answers to open questions about the CPU, and a dictionary from a group of options to the answers
+        about modules. Modules take their defaults for a missing group.
     """
 
     name: str
@@ -73,7 +85,7 @@ class DspPlan(Struct):
     keeps_decoded: bool = True
     strict: bool = False
     seed: int = 0
-    stall_limit: float = 0.0  # seconds of CPU time that firmware may take at one instant; 0: unlimited
+    stall_limit: float = 0.0
     pulled_down: frozenset[int] = frozenset()
     part: Part = PART
     code: CodeCosts = field(default_factory=CodeCosts)
@@ -82,7 +94,15 @@ class DspPlan(Struct):
 
 
 class Dsp(FirmwareView):
-    """A running F28335, passed to firmware as a `FirmwareView`."""
+    """A running F28335. Python firmware receives it as a `FirmwareView`.
+
+    resets: the number of resets since the start.
+    clock_history: (tick, frequency) of each change of SYSCLKOUT.
+    note_places: a dictionary from (module, tick) to the statement that violated a duty of the firmware.
+    watchdog_resets: tick and statement of each reset by the watchdog.
+    on_reset: functions that are called at each reset.
+    sources: the C sources that the unit runs; None for other firmware.
+    """
 
     STATE = State("resets _random")
 
@@ -93,9 +113,9 @@ class Dsp(FirmwareView):
         self.recorder = recorder
         self.control = SystemControl(plan.oscclk_hz, plan.system)
         began = 0 if plan.from_boot else start_up(self.control, plan.pll)
-        self._nominal_hz = self.control.sysclk_hz  # without the crystal's error
+        self._nominal_hz = self.control.sysclk_hz  # SYSCLKOUT without the error of the crystal
         self.clock = Clock(timebase, self._sysclk_hz(), tick0=kernel.now, cycle0=began)
-        self.clock_history = [(kernel.now, self.clock.hz)]  # SYSCLKOUT from each tick on
+        self.clock_history = [(kernel.now, self.clock.hz)]
         self.memory = AddressMap()
         self.pie = Pie(plan.system)
         self.core = CpuInterrupts(plan.system)
@@ -106,10 +126,10 @@ class Dsp(FirmwareView):
         self._gates = self.control.gates
         self._lspclk = (self.control.lspclk_divider, self.control.lspclk_phase)
         self.resets = 0
-        self.note_places: dict[tuple[str, int], SourceLocation] = {}  # of violated duties, by module and tick
-        self.watchdog_resets: list[tuple[int, SourceLocation | None]] = []  # tick and statement
+        self.note_places: dict[tuple[str, int], SourceLocation] = {}
+        self.watchdog_resets: list[tuple[int, SourceLocation | None]] = []
         self.on_reset: list[Callable[[], None]] = []
-        # Modules that every unit has, and those that the plan names, whose code is imported here.
+        # SYS and PIE belong to every unit. The code of the other modules is imported only if the plan names them.
         self._add(plan.part.by_name["SYS"], self.control)
         self._add(plan.part.by_name["PIE"], self.pie)
         self.sockets["SYS"].after = self._follow_control
@@ -129,11 +149,11 @@ class Dsp(FirmwareView):
         self.waits = Waits(self.cpu, plan.system.pf2_read_ws, plan.code.poll_pass, plan.skip_polls)
         self.cpu.program.stall_limit = plan.stall_limit
         self.program: Program = self.cpu.program
-        self.sources: HostFirmware | None = None  # C sources that it runs
+        self.sources: HostFirmware | None = None
         self.router = self._route(plan)
         cycle = self.clock.cycle_at(kernel.now)
         for socket in self.sockets.values():
-            socket.publish(cycle)  # plan a chip's first wake-ups: the watchdog, if boot left it on
+            socket.publish(cycle)  # schedules the first wake-ups of the modules, such as that of a running watchdog
 
     # Life ----------------------------------------------------------------------
 
@@ -143,7 +163,10 @@ class Dsp(FirmwareView):
         self.cpu.start(firmware)
 
     def start_image(self, image: Image, boot: Boot = "entry", stubs: Iterable[Stub] = ()) -> ImageProgram:
-        """Run an image instead of Python firmware; a reset restarts it. Raise BadImage if it cannot boot."""
+        """Run an image instead of Python firmware, and return its program. A reset restarts the image.
+
+        stubs: values that reads of unmodelled registers return. Raise BadImage if the image does not fit the chip.
+        """
         from .image.boot import entry_of
         from .image.program import ImageProgram
         from .image_files.load import require_loadable, shared_memory
@@ -159,7 +182,7 @@ class Dsp(FirmwareView):
         program.load()
         for sentence in shared_memory(image):
             self.processor.notes.note(0, Note("unknown", sentence, "SPRU513, UNION"))
-        # Wake a program that waits for a stub, which has changed its value.
+        # A program may wait for the value of a stub. It is woken when a stub changes its value.
         program.cpu.elsewhere.changed = lambda: program.cpu.polls.resume(self.clock.cycle_at(self._kernel.now))
         for stub in stubs:
             program.cpu.elsewhere.to_come.append(stub.address)
@@ -169,7 +192,7 @@ class Dsp(FirmwareView):
             program.begin()
             if boot != "entry":
                 cycle = self.clock.cycle_at(self._kernel.now)
-                self.control.boot(cycle)  # set the clock as the boot ROM leaves it
+                self.control.boot(cycle)  # sets the clock as the boot ROM does
                 self.sockets["SYS"].publish(cycle)
             self.processor.start(program, delay)
 
@@ -182,7 +205,7 @@ class Dsp(FirmwareView):
 
     @property
     def touched(self) -> set[str]:
-        """Open questions whose answers have affected the run so far, as "module.option"."""
+        """The open questions whose answers have affected the run so far, as "group.option"."""
         found = {f"system.{name}" for name in self.core.touched}
         for descriptor, socket in self._modules:
             found |= {f"{descriptor.options}.{option}" for option in socket.chip.touched}
@@ -202,7 +225,7 @@ class Dsp(FirmwareView):
         self.memory.places[name] = ModuleRange(name, descriptor.base, descriptor.size, descriptor.frame, socket)
 
     def _noted(self, socket: Socket, cycle: int, note: Note) -> None:
-        """Keep the statement that violates a duty of the firmware, as a rule by its own access."""
+        """Keep the statement of an access by which the firmware violates a duty."""
         if note.code != "duty":
             return
         self.processor.notes.raise_if_strict(note, socket.name, self._kernel.now)
@@ -211,13 +234,13 @@ class Dsp(FirmwareView):
             self.note_places.setdefault((socket.name, self.clock.tick(cycle)), where)
 
     def restored(self) -> None:
-        """Read back system control, whose settings are in effect already, from the restored state."""
+        """Take the settings of the restored system control as those that are in effect already."""
         control = self.control
         self._nominal_hz, self._gates = control.sysclk_hz, control.gates
         self._lspclk = (control.lspclk_divider, control.lspclk_phase)
 
     def _follow_control(self, cycle: int) -> None:
-        """Apply changed clocks and gates of system control."""
+        """Apply clocks, clock gates and resets that system control has changed."""
         control = self.control
         lspclk = (control.lspclk_divider, control.lspclk_phase)
         retuned = control.sysclk_hz != self._nominal_hz
@@ -246,7 +269,7 @@ class Dsp(FirmwareView):
             self._kernel.call_at(self._kernel.now, self._reset)
 
     def gate(self, cycle: int) -> None:
-        """Set every module's clock on or off, as in PCLKCR."""
+        """Enable or disable the clock of every module as PCLKCR selects."""
         for descriptor, socket in self._modules:
             if gate := descriptor.gate or descriptor.input_gate:
                 socket.chip.gate(cycle, self.control.enabled(gate))
@@ -272,7 +295,7 @@ class Dsp(FirmwareView):
         for signal, (socket, index) in inputs.items():
             wire = plan.wires.get(self.plan.part.pins[signal])
             if wire is not None:
-                socket.inputs.listen(index, wire)  # sampled at the next SYSCLKOUT edge
+                socket.inputs.listen(index, wire)  # the module samples the wire at each SYSCLKOUT edge
         for signal, (socket, index) in outputs.items():
             wire = plan.wires.get(self.plan.part.pins[signal])
             if wire is not None:
@@ -282,11 +305,11 @@ class Dsp(FirmwareView):
     # Reset -------------------------------------------------------------------------
 
     def connect_reset(self, xrs: Wire) -> None:
-        """Connect the XRS pin: low holds this unit in reset."""
+        """Connect the XRS pin to a wire. A low level holds this unit in reset."""
         watch([xrs], self._xrs_changed)
 
     def _xrs_changed(self, tick: int, level: int) -> None:
-        """Reset, or end the reset, at the next cycle, since clocks change there."""
+        """Begin or end the reset at the next cycle, since clocks change only at the begin of a cycle."""
         action = partial(self._restart, 0) if level else self._enter_reset
         self._kernel.call_at(self.clock.tick(self.clock.cycle_at(tick)), action)
 
@@ -298,7 +321,7 @@ class Dsp(FirmwareView):
             self._restart(WDRST_CYCLES)
 
     def _enter_reset(self) -> None:
-        """Reset every module, and stop the firmware at its present position."""
+        """Reset the CPU and every module, and stop the firmware at its present position."""
         self._kernel.materialize()
         self.resets += 1
         for callback in self.on_reset:
@@ -309,7 +332,7 @@ class Dsp(FirmwareView):
         for socket in self.sockets.values():
             socket.chip.reset(cycle)
         for socket in self.sockets.values():
-            socket.publish(cycle)  # after the reset of all, since that of SYS changes the clock
+            socket.publish(cycle)  # after all resets, because the reset of SYS changes the clock
         self.gate(cycle)
 
     def _from_reset(self) -> None:
@@ -328,7 +351,10 @@ class Dsp(FirmwareView):
 
 
 def start_up(control: SystemControl, pll: int) -> int:
-    """Apply TI's start-up code before main: watchdog off, PLL at `pll`/2. Return the cycle at which main begins."""
+    """Set system control as TI's start-up code does: watchdog off, SYSCLKOUT = OSCCLK * `pll` / 2.
+
+    Return the cycle at which main begins.
+    """
 
     def write(cycle: int, register: str, value: int) -> None:
         control.write(cycle, clocks_map.MAP[register].offset, value)

@@ -1,4 +1,4 @@
-"""Notes on the firmware of one CPU, as records and counts; with `strict`, violated duties as errors."""
+"""Notes on the firmware of one CPU: they are counted and recorded. With `strict`, a violated duty is an error."""
 
 # core: compiled
 
@@ -21,11 +21,11 @@ from .user_code import FirmwareError
 class FirmwareNotes:
     """The notes on the firmware of one CPU.
 
-    counts: the number of occurrences of each note.
-    first_at: the tick of the first occurrence.
-    places: the statement of the first occurrence, if it is known.
+    counts: a dictionary from a note to the number of its occurrences.
+    first_at: a dictionary from a note to the tick of its first occurrence.
+    places: a dictionary from a note to the statement of its first occurrence, if the statement is known.
     strict: True if a violated duty ends the run.
-    placed: True if writes keep the place that issued them until they land, which costs little in an image.
+    placed: True if posted writes keep the statement that issued them until they land.
     """
 
     STATE = State("counts places", ticks="first_at")
@@ -39,7 +39,7 @@ class FirmwareNotes:
         strict: bool,
         place: Callable[[], SourceLocation | None],
     ) -> None:
-        """place: returns the statement that causes the present action; None if there is none."""
+        """place: returns the statement that causes the present action; None if it is unknown."""
         self.counts: dict[Note, int] = {}
         self.first_at: dict[Note, int] = {}
         self.places: dict[Note, SourceLocation] = {}
@@ -51,7 +51,7 @@ class FirmwareNotes:
         self._place = place
 
     def move_from(self, cycle: int, notes: list[Note]) -> None:
-        """Move all notes of a machine here."""
+        """Count and record the notes in a list, and empty the list."""
         for note in notes:
             self.note(cycle, note)
         notes.clear()
@@ -70,7 +70,7 @@ class FirmwareNotes:
             self._recorder.emit(tick, Kind.NOTE, self._name, note.code, self.counts[note], note.text)
 
     def raise_if_strict(self, note: Note, who: Text, tick: int) -> None:
-        """Raise FirmwareError for a violated duty if `strict`. who: the module that noted it at this tick."""
+        """If `strict`, raise FirmwareError for a violated duty. who: the module or unit that makes the note."""
         if self.strict and note.code == "duty":
             at = self._clock.timebase.show(tick)
             where = self._place()

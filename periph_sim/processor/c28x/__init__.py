@@ -1,4 +1,4 @@
 """The C28x CPU with its FPU: decoding, assembling and executing instructions.
 
-`encodings.toml` is the instruction set as data; everything here derives from it. It knows no chip, bus or file.
+`encodings.toml` describes the instruction set. All modules of this package use it; none depends on a chip or a bus.
 """

@@ -1,7 +1,7 @@
-"""Assemble one line of source: find its form and encode its words.
+"""Assemble one line of source: find the form of the instruction and encode its words.
 
-Every syntax of `encodings.toml` is accepted, without regard to case and spaces. If several forms fit, the shortest is
-used, as TI's assembler does: `MOV @AL,#0` has one word.
+A form is one row of `encodings.toml`. Every syntax of that table is accepted, without regard to case and spaces. If
+several forms fit, the shortest one is used, as by TI's assembler: `MOV @AL,#0` has one word.
 """
 
 from __future__ import annotations
@@ -18,8 +18,8 @@ from ...core.phrases import did_you_mean
 from .encodings import Encoding, encodings
 from .operands import BadInstruction, Read, parts_of
 
-HERE = "_here_"
-MOST_BITS = 64  # a longer shift is a mistake
+HERE = "_here_"  # the Python identifier of `$`, the current address
+MOST_BITS = 64  # a shift by more bits is rejected as a mistake
 
 _BINARY: Mapping[type[ast.operator], Callable[[int, int], int]] = {
     ast.Add: operator.add,
@@ -41,15 +41,18 @@ _UNARY: Mapping[type[ast.unaryop], Callable[[int], int]] = {
 
 
 class BadExpression(BadInstruction):
-    """Text is not a number; the message is one sentence."""
+    """A text is not a valid expression; the message is one sentence."""
 
 
 class Undefined(BadExpression):
-    """A symbol is unknown, or not yet defined."""
+    """An expression contains a symbol that is not defined, or is defined only later in the source."""
 
 
 def evaluate(text: str, symbols: Mapping[str, int], here: int) -> int:
-    """Evaluate an expression. here: the value of `$`. Raise BadExpression or Undefined."""
+    """Return the value of an expression. Raise BadExpression if it is invalid, Undefined for an undefined symbol.
+
+    here: the value of `$`.
+    """
     source = re.sub(r"'(.)'", lambda found: str(ord(found[1])), text.strip())
     source = re.sub(r"\b(\d[0-9A-Fa-f]*)h\b", r"0x\1", source).replace("/", "//")
     source = re.sub(r"(?<!\w)[A-Za-z_.$][\w.$]*", _identifier, source)
@@ -64,7 +67,7 @@ def evaluate(text: str, symbols: Mapping[str, int], here: int) -> int:
 
 
 def _identifier(symbol: re.Match[str]) -> str:
-    """Return a Python identifier for a symbol, which may contain `.` and `$`, or for `$` itself."""
+    """Return a Python identifier for a symbol. A symbol may contain `.` and `$`; `$` alone is the current address."""
     return HERE if symbol[0] == "$" else "s_" + symbol[0].encode().hex()
 
 
@@ -90,7 +93,7 @@ def _value(node: ast.expr, symbols: Mapping[str, int], here: int) -> int:
 
 
 class Parsed(NamedTuple):
-    """A form, with the text of each operand, and what reads it."""
+    """A source line as a form and its operands. operands: the function that parses each operand, and its text."""
 
     encoding: Encoding
     operands: tuple[tuple[Read, str], ...]
@@ -104,7 +107,7 @@ class Parsed(NamedTuple):
         return (pair >> 16, pair & 0xFFFF)[: self.encoding.words]
 
     def fits(self, address: int, symbols: Mapping[str, int]) -> bool:
-        """Return True if every operand known so far fits its field."""
+        """Return True if every operand fits its field. Operands with undefined symbols count as fitting."""
         values: dict[str, int] = {}
         for read, text in self.operands:
             try:
@@ -118,7 +121,10 @@ class Parsed(NamedTuple):
 
 
 def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
-    """Find the shortest form matching a source line. symbols: known so far; unknown ones are assumed to fit."""
+    """Return the shortest form that matches a source line. Raise BadInstruction if no form matches.
+
+    symbols: the symbols defined so far. An operand with an undefined symbol is assumed to fit.
+    """
     text = " ".join(source.split())
     mnemonic = text.partition(" ")[0].upper()
     forms = _forms().get(mnemonic)
@@ -134,17 +140,18 @@ def parse(source: str, address: int, symbols: Mapping[str, int]) -> Parsed:
         if parsed.fits(address, symbols):
             return parsed
         matched.append(parsed)
-    if matched:  # raises with the operand that does not fit
-        matched[-1].words(address, symbols)
+    if matched:
+        matched[-1].words(address, symbols)  # raises BadInstruction, which names the operand that does not fit
     known = ", ".join(dict.fromkeys(encoding.syntax for encoding in forms))
     raise BadInstruction(f"{text!r} has none of the operands of {mnemonic}: {known}")
 
 
 @cache
 def _forms() -> Mapping[str, list[Encoding]]:
-    """The forms by mnemonic, shorter ones first; aliases after the forms they stand for.
+    """Return a dictionary from a mnemonic to its forms, in the order in which `parse` tries them.
 
-    If equal, forms with fewer operands come first: `MOVL P,ACC` rather than `MOVL loc32,ACC`.
+    Forms with fewer words come first. Of equal length, aliases come after the other forms, and then forms with fewer
+    operands come first: `MOVL P,ACC` before `MOVL loc32,ACC`.
     """
     forms: dict[str, list[Encoding]] = {}
     for encoding in encodings():
@@ -159,12 +166,12 @@ def _forms() -> Mapping[str, list[Encoding]]:
 
 @cache
 def _pattern(encoding: Encoding) -> re.Pattern[str]:
-    """Return the pattern of a source line of this form, with a group per operand."""
+    """Return the pattern of a source line of this form, with one group for each operand."""
     pieces = [_flexible(part.literal) if part.read is None else f"({part.pattern})" for part in parts_of(encoding)]
     return re.compile(r"\s*".join(pieces), re.IGNORECASE)
 
 
 def _flexible(literal: str) -> str:
-    """Return the pattern of a literal, with optional spaces between tokens."""
+    """Return the pattern of a literal text, which accepts spaces between its tokens."""
     pieces = re.findall(r"\w+|\s+|\|\||<<|\S", literal)
     return r"\s*".join(re.escape(piece) for piece in pieces if piece.strip())

@@ -1,7 +1,8 @@
 """Decode words of program memory into instructions.
 
-For OBJMODE = 1, AMODE = 0 and PAGE0 = 0, the modes of C code on this chip. Words that match no form, a 32-bit operand
-@SP and reserved FPU conditions are not instructions [SPRU430F 3.6, Table 5-1; SPRUEO2A].
+The decoder assumes OBJMODE = 1, AMODE = 0 and PAGE0 = 0, as compiled C code uses them on this chip. Words that match no
+form of `encodings.toml`, that have @SP as a 32-bit operand, or that have a reserved FPU condition are no instruction
+[SPRU430F 3.6, Table 5-1; SPRUEO2A].
 """
 
 from __future__ import annotations
@@ -16,15 +17,15 @@ from .operands import FPU_CONDITION_NAMES, PMA_PAGE, parts_of
 
 OPERAND = re.compile(r"(loc|mem)(16|32)")
 ADDRESS_BITS = 0x3F_FFFF
-UNC = 15  # field k of a branch without a condition
+UNC = 15  # the value of field k in a branch without a condition
 CALLS = frozenset(["LCR", "LC", "FFC", "XCALL"])
 RETURNS = frozenset(["LRETR", "LRET", "LRETE", "IRET"])
 INTERRUPTS = frozenset(["TRAP", "INTR", "ITRAP0", "ITRAP1"])
 RELATIVE = frozenset(["B", "BF", "SB", "SBF", "BANZ", "BAR"])
-UNC_ENDS = frozenset(["B", "BF", "SB", "XB", "XRETC"])  # do not continue with the condition UNC
+UNC_ENDS = frozenset(["B", "BF", "SB", "XB", "XRETC"])  # with the condition UNC, they always jump
 ENDS = RETURNS | {"ESTOP0", "ITRAP0", "ITRAP1", "LB"}
 TMU = range(0xE270, 0xE27D)
-VCU = (0xE2, 0xE5)  # upper bytes
+VCU = (0xE2, 0xE5)  # upper bytes of the first word
 
 
 class Instruction(NamedTuple):
@@ -49,7 +50,7 @@ class Instruction(NamedTuple):
 
     @property
     def text(self) -> str:
-        """The assembler syntax; branches show their target address."""
+        """The instruction in assembler syntax; a branch shows its target address."""
         values = self.values
         return "".join(part.show(values, self.address) for part in parts_of(self.encoding)).rstrip()
 
@@ -58,14 +59,14 @@ class Instruction(NamedTuple):
 
     @property
     def is_call(self) -> bool:
-        """True for a call, which returns to the next instruction."""
+        """True for LCR, LC, FFC, XCALL, TRAP and INTR; the called code returns to the next instruction."""
         return self.encoding.mnemonic in CALLS or self.encoding.mnemonic in ("TRAP", "INTR")
 
     @property
     def target(self) -> int | None:
-        """The target of a branch or call; None if it is not a branch, or its target is in a register.
+        """The target address of a branch or call; None for other instructions, or if the target is in a register.
 
-        Distances count from the address of the branch [SPRU430F chapter 6].
+        The distance of a relative branch counts from the address of the branch [SPRU430F chapter 6].
         """
         encoding = self.encoding
         if "PC" not in places(encoding.writes) or "c" not in encoding.fields:
@@ -80,7 +81,7 @@ class Instruction(NamedTuple):
 
     @property
     def goes_on(self) -> bool:
-        """True if the next instruction may be reached from this one, directly or by a return."""
+        """True if the program can continue at the next address, directly or after a return from a call."""
         mnemonic = self.encoding.mnemonic
         if self.is_call:
             return True
@@ -88,7 +89,10 @@ class Instruction(NamedTuple):
 
 
 def decode(first: int, second: int) -> Encoding | None:
-    """Return the form of the instruction that begins these two words; None if there is none."""
+    """Return the form of the instruction whose first word is `first`; None if these words are no instruction.
+
+    second: the next word, which belongs to the instruction only if the form has two words.
+    """
     pair = first << 16 | second
     for encoding in _candidates()[first >> 8]:
         if encoding.matches(pair):
@@ -100,20 +104,20 @@ def decode(first: int, second: int) -> Encoding | None:
 
 
 def other_unit(first: int) -> str:
-    """Return the unit of other C28x parts whose instruction this word is; "" if none."""
+    """Return the name of the unit, present only in other C28x parts, that executes this word; "" if there is none."""
     if first in TMU:
         return "the TMU of an F2837x"
     return "the VCU of an F2806x or F2837x" if first >> 8 in VCU else ""
 
 
 def decode_at(address: int, first: int, second: int) -> Instruction | None:
-    """Return the instruction at an address; None if the words are not one."""
+    """Return the instruction at an address; None if its words are no instruction. first, second: see `decode`."""
     encoding = decode(first, second)
     return None if encoding is None else Instruction(address, first << 16 | second, encoding)
 
 
 def sweep(address: int, words: Sequence[int]) -> Iterator[Instruction | int]:
-    """Yield consecutive instructions; for a word that is not one, its address."""
+    """Yield the consecutive instructions in these words. For a word that begins no instruction, yield its address."""
     at = 0
     while at < len(words):
         second = words[at + 1] if at + 1 < len(words) else 0
@@ -128,7 +132,7 @@ def sweep(address: int, words: Sequence[int]) -> Iterator[Instruction | int]:
 
 @cache
 def _candidates() -> tuple[tuple[Encoding, ...], ...]:
-    """The forms, without aliases, by the upper byte of the first word."""
+    """Return, for each value of the upper byte of the first word, the forms that can match. Aliases are left out."""
     table: list[list[Encoding]] = [[] for _ in range(256)]
     for encoding in encodings():
         if encoding.alias_of:

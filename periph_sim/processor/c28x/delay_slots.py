@@ -1,12 +1,15 @@
-"""Delay slots of the FPU: the instructions that read a result too early, and what they read.
+"""Delay slots of the FPU: the instructions that read a result too early, and the values that they read.
 
     MPYF32 R0H,R1H,R2H    2p: the result is available one instruction later
-    NOP                   the delay slot; the assembler must keep it, the CPU does not protect it
+    NOP                   the delay slot; the program must have it, since the CPU does not wait for the result
     ADDF32 R3H,R0H,R4H
 
-`not_kept` lists such reads of a program. An operation that was passed to `delay` shows what they return: the old
-R0H; the product is written after the next instruction, even if that wrote R0H itself, or before an interrupt. LUF and
-LVF are set with the result. Source: SPRUEO2A 3.1, 3.2; the column `latency` of `encodings.toml`.
+`not_kept` finds instructions in a delay slot that read the register or the flags of the late result. An operation that
+was passed to `delay` models the late result: in the delay slot, R0H still has its old value. The result is written
+after the instruction in the delay slot, even if that instruction wrote R0H, too; or before an interrupt that comes
+between them. LUF and LVF are set together with the result.
+
+Source: SPRUEO2A 3.1, 3.2; the column `latency` of `encodings.toml`.
 """
 
 # core: compiled
@@ -22,16 +25,16 @@ from .execution.registers import LUF, LVF
 from .operands import FPU_APART, FPU_FIRST, REGISTER_FIELDS
 
 ALL, EVERY = "R0H-R7H", 0xFF
-FLAGS = 1 << 8  # LUF and LVF, beside R0H to R7H
+FLAGS = 1 << 8  # the bit of LUF and LVF in a mask whose bits 0 to 7 are R0H to R7H
 NAMES = (*(f"R{number}H" for number in range(8)), "LUF and LVF")
 FLAG_BITS = LUF | LVF
 CONDITIONS = (12, 13)  # codes of the conditions that test LUF and LVF
-AT_ONCE = "RaH"  # in pairs of latency "2p/1", the register that the second half loads without a delay slot
+AT_ONCE = "RaH"  # of a pair of instructions with the latency "2p/1": the register that is loaded without a delay slot
 BLOCKS = frozenset(("RPTB_label_RC", "RPTB_label_loc16"))
 
 
 def late_results(instruction: Instruction) -> int:
-    """Return the FPU registers, and FLAGS, written one instruction later, as bits."""
+    """Return the mask of the FPU registers, and of FLAGS, that this instruction writes one instruction later."""
     encoding = instruction.encoding
     if not encoding.latency:
         return 0
@@ -40,7 +43,7 @@ def late_results(instruction: Instruction) -> int:
 
 
 def read_registers(instruction: Instruction) -> int:
-    """Return the FPU registers, and FLAGS, that are read, as bits."""
+    """Return the mask of the FPU registers, and of FLAGS, that this instruction reads."""
     encoding, values = instruction.encoding, instruction.values
     mask = _registers(places(encoding.reads), values)
     if encoding.id == "MOV32_loc32_ind_0_16":
@@ -56,7 +59,11 @@ def read_registers(instruction: Instruction) -> int:
 
 
 def not_kept(instruction: Instruction, word_at: Callable[[int], int]) -> Iterator[str]:
-    """Yield the early reads after this instruction, or around the end of the block that it repeats."""
+    """Yield a sentence for each read of a late result of this instruction in its delay slot.
+
+    For RPTB, check the last instruction of the repeated block, whose delay slot is the first one of the block.
+    word_at: returns the word of program memory at an address.
+    """
     if instruction.encoding.id in BLOCKS:
         yield from _around(instruction, word_at)
     elif late_results(instruction):
@@ -102,13 +109,13 @@ def _registers(names: Iterable[str], values: Mapping[str, int]) -> int:
 
 
 def delay(f: Operation) -> None:
-    """Make this operation model late results: its own and those of the one before."""
+    """Make an operation write its own late results after the next operation, and those of the previous one now."""
     f.plain = f.execute
     f.execute = _delayed
 
 
 def _delayed(cpu: Cpu, f: Operation) -> None:
-    """Execute an operation; then write pending results, and make its own late results pending."""
+    """Execute an operation, write the pending results of the previous one, and keep its own late results pending."""
     late, due, flags = f.late, cpu.due, cpu.due_flags
     if not late and not due and not flags:
         f.plain(cpu, f)
@@ -132,7 +139,7 @@ def _delayed(cpu: Cpu, f: Operation) -> None:
 
 
 def arrive(cpu: Cpu) -> None:
-    """Write pending results at once, because an interrupt follows and not the next instruction."""
+    """Write pending results now, because an interrupt comes before the next instruction."""
     number: int
     for number in range(8):
         if cpu.due >> number & 1:

@@ -1,10 +1,12 @@
-"""The instruction set as data: forms with their fields, read from `encodings.toml`, and the texts of operand fields.
+"""The instruction set as data: the forms of `encodings.toml` with their fields, and the texts of operand fields.
+
+A form is one encoding of an instruction, with one syntax of its operands. Each letter of its bits is a field:
 
     bits    1100110xllllllll cccccccccccccccc      first word first, most significant bit first
     fields  x = 0, l = 0x41, c = 0x00FF            in a given pair of words
 
-A pattern of one word is matched against the upper half of (first word << 16 | second word), so a field has the same
-position for either length.
+Words are matched as a pair, first word << 16 | second word. The pattern of a form of one word covers the upper half of
+the pair.
 
 Source: SPRU430F chapters 2, 4 to 6; SPRUEO2A. The head of `encodings.toml` explains its columns.
 """
@@ -25,10 +27,10 @@ CYCLES_WHERE = re.compile(r"(\w) (&|=) (\w+): (\d+)")
 
 
 class BitField(NamedTuple):
-    """The position of a field within the two words, first word first."""
+    """The position of a field in a pair of words. mask: its bits, shifted to bit 0."""
 
     shift: int
-    mask: int  # at bit 0
+    mask: int
 
     def of(self, pair: int) -> int:
         return pair >> self.shift & self.mask
@@ -38,14 +40,23 @@ class BitField(NamedTuple):
 class Encoding:
     """One form of an instruction.
 
-    mask, value: the fixed bits within the two words. bounds: values of fields that belong to the pattern.
-    kind: core, fpu, c2xlp, c27x, emu or trap. alias_of: the form for which this is
-    a fixed value of the operand field. also: another syntax of it, or "". shift_bias: the shift minus the
-    value of field s. cycles: when executed alone. cycles_where: "y & 0x30: 2" or "k = 15: 4", those that apply if field
-    y has any of these bits, or field k this value; or "". repeated: cycles of N + 1 executions after RPT,
-    less N; 0 if not repeatable. latency: "2p" if the result is available one instruction later; "2p/1", "2p/2p"
-    for the halves of a pair; else "". depends: status bits that change its effect. flags, op: its effect, for the
-    tests of `execution`.
+    also: a second syntax of the form, or "".
+    words: the number of words, 1 or 2.
+    mask, value: the fixed bits of the pair of words, and their values.
+    fields: a dictionary from the letter of a field to its position.
+    bounds: a dictionary from the letter of a field to its allowed values; other values belong to other forms.
+    kind: core, fpu, c2xlp, c27x, emu or trap.
+    alias_of: the id of a more general form that encodes the same words; "" if this form is no alias.
+    shift_bias: the shift count minus the value of field s.
+    cycles, not_taken: the cycles of the instruction alone, and those of a branch that is not taken.
+    cycles_where: "y & 0x30: 2" means 2 cycles if field y has any of these bits, "k = 15: 4" means 4 cycles if field k
+        is 15; "" if the cycles do not depend on a field.
+    repeated: the cycles of N + 1 executions after RPT, minus N; 0 if the instruction cannot be repeated.
+    latency: "2p" if the result is available one instruction later; "2p/1" or "2p/2p" for two parallel instructions,
+        one latency for each; "" if the result is available at once.
+    depends: the status bits that change the effect.
+    reads, writes: the registers and memory that are read and written, some with the pipeline phase, "SP@D2".
+    flags, op: the flags that are written, and the effect as a text; tests compare both with `execution`.
     """
 
     id: str
@@ -72,17 +83,17 @@ class Encoding:
     op: str
 
     def matches(self, pair: int) -> bool:
-        """Return True if the words match this form; the second counts only if the form has two."""
+        """Return True if a pair of words matches this form. A form of one word ignores the second word."""
         return pair & self.mask == self.value and all(
             self.fields[name].of(pair) in allowed for name, allowed in self.bounds.items()
         )
 
     def values(self, pair: int) -> dict[str, int]:
-        """Return the value of each field."""
+        """Return a dictionary from the letter of each field to its value in this pair."""
         return {name: place.of(pair) for name, place in self.fields.items()}
 
     def pair(self, values: Mapping[str, int]) -> int:
-        """Return the two words with these field values; don't-care bits are 0."""
+        """Return the pair of words with these field values. Raise ValueError if a value does not fit its field."""
         pair = self.value
         for name, number in values.items():
             place = self.fields[name]
@@ -92,7 +103,7 @@ class Encoding:
         return pair
 
     def cycles_of(self, values: Mapping[str, int]) -> tuple[int, int]:
-        """Return cycles for these field values: (taken, not taken), equal if it is not a branch."""
+        """Return (cycles of a taken branch, cycles of one not taken) for these field values; equal without a branch."""
         if where := CYCLES_WHERE.fullmatch(self.cycles_where):
             value, number = values[where[1]], int(where[3], 0)
             if value == number if where[2] == "=" else value & number:
@@ -101,13 +112,13 @@ class Encoding:
 
     @property
     def accesses(self) -> str:
-        """The access at the address of its operand field: "", "r", "w" or "rw"."""
+        """How the operand of field l is accessed: "r" reads, "w" writes, "rw" both, "" if there is no access."""
         read, written = (any(name in LOCATIONS for name in places(column)) for column in (self.reads, self.writes))
         return "r" * read + "w" * written
 
 
 def places(column: Iterable[str]) -> list[str]:
-    """Return the places of a column `reads` or `writes`, without their phases."""
+    """Return the entries of a column `reads` or `writes` without their pipeline phases: "SP" for "SP@D2"."""
     return [place.partition("@")[0] for place in column]
 
 
@@ -116,12 +127,12 @@ LOCATIONS = ("loc16", "loc32", "mem16", "mem32")
 
 @cache
 def encodings() -> tuple[Encoding, ...]:
-    """Return every form, in the order of the table."""
+    """Return all forms in the order of `encodings.toml`."""
     return read_table(resources.files(__package__).joinpath("encodings.toml").read_text(encoding="utf-8"))
 
 
 def read_table(text: str) -> tuple[Encoding, ...]:
-    """Parse every form of a table. Raise ValueError if a row has an unused column."""
+    """Return the forms of a table in TOML. Raise ValueError for an invalid row or a column that no code reads."""
     return tuple(_encoding(name, columns) for name, columns in tomllib.loads(text).items())
 
 
@@ -131,7 +142,7 @@ def by_id() -> dict[str, Encoding]:
 
 
 def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
-    """Return the form that a row of the table describes; the head of the table states the defaults."""
+    """Return the form that a row of the table describes. The comment at the head of the table lists the defaults."""
     take = columns.pop
     syntax, digits = take("syntax"), take("bits")
     bits = digits.ljust(PAIR, ".")
@@ -193,9 +204,9 @@ DIRECT, STACK, INDEXED = range(0x40), range(0x40, 0x80), range(0xC0, 0x100)
 
 @cache
 def operand_texts(wide: bool) -> tuple[str, ...]:
-    """Return the text of each value of an operand field. wide: the operand has 32 bits."""
+    """Return the operand text for each of the 256 values of field l. wide: True if the operand has 32 bits."""
     xar, words = range(8), range(0x40)
-    # For ACC and P of 32 bits, the assembler emits the second one of two.
+    # Two values encode ACC, and two P, as 32-bit operands; the assembler emits the second one.
     named = ("@ACC", "@ACC", "@P", "@P", "@XT", "@SP") if wide else ("@AH", "@AL", "@PH", "@PL", "@T", "@SP")
     return (
         *(f"@{word:#x}" for word in words),
@@ -215,9 +226,9 @@ def operand_texts(wide: bool) -> tuple[str, ...]:
 
 
 def is_operand(kind: str, field: int) -> bool:
-    """Return True if a field encodes an operand of this kind: loc16, loc32, mem16, mem32 or reg32 (32 bits).
+    """Return True if this value of field l encodes an operand of the kind loc16, loc32, mem16, mem32 or reg32.
 
-    mem16 and mem32 are modes of memory only [SPRUEO2A Table 4-1].
+    loc is memory or a register, mem is memory only [SPRUEO2A Table 4-1], reg32 is a 32-bit register only.
     """
     if kind.startswith("mem"):
         return field not in REGISTERS
@@ -228,6 +239,6 @@ def is_operand(kind: str, field: int) -> bool:
 
 @cache
 def fixed_operands(wide: bool) -> dict[str, int]:
-    """Return the field of every operand text without a number: registers and address register modes."""
+    """Return a dictionary from each operand text without an offset, "@AL" or "*XAR4++", to the value of field l."""
     texts = operand_texts(wide)
     return {texts[field]: field for field in range(0x80, 0x100)} | {f"*XAR{n}": 0xC0 | n for n in range(8)}

@@ -1,10 +1,10 @@
-"""Operands in assembly text: parts of a syntax that format and parse the fields of a form.
+"""Operands in assembly text. The syntax of a form is split into parts, which format and parse its fields.
 
-    "MOV loc16,#16"  ->  "MOV " | loc16 | "," | "#" number
+    "MOV loc16,#16"        ->  parts "MOV ", loc16, ",", #16
     show  {l: 0x41, c: 7}  ->  "MOV *-SP[1],#7"
-    read  "*-SP[1]" | "7"  ->  {l: 0x41} | {c: 7}
+    read  "*-SP[1]", "#7"  ->  {l: 0x41}, {c: 7}
 
-A branch shows and reads its target address; its field holds the distance.
+The text of a relative branch has the target address; the field has the distance.
 
 Source: SPRU430F chapter 6, SPRUEO2A chapter 4 (syntax); the operand kinds are those of `encodings.toml`.
 """
@@ -19,19 +19,22 @@ from typing import NamedTuple
 
 from .encodings import WIDE, Encoding, fixed_operands, is_operand, operand_texts
 
-Values = Mapping[str, int]
-Evaluate = Callable[[str], int]  # evaluates an expression of the source
-Read = Callable[[str, int, Evaluate], dict[str, int]]  # parses an operand of the instruction at an address
+Values = Mapping[str, int]  # from the letter of a field to its value
+Evaluate = Callable[[str], int]  # returns the value of an expression
+Read = Callable[[str, int, Evaluate], dict[str, int]]  # parses the text of an operand, for an instruction's address
 
 
 class BadInstruction(ValueError):
-    """Source text is not an instruction, or not an operand of it; the message is one sentence."""
+    """A source text is no instruction, or no operand of its instruction; the message is one sentence."""
 
 
 class Part(NamedTuple):
-    """A part of an operand's syntax.
+    """A part of the syntax of a form: an operand, or a literal text.
 
-    show: formats the fields, for an instruction's address. pattern: the text that `read` parses; "" for literals.
+    show: returns the text for field values and the address of the instruction.
+    pattern: a regular expression for the texts that `read` accepts; "" for a literal text.
+    read: parses the text of an operand, see `Read`; None for a literal text.
+    literal: the literal text; "" for an operand.
     """
 
     show: Callable[[Values, int], str]
@@ -41,24 +44,25 @@ class Part(NamedTuple):
 
 
 def literal(text: str) -> Part:
-    """Return the part that is this text."""
+    """Return the part for a literal text."""
     return Part(lambda values, at: text, "", None, text)
 
 
 def ranged(number: int, least: int, most: int, text: str) -> int:
-    """Return a number if it is within its limits; else raise BadInstruction."""
+    """Return a number if it is from `least` to `most`; else raise BadInstruction, which quotes `text`."""
     if not least <= number <= most:
         raise BadInstruction(f"{text.strip()!r} is {number}, outside {least} to {most}")
     return number
 
 
 CALLS = ("LB", "LC", "LCR", "FFC")
-PMA_PAGE = 0x3F_0000  # the program page of C2xLP addresses
-IMMEDIATE = r"#(?:[^,|<]|<<(?!\s*#)|(?<!\|)\|(?!\|))+?"  # `<<` and `|` in an expression, not `#16<<#0..15`, `||`
+PMA_PAGE = 0x3F_0000  # the upper bits of program addresses in C2xLP instructions
+# `<<` and `|` may be operators in an expression; `<<` before a shift operand `#...`, and `||`, end the expression.
+IMMEDIATE = r"#(?:[^,|<]|<<(?!\s*#)|(?<!\|)\|(?!\|))+?"
 
 
 def number_part(token: str, encoding: Encoding) -> Part | None:
-    """An immediate "#16s", "#RC" or "#0..31" in field c; None if the form has no field c."""
+    """Return the part for a number in field c, such as "#16s", "#RC" or "#0..31"; None if the form has no field c."""
     if "c" not in encoding.fields:
         return None
     mask = encoding.fields["c"].mask
@@ -72,14 +76,14 @@ def number_part(token: str, encoding: Encoding) -> Part | None:
             return f"#{number - mask - 1 if number > mask >> 1 else number}"
         return f"#{number}" if number < 10 else f"#{number:#x}"
 
-    label = r"|[A-Za-z_$][\w$.]*" if encoding.mnemonic in CALLS else ""  # the target needs no #
+    label = r"|[A-Za-z_$][\w$.]*" if encoding.mnemonic in CALLS else ""  # the target of a call may be given without #
     return Part(
         show, IMMEDIATE + label, lambda text, at, evaluate: {"c": _immediate(text, evaluate, least, most) & mask}
     )
 
 
 def shift_part(token: str, encoding: Encoding) -> Part | None:
-    """A shift "#1..16" or "<<2..8" in field s."""
+    """Return the part for a shift count in field s, such as "#1..16" or "<<2..8"; None if the form has no field s."""
     if "s" not in encoding.fields:
         return None
     prefix = token.rstrip("0123456789.")
@@ -94,13 +98,13 @@ def shift_part(token: str, encoding: Encoding) -> Part | None:
 
 
 def optional_shift_part(token: str, encoding: Encoding) -> Part | None:
-    """`<<#0..15`; if omitted, 0."""
+    """Return the part for a shift `<<#0..15`, which is 0 if omitted; None if the form has no field s."""
     inner = shift_part(token.removeprefix("<<"), encoding)
     return inner and _optional(inner, "<<", {"s": 0}, lambda values, at: f"<<{inner.show(values, at)}")
 
 
 def _optional(inner: Part, prefix: str, omitted: dict[str, int], show: Callable[[Values, int], str]) -> Part:
-    """A part that may be omitted, with its prefix. omitted: the fields then."""
+    """Return a part for `prefix` and `inner`, which may be omitted together. omitted: the field values in that case."""
 
     def read(text: str, at: int, evaluate: Evaluate) -> dict[str, int]:
         given = text.strip().removeprefix(prefix).strip()
@@ -110,7 +114,7 @@ def _optional(inner: Part, prefix: str, omitted: dict[str, int], show: Callable[
 
 
 def half_of(text: str, evaluate: Evaluate) -> int:
-    """Return the upper half of a float32 given as "#2.5", or the bits given as "#0x4020"."""
+    """Return the upper half of a float32. text: the float, "#2.5", or the upper half itself, "#0x4020"."""
     inner = text.strip().lstrip("#").strip()
     if re.fullmatch(r"[-+]?(\d+\.\d*|\.\d+|\d+)(e[-+]?\d+)?", inner, re.I) and not re.fullmatch(r"0x.*", inner, re.I):
         try:
@@ -131,7 +135,7 @@ def _immediate(text: str, evaluate: Evaluate, least: int, most: int) -> int:
 
 
 def branch_part(token: str, encoding: Encoding) -> Part:
-    """off8, off16: the target address of a relative branch."""
+    """Return the part for off8 or off16, the target address of a relative branch."""
     mask = encoding.fields["c"].mask
     half = mask + 1 >> 1
 
@@ -150,7 +154,7 @@ def branch_part(token: str, encoding: Encoding) -> Part:
 
 
 def address_part(page: int) -> Callable[[str, Encoding], Part]:
-    """The low 16 bits of an address in this page."""
+    """Return a function that makes the part for an address. Field c has its low 16 bits; `page` has its upper bits."""
 
     def make(token: str, encoding: Encoding) -> Part:
         prefix = token.rstrip("16pmaPA")
@@ -178,9 +182,9 @@ HALF = Part(
     IMMEDIATE,
     lambda text, at, evaluate: {"i": _immediate(text, evaluate, 0, 0xFFFF)},
 )
-# The upper half of a float32 as a number; infinities and NaN as bits, "#0x7FC0".
+# The upper half of a float32, shown as a float; infinities and NaN are shown as bits, "#0x7FC0".
 HALF_FLOAT = Part(_show_half_float, IMMEDIATE, lambda text, at, evaluate: {"i": half_of(text, evaluate)})
-# The label of RPTB: the end address of the block, which begins after the two words of RPTB.
+# The label of RPTB: the address after the block. The block begins after the two words of RPTB.
 BLOCK_END = Part(
     lambda values, at: f"{at + 2 + values['z']:#08x}",
     r"[^,|]+?",
@@ -193,7 +197,7 @@ CONDITION_NAMES = {name: code for code, name in enumerate(CONDITIONS)} | {"C": 7
 FPU_CONDITIONS = {"NEQ": 0, "EQ": 1, "GT": 2, "GEQ": 3, "LT": 4, "LEQ": 5, "TF": 10, "NTF": 11, "LU": 12, "LV": 13}
 FPU_CONDITIONS |= {"UNC": 14, "UNCF": 15}
 FPU_CONDITION_NAMES = {code: name for name, code in FPU_CONDITIONS.items()}
-STATUS_BITS = ["SXM", "OVM", "TC", "C", "INTM", "DBGM", "PAGE0", "VMAP"]  # of SETC and CLRC, bit 0 first
+STATUS_BITS = ["SXM", "OVM", "TC", "C", "INTM", "DBGM", "PAGE0", "VMAP"]  # bits 0 to 7 of field y of SETC and CLRC
 STF_BITS = {"LVF": 0, "LUF": 1, "NF": 2, "ZF": 3, "NI": 4, "ZI": 5, "TF": 6, "RNDF32": 9}
 MOVST0_BITS = {"LVF": 0, "LUF": 1, "NF": 2, "NI": 3, "ZF": 4, "ZI": 5, "TF": 7}
 PRODUCT_SHIFTS = ("+1", "0", "-1", "-2", "-3", "-4", "-5", "-6")
@@ -205,7 +209,7 @@ OPERANDS = {
     "mem32": "memory",
     "reg32": "a register of 32 bits",
 }
-FPU_FIRST, FPU_APART = 0x0F12, 4  # addresses of R0H to R7H, for moves with an address
+FPU_FIRST, FPU_APART = 0x0F12, 4  # a move with the address FPU_FIRST + n * FPU_APART accesses RnH
 UNCF = 15
 REGISTER_FIELDS = {"RaH": "p", "RbH": "q", "RcH": "r", "RdH": "t", "ReH": "u", "RfH": "v"}
 
@@ -257,7 +261,7 @@ def _operand(token: str, encoding: Encoding) -> Part:
         found = names.get(spaceless.upper(), names.get(f"@{spaceless.upper()}"))  # a register needs no @
         if found is not None:
             return found
-        if spaceless.startswith("@"):  # an address: the word of its data page
+        if spaceless.startswith("@"):  # an address, of which the field has the offset in the data page
             return evaluate(spaceless[1:]) & 0x3F
         stack = re.fullmatch(r"\*-SP\[(.+)\]", spaceless, re.I)
         if stack:
@@ -271,13 +275,13 @@ def _operand(token: str, encoding: Encoding) -> Part:
 
 
 def _optional_operand(token: str, encoding: Encoding) -> Part:
-    """The operand of NOP, which may be omitted."""
+    """Return the part for the operand of NOP, which may be omitted."""
     inner = _operand("loc16", encoding)
     return _optional(inner, "", {"l": 0}, lambda values, at: inner.show(values, at) if values["l"] else "")
 
 
 def _numbered(prefix: str, field: str, suffix: str = "") -> Part:
-    """A numbered register: AR3, ARP3, R3H."""
+    """Return the part for a register with a number in its name, such as AR3, ARP3 or R3H."""
     return Part(
         lambda values, at: f"{prefix}{values[field]}{suffix}",
         rf"{prefix}[0-7]{suffix}",
@@ -293,7 +297,10 @@ def _one_of(field: str, names: Mapping[str, int], shown: Callable[[int], str]) -
 
 
 def _bit_names(field: str, bits: Mapping[str, int]) -> Part:
-    """A mask as names, "NF,ZF"; bits without a name as one number, "0x40"."""
+    """Return the part for a mask, shown as the names of its bits, "NF,ZF". Bits without a name are one number, "0x40".
+
+    bits: a dictionary from a name to the number of its bit.
+    """
 
     def show(values: Values, at: int) -> str:
         names = [name for name, bit in bits.items() if values[field] >> bit & 1]
@@ -311,7 +318,7 @@ def _bit_names(field: str, bits: Mapping[str, int]) -> Part:
 
 
 def _flags_and_values(token: str, encoding: Encoding) -> Part:
-    """Flags of STF with their new values, "RNDF32=1,TF=0"; other bits by number, "8=1"."""
+    """Return the part for flags of STF with new values, "RNDF32=1,TF=0". A bit without a name has a number, "8=1"."""
 
     def show(values: Values, at: int) -> str:
         named = {bit: name for name, bit in STF_BITS.items()}
@@ -336,7 +343,7 @@ def _flags_and_values(token: str, encoding: Encoding) -> Part:
     return Part(show, r"[^|#]*?", read)
 
 
-REGISTER_BY_ADDRESS = Part(  # R0H to R7H, encoded by address, in moves between them and CPU registers
+REGISTER_BY_ADDRESS = Part(  # R0H to R7H in moves that encode the register by an address
     lambda values, at: f"R{(values['c'] - FPU_FIRST) // FPU_APART}H",
     "R[0-7]H",
     lambda text, at, evaluate: {"c": FPU_FIRST + FPU_APART * int(text[1])},

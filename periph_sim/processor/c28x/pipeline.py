@@ -1,7 +1,7 @@
-"""The pipeline of the C28x: cycles that an instruction waits in D2 for earlier ones, and for its own fetch.
+"""The pipeline of the C28x: the cycles that an instruction waits in D2 for earlier instructions or for its own fetch.
 
-    hazards        registers that an instruction needs early or writes late
-    Pipeline       stalls for registers and words that an earlier instruction has not written yet
+    hazards        the registers that an instruction needs early, and those that it writes late
+    Pipeline       stalls for registers and memory words that an earlier instruction has not written yet
     FetchQueue     stalls for instructions from memory with wait states
 
 Source: SPRU430F 4.2 to 4.4, 5.x; SPRUFB0D 2.2 (flash); TI wiki "C28x Pipeline Conflicts"; the columns `reads` and
@@ -23,35 +23,35 @@ from .execution.cpu import Operation
 
 # Hazards ----------------------------------------------------------------------------------------------------------
 #
-# Two masks: XAR0 to XAR7 are bits 0 to 7, DP is 8, SP 9; 10 is XAR(ARP).
+# Masks of registers: bits 0 to 7 are XAR0 to XAR7, bit 8 is DP, bit 9 is SP, and bit 10 is XAR(ARP).
 #
-#     needs   read, or written, in phase D2
-#     makes   written in phase E, three phases after D2
+#     needs   registers that the instruction reads or writes in phase D2
+#     makes   registers that it writes in phase E, three phases after D2
 #
-# An instruction of several cycles does its last operation in the last of them (PUSH loc16 reads, then writes), with two
-# exceptions. A jump or call passes D2 once, in its first cycle; in the others the CPU fetches from the target
-# [SPRU430F 4.3.2], while the pushed words go on to W. And some instructions stay in D2 until they have left phase E or
-# W themselves, as their cycles show: NORM takes N + 4 for N + 1 passes, one per pass and the three phases from D2 to
-# E; POP DP:ST1 takes 5, D2 to W, since ST1 applies from the next instruction on; PWRITE takes N + 5, one per pass and
-# the four phases to W. After these nothing waits.
+# An instruction of several cycles does its last access in the last cycle: PUSH loc16 reads, then writes. There are two
+# exceptions. A jump or call passes D2 in its first cycle, and the words that it pushes go on to phase W; in its other
+# cycles the CPU fetches from the target [SPRU430F 4.3.2]. And some instructions stay in D2 until their own writes in E
+# or W are done, which the number of their cycles shows. NORM takes N + 4 cycles for N + 1 passes: one for each pass,
+# and three from D2 to E. POP DP:ST1 takes 5 cycles, D2 to W, since the new ST1 applies to the next instruction. PWRITE
+# takes N + 5 cycles: one for each pass, and four to W. No instruction waits for the results of these.
 
 DP, SP, BY_ARP = 1 << 8, 1 << 9, 1 << 10
 REGISTERS = 0x3FF  # without XAR(ARP)
 NUMBERED = re.compile(r"X?AR([0-7])$")
 FIELDS = {"ARn": "n", "XARn": "n", "ARm": "m"}
-HELD = frozenset(["NORM", "PWRITE"])  # mnemonics; and POP of ST1
+HELD = frozenset(["NORM", "PWRITE"])  # mnemonics for which `is_held` is True; it is so for POP of ST1, too
 BY_ARP_FROM, PUSHES, POPS, CIRCULAR = 0xAE, 0xBD, 0xBE, 0xBF
 
 
 @cache
 def hazards(encoding: Encoding, field: int, n: int, m: int) -> tuple[int, int]:
-    """Return (needs, makes) for the values of fields l, n and m, -1 if absent."""
+    """Return the masks (needs, makes) of a form. field, n, m: values of the fields l, n and m; -1 if absent."""
     numbers = {"n": n, "m": m}
     needs = _in_phase("D2", (*encoding.reads, *encoding.writes), numbers)
     makes = 0 if is_held(encoding) else _in_phase("E", encoding.writes, numbers)
     if field >= 0:
         needs |= addressing(field)
-        register = 1 << (field & 7) if 0xA0 <= field < 0xA8 else SP if field == SP_FIELD else 0  # if it names one
+        register = 1 << (field & 7) if 0xA0 <= field < 0xA8 else SP if field == SP_FIELD else 0  # @XARn, @ARn or @SP
         if "r" in encoding.accesses:
             needs |= register
         if "w" in encoding.accesses:
@@ -60,17 +60,20 @@ def hazards(encoding: Encoding, field: int, n: int, m: int) -> tuple[int, int]:
 
 
 def is_held(encoding: Encoding) -> bool:
-    """Return True if it stays in D2 until its writes are done."""
+    """Return True if an instruction of this form stays in D2 until its writes are done."""
     return encoding.mnemonic in HELD or (encoding.mnemonic == "POP" and "ST1@D2" in encoding.writes)
 
 
 def writes_at_once(encoding: Encoding) -> bool:
-    """Return True if its memory write leaves D2 in the first of its cycles."""
+    """Return True if the memory write of an instruction of this form leaves D2 in the first cycle."""
     return "PC" in encoding.writes or is_held(encoding)
 
 
 def _in_phase(phase: str, places: Iterable[str], numbers: Mapping[str, int]) -> int:
-    """Return the registers used in a phase, from places of the table."""
+    """Return the mask of the registers in columns of `encodings.toml` that are used in this phase.
+
+    places: entries such as "XARn@D2". numbers: a dictionary from "n" and "m" to the values of these fields.
+    """
     mask = 0
     for place in places:
         name, _, when = place.partition("@")
@@ -89,7 +92,7 @@ def _in_phase(phase: str, places: Iterable[str], numbers: Mapping[str, int]) -> 
 
 
 def addressing(field: int) -> int:
-    """Return the registers that an operand's address depends on [SPRU430F Table 5-1]."""
+    """Return the mask of the registers that form the address of an operand [SPRU430F Table 5-1]. field: field l."""
     if field < 0x40:
         return DP
     if field < 0x80 or field in (PUSHES, POPS):
@@ -97,7 +100,7 @@ def addressing(field: int) -> int:
     if field >= 0xC0 or 0x80 <= field < 0x90:
         return 1 << (field & 7)
     if field < 0xA0:
-        return 1 << (field & 7) | 1 << (field >> 3 & 1)  # AR0 or AR1 as index
+        return 1 << (field & 7) | 1 << (field >> 3 & 1)  # AR0 or AR1 is the index
     if field < BY_ARP_FROM:
         return 0
     if field == CIRCULAR:
@@ -107,32 +110,33 @@ def addressing(field: int) -> int:
 
 # Fetch queue ------------------------------------------------------------------------------------------------------
 
-DEPTH = 4  # units in the queue; for flash with prefetch two of 64 bits, and part of a third
-QUEUE_PACKED = 6 + DEPTH
-LONG_AGO = 1 << 7  # cycles: older times have no effect; a full queue takes 4 * 17 at most
+DEPTH = 4  # units in the queue
+QUEUE_PACKED = 6 + DEPTH  # length of `FetchQueue.packed_queue`
+LONG_AGO = 1 << 7  # cycles: earlier times have no effect, since filling the queue takes at most 4 * 17 cycles
 
 
 @final
 class FetchQueue:
-    """The instruction fetch queue of four units of 32 or 64 bits, one of which arrives each `_cycles`.
+    """The instruction fetch queue of up to four units of 32 or 64 bits. One unit arrives each `_cycles` cycles.
 
-    Fetching continues while instructions execute, until the queue is full; a discontinuity empties it. Only for memory
-    with wait states: without them one unit arrives per cycle, faster than any instruction needs. A data read in the
-    same memory may be inserted between two fetches.
+    Fetching continues while instructions execute, until the queue is full; a discontinuity, such as a jump, empties the
+    queue. The queue is used only for memory with wait states. In other memory a unit arrives in each cycle, so no
+    instruction waits. A data read of the same memory may be inserted between two fetches.
 
-    expected: address of the next instruction if there is no discontinuity.
+    expected: the address of the next instruction if there is no discontinuity.
+    packed_queue: the state as `pack` has written it last.
     """
 
     STATE = State("expected _bits _cycles _newest _place", cycles="_ready _issued _consumed")
 
     def __init__(self) -> None:
-        self._consumed: Annotated[list[int], DEPTH] = [0] * DEPTH  # cycle when each unit's slot was free again
-        self._place = DEPTH - 1  # mask: bits of a unit's number that select its slot
-        self._newest = 0  # the last unit needed
-        self._ready = 0  # cycle when that unit was available
-        self._bits = 1  # address bits within a unit
-        self._cycles = 1  # cycles per unit
-        self._issued = 0  # cycle when the last instruction left the queue
+        self._consumed: Annotated[list[int], DEPTH] = [0] * DEPTH  # the cycle at which each slot was free again
+        self._place = DEPTH - 1  # mask of the bits of a unit's number that select its slot
+        self._newest = 0  # the number of the last unit that an instruction needed: address >> _bits
+        self._ready = 0  # the cycle at which that unit was available
+        self._bits = 1  # number of address bits within a unit
+        self._cycles = 1  # cycles in which one unit arrives
+        self._issued = 0  # the cycle at which the last instruction left the queue
         self.expected = -1
         self.packed_queue: Annotated[list[int], QUEUE_PACKED] = [0] * QUEUE_PACKED
 
@@ -146,10 +150,12 @@ class FetchQueue:
             self.packed_queue[6 + place] = max(self._consumed[place] - cycle, -LONG_AGO)
 
     def begin(self, cycle: int, address: int, bits: int, first: int, later: int, depth: int) -> None:
-        """Start after a discontinuity, in memory with 2**bits words per unit. first, later: wait states of the units.
+        """Begin to fetch at an address after a discontinuity.
 
-        depth: units fetched ahead, a power of 2. cycle: when the instruction there would execute if the memory had no
-        wait states.
+        cycle: the cycle at which the instruction at the address would execute without wait states.
+        bits: a unit has 2 ** bits words.
+        first, later: the wait states of the first unit, and of each later one.
+        depth: the number of units in the queue, 1, 2 or 4.
         """
         assert depth in (1, 2, 4)
         self._bits, self._cycles, self._place = bits, later + 1, depth - 1
@@ -160,14 +166,14 @@ class FetchQueue:
             self._consumed[place] = 0
 
     def wait(self, cycle: int, address: int, behind: int) -> int:
-        """Return the cycles until the instruction from `address` to `behind` (exclusive) is available."""
+        """Return the cycles until the instruction at `address` is fetched. behind: the address after its last word."""
         ready = self._need(behind - 1 >> self._bits)
         self.expected = behind
         self._issued = ready if ready > cycle else cycle
         return self._issued - cycle
 
     def _need(self, unit: int) -> int:
-        """Return the cycle when a unit is available. Earlier units have left the queue by then."""
+        """Return the cycle at which a unit is available. Earlier units have left the queue then."""
         place = self._place
         while self._newest < unit:
             if self._consumed[self._newest & place] < self._issued:
@@ -178,9 +184,9 @@ class FetchQueue:
         return self._ready
 
     def read(self, cycle: int, waits: int) -> int:
-        """Read data from this memory: return the cycles that the read waits for a fetch in progress.
+        """Return the cycles that a data read of this memory waits for the fetch in progress.
 
-        waits: the read's own wait states. The next fetch begins after it.
+        waits: the wait states of the read itself. The next fetch begins after the read.
         """
         place, ready, unit = self._place, self._ready, self._newest + 1
         while ready <= cycle and unit <= self._newest + place:
@@ -196,22 +202,25 @@ class FetchQueue:
 
 # Stalls -----------------------------------------------------------------------------------------------------------
 
-LANE = 10  # bits of `pending`, as many as REGISTERS has
-ONCE_EACH = 0x100401  # bit 0 of each lane
-BEHIND = 3  # cycles that the next instruction waits
-STORES = 4  # stores kept; at most one per cycle, two per instruction
-STORES_PACKED = 1 + 3 * STORES
+LANE = 10  # number of bits of a lane of `Pipeline.pending`: those of REGISTERS
+ONCE_EACH = 0x100401  # bit 0 of each of the three lanes
+BEHIND = 3  # cycles that the next instruction waits for a word
+STORES = 4  # stores that are kept; at most one is made in a cycle, and two by an instruction
+STORES_PACKED = 1 + 3 * STORES  # length of `Pipeline.packed_stores`
 
 
 @final
 class Pipeline:
-    """Stalls in D2: 3 cycles directly after the write of a register or word, one less for each cycle between.
+    """Stalls in D2: an instruction waits 3 cycles directly after the write of a register or word that it needs.
 
-    An instruction writes registers in E, three phases after D2, and memory in W; `hazards` gives the cycle in which one
-    of several cycles writes. Time here excludes wait states of memory, which stop writer and reader alike.
+    It waits one cycle less for each cycle between the write and itself. Registers are written in phase E, three phases
+    after D2, and memory in phase W. `clock` excludes the wait states of memory, since they stop all instructions alike.
 
-    pending: 3 lanes of 10 bits, the registers written in 1, 2, 3 cycles.
-    clock: cycles issued. until: from this cycle on no read waits for a word.
+    enabled: False if no instruction stalls.
+    pending: three lanes of 10 bits, the masks of the registers that will be written in 1, 2 and 3 cycles.
+    clock: the number of cycles that instructions have spent in D2.
+    until: the value of `clock` from which on no read waits for a word.
+    packed_stores: the state as `pack` has written it last.
     """
 
     STATE = State("enabled pending clock until _at _first _last _ready")
@@ -226,12 +235,12 @@ class Pipeline:
         self.drain()
 
     def drain(self) -> None:
-        """Empty the pipeline: at an interrupt, or a return from one."""
+        """Empty the pipeline, as an interrupt or a return from an interrupt does."""
         self.pending = 0
         self.until = self.clock
 
     def pack(self) -> None:
-        """Write pending registers and stores to `packed_stores`, with times relative to now."""
+        """Write pending registers and stores to `packed_stores`, with times relative to `clock`."""
         self.packed_stores[0] = self.pending
         place: int = 1
         for at in range(STORES):
@@ -244,7 +253,7 @@ class Pipeline:
             self.packed_stores[rest] = 0
 
     def stall(self, f: Operation, arp: int) -> int:
-        """Return the cycles that an instruction waits in D2 for registers."""
+        """Let an instruction wait in D2 for registers, and return the cycles. arp: the value of ARP."""
         needs = f.needs & REGISTERS
         if f.needs & BY_ARP:
             needs |= 1 << arp
@@ -261,20 +270,20 @@ class Pipeline:
         return waits
 
     def issued(self, f: Operation, cycles: int) -> None:
-        """Advance by the cycles that an instruction spent in D2."""
+        """Advance by the cycles that an instruction spent in D2, and note the registers that it will write."""
         self._pass(cycles)
         if self.enabled:
             self.pending |= f.makes << 2 * LANE
 
     def wrote(self, address: int, words: int, cycle: int) -> None:
-        """Record words written by the current instruction. cycle: which of its cycles left D2 with them, from 1."""
+        """Note the memory words that the current instruction writes. cycle: see `Cpu.written_in`."""
         if self.enabled:
             at = self._at = self._at + 1 & STORES - 1
             self._first[at], self._last[at] = address, address + words - 1
             self._ready[at] = self.until = self.clock + cycle + BEHIND
 
     def read(self, address: int, words: int) -> int:
-        """Return the cycles that the current instruction, reading these words, waits for earlier writes."""
+        """Let the current instruction wait until the words that it reads are written, and return the cycles."""
         waits = 0
         at: int
         for at in range(STORES):

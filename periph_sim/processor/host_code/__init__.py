@@ -1,5 +1,5 @@
-"""C sources of firmware compiled by gcc for the host, with register accesses simulated.
+"""C sources of firmware, compiled by gcc for the host: the computer that runs the simulation. Registers are simulated.
 
-For debugging logic with gdb and UBSan. Numbers have the host's sizes, and the time between accesses is estimated; in an
-image, each instruction takes the cycles of the CPU's manual.
+Compiled sources serve to debug the logic of firmware with gdb and UBSan. Types have the host's sizes, and the time
+between two accesses is estimated. In an image, each instruction takes the cycles of the CPU's manual.
 """

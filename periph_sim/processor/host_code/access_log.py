@@ -1,10 +1,11 @@
-"""Log of the accesses of C sources, from which a new scene brings them to the instant of a snapshot.
+"""Log of the accesses of C sources, with which a new scene executes them again up to the instant of a snapshot.
 
     run that keeps a log:  C code --access--> LoggedRun --> CPU --value--> C code, and an item of the log
     re-execution:          C code --access--> runtime.c or LoggedRun: equal to the item? --its value--> C code
 
-A log can end only in a computation of main outside of service routines, in which the CPU sleeps. The restored scene
-continues there. An item is made at the end of an access, after the items of service routines that interrupt it:
+A snapshot is possible only while main computes, the CPU sleeps meanwhile, and no service routine is active. The log
+ends there, and the restored scene continues there. An item is appended at the end of an access, after the items of the
+service routines that interrupt the access. The bits of an item:
 
     kind: 3 bits | bytes of a READ, modulo 8: 3 bits | place: 18 bits | value: 40 bits, signed
 """
@@ -27,19 +28,19 @@ from ..user_code import FirmwareError
 from .firmware import HostFirmware, Run
 from .register_layout import BYTES_A_WORD, VECTORS, Place, RegisterLayout
 
-ITEM = "Q"
-KIND, SIZE, PLACE = 61, 58, 40  # lowest bits
+ITEM = "Q"  # type code of array.array
+KIND, SIZE, PLACE = 61, 58, 40  # lowest bits of the parts of an item
 VALUE = (1 << PLACE) - 1
 
 
 class Access(IntEnum):
-    """Kinds of items. runtime.c knows COMPUTE and READ."""
+    """Kinds of items. runtime.c uses the numbers of COMPUTE and READ, too."""
 
-    COMPUTE = 1  # value: cycles
-    READ = 2  # place: offset on the host; value: the bytes there
-    WRITE = 3  # place: address on the chip
-    EXECUTE = 4  # place: of the instruction in `Run.assembly`
-    ENTER = 5  # value: address of a service routine in the library
+    COMPUTE = 1  # the value is the number of cycles
+    READ = 2  # the place is the offset on the host, the value contains the bytes that were read
+    WRITE = 3  # the place is the address on the chip, the value is the written value
+    EXECUTE = 4  # the place is the index of the instruction in `Run.assembly`
+    ENTER = 5  # the value is the address of a service routine in the library
 
 
 def item_of(kind: Access, place: int = 0, value: int = 0, size: int = 0) -> int:
@@ -47,9 +48,11 @@ def item_of(kind: Access, place: int = 0, value: int = 0, size: int = 0) -> int:
 
 
 class AccessLog(NamedTuple):
-    """The accesses up to an instant. items: of the run, which appends further ones. length: of the items up to there.
+    """The accesses of a run up to an instant.
 
-    computing: cycles of the computation in which the log ends.
+    items: all items of the run, which appends further items later.
+    length: the number of items up to the instant.
+    computing: the cycles of the whole computation in which the log ends.
     """
 
     items: array[int]
@@ -58,10 +61,11 @@ class AccessLog(NamedTuple):
 
 
 class LoggedRun(Run):
-    """A run that keeps a log, after it has repeated the accesses of an earlier run.
+    """A run that keeps a log. Given the log of an earlier run, it first executes the same accesses again.
 
     log: the items so far.
-    computing: cycles of the computation in progress; 0 if there is none.
+    computing: the cycles of the computation in progress; 0 if there is none.
+    re_executes: True while accesses are compared with those of the earlier run.
     """
 
     def __init__(
@@ -73,7 +77,10 @@ class LoggedRun(Run):
         log: AccessLog | None = None,
         rest: tuple[int, int] = (0, 0),
     ) -> None:
-        """log: of the earlier run. rest: the cycle at which it ends, and what is left of its computation then."""
+        """log: that of the earlier run; None to begin a new one.
+
+        rest: the cycle at which the log ends, and the number of cycles of its last computation that remain.
+        """
         super().__init__(dsp, path, base, layout)
         self.log = array(ITEM) if log is None else log.items[: log.length]
         self.computing = 0
@@ -131,8 +138,8 @@ class LoggedRun(Run):
         self.computing = computing
 
     def _answer(self, item: int) -> int:
-        """Return the value of the next item. Raise NotRestorable if the firmware does something else than then."""
-        while self._earlier[self._next.value] >> KIND == Access.ENTER:  # a service routine interrupted it here
+        """Return the value of the next item. Raise NotRestorable if `item`, the present access, differs from it."""
+        while self._earlier[self._next.value] >> KIND == Access.ENTER:  # a service routine interrupted the access
             offset = self._earlier[self._next.value] & VALUE
             self._next.value += 1
             self.enter(self.library.loaded_at + offset)
@@ -147,7 +154,7 @@ class LoggedRun(Run):
             )
         self._next.value += 1
         self.re_executes = self._next.value < len(self._earlier)
-        self.dsp.processor.time.cycle += 1  # so the firmware does not count as stalled
+        self.dsp.processor.time.cycle += 1  # time changes, so the firmware does not count as stalled
         value = earlier & VALUE
         return value - (value >> PLACE - 1 << PLACE)
 
@@ -166,7 +173,7 @@ class LoggedRun(Run):
 
 
 def log_at_rest(firmware: HostFirmware) -> AccessLog | None:
-    """Return the log if it can end here: main computes, and the CPU sleeps in that; otherwise None."""
+    """Return the log if it can end now: main computes, the CPU sleeps, and no service routine is active. Else None."""
     run, processor = firmware.run, firmware.dsp.processor
     can_end = processor.time.asleep and not processor.core.nested
     if not isinstance(run, LoggedRun) or not run.computing or not can_end:
@@ -175,14 +182,14 @@ def log_at_rest(firmware: HostFirmware) -> AccessLog | None:
 
 
 def re_execute(firmware: HostFirmware, log: AccessLog, rest: tuple[int, int]) -> None:
-    """Bring a program that has not begun to the end of a log. Raise NotRestorable if it does something else.
+    """Execute a program that has not begun up to the end of a log. Raise NotRestorable if its accesses differ.
 
-    Nothing but its CPU and the kernel is changed. rest: see `LoggedRun`.
+    Only the CPU of the program and the kernel change. rest: see `LoggedRun`.
     """
     processor = firmware.dsp.processor
     firmware.make_run = partial(LoggedRun, log=log, rest=rest)
-    processor.kernel.stop()  # the program returns here as soon as it needs time
-    processor.time.stop()  # it begins now
+    processor.kernel.stop()  # so that `act` returns as soon as the program needs time
+    processor.time.stop()  # cancels the scheduled begin, since the program begins now
     try:
         processor.act(0)
     except FirmwareError as error:
@@ -193,7 +200,7 @@ def re_execute(firmware: HostFirmware, log: AccessLog, rest: tuple[int, int]) ->
 
 
 def restart(firmware: HostFirmware) -> None:
-    """Let a program begin again after a re-execution that failed."""
+    """Start a program from its beginning, after `re_execute` has failed."""
     firmware.make_run = LoggedRun
     firmware.dsp.processor.kill(GreenletExit)
     firmware.dsp.cpu.start(firmware.main)

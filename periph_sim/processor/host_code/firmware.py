@@ -1,10 +1,10 @@
-"""C sources as firmware of a unit: the unit's CPU makes their register accesses.
+"""C sources as firmware of a unit: the CPU of the unit makes their register accesses.
 
-    main() in the library --runtime.c: access, piece of code, asm--> HostFirmware --> Cpu, as for Python firmware
-                        <-- the register's value, in memory --------'
-    service routine    <-- called as its vector is taken -----------'
+    main() in the library --runtime.c: access, basic blocks, asm--> Run --> Cpu, as for Python firmware
+                        <-- value of the register, in memory ------'
+    service routine    <-- called when its vector is taken --------'
 
-The time between accesses is estimated: `BLOCK_CYCLES` for each basic block, besides an access's own.
+The time between two accesses is estimated: each basic block takes `BLOCK_CYCLES`.
 """
 
 from __future__ import annotations
@@ -51,29 +51,29 @@ from .library import (
 )
 from .register_layout import BYTES_A_WORD, IER, IFR, LARGEST, VECTORS, WORD, BadLayout, Place, RegisterLayout
 
-FIRST_BASE, ROOM = 0x2000_0000_0000, 0x100_0000  # of registers: one address for each running program
+FIRST_BASE, ROOM = 0x2000_0000_0000, 0x100_0000  # host address of the registers of the first program, and the distance
 BLOCK_CYCLES = 6  # cycles of a basic block: about three statements with loads, operations and stores
-BLOCKS_AT_ONCE = 64  # blocks between time updates in code without any access
-LOOP_CYCLES = 1_000_000  # at once, for an empty loop; service routines may interrupt it
-DELAY_PASS, DELAY_CALL = 5, 9  # DSP28x_usDelay: cycles per pass, and of the call
-ROUTINES = 0x31_0000  # code addresses of functions whose pointers are stored as vectors
-_taken: set[int] = set()
-POINTER = 8  # bytes, on the host
+BLOCKS_AT_ONCE = 64  # number of basic blocks after which time passes even without an access
+LOOP_CYCLES = 1_000_000  # cycles that an endless empty loop takes at a time; service routines may interrupt them
+DELAY_PASS, DELAY_CALL = 5, 9  # DSP28x_usDelay: cycles of a pass of its loop, and of the call
+ROUTINES = 0x31_0000  # first of the code addresses that stand for functions whose pointers are stored as vectors
+_taken: set[int] = set()  # host addresses of the registers of running programs
+POINTER = 8  # bytes of a pointer on the host
 RPT_NOP = re.compile(r"rpt\s+#(\d+)\s*\|\|\s*nop", re.IGNORECASE)
 
 
 class HostFirmware:
-    """The program of a unit: each call of `main` runs it from the beginning with initialised variables.
+    """The C program of a unit. Each call of `main` runs it from its beginning, with initialised variables.
 
-    contents: code and initial data.
-    make_run: makes the run of a call of `main`.
-    run: the present run; None before `main` and after it.
+    contents: the code and initial data of the compiled library.
+    make_run: makes the `Run` for a call of `main`.
+    run: the present run; None while `main` is not active.
     """
 
     STATE = State("elsewhere")
 
     def __init__(self, dsp: Dsp, sources: Sources) -> None:
-        """Raise BadSources if they cannot be compiled and linked."""
+        """Raise BadSources if the sources cannot be compiled and linked."""
         self.dsp = dsp
         self.make_run: Callable[[Dsp, Path, int, RegisterLayout], Run] = Run
         self.run: Run | None = None
@@ -89,11 +89,11 @@ class HostFirmware:
 
     @property
     def elsewhere(self) -> UnmappedMemory | None:
-        """Words that no modelled module has; None without a run."""
+        """The memory outside of the modelled modules; None if there is no run."""
         return None if self.run is None else self.run.elsewhere
 
     def main(self) -> None:
-        """Run main to its end. Raise FirmwareError if there is none, FirmwareLost if it cannot continue."""
+        """Run the C function main to its end. Raise FirmwareError if there is no main, FirmwareLost after a fault."""
         self._begun += 1
         base = next(base for base in count(FIRST_BASE, ROOM) if base not in _taken)
         _taken.add(base)
@@ -107,17 +107,23 @@ class HostFirmware:
 
 
 class Run:
-    """One run. path: of a library loaded only here, so its variables are not shared."""
+    """One run of a C program.
+
+    assembly: a dictionary from an assembly instruction that is supported in asm() to the function that executes it.
+    """
 
     def __init__(self, dsp: Dsp, path: Path, base: int, layout: RegisterLayout) -> None:
+        """path: the library, which no other run has loaded, so that no variables are shared. base: see `Library`."""
         self.dsp = dsp
         self._layout = layout
-        self._place = 0  # host address of the current access
-        self._raised: BaseException | None = None
-        self._routines: dict[int, int] = {}  # code address by function pointer
-        self._places: list[Place] = []  # written so far; runtime.c uses their numbers, which begin after PROTECTED
-        self._numbers: dict[Place, int] = {}
-        self._stores: dict[int, tuple[int, int]] = {}  # after an announced write: `RegisterLayout.stored`, by pc
+        self._place = 0  # host address of the instruction that makes the current access
+        self._raised: BaseException | None = None  # the exception that `_call` raises after the C functions have ended
+        self._routines: dict[int, int] = {}  # from a function pointer of the host to its code address
+        self._places: list[Place] = []  # the places written so far
+        self._numbers: dict[Place, int] = {}  # from each of these places to its number in runtime.c
+        # From the host address of the code that announces a write to the store that followed: its distance in bytes
+        # from the announced ones, and its size, see `RegisterLayout.stored`.
+        self._stores: dict[int, tuple[int, int]] = {}
         self.elsewhere = UnmappedMemory(dsp.core, dsp.processor.notes)
         self.elsewhere.set_part(dsp.plan.part)
         cpu = dsp.cpu
@@ -146,7 +152,7 @@ class Run:
             self.library.close(len(_taken) == 1)
 
     def place(self) -> SourceLocation | None:
-        """Return the current statement."""
+        """Return the current C statement; None if it is unknown."""
         function, file, line = self.library.place_of(self._place)
         if not function:
             return None
@@ -155,7 +161,7 @@ class Run:
         return found
 
     def _call(self, address: int) -> None:
-        """Run a function of the firmware to its end. Raise FirmwareLost for a fault of the host's processor."""
+        """Run the C function at a host address to its end. Raise FirmwareLost if the host's processor signals a fault."""
         enter_c()
         how = self.library.run(address)
         raised, self._raised = self._raised, None
@@ -176,7 +182,16 @@ class Run:
     # Requests of runtime.c --------------------------------------------------------------
 
     def _asked(self, what: int, at: int, size: int, detail: int, blocks: int, pc: int) -> int:
-        """Handle a request. Return UNWINDS to leave the firmware's functions; `_call` then raises the exception."""
+        """Handle a request of runtime.c and return the reply. After an exception, reply UNWINDS.
+
+        runtime.c then leaves the C functions, and `_call` raises the exception.
+
+        what: the kind of the request.
+        at, size: the bytes of an access, as an offset from the host address of the chip's word 0.
+        detail: depends on the kind: the number of a written place, a text or a count.
+        blocks: the number of basic blocks executed since the last request.
+        pc: the host address of the instruction.
+        """
         said = NO_PLACE
         try:
             leave_c()
@@ -207,13 +222,13 @@ class Run:
                 how = (ctypes.c_char_p(detail).value or b"").decode("utf-8", "replace")
                 raise FirmwareLost(f"{self.dsp.name}: {how} at {self.place()}; firmware on the chip cannot end")
             enter_c()
-        except BaseException as raised:  # exceptions cannot pass through C: `_call` raises it
+        except BaseException as raised:  # exceptions cannot pass through C code, so `_call` raises this one
             self._raised = raised
             return UNWINDS
         return said
 
     def _announced(self, at: int, size: int) -> int:
-        """Return the number of the place that is written next, or PROTECTED if only the access itself shows it."""
+        """Return the number of the place that is written next; PROTECTED if only the store itself shows the place."""
         if not self._layout.may_write(at, size):
             raise self._no_member(at, size)
         place = self._layout.announced(at, size)
@@ -225,7 +240,7 @@ class Run:
         return number
 
     def _stored(self, at: int, size: int) -> Place:
-        """Return the place written by the store after an announced write."""
+        """Return the place written by the store that follows the write announced for these bytes."""
         further, stored = self._stores[self._place]
         if stored > LARGEST:
             raise FirmwareLost(
@@ -238,7 +253,7 @@ class Run:
         return place
 
     def _begin_write(self, place: Place) -> int:
-        """Return the number of the place written next. For a bit field, read its word first."""
+        """Return the number of a place that is written next. For a bit field, first read its word."""
         if place.partial:
             self.load(place.at, place.size, (place,))
         number = self._numbers.get(place)
@@ -254,10 +269,10 @@ class Run:
         )
 
     def _load(self, place: Place) -> None:
-        """Read a register into its place in memory."""
+        """Read the register at a place, and store its value in the host's memory."""
         cpu, core, word = self.dsp.cpu, self.dsp.core, place.word
         if word in VECTORS:
-            return  # memory has it, as a pointer of the host
+            return  # the host's memory contains the vector, as a pointer of the host
         if word in (IER, IFR):
             value = core.ier if word == IER else core.ifr
         else:
@@ -274,7 +289,10 @@ class Run:
         self.library.memory[place.at : place.at + place.size] = value.to_bytes(place.size, "little")
 
     def _vector(self, place: Place, pointer: int) -> int:
-        """Return the code address for a function pointer that is stored in the CPU's vector table."""
+        """Return the code address that stands for a function pointer stored in the vector table.
+
+        pointer: the host address of the function; 0 is no function. Raise FirmwareLost if it is no pointer.
+        """
         program = self.dsp.cpu.program
         if place.size != POINTER or place.width != 2 * WORD:
             raise FirmwareLost(f"{self.dsp.name}: {self.place()} stores a vector that is not a function pointer")
@@ -285,7 +303,7 @@ class Run:
         return code or 0
 
     def _assembled(self, text: str) -> None:
-        """Execute asm("...") of the sources. Raise FirmwareLost if it is unknown."""
+        """Execute asm("...") of the sources. Raise FirmwareLost if the text is not supported."""
         said = " ".join(text.lower().split())
         repeated = RPT_NOP.fullmatch(said)
         if repeated:
@@ -306,22 +324,25 @@ class Run:
         self.dsp.cpu.compute(cycles)
 
     def execute(self, instruction: str) -> None:
-        """Execute an instruction of `_assembly`."""
+        """Execute an instruction of `assembly`."""
         self.assembly[instruction]()
 
     def enter(self, pointer: int) -> None:
-        """Run the service routine at a host's address. The interrupted access keeps its place."""
+        """Run the service routine at a host address. Afterwards the statement is again that of the interrupted code."""
         place = self._place
         self._call(pointer)
         self._place = place
 
     def load(self, at: int, size: int, places: Sequence[Place]) -> None:
-        """Read these bytes, which belong to registers at these places, into memory."""
+        """Read the registers at these places, and store their values in the host's memory.
+
+        at, size: the bytes that the C code reads, all of which belong to these places.
+        """
         for place in places:
             self._load(place)
 
     def write_register(self, word: int, value: int, width: int) -> None:
-        """Write a register."""
+        """Write a register. word: its address on the chip. width: 16 or 32 bits."""
         cpu = self.dsp.cpu
         if word == IER:
             cpu.and_ier(value)

@@ -3,9 +3,9 @@
 sources --gcc -O0, thread-sanitizer hooks--> objects --+--> library, register structures at absolute addresses
 runtime.c --gcc, no hooks----------------------------'
 
-Python calls its handler of SIGINT when a function begins, so also when C calls back: an exception raised there, before
-the function's `try`, would be printed and dropped by ctypes. While C code runs, SIGINT is stored; `leave_c` then raises
-KeyboardInterrupt.
+Python calls the handler of SIGINT when a function begins, also a function that C code calls. An exception at that point
+is outside of the `try` of the function; ctypes would print and drop it. So a SIGINT that comes while C code runs is
+stored, and `leave_c` raises KeyboardInterrupt.
 """
 
 from __future__ import annotations
@@ -34,10 +34,10 @@ from ..image_files.debug_info import DebugInfo
 from ..image_files.load import Image
 from .register_layout import BYTES_A_WORD, COPIED, LARGEST, SYMBOLS
 
-BYTES = 0x4_0000  # bytes of registers: 2 ** 16 words
-READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY, ENDS = range(8)  # requests of runtime.c
-UNWINDS, NO_PLACE, PROTECTED = -1, 0, 1  # replies; larger numbers are places written
-ENDED, UNWOUND, FAULT, LOOPS = range(4)  # how a function ended
+BYTES = 0x4_0000  # bytes of the host's memory for registers, 4 for each of 2 ** 16 words
+READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY, ENDS = range(8)  # kinds of requests of runtime.c
+UNWINDS, NO_PLACE, PROTECTED = -1, 0, 1  # replies to a request; a larger number is that of a written place
+ENDED, UNWOUND, FAULT, LOOPS = range(4)  # how a C function ended; LOOPS: it is in an endless empty loop
 
 Asked = Callable[[int, int, int, int, int, int], int]
 ASKED = ctypes.CFUNCTYPE(
@@ -54,13 +54,17 @@ ASKED = ctypes.CFUNCTYPE(
 class Library:
     """A compiled library of C firmware, loaded into this process.
 
-    path: the file, which is loaded only here. base: the host address of the chip's word 0.
+    memory: the bytes of the host's memory for registers.
     """
 
     def __init__(self, path: Path, base: int, asked: Asked, blocks_at_once: int) -> None:
+        """path: the file, which no other object has loaded. base: the host address of the chip's word 0.
+
+        asked: handles requests of runtime.c, see `Run`. blocks_at_once: the number of basic blocks between requests.
+        """
         self._path = path
         self._library = ctypes.CDLL(str(path))
-        self._asked = ASKED(asked)  # kept alive here, because C does not
+        self._asked = ASKED(asked)  # the reference keeps the object alive while C code can call it
         self._library.c28x_begin.argtypes = (ctypes.c_uint64, ASKED, ctypes.c_uint64)
         self._library.c28x_run.argtypes = (ctypes.c_void_p,)
         if self._library.c28x_begin(base, self._asked, blocks_at_once):
@@ -69,33 +73,39 @@ class Library:
         self._numbers = (ctypes.c_int * (BYTES * (LARGEST + 1))).in_dll(self._library, "c28x_numbers")
 
     def write_as_announced(self, at: int, size: int, place: int) -> None:
-        """Handle each write announced for these bytes as a write of this place, without calling Python."""
+        """From now on, let C code treat each write announced for these bytes as a write of the place with this number.
+
+        Such an announcement then makes no request.
+        """
         self._numbers[at * (LARGEST + 1) + size] = place
 
     def answer(self, log: array[int]) -> ctypes.c_uint64:
-        """Answer accesses from these items, but for the last. Return the number of the next item, a variable of C."""
+        """Let C code answer accesses with the items of a log, except the last item.
+
+        Return the variable of the C code that has the index of the next item.
+        """
         ctypes.c_uint64.in_dll(self._library, "c28x_log").value = log.buffer_info()[0]
         ctypes.c_uint64.in_dll(self._library, "c28x_log_end").value = max(len(log) - 1, 0)
         return ctypes.c_uint64.in_dll(self._library, "c28x_log_next")
 
     def run(self, address: int) -> int:
-        """Call a function at a host's address, to its end: ENDED, UNWOUND, FAULT or LOOPS."""
+        """Call the function at a host address. Return how it ended: ENDED, UNWOUND, FAULT or LOOPS."""
         how: int = self._library.c28x_run(address)
         return how
 
     def fault(self) -> tuple[int, int, int]:
-        """Return the signal of a FAULT, and the host addresses of the access and of the instruction; 0 if unknown."""
+        """Return (signal, address of the access, address of the instruction) of a FAULT; unknown addresses are 0."""
         number = ctypes.c_int.in_dll(self._library, "c28x_signal").value
         at, pc = (ctypes.c_uint64.in_dll(self._library, f"c28x_fault_{name}").value for name in ("at", "pc"))
         return number, at, pc
 
     def address_of(self, name: str) -> int | None:
-        """Return the host address of a function; None if there is none of this name."""
+        """Return the host address of a function; None if no function has this name."""
         found = self._functions.get(name)
         return None if found is None else self.loaded_at + found
 
     def place_of(self, address: int) -> tuple[str, str, int]:
-        """Return (function, file, line) of an instruction at a host address; empty and 0 if unknown."""
+        """Return (function, file, line) of an instruction at a host address; "" and 0 stand for unknown parts."""
         at = address - self.loaded_at
         file, line = self._debug.line_at(at) or ("", 0)
         by_address = self._by_address
@@ -103,7 +113,10 @@ class Library:
         return by_address[place][1] if place >= 0 else "", file, line
 
     def close(self, last: bool) -> None:
-        """Free the registers' memory. last: no other library runs. The library stays loaded until the process ends."""
+        """Free the memory for registers. The library stays loaded until the process ends.
+
+        last: True if no other library runs.
+        """
         self._library.c28x_end(int(last))
 
     # Addresses ----------------------------------------------------------------------
@@ -137,14 +150,14 @@ class Library:
 
 
 def contents_of(library: Path) -> bytes:
-    """Return code and initial data of a library, without debug information."""
+    """Return the code and initial data of a library, without debug information."""
     with library.open("rb") as file:
         sections = [one for one in ELFFile(file).iter_sections() if one["sh_flags"] & SH_FLAGS.SHF_ALLOC]
         return b"".join(one.data() for one in sections if one["sh_type"] == "SHT_PROGBITS")
 
 
 _in_c = _kept = False
-_programs = 0  # programs within `kept_in_c`
+_programs = 0  # number of active `kept_in_c` blocks
 _before: Callable[[int, FrameType | None], object] = signal.default_int_handler
 
 
@@ -155,7 +168,7 @@ def enter_c() -> None:
 
 
 def leave_c() -> None:
-    """Mark that Python code runs. Raise KeyboardInterrupt if SIGINT came meanwhile."""
+    """Mark that Python code runs. Raise KeyboardInterrupt if SIGINT came while C code ran."""
     global _in_c, _kept
     _in_c = False
     if _kept:
@@ -165,7 +178,7 @@ def leave_c() -> None:
 
 @contextmanager
 def kept_in_c() -> Iterator[None]:
-    """Defer SIGINT in C code within the block; no effect outside the main thread."""
+    """Within the block, defer a SIGINT that comes while C code runs. Outside of the main thread, do nothing."""
     global _programs, _before
     before = signal.getsignal(signal.SIGINT)
     if current_thread() is not main_thread() or not callable(before):
@@ -215,7 +228,9 @@ class BadSources(ValueError):
 class Sources(Struct, frozen=True):
     """The C sources of a program.
 
-    folders: the folders of headers. defines: macros with their values.
+    files: the source files.
+    folders: the folders of headers.
+    defines: (name, value) of each macro.
     undefined: True to compile with UBSan, which reports undefined behaviour to stderr.
     """
 
@@ -226,7 +241,7 @@ class Sources(Struct, frozen=True):
 
 
 def compiled(sources: Sources, folder: Path) -> list[str]:
-    """Compile the sources to objects in `folder`. Raise BadSources if gcc fails."""
+    """Compile the sources to objects in `folder`, and return the paths. Raise BadSources if gcc fails."""
     if shutil.which(GCC) is None:
         raise BadSources("gcc, which compiles C sources for the host, is not found; install it, or run an image")
     for file in sources.files:
@@ -259,7 +274,8 @@ def compiled(sources: Sources, folder: Path) -> list[str]:
             "-MMD",
         ]
         _compile(command, (file.parent, *sources.folders), aliases)
-        rule = Path(objects[-1]).with_suffix(".d").read_text(encoding="utf-8", errors="surrogateescape")  # for make
+        # gcc -MMD writes a rule for make, which lists the headers.
+        rule = Path(objects[-1]).with_suffix(".d").read_text(encoding="utf-8", errors="surrogateescape")
         names = re.split(r"(?<!\\)\s+", rule.partition(":")[2].replace("\\\n", " "))
         note_inputs_of(Path(name.replace("\\ ", " ")) for name in names)
     runtime = str(folder / "runtime.o")
@@ -268,20 +284,27 @@ def compiled(sources: Sources, folder: Path) -> list[str]:
 
 
 def linked(objects: Sequence[str], undefined: bool, base: int, library: Path) -> Path:
-    """Link the library. base: host address of the chip's word 0. Raise BadSources if something is missing."""
+    """Link objects to the file `library`, and return its path. Raise BadSources if something is missing.
+
+    undefined: see `Sources`. base: the host address of the chip's word 0.
+    """
     places = [f"-Wl,--defsym={name}={base + BYTES_A_WORD * address:#x}" for name, address in SYMBOLS.items()]
     places += [f"-Wl,--defsym={name}=0" for name in COPIED]
     replaced = [f"-Wl,--wrap={name}" for name in ENDING]
     checked = ["-fsanitize=undefined"] if undefined else []
     listed = library.with_suffix(".list")
-    listed.write_text(f"{{ {'; '.join(SYMBOLS)}; }};\n", encoding="utf-8")  # bound at load time, so they stay
+    # These symbols are bound only when the library is loaded, so the linker keeps accesses to their addresses.
+    listed.write_text(f"{{ {'; '.join(SYMBOLS)}; }};\n", encoding="utf-8")
     shared = ["-shared", f"-Wl,--dynamic-list={listed}", "-Wl,--no-relax", "-Wl,-z,defs", *replaced, *checked]
     _run([GCC, *shared, *places, *objects, "-o", str(library), "-lm"])
     return library
 
 
 def _compile(command: Sequence[str], folders: Sequence[Path], aliases: Path) -> None:
-    """Run gcc; a header whose name differs only in case (fine on Windows) gets an alias."""
+    """Run gcc. If it does not find a header, make an alias for a file whose name differs only in case, and try again.
+
+    Windows does not distinguish case in names, so sources written there may have wrong cases.
+    """
     while True:
         try:
             _run(command)

@@ -1,10 +1,11 @@
-"""Addresses on the chip of the members of register structures, from a library's debug information.
+"""Addresses, on the chip, of the members of register structures, from the debug information of a library.
 
     extern volatile struct SCI_REGS SciaRegs --DWARF--> RegisterLayout: offset and size on the host --> Place
 
 gcc and TI's compiler lay out a structure differently, because the sizes of their types differ. So each member has two
-positions: the one on the host, which DWARF states, and the one on the chip, which is computed from the types. A member
-whose two positions cannot be matched is refused. Offsets are bytes from the host's address of the chip's word 0.
+positions: its position on the host is in the debug information (DWARF); its position on the chip is computed from the
+types. A member whose two positions cannot be matched is refused. Offsets on the host are bytes from the host address of
+the chip's word 0.
 
 Source: SPRU514Z sections 6.4 (sizes of types) and 7.1.7 (structures); SPRAC71B section 2.8 (bit fields: the access may
 be narrower than the declared type; here it is always the 16-bit word with the field).
@@ -25,7 +26,7 @@ from msgspec import Struct
 from ...f28335.parts.f28335 import PART
 from ..image_files.variables import QUALIFIERS, size_of, sizes_of, without_qualifiers
 
-BYTES_A_WORD = 4  # on the host, per word of the chip: the size of an unsigned int
+BYTES_A_WORD = 4  # bytes on the host for a word of the chip: the size of an unsigned int on the host
 IER, IFR = 0x0F00, 0x0F04  # CPU registers, at addresses unused on the chip
 VECTORS = range(0x0D00, 0x0E00)
 
@@ -53,34 +54,37 @@ SYMBOLS: dict[str, int] = {
     "EQep2Regs": 0x6B40,
     "AdcRegs": 0x7100,
 }
-# Symbols of code copied to RAM at start-up: nothing is copied here.
+# Symbols of code that start-up code copies to RAM. On the host they are 0, so nothing is copied.
 COPIED = ("RamfuncsLoadStart", "RamfuncsLoadEnd", "RamfuncsRunStart", "RamfuncsLoadSize")
 
 
 WORD = 16  # bits
-CHIP_BITS = {  # other types have 16 bits
+CHIP_BITS = {  # bits of a type on the chip; types that are not listed have 16
     **dict.fromkeys(("float", "long int", "long unsigned int"), 32),
     **dict.fromkeys(("double", "long double", "long long int", "long long unsigned int", "__int128"), 64),
 }
 FIXED_WIDTH = re.compile(r"u?int(?:_least|_fast)?(8|16|32|64)_t")
 SIGNED = (5, 6)  # DW_ATE_signed, DW_ATE_signed_char
 COMPOUND = ("DW_TAG_structure_type", "DW_TAG_union_type")
-LARGEST = 8  # bytes of an access
-STORES_ARE_DECODED = platform.machine() == "x86_64"  # in runtime.c
+LARGEST = 8  # most bytes of an access
+STORES_ARE_DECODED = platform.machine() == "x86_64"  # True if runtime.c can decode a store instruction of the host
 NO_REGISTER = "no register has this type; declare 16 bits as unsigned int or uint16_t, 32 as unsigned long or uint32_t"
 
 
 class BadLayout(ValueError):
-    """A register structure has a member without a known place on the chip. One sentence, with file and line."""
+    """A register structure has a member without a known place on the chip.
+
+    The message is one sentence with the file and line of the member.
+    """
 
 
 class Place(Struct, frozen=True):
-    """A number in a register structure, or a word that contains bit fields.
+    """A number in a register structure, or a word with bit fields.
 
-    at, size: offset and bytes on the host.
-    word, width: address on the chip, and 16 or 32 bits.
-    signed: the host's number is sign-extended.
-    partial: a field is a part of the word, so a write of the field begins with a read of the word.
+    at, size: its offset and number of bytes on the host.
+    word, width: its address on the chip, and its bits there, 16 or 32.
+    signed: True if the number on the host is the sign-extended number of the chip.
+    partial: True if a bit field is only a part of the word. A write of the field then begins with a read of the word.
     """
 
     at: int
@@ -96,11 +100,12 @@ class RegisterLayout:
 
     def __init__(self, library: Path) -> None:
         """Raise BadLayout if a member has no certain place."""
-        self._numbers: dict[tuple[int, int], Place] = {}  # by offset and size
-        self._fields: dict[int, Place] = {}  # by offset of each byte that has bits of a field
-        self._read: dict[tuple[int, int], tuple[Place, ...]] = {}  # answers of `read`
-        self._announced: dict[int, int] = {}  # bytes of adjacent fields by offset: gcc announces a write of all of them
-        self._path: list[DIE] = []  # the variable, and the members on the path to the current one
+        self._numbers: dict[tuple[int, int], Place] = {}  # from (offset, size) to a place that is no bit field
+        self._fields: dict[int, Place] = {}  # from the offset of each byte with bits of a field to its place
+        self._read: dict[tuple[int, int], tuple[Place, ...]] = {}  # results of `read`
+        # From the offset of adjacent bit fields to their size in bytes: gcc announces a write of one as that of all.
+        self._announced: dict[int, int] = {}
+        self._path: list[DIE] = []  # the variable, then the members that lead to the present member
         with library.open("rb") as file:
             for unit in ELFFile(file).get_dwarf_info().iter_CUs():
                 for die in unit.get_top_DIE().iter_children():
@@ -116,7 +121,7 @@ class RegisterLayout:
             )
 
     def read(self, at: int, size: int) -> tuple[Place, ...]:
-        """Return the places read by an access of these bytes; empty if they are not a member."""
+        """Return the places that a read of these bytes reads; an empty tuple if the bytes are no member."""
         places = self._read.get((at, size))
         if places is None:
             number = self._numbers.get((at, size))
@@ -126,29 +131,36 @@ class RegisterLayout:
         return places
 
     def may_write(self, at: int, size: int) -> bool:
-        """Return True if a write announced for these bytes can be one to a member."""
+        """Return True if a write that gcc has announced for these bytes can be a write to a member."""
         return (at, size) in self._numbers or (size <= LARGEST and bool(self._words(at, size)))
 
     def announced(self, at: int, size: int) -> Place | None:
-        """Return the place of a write that gcc reported before it; None if only the store shows it (`stored`)."""
+        """Return the place of a write that gcc has announced for these bytes.
+
+        Return None if the announcement does not determine the place; then `stored` returns it for the store.
+        """
         number, words = self._numbers.get((at, size)), self._words(at, size)
         if number is not None:
             return number if not words or not self._is_ambiguous(number) else None
         return words[0] if len(words) == 1 and size <= words[0].size else None
 
     def stored(self, announced: tuple[int, int], at: int, size: int) -> Place | None:
-        """Return the place written. at, size: of the store; or of the first byte of a bit field, and 0."""
+        """Return the place that a store writes; None if there is none.
+
+        announced: offset and size of the bytes that gcc has announced. at, size: offset and size of the store; for a
+        bit field, the offset of its first byte, and 0.
+        """
         if (at, size) == announced and announced in self._numbers:
             return self._numbers[announced]
         place = self._fields.get(at)
         return place if place is not None and place.at <= at and at + size <= place.at + place.size else None
 
     def _is_ambiguous(self, number: Place) -> bool:
-        """Return True if gcc announces a write of the number like one of adjacent bit fields."""
+        """Return True if an announced write of this number could also be a write of adjacent bit fields."""
         return number.size <= self._announced.get(number.at, 0)
 
     def _add_field(self, place: Place, first: int, last: int) -> bool:
-        """Add a bit field in bytes `first` to `last`. False if a byte belongs to another word."""
+        """Add a bit field in the bytes `first` to `last`. Return False if a byte belongs to another word."""
         for byte in range(first, last + 1):
             here = self._fields.setdefault(byte, place)
             if (here.at, here.word) != (place.at, place.word):
@@ -163,7 +175,10 @@ class RegisterLayout:
     # Walk through the type of a variable ------------------------------------------------
 
     def _add(self, member: DIE, at: int, word: int) -> int:
-        """Add a member that is not a bit field, and return its words on the chip. at, word: its begin."""
+        """Add a member that is no bit field, and return its number of words on the chip.
+
+        at, word: the offset on the host and the address on the chip at which the member begins.
+        """
         kind = _stripped(member)
         if kind.tag == "DW_TAG_array_type":
             words, stride = 0, size_of(_stripped(kind))
@@ -183,8 +198,8 @@ class RegisterLayout:
         return bits // WORD
 
     def _add_compound(self, compound: DIE, at: int, word: int) -> int:
-        # bit, host_bit: the first bit after the last member, on the chip and on the host.
-        # begin: the first bit on the host of the adjacent bit fields up to there.
+        # bit, host_bit: the first bit after the members so far, on the chip and on the host.
+        # begin: the first bit, on the host, of the adjacent bit fields that end at host_bit.
         bit = host_bit = longest = begin = 0
         for member in _members(compound):
             self._path.append(member)
@@ -210,17 +225,23 @@ class RegisterLayout:
         return -(-longest // WORD // align) * align
 
     def _is_certain(self, member: DIE, word: int, host_bit: int) -> bool:
-        """Return True if unnamed bits before a member cannot move it. word, host_bit: first after the bit fields."""
+        """Return True if the position of a member is the same with and without unnamed bits before it.
+
+        word, host_bit: the first word on the chip, and the first bit on the host, after the bit fields before it.
+        """
         offset, align = _value(member, "DW_AT_data_member_location"), self._alignment(member)
         host_align = _host_alignment(member)
         here, moved = (-(-bits // 8 // host_align) * host_align for bits in (host_bit, host_bit + 1))
         return offset == here and (offset != moved or -(-word // align) == -(-(word + 1) // align))
 
     def _add_bit_field(self, member: DIE, at: int, word: int, bit: int, host_bit: int) -> tuple[int, int]:
-        """Add a bit field. Return the first free bit, on the chip and on the host.
+        """Add a bit field. Return the first bit after the field, on the chip and on the host.
 
-        at, word: of the structure. bit, host_bit: the first free bits before. Unnamed bits are not in DWARF: what
-        the alignment of the field does not explain is a gap.
+        at, word: the offset on the host and the address on the chip at which the structure begins.
+        bit, host_bit: the first bit after the members before this field, on the chip and on the host.
+
+        DWARF does not list unnamed bits. A distance on the host that the alignment does not explain is a gap of
+        unnamed bits.
         """
         width, bits = _value(member, "DW_AT_bit_size"), self._bits(member)
         if bits > 2 * WORD:
@@ -259,9 +280,9 @@ class RegisterLayout:
         return align
 
     def _bits(self, member: DIE) -> int:
-        """Return the bits of a numeric type on the chip."""
+        """Return the number of bits that the numeric type of a member has on the chip."""
         kind, die = _stripped(member), member
-        names = []  # of the typedefs in its declaration
+        names = []  # of the typedefs in the declaration of the member
         while "DW_AT_type" in die.attributes and die.tag in (member.tag, "DW_TAG_typedef", *QUALIFIERS):
             die = die.get_DIE_from_attribute("DW_AT_type")
             if die.tag == "DW_TAG_typedef":
@@ -272,7 +293,7 @@ class RegisterLayout:
         for name in names:
             fixed = FIXED_WIDTH.fullmatch(name)
             if fixed and max(int(fixed[1]), WORD) != bits:
-                if f"__{name}" not in names:  # the name in glibc's declaration
+                if f"__{name}" not in names:  # glibc declares a type by a typedef of this name with __ in front
                     raise self._refusal(f"{name} is declared as {_name(kind)}, which has {bits} bits on the chip")
                 return max(int(fixed[1]), WORD)
         return bits
@@ -283,7 +304,10 @@ class RegisterLayout:
 
 
 def _aligned(bit: int, width: int, container: int) -> int:
-    """Return the first bit of a field at `bit`, or in the next container if it would cross this one's end."""
+    """Return the first bit of a field: `bit`, or the begin of the next container if the field does not fit in this one.
+
+    width, container: the bits of the field, and of its declared type.
+    """
     return bit if bit % container + width <= container else -(-bit // container) * container
 
 

@@ -1,5 +1,6 @@
 """Execution of C28x instructions: effects on registers and memory, and cycles from the manual's table.
 
-`registers.Cpu` has the registers and operand access; `accumulator`, `half_words`, `multiply`, `shifts`,
-`moves`, `stack`, `branches`, `control` and `fpu` have one short function per form, named as in `encodings.toml`.
+`registers.Registers` has the registers, `cpu.Cpu` the access to operands, `engine.Engine` the order of instructions.
+`accumulator`, `half_words`, `multiply`, `shifts`, `moves`, `stack`, `branches`, `control`, `fpu` and `fpu_moves` have
+one short function for each form of `encodings.toml`, named by the id of the form.
 """

@@ -1,5 +1,6 @@
-"""ACC and P: add, subtract, compare, logic. Each function is one form of `encodings.toml`, by its id.
+"""ACC and P: add, subtract, compare, logic.
 
+A function that has the id of a form of `encodings.toml` as its name executes this form.
 Source: SPRU430F chapter 6; sections 2.3 (flags) and 2.2 (OVC).
 """
 
@@ -10,11 +11,11 @@ from __future__ import annotations
 from .cpu import Cpu, Operation
 from .registers import M32, SIGN32, s32
 
-__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
+__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
 
 
 def sum32(cpu: Cpu, a: int, b: int, carry: int = 0, saturates: bool = True) -> int:
-    """Return a + b + carry; set N, Z, C, V, OVC, and saturate if OVM is set."""
+    """Return a + b + carry, and set N, Z and C. After a signed overflow, do what `overflowed` does."""
     total = a + b + carry
     result = total & M32
     cpu.c = total >> 32
@@ -25,7 +26,7 @@ def sum32(cpu: Cpu, a: int, b: int, carry: int = 0, saturates: bool = True) -> i
 
 
 def difference32(cpu: Cpu, a: int, b: int, borrow: int = 0, saturates: bool = True) -> int:
-    """Return a - b - borrow likewise; C is 0 after a borrow."""
+    """Return a - b - borrow, and set N, Z and C, which is 0 after a borrow. For an overflow, see `overflowed`."""
     total = a - b - borrow
     result = total & M32
     cpu.c = int(total >= 0)
@@ -36,7 +37,10 @@ def difference32(cpu: Cpu, a: int, b: int, borrow: int = 0, saturates: bool = Tr
 
 
 def overflowed(cpu: Cpu, a: int, result: int, saturates: bool) -> int:
-    """Handle an overflow in the direction of a's sign; return the result."""
+    """Set V, and return the result of an overflow whose exact value has the sign of a.
+
+    With `saturates` and OVM = 1, the result is limited to the signed range; with OVM = 0, OVC counts the overflow.
+    """
     cpu.v = 1
     upward = not a & SIGN32
     if not saturates:
@@ -48,21 +52,21 @@ def overflowed(cpu: Cpu, a: int, result: int, saturates: bool) -> int:
 
 
 def sum_ovcu(cpu: Cpu, a: int, b: int) -> int:
-    """Unsigned sum: OVC counts carries up; no saturation."""
+    """Return the unsigned sum a + b. A carry increments OVC; the sum is not saturated."""
     result = sum32(cpu, a, b, 0, False)
     cpu.put_ovc(cpu.ovc + cpu.c)
     return result
 
 
 def difference_ovcu(cpu: Cpu, a: int, b: int) -> int:
-    """Unsigned difference: OVC counts borrows down; no saturation."""
+    """Return the unsigned difference a - b. A borrow decrements OVC; the difference is not saturated."""
     result = difference32(cpu, a, b, 0, False)
     cpu.put_ovc(cpu.ovc - 1 + cpu.c)
     return result
 
 
 def compared32(cpu: Cpu, a: int, b: int) -> None:
-    """Set flags of a - b; N is the sign of the exact difference."""
+    """Set N, Z and C by a - b; N is the sign of the exact difference."""
     cpu.n, cpu.z, cpu.c = int(s32(a) < s32(b)), int(a == b), int(a >= b)
 
 
@@ -248,7 +252,7 @@ def MINL_ACC_loc32(cpu: Cpu, f: Operation) -> None:
 
 
 def MAXCUL_P_loc32(cpu: Cpu, f: Operation) -> None:
-    """Lower half of a 64-bit maximum, after MAXL of the upper half."""
+    """Set P to the lower half of a 64-bit maximum. MAXL has compared the upper halves before."""
     value = cpu.read32()
     if cpu.n and not cpu.z:
         cpu.p = value
@@ -268,7 +272,7 @@ def MINCUL_P_loc32(cpu: Cpu, f: Operation) -> None:
 
 
 def negate(cpu: Cpu, value: int) -> int:
-    """Return -value; the most negative one overflows."""
+    """Return -value. The most negative value overflows: it sets V, and the result depends on OVM."""
     if value == SIGN32:
         cpu.v = 1
         return 0x7FFF_FFFF if cpu.ovm else SIGN32
@@ -299,7 +303,7 @@ def NEGTC_ACC(cpu: Cpu, f: Operation) -> None:
 
 def NEG64_ACC_P(cpu: Cpu, f: Operation) -> None:
     cpu.c = int(not cpu.acc | cpu.p)
-    if cpu.acc == SIGN32 and not cpu.p:  # the most negative one overflows
+    if cpu.acc == SIGN32 and not cpu.p:  # the most negative value overflows
         cpu.v = 1
         if cpu.ovm:
             cpu.acc, cpu.p = 0x7FFF_FFFF, M32
@@ -373,7 +377,7 @@ def NOT_ACC(cpu: Cpu, f: Operation) -> None:
 
 
 def CSB_ACC(cpu: Cpu, f: Operation) -> None:
-    """Set T to the number of sign bits after the first one."""
+    """Set T to the number of sign bits of ACC without the first one."""
     cpu.tc = cpu.acc >> 31
     rest = cpu.acc ^ (M32 if cpu.tc else 0)
     count = 0
@@ -384,5 +388,5 @@ def CSB_ACC(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
+    """Make an operation execute the function of this name. Raise KeyError if this module does not have it."""
     f.execute = globals()[name]

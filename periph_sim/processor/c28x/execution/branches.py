@@ -1,6 +1,7 @@
-"""Branches, calls and returns. Each function is one form of `encodings.toml`, by its id.
+"""Branches, calls and returns.
 
-A branch not taken sets `cycles` from the table. Source: SPRU430F chapter 6.
+A function that has the id of a form of `encodings.toml` as its name executes this form.
+A branch that is not taken sets `Cpu.cycles` to `Operation.not_taken`. Source: SPRU430F chapter 6.
 """
 
 # core: compiled
@@ -10,13 +11,13 @@ from __future__ import annotations
 from .cpu import Cpu, Operation
 from .registers import CODE, M16, M32
 
-__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
+__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
 
 PMA = 0x3F_0000
 
 
 def _branch(cpu: Cpu, f: Operation, taken: bool, half: int = 0x8000) -> None:
-    """Go to the address that field c is away from this instruction."""
+    """Jump, if taken, by the signed distance in field c from this instruction. half: the sign bit of field c."""
     if taken:
         cpu.pc = f.address + ((f.c ^ half) - half) & CODE
     else:
@@ -77,7 +78,7 @@ def LB_indXAR7(cpu: Cpu, f: Operation) -> None:
 
 
 def _call(cpu: Cpu, f: Operation, goal: int) -> None:
-    """LCR: the return address is in RPC, the one before it on the stack."""
+    """Execute LCR: push the old RPC, and set RPC to the return address."""
     cpu.push_pair(cpu.rpc & M16, cpu.rpc >> 16)
     cpu.rpc, cpu.pc = f.next, goal & CODE
 
@@ -165,7 +166,7 @@ def _far(cpu: Cpu, f: Operation, taken: bool) -> None:
 
 
 def _count(cpu: Cpu, f: Operation, step: int) -> None:
-    """XBANZ: branch while AR(ARP) is not 0; XAR(ARP) always steps, then ARP changes if the form names a new one."""
+    """Execute XBANZ: branch if AR(ARP) is not 0. Then add `step` to XAR(ARP), and set ARP if the form has field n."""
     taken = cpu.xar[cpu.arp] & M16 != 0
     cpu.xar[cpu.arp] = cpu.xar[cpu.arp] + step & M32
     if f.n >= 0:
@@ -194,5 +195,5 @@ def XBANZ_pma_ind0dec(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
+    """Make an operation execute the function of this name. Raise KeyError if this module does not have it."""
     f.execute = globals()[name]

@@ -1,5 +1,6 @@
-"""Status, interrupts, repeats and others. Each function is one form of `encodings.toml`, by its id.
+"""Status, interrupts, repeats and others.
 
+A function that has the id of a form of `encodings.toml` as its name executes this form.
 Stopping a program and entering or leaving a service routine are methods of `Cpu`, which a chip overrides.
 Source: SPRU430F chapters 3 and 6, SPRUEO2A chapter 4 (RPTB).
 """
@@ -11,21 +12,21 @@ from __future__ import annotations
 from .cpu import Cpu, Operation
 from .registers import M16, IllegalOperation
 
-__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
+__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
 
 INTM, DBGM, PAGE0, VMAP = 1 << 0, 1 << 1, 1 << 2, 1 << 3  # ST1
 EALLOW_BIT, AMODE, OBJMODE, M0M1MAP, XF = 1 << 6, 1 << 8, 1 << 9, 1 << 11, 1 << 12
 NMI, EMUINT = 18, 17
-RA, RC = 1 << 30, M16  # RB
-RSIZE, RE = 23, 16
+RA, RC = 1 << 30, M16  # masks of the fields of RB: a block is active, repeat count
+RSIZE, RE = 23, 16  # lowest bits of the fields of RB: size and end address of the block
 
 
 def NOP_indind(cpu: Cpu, f: Operation) -> None:
-    """Only the mode's effect on address registers."""
+    """Do nothing: only the addressing mode of the operand has an effect, on address registers."""
 
 
 def IACK_16(cpu: Cpu, f: Operation) -> None:
-    """No effect: nothing here reads the value from the data bus."""
+    """Do nothing, since no modelled device reads the value on the data bus."""
 
 
 def ESTOP0(cpu: Cpu, f: Operation) -> None:
@@ -33,7 +34,7 @@ def ESTOP0(cpu: Cpu, f: Operation) -> None:
 
 
 def ESTOP1(cpu: Cpu, f: Operation) -> None:
-    """No effect without an emulator."""
+    """Do nothing, since no emulator is connected."""
 
 
 def ABORTI(cpu: Cpu, f: Operation) -> None:
@@ -56,7 +57,7 @@ def EDIS(cpu: Cpu, f: Operation) -> None:
 
 
 def _status(cpu: Cpu, mask: int, on: int) -> None:
-    """Bits of SETC and CLRC: SXM OVM TC C of ST0, INTM DBGM PAGE0 VMAP of ST1."""
+    """Set (on = 1) or clear status bits. mask: its bits 0 to 7 are SXM, OVM, TC, C, INTM, DBGM, PAGE0 and VMAP."""
     if mask & 1:
         cpu.sxm = on
     if mask & 2:
@@ -174,7 +175,7 @@ def RPT_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def _begin_block(cpu: Cpu, f: Operation, count: int) -> None:
-    """Set RB for a block of z words after this instruction."""
+    """Set RB for `count` repetitions of a block: the f.z words after this instruction."""
     end = f.address + 1 + f.z & 0x7F
     cpu.rb = (RA if count else 0) | f.z << RSIZE | end << RE | count
 
@@ -196,7 +197,10 @@ def LOOPNZ_loc16_16(cpu: Cpu, f: Operation) -> None:
 
 
 def _look_again(cpu: Cpu, f: Operation, value: int, until_zero: bool) -> None:
-    """Do one pass of LOOPZ or LOOPNZ; an interrupt may come between passes."""
+    """Execute one pass of LOOPZ or LOOPNZ; interrupts can be taken between two passes.
+
+    until_zero: True if the loop ends when `value` is 0, False if it ends when `value` is not 0.
+    """
     cpu.nz16(value)
     if (value == 0) != until_zero:
         cpu.pc = f.address
@@ -230,5 +234,5 @@ def ITRAP1(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
+    """Make an operation execute the function of this name. Raise KeyError if this module does not have it."""
     f.execute = globals()[name]

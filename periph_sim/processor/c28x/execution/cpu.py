@@ -1,8 +1,8 @@
 """The CPU that executes an operation: its operands, memory, stack and control.
 
-    locate(field)   address of the operand, and the mode's effect on address registers, in D2
-    read16, write   the operand itself: memory at that address, or the register that the field names
-    load16, store16 memory access; a chip with a bus overrides them
+    locate          finds the address of the operand, and applies the effects of the addressing mode, in stage D2
+    read16, write16 access the operand: memory at that address, or the register that field l names
+    load16, store16 access memory; a subclass for a chip with a bus overrides them
 
 Values are unsigned integers of their width. Source: SPRU430F chapters 2 and 5.
 """
@@ -17,22 +17,34 @@ from ..encodings import Encoding
 from .registers import CODE, HIGH16, M16, M32, IllegalOperation, Registers
 
 READS, WRITES = 1, 2
-REGISTER = -1  # in place of an address: the field names a register
+REGISTER = -1  # value of `Cpu.ea` for an operand that is a register
 
 Execute = CFunction[["Cpu", "Operation"], None]
 
 
 class Operation:
-    """One decoded instruction, ready to execute: the values of its fields by the table's letters, -1 if absent.
+    """One decoded instruction, ready to execute.
 
-    next: the address after it. cycles, not_taken: from the table; repeated: of N + 1 passes, less N, 0 if not
-    repeatable. wide: its operand has 32 bits. byte: its operand is a byte. place: its address, until its words are
-    overwritten. following, goal: the operation executed after it, and its last jump target. accesses: READS, WRITES,
-    both or 0, at its operand's address. absolute: likewise at *(0:16). needs, makes: registers needed early and written
-    late, at_once: memory written in the first cycle, see `pipeline`. jumps: it may branch; loops: it closes a loop by a
-    branch. late: FPU registers written one instruction later, as bits; plain: the effect alone, if `execute` models
-    that delay. waited: it is in memory with wait states. tested: the bits of its operand that it tests, if it names
-    them. block, block_end: address range of the memory block of its data accesses.
+    b to z: the values of the fields with these letters in `encodings.toml`; -1 for a field that the form does not have.
+    address, next: the addresses of this instruction and of the one behind it.
+    place: equal to `address`; -1 after the words of the instruction were overwritten.
+    cycles, not_taken: the cycles of the instruction, and those of a branch that is not taken.
+    repeated: the cycles of N + 1 executions after RPT, minus N; 0 if the instruction cannot be repeated.
+    wide: True if the operand has 32 bits.
+    byte: True if the operand is a byte.
+    accesses: READS, WRITES, both or 0, for the operand of field l.
+    absolute: READS, WRITES or 0, for the operand *(0:16).
+    following: the operation at `next`; None before it was executed.
+    goal: the operation to which this one jumped last; None before the first jump.
+    needs, makes, at_once: registers and memory that the pipeline waits for; see `pipeline.hazards`, `writes_at_once`.
+    jumps: True if the instruction can write PC.
+    loops: True for a branch, which can close a loop; False for calls and returns.
+    late: mask of the FPU registers, and FLAGS, that are written one instruction later.
+    plain: the function that writes all results at once, if `execute` models late results.
+    waited: True if the instruction is in memory with wait states.
+    tested: mask of the bits of the operand that TBIT or AND AX,loc16,#16 tests; 0 for other instructions.
+    block, block_end: for an instruction that accesses data, the address range of the memory block that contains the
+        instruction; otherwise 0.
     """
 
     __slots__ = (
@@ -60,11 +72,13 @@ class Operation:
 class Cpu(Registers):
     """State of a CPU while it executes an instruction.
 
-    ea: the address of the current operand.
-    high_byte: the operand is the upper byte at that address.
+    ea: the address of the current operand; REGISTER if the operand is a register.
+    field: the value of field l of the current instruction.
+    high_byte: True if the operand is the upper byte of the word at `ea`.
     cycles: the cycles of the current instruction.
-    written_in: the one of these cycles, counted from 1, in which its writes leave D2.
-    repeat: the repeat count of the next instruction; -1 for none.
+    written_in: the cycle of the current instruction, from 1 to `cycles`, in which its memory writes leave stage D2.
+    repeat: the repeat count N that RPT has set for the next instruction; -1 if there is none.
+    passes: the number of completed passes of a repeated instruction.
     """
 
     STATE = State("ea field high_byte cycles written_in repeat passes")
@@ -76,7 +90,7 @@ class Cpu(Registers):
         self.high_byte = False
         self.cycles = self.written_in = 0
         self.repeat = -1
-        self.passes = 0  # passes done of the current RPT
+        self.passes = 0
 
     # Memory, overridden by a chip ---------------------------------------------------
 
@@ -96,13 +110,13 @@ class Cpu(Registers):
         self.store16(low + 1, value >> 16)
 
     def program16(self, address: int) -> int:
-        """Read program space, which is the same memory."""
+        """Return a word of program space, which is the same memory as data space."""
         return self.load16(address & CODE)
 
     # Operands -----------------------------------------------------------------------
 
     def locate(self, f: Operation) -> None:  # core: C only
-        """Set `ea` from the operand field, and apply its mode's effects [SPRU430F Table 5-1]."""
+        """Set `ea` to the address that field l encodes, and apply the effects of its mode [SPRU430F Table 5-1]."""
         self.field = field = f.l
         self.high_byte = False
         step = 2 if f.wide else 1
@@ -221,19 +235,19 @@ class Cpu(Registers):
             self.xt = value
 
     def beside(self, words: int) -> int:  # core: C only
-        """Return the address `words` after the operand's."""
+        """Return the address of the operand plus `words`. Raise IllegalOperation if the operand is a register."""
         if self.ea < 0:
             raise IllegalOperation("the operand is a register, but the instruction also writes the next address")
         return self.ea + words & M32
 
     def move16(self, value: int) -> None:  # core: C only
-        """Write the operand; set N and Z if it is AL or AH (nz@AX)."""
+        """Write the operand. Set N and Z if the operand is AL or AH (nz@AX in `encodings.toml`)."""
         self.write16(value)
         if self.ea < 0 and self.field in (0xA8, 0xA9):
             self.nz16(value)
 
     def move32(self, value: int) -> None:  # core: C only
-        """Write the operand; set N and Z if it is ACC (nz@ACC)."""
+        """Write the operand. Set N and Z if the operand is ACC (nz@ACC in `encodings.toml`)."""
         self.write32(value)
         if self.ea < 0 and self.field in (0xA8, 0xA9):
             self.nz32(value)
@@ -241,7 +255,7 @@ class Cpu(Registers):
     # Control, overridden by a chip with time and interrupts -------------------------
 
     def enter(self, vector: int) -> None:
-        """Enter the service routine of a vector number, returning to `pc`."""
+        """Enter the service routine of the vector with this number. The routine returns to `pc`."""
         raise IllegalOperation(f"vector {vector} is entered, but this CPU has no interrupts")
 
     def intr_clears_flag(self, bit: int) -> bool:
@@ -279,24 +293,24 @@ class Cpu(Registers):
         return self.load32(self.sp)
 
     def push_pair(self, low: int, high: int) -> None:  # core: C only
-        """Push two words at SP, for either parity."""
+        """Push two words; SP may be odd."""
         self.push16(low)
         self.push16(high)
 
     def pop_pair(self) -> int:  # core: C only
-        """Pop two words, for either parity of SP; the first one is the lower half."""
+        """Pop two words, and return them as 32 bits; the lower half is that at the lower address. SP may be odd."""
         high = self.pop16()
         return self.pop16() | high << 16
 
 
 def reversed_carry(low: int, index: int, subtract: bool) -> int:  # core: noexcept
-    """Add or subtract 16 bits with the carry propagating from bit 15 to bit 0."""
+    """Add or subtract 16-bit numbers with the carry propagating from bit 15 towards bit 0."""
     first, second = mirrored(low), mirrored(index)
     return mirrored((first - second if subtract else first + second) & M16)
 
 
 def mirrored(value: int) -> int:  # core: noexcept
-    """Reverse the order of 16 bits."""
+    """Return a 16-bit value with the order of its bits reversed."""
     value = (value & 0x5555) << 1 | value >> 1 & 0x5555
     value = (value & 0x3333) << 2 | value >> 2 & 0x3333
     value = (value & 0x0F0F) << 4 | value >> 4 & 0x0F0F

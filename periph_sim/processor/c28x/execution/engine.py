@@ -1,10 +1,11 @@
 """Execute C28x instructions, one pass of one instruction at a time.
 
-    fetch --decode, kept by address--> Operation --begin: operand found--> ea --finish: executed--> registers, memory
-                                                       ^--- a chip with a bus waits here for the access cycle
+    fetch --> Operation --begin: operand found--> ea --finish: executed--> registers, memory
+                                                  ^--- a chip with a bus waits here for the cycle of the access
 
-RPT gives the next instruction several passes with no boundary between them; RPTB jumps back at a block's
-end. Overwritten code is decoded again. Source: SPRU430F chapters 4 and 6 (RPT), SPRUEO2A (RPTB).
+A decoded instruction is kept by its address, and decoded again after its words were overwritten. RPT makes the CPU
+execute several passes of the next instruction, with no interrupt between them. RPTB makes it jump back at the end of a
+block. Source: SPRU430F chapters 4 and 6 (RPT), SPRUEO2A (RPTB).
 """
 
 # core: compiled
@@ -22,15 +23,16 @@ from .operations import operation
 from .registers import CODE, IllegalOperation
 
 PAGE = 8  # bits of an address within a page of decoded instructions
-GONE = -1  # no address
+GONE = -1  # value of `Operation.place` after the words were overwritten
 PAGES, PAGE_SIZE, IN_PAGE = CODE + 1 >> PAGE, 1 << PAGE, (1 << PAGE) - 1
 
 
 class Engine(Cpu):
-    """Executes instructions.
+    """A CPU that executes instructions.
 
-    left: passes still to do for the instruction at `pc` after RPT; 0 between instructions.
-    keeps_decoded: decode an instruction once, and again after its words were written; else each time.
+    left: the number of passes that remain for the instruction at `pc` after RPT; 0 if no repetition is in progress.
+    keeps_decoded: True if a decoded instruction is kept until its words are overwritten; False if each execution
+        decodes the words again.
     """
 
     STATE = State("left")
@@ -45,13 +47,13 @@ class Engine(Cpu):
         self._code = [0] * PAGES  # 1 if a page has decoded instructions
 
     def step(self) -> int:
-        """Execute one instruction, or one pass of a repeated one. Return its cycles from the manual's table."""
+        """Execute one instruction, or one pass of a repeated instruction. Return the cycles of the manual's table."""
         f = self.fetch()
         self.begin(f)
         return self.finish(f)
 
     def fetch(self) -> Operation:
-        """Return the instruction that `pc` points at. Raise IllegalOperation if there is none."""
+        """Return the instruction at `pc`. Raise IllegalOperation if there is none."""
         page = self._decoded[self.pc >> PAGE]
         if page is not None and self.keeps_decoded:
             found = page[self.pc & IN_PAGE]
@@ -60,7 +62,7 @@ class Engine(Cpu):
         return self._decode()
 
     def after(self, f: Operation) -> Operation:
-        """Return the instruction that `pc` points at after executing f."""
+        """Return the instruction at `pc` after f was executed."""
         if not self.keeps_decoded:
             return self.fetch()
         found = f.following
@@ -77,12 +79,15 @@ class Engine(Cpu):
         return found
 
     def begin(self, f: Operation) -> None:
-        """Find the operand, and apply its mode's effects on address registers."""
+        """Find the address of the operand, and apply the effects of its mode on address registers."""
         if f.l >= 0:
             self.locate(f)
 
     def finish(self, f: Operation) -> int:
-        """Execute after `begin`; then `pc` is the next instruction's, or unchanged during RPT."""
+        """Execute the instruction, for which `begin` was called, and return its cycles.
+
+        Then `pc` is the address of the next instruction; it does not change while passes of RPT remain.
+        """
         repeated = self.left
         self.pc, self.cycles = f.next, f.cycles
         self.written_in = 1 if f.at_once or self.passes else f.cycles
@@ -96,7 +101,7 @@ class Engine(Cpu):
         return self.cycles
 
     def _pass_done(self, f: Operation) -> int:
-        """Return a pass's cycles: 1; for the first pass what N + 1 passes take less N."""
+        """Complete a pass after RPT. Return its cycles: 1, but for the first pass the cycles of all N + 1 minus N."""
         cycles = 1 if self.passes else f.repeated or self.cycles
         self.left -= 1
         if self.left:
@@ -109,12 +114,12 @@ class Engine(Cpu):
         return cycles
 
     def _repeat(self) -> None:
-        """RPT: set the passes of the next instruction; 1 if it is not repeatable."""
+        """Set the number of passes of the instruction after RPT; 1 if that instruction cannot be repeated."""
         count, self.repeat = self.repeat, -1
         self.left = count + 1 if self.fetch().repeated else 1
 
     def _at_end_of_block(self, f: Operation) -> None:
-        """Jump back to the first instruction after the last one of an RPTB block."""
+        """Jump to the first instruction of an RPTB block if f is the last one of the block."""
         if f.next - 1 & 0x7F != self.rb >> RE & 0x7F:
             return
         self.pc = f.next - (self.rb >> RSIZE & 0x7F) & CODE
@@ -138,7 +143,7 @@ class Engine(Cpu):
         return made
 
     def written(self, address: int) -> None:
-        """Discard the decoded instructions of a memory word that changed."""
+        """Discard the decoded instructions that contain the memory word at this address, which has changed."""
         if 0 <= address <= CODE and self._code[address >> PAGE]:
             self._forget(address)
             if address:

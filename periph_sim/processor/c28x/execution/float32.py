@@ -1,8 +1,8 @@
 """Arithmetic of the FPU on float32 bits, with rounding, underflow and overflow.
 
-Exact integers are rounded once, to nearest even or towards zero. Denormal operands and results are 0, NaN is
-treated as infinity; overflow gives infinity. A result is the 32 bits, with UNDERFLOW or OVERFLOW above them. Source:
-SPRUEO2A section 2.3; where it is silent, this is our choice.
+An exact integer result is rounded once, to nearest even or towards zero. Denormal operands and results are 0, NaN is
+treated as infinity, and an overflow gives infinity. A result has the float32 in bits 31:0, and may have the bit
+UNDERFLOW or OVERFLOW above them. Source: SPRUEO2A section 2.3; what it does not specify is our choice.
 """
 
 # core: compiled
@@ -12,14 +12,14 @@ from __future__ import annotations
 SIGN, EXPONENT, FRACTION = 1 << 31, 0xFF, 0x7F_FFFF
 HIDDEN = 1 << 23
 INFINITY = EXPONENT << 23
-BIAS = 150  # for an integer mantissa of 24 bits
-LARGEST = EXPONENT - BIAS - 1  # exponent of such a mantissa
+BIAS = 150  # a float32 is an integer mantissa of 24 bits times 2 ** (exponent field - BIAS)
+LARGEST = EXPONENT - BIAS - 1  # largest exponent of an integer mantissa of a finite number
 MANTISSA_BITS = 24
-APART = 32  # bits: a summand smaller by this much only affects rounding
+APART = 32  # if the exponents of two summands differ by more, the smaller summand only affects the rounding
 
 BITS = (1 << 32) - 1
 UNDERFLOW, OVERFLOW = 1 << 32, 1 << 33
-TOP, TOP_BIT = 1 << 62, 62  # a compiled `1 << n` has 32 bits
+TOP, TOP_BIT = 1 << 62, 62  # `TOP >> TOP_BIT - n` stands for `1 << n`, which has only 32 bits when compiled
 
 
 def is_zero(bits: int) -> bool:  # core: noexcept
@@ -39,12 +39,12 @@ def mantissa_of(bits: int) -> int:  # core: noexcept
 
 
 def exponent_of(bits: int) -> int:  # core: noexcept
-    """Return the power of two of such a mantissa's bit 0."""
+    """Return the exponent e for which the number is `mantissa_of(bits)` * 2 ** e."""
     return (bits >> 23 & EXPONENT) - BIAS
 
 
 def width(value: int) -> int:  # core: noexcept
-    """Return the number of bits of a positive number, up to 63."""
+    """Return the number of bits of a positive number, which has at most 63."""
     bits = 1
     if value >> 32:
         value, bits = value >> 32, 33
@@ -60,7 +60,10 @@ def width(value: int) -> int:  # core: noexcept
 
 
 def rounded(mantissa: int, exponent: int, to_nearest: bool, sign_of_zero: int = 0) -> int:
-    """Round mantissa * 2 ** exponent to a float32. The mantissa has up to 62 bits."""
+    """Return mantissa * 2 ** exponent as a result of this module. The mantissa has up to 62 bits.
+
+    to_nearest: True to round to nearest even, False to round towards zero. sign_of_zero: the result if it is zero.
+    """
     if mantissa == 0:
         return sign_of_zero
     sign = SIGN if mantissa < 0 else 0
@@ -116,15 +119,18 @@ def from_integer(value: int, to_nearest: bool) -> int:
 
 
 def to_integer(bits: int, least: int, most: int, nearest: bool = False) -> int:
-    """Convert to an integer, towards zero or to nearest even, saturated to bounds of up to 32 bits."""
+    """Return a float32 as an integer, limited to `least` and `most`, which have up to 32 bits.
+
+    nearest: True to round to nearest even, False to round towards zero.
+    """
     exponent = exponent_of(bits)
-    if exponent > 8:  # 2 ** 32 and more, infinity
+    if exponent > 8:  # the size is 2 ** 32 or more, or infinity
         return least if bits & SIGN else most
     mantissa = mantissa_of(bits)
     size = -mantissa if mantissa < 0 else mantissa
     if exponent >= 0:
         size <<= exponent
-    elif exponent < -MANTISSA_BITS:  # less than a half
+    elif exponent < -MANTISSA_BITS:  # the size is less than a half
         size = 0
     else:
         half = TOP >> TOP_BIT + 1 + exponent
@@ -138,7 +144,7 @@ def to_integer(bits: int, least: int, most: int, nearest: bool = False) -> int:
 
 
 def fraction(bits: int) -> int:
-    """Return the fractional part, with the number's sign."""
+    """Return the fractional part of a number, with the sign of the number."""
     if is_infinite(bits):
         return 0
     mantissa, exponent = mantissa_of(bits), exponent_of(bits)
@@ -151,7 +157,7 @@ def fraction(bits: int) -> int:
 
 
 def order(bits: int) -> int:  # core: noexcept
-    """Return an integer that orders like the float; zeros and denormals are equal, NaN is infinity."""
+    """Return an integer that compares as the float does. Zeros and denormals are equal, and NaN equals infinity."""
     if is_zero(bits):
         return 0
     size = bits & 0x7FFF_FFFF
@@ -161,13 +167,13 @@ def order(bits: int) -> int:  # core: noexcept
 
 
 def estimate_of_inverse(bits: int) -> int:
-    """Return 1 / x to 8 bits; TI's table is not published."""
+    """Return 1 / x to 8 bits. The chip uses a table that TI has not published, so its results may differ."""
     sign = bits & SIGN
     if is_zero(bits):
         return sign | INFINITY | OVERFLOW
     if is_infinite(bits):
         return sign | UNDERFLOW
-    quotient = UNDERFLOW // (bits & FRACTION | HIDDEN)  # 2 ** 32 by 24 bits: 2 ** 8 to 2 ** 9
+    quotient = UNDERFLOW // (bits & FRACTION | HIDDEN)  # 2 ** 32 divided by a 24-bit mantissa: 2 ** 8 to 2 ** 9
     return rounded(-quotient if sign else quotient, -32 - exponent_of(bits), True, sign)
 
 
@@ -186,7 +192,7 @@ def estimate_of_inverse_root(bits: int) -> int:
 
 
 def whole_root(value: int) -> int:
-    """Return the square root of up to 26 bits, rounded down."""
+    """Return the square root of a number of up to 26 bits, rounded down."""
     root = 0
     bit = 1 << 12
     while bit:

@@ -1,6 +1,8 @@
-"""The FPU. Each function is one form of `encodings.toml`, by its id.
+"""The FPU.
 
-Results are written at once, as a program with correct delay slots sees them; `fpu_pipeline` delays them.
+A function that has the id of a form of `encodings.toml` as its name executes this form.
+Results are written at once, which makes no difference for a program with correct delay slots. `delay_slots.delay` makes
+an operation write its results late, as the chip does.
 Source: SPRUEO2A chapter 4.
 """
 
@@ -29,7 +31,7 @@ from .float32 import (
 )
 from .registers import LUF, LVF, M16, M32, NF, NI, RND32, TF, ZF, ZI, s16, s32
 
-__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
+__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
 
 UNCF = 15
 
@@ -39,7 +41,7 @@ def nearest(cpu: Cpu) -> bool:
 
 
 def result(cpu: Cpu, number: int, value: int) -> None:
-    """Write RnH and set LUF and LVF from an operation's result."""
+    """Write a result of `float32` to RnH, and set LUF after an underflow, LVF after an overflow."""
     cpu.r[number] = value & BITS
     if value & UNDERFLOW:
         cpu.stf |= LUF
@@ -48,7 +50,7 @@ def result(cpu: Cpu, number: int, value: int) -> None:
 
 
 def moved(cpu: Cpu, number: int, bits: int) -> None:
-    """Write RnH from a move; set flags of the value as float and as integer."""
+    """Write RnH by a move, and set NF and ZF by the bits as a float, NI and ZI by the bits as an integer."""
     cpu.r[number] = bits
     flags = (NF | NI if bits & SIGN else 0) | (ZF if is_zero(bits) else 0) | (ZI if bits == 0 else 0)
     if flags & ZF:
@@ -57,14 +59,14 @@ def moved(cpu: Cpu, number: int, bits: int) -> None:
 
 
 def compare(cpu: Cpu, a: int, b: int) -> int:
-    """Set NF and ZF of a - b; return its sign."""
+    """Set NF and ZF by a - b. Return a number that has the sign of a - b."""
     first, second = order(a), order(b)
     cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if first == second else 0) | (NF if first < second else 0)
     return first - second
 
 
 def condition(cpu: Cpu, code: int) -> bool:
-    """Evaluate CNDF."""
+    """Return True if the FPU condition CNDF with this code is true."""
     zero, negative = bool(cpu.stf & ZF), bool(cpu.stf & NF)
     match code:
         case 0:
@@ -156,7 +158,7 @@ def NEGF32_RaH_RbH_CNDF(cpu: Cpu, f: Operation) -> None:
         cpu.stf = cpu.stf & ~(NF | ZF) | (ZF if zero else NF if bits & SIGN else 0)
 
 
-# In parallel: both halves read the old values -----------------------------------------------------------------------
+# Two parallel operations, which both read the old values ------------------------------------------------------------
 
 
 def _with_load(cpu: Cpu, f: Operation, value: int) -> None:
@@ -208,7 +210,10 @@ def MPYF32_RaH_RbH_RcH_par_SUBF32_RdH_ReH_RfH(cpu: Cpu, f: Operation) -> None:
 
 
 def _accumulate(cpu: Cpu, f: Operation, total: int, product: int) -> None:
-    """Add the previous product to the total, compute the next one, and load a register."""
+    """Add the previous product to the total, compute the next product, and load a register.
+
+    total, product: numbers of the FPU registers with the total and the previous product.
+    """
     bits = cpu.read32()
     value = product_of(cpu.r[f.u], cpu.r[f.v], nearest(cpu))
     add(cpu, total, cpu.r[total], cpu.r[product])
@@ -225,7 +230,7 @@ def MACF32_R7H_R6H_RdH_ReH_RfH_par_MOV32_RaH_mem32(cpu: Cpu, f: Operation) -> No
 
 
 def MACF32_R7H_R3H_mem32_indXAR7inc(cpu: Cpu, f: Operation) -> None:
-    """Passes 1, 3, ... accumulate in R3H, passes 2, 4, ... in R7H."""
+    """Accumulate in R3H in passes 1, 3, ... of RPT, in R7H in passes 2, 4, ..."""
     total, product = (7, 6) if cpu.passes & 1 else (3, 2)
     address = cpu.xar[7]
     cpu.xar[7] = address + 2 & M32
@@ -354,5 +359,5 @@ def UI32TOF32_RaH_RbH(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
+    """Make an operation execute the function of this name. Raise KeyError if this module does not have it."""
     f.execute = globals()[name]

@@ -1,5 +1,6 @@
-"""Moves and flags of the FPU. Each function is one form of `encodings.toml`, by its id.
+"""Moves and flags of the FPU.
 
+A function that has the id of a form of `encodings.toml` as its name executes this form.
 Source: SPRUEO2A chapter 4.
 """
 
@@ -12,14 +13,14 @@ from .cpu import Cpu, Operation
 from .fpu import UNCF, condition, moved
 from .registers import HIGH16, LUF, LVF, M16, NF, NI, SHDWS, STF_WRITTEN, TF, ZF, ZI, IllegalOperation
 
-__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
+__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
 
-WINDOW, WINDOW_END = 0x0F00, 0x0F30  # addresses of R0H to R7H in moves
-MEMORY = -1
+WINDOW, WINDOW_END = 0x0F00, 0x0F30  # a move with an address in this range accesses an FPU register
+MEMORY = -1  # instead of the number of an FPU register
 
 
 def register_of(address: int) -> int:
-    """Return the number of the FPU register at a move's address; MEMORY for memory."""
+    """Return n if a move with this address accesses RnH, and MEMORY if it accesses memory."""
     if not WINDOW <= address < WINDOW_END:
         return MEMORY
     number, rest = (address - FPU_FIRST) // FPU_APART, (address - FPU_FIRST) % FPU_APART
@@ -110,7 +111,7 @@ def TESTTF_CNDF(cpu: Cpu, f: Operation) -> None:
 
 
 def MOVST0_FLAG(cpu: Cpu, f: Operation) -> None:
-    """Copy flags of STF to ST0: two that share a bit there are ORed."""
+    """Copy the selected flags of STF to ST0. Two flags that belong to the same bit of ST0 are ORed."""
     v = (LVF if f.g & 1 else 0) | (LUF if f.g & 2 else 0)
     n = (NF if f.g & 4 else 0) | (NI if f.g & 8 else 0)
     z = (ZF if f.g & 0x10 else 0) | (ZI if f.g & 0x20 else 0)
@@ -145,5 +146,5 @@ def RESTORE(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
+    """Make an operation execute the function of this name. Raise KeyError if this module does not have it."""
     f.execute = globals()[name]

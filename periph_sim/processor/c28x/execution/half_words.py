@@ -1,6 +1,7 @@
-"""AX and 16-bit operands: add, subtract, compare, logic. Each function is one form of `encodings.toml`, by its id.
+"""AX and 16-bit operands: add, subtract, compare, logic.
 
-Source: SPRU430F chapter 6. V is only set here, never cleared [Table 2-7].
+A function that has the id of a form of `encodings.toml` as its name executes this form.
+These instructions set V after an overflow, but never clear it [Table 2-7]. Source: SPRU430F chapter 6.
 """
 
 # core: compiled
@@ -10,7 +11,7 @@ from __future__ import annotations
 from .cpu import Cpu, Operation, mirrored
 from .registers import M16, SIGN16, s16
 
-__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
+__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
 
 
 def sum16(cpu: Cpu, a: int, b: int) -> int:
@@ -33,18 +34,18 @@ def difference16(cpu: Cpu, a: int, b: int) -> int:
 
 
 def compared16(cpu: Cpu, a: int, b: int) -> None:
-    """Set flags of a - b; N is the sign of the exact difference."""
+    """Set N, Z and C by a - b; N is the sign of the exact difference."""
     cpu.n, cpu.z, cpu.c = int(s16(a) < s16(b)), int(a == b), int(a >= b)
 
 
 def put(cpu: Cpu, x: int, value: int) -> None:
-    """Write AX and its flags."""
+    """Write AL (x = 0) or AH (x = 1), and set N and Z by the value."""
     cpu.put_ax(x, value & M16)
     cpu.nz16(value & M16)
 
 
 def write(cpu: Cpu, value: int) -> None:
-    """Write the operand and its flags, in memory or a register."""
+    """Write the operand in memory or in a register, and set N and Z by the value."""
     cpu.write16(value & M16)
     cpu.nz16(value & M16)
 
@@ -216,7 +217,7 @@ def byte_of(cpu: Cpu) -> int:
 
 
 def with_byte(cpu: Cpu, byte: int) -> int:
-    """Return the operand's word with its byte replaced."""
+    """Return the word of the operand, with the byte that the operand addresses replaced."""
     word = cpu.read16()
     return word & 0xFF | byte << 8 if cpu.high_byte else word & 0xFF00 | byte
 
@@ -238,5 +239,5 @@ def MOVB_loc16_AX_MSB(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
+    """Make an operation execute the function of this name. Raise KeyError if this module does not have it."""
     f.execute = globals()[name]

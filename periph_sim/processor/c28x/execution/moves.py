@@ -1,6 +1,7 @@
-"""Moves between registers and memory, and address registers. Each function is one form of `encodings.toml`, by its id.
+"""Moves between registers and memory, and address registers.
 
-Forms for one address register have a common function: `MOVB_XAR6_8` is executed by `MOVB_XARn_8`, where n is 6.
+A function that has the id of a form of `encodings.toml` as its name executes this form.
+Forms that differ only in the address register have one function: `MOVB_XARn_8` executes `MOVB_XAR6_8` with n = 6.
 Source: SPRU430F chapter 6; section 5.8 (which addresses step under RPT).
 """
 
@@ -12,7 +13,7 @@ from .accumulator import logic
 from .cpu import Cpu, Operation
 from .registers import HIGH16, M16, M32, s16
 
-__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
+__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
 
 PMA = 0x3F_0000
 
@@ -232,7 +233,7 @@ def SBRK_8(cpu: Cpu, f: Operation) -> None:
 
 
 def compared(cpu: Cpu) -> int:
-    """AR(ARP) less AR0."""
+    """Return AR(ARP) - AR0."""
     return (cpu.xar[cpu.arp] & M16) - (cpu.xar[0] & M16)
 
 
@@ -315,5 +316,5 @@ def ZALR_ACC_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
+    """Make an operation execute the function of this name. Raise KeyError if this module does not have it."""
     f.execute = globals()[name]

@@ -1,5 +1,6 @@
-"""Multiply, and multiply with accumulate. Each function is one form of `encodings.toml`, by its id.
+"""Multiply, and multiply with accumulate.
 
+A function that has the id of a form of `encodings.toml` as its name executes this form.
 Source: SPRU430F chapter 6; section 5.8 (which program addresses step under RPT).
 """
 
@@ -11,13 +12,13 @@ from .accumulator import add, difference_ovcu, logic, subtract, sum_ovcu
 from .cpu import Cpu, Operation
 from .registers import M32, s16, s32
 
-__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
+__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
 
 PMA = 0x3F_0000
 
 
 def product_low(cpu: Cpu, product: int) -> int:
-    """Return the low 38 bits of a 64-bit product, shifted by PM, to 32 bits."""
+    """Shift the low 38 bits of a 64-bit product by PM, and return the low 32 bits of the result."""
     return ((product & M32) << 1 if cpu.pm == 0 else product >> cpu.pm - 1) & M32
 
 
@@ -106,7 +107,7 @@ def SQRS_loc16(cpu: Cpu, f: Operation) -> None:
     cpu.p = s16(value) * s16(value) & M32
 
 
-# Load T beside P ----------------------------------------------------------------------------------------------------
+# Load T, and use the old P --------------------------------------------------------------------------------------------
 
 
 def MOVA_T_loc16(cpu: Cpu, f: Operation) -> None:
@@ -136,7 +137,7 @@ def MOVS_T_loc16(cpu: Cpu, f: Operation) -> None:
 
 
 def accumulate(cpu: Cpu, address: int) -> None:
-    """ACC += P shifted; T = operand; P = T times a word of program memory."""
+    """Add P, shifted by PM, to ACC; load T with the operand; set P to T times the program word at `address`."""
     value = cpu.read16()
     factor = cpu.program16(address)
     add(cpu, cpu.psh())
@@ -145,7 +146,7 @@ def accumulate(cpu: Cpu, address: int) -> None:
 
 
 def stepping(cpu: Cpu, by: int) -> int:
-    """Return XAR7, and add `by` to it unless the operand field has changed XAR7 already."""
+    """Return XAR7. Then add `by` to XAR7, unless the addressing mode of the operand has changed XAR7 already."""
     address = cpu.xar[7]
     own = cpu.field in (0x87, 0x8F) or (cpu.arp == 7 and 0xB9 <= cpu.field <= 0xBC)
     if not own:
@@ -175,7 +176,7 @@ def XMACD_P_loc16_ind_pma(cpu: Cpu, f: Operation) -> None:
 
 
 def dual(cpu: Cpu, address: int) -> None:
-    """Accumulate two products: upper halves into ACC, lower halves into P."""
+    """Multiply two pairs of 16-bit numbers: add the product of the upper halves to ACC, of the lower halves to P."""
     cpu.xt = cpu.read32()
     factor = program32(cpu, address)
     upper, lower = s16(cpu.xt >> 16) * s16(factor >> 16), s16(cpu.xt & 0xFFFF) * s16(factor & 0xFFFF)
@@ -287,5 +288,5 @@ def MOVH_loc16_P(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
+    """Make an operation execute the function of this name. Raise KeyError if this module does not have it."""
     f.execute = globals()[name]

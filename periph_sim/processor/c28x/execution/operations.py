@@ -1,4 +1,4 @@
-"""Convert decoded instructions to operations ready to execute.
+"""Convert decoded instructions to operations, which are ready to execute.
 
 Source: SPRU430F Table 5-1 and section 5.10 (forms with byte operands).
 """
@@ -26,9 +26,8 @@ from . import (
 )
 from .cpu import READS, WRITES, Operation
 
-OF_ONE_XAR = re.compile(
-    r"((?:[A-Z]+|MOVL_loc32)_X?AR)(\d)(_[a-z0-9]+)?"
-)  # forms for one address register: a family has one function
+# The id of a form for one address register. Forms that differ only in the register have one function.
+OF_ONE_XAR = re.compile(r"((?:[A-Z]+|MOVL_loc32)_X?AR)(\d)(_[a-z0-9]+)?")
 MODULES = (accumulator, half_words, multiply, shifts, moves, stack, branches, control, fpu, fpu_moves)
 
 _forms: dict[str, Operation] = {}
@@ -57,7 +56,10 @@ def operation(instruction: Instruction) -> Operation:
 
 
 def form_of(encoding: Encoding) -> Operation:
-    """Return the common part of a form's operations. Raise KeyError if no function has its name."""
+    """Return an operation with all that the operations of a form have in common, made at the first call.
+
+    Raise KeyError if no function executes the form.
+    """
     found = _forms.get(encoding.id)
     if found is None:
         found = _forms[encoding.id] = _form_of(encoding)
@@ -82,7 +84,7 @@ def _form_of(encoding: Encoding) -> Operation:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Bind an operation to the function of this name in one of MODULES."""
+    """Make an operation execute the function of this name in one of MODULES. Raise KeyError if there is none."""
     for module in MODULES:
         try:
             module.bind(f, name)

@@ -17,11 +17,11 @@ CODE = 0x3F_FFFF  # bits of a program address
 SIGN16, SIGN32 = 1 << 15, 1 << 31
 ACC_UNIT = 1 << 32  # weight of bit 0 of ACC in ACC:P
 
-ST1_RESET = 0x0A0B  # as the boot ROM leaves it: OBJMODE, M0M1MAP, VMAP, DBGM, INTM
+ST1_RESET = 0x0A0B  # as the boot ROM leaves ST1: OBJMODE, M0M1MAP, VMAP, DBGM and INTM are 1
 SP_RESET = 0x400
-ARP, ARP_MASK = 13, 0xE000  # lowest bit and mask of the field in ST1
+ARP, ARP_MASK = 13, 0xE000  # lowest bit and mask of the field ARP in ST1
 SPA = 1 << 4
-READ_ONLY = 0x00A0  # LOOP and IDLESTAT
+READ_ONLY = 0x00A0  # LOOP and IDLESTAT in ST1
 
 # STF
 LVF, LUF, NF, ZF, NI, ZI, TF, RND32 = (1 << bit for bit in (0, 1, 2, 3, 4, 5, 6, 9))
@@ -34,10 +34,16 @@ class IllegalOperation(Exception):
 
 
 class Registers:
-    """The registers of a CPU, by their names.
+    """The registers of a CPU, and the fields of ST0, by their names.
 
-    xar: XAR0 to XAR7. ovc: -32 to 31. pm: as in ST0. r: R0H to R7H as bits. pc: address of the next instruction.
-    st1: without ARP, which is `arp`. due: see `fpu_pipeline`.
+    xar: XAR0 to XAR7.
+    ovc: the overflow counter, -32 to 31.
+    pm: the product shift mode, coded as in ST0.
+    r, shadow_r: R0H to R7H, and their shadow registers, as the bits of float32 numbers.
+    pc: the address of the next instruction.
+    st1: ST1 without the field ARP, which is in `arp`.
+    due, due_r, due_flags: mask of the FPU registers with a pending late result, the results, and pending LUF and LVF.
+    before_r: R0H to R7H before the present instruction. For these four, see `delay_slots`.
     """
 
     STATE = State(
@@ -86,12 +92,12 @@ class Registers:
         return self.st1 & ~ARP_MASK | self.arp << ARP
 
     def put_st1(self, value: int) -> None:
-        """Write ST1; LOOP and IDLESTAT are read-only."""
+        """Write ST1, except LOOP and IDLESTAT, which are read-only."""
         self.st1 = value & ~READ_ONLY | self.st1 & READ_ONLY
         self.arp = value >> ARP & 7
 
     def change_st1(self, mask: int, on: bool) -> None:
-        """Set or clear bits of ST1 by an instruction."""
+        """Set (on) or clear the bits of ST1 in `mask`, as an instruction does."""
         self.st1 = self.st1 | mask if on else self.st1 & ~mask
 
     def whole_ier(self) -> int:
@@ -110,7 +116,7 @@ class Registers:
         self.put_ifr(self.ifr & mask)
 
     def put_ovc(self, value: int) -> None:  # core: C only
-        """Set OVC from 6 bits, signed."""
+        """Set OVC to the low 6 bits of a value, which are a signed number."""
         self.ovc = ((value & 0x3F) ^ 0x20) - 0x20
 
     def nz16(self, value: int) -> None:  # core: C only
@@ -120,7 +126,7 @@ class Registers:
         self.n, self.z = value >> 31, int(value == 0)
 
     def condition(self, code: int) -> bool:  # core: C only
-        """Evaluate COND [SPRU430F Table 2-10]. Testing V clears it."""
+        """Return True if COND with this code is true [SPRU430F Table 2-10]. A test of V clears V."""
         match code:
             case 0:
                 return not self.z
@@ -168,24 +174,24 @@ class Registers:
         self.xt = self.xt & M16 | value << 16
 
     def put_ar(self, n: int, value: int) -> None:  # core: C only
-        """Write the lower half of XARn; keep the upper one."""
+        """Write the lower half of XARn, and keep the upper half."""
         self.xar[n] = self.xar[n] & HIGH16 | value & M16
 
     def acc_p(self) -> int:
-        """Return ACC:P, signed."""
+        """Return ACC:P as a signed 64-bit number."""
         return s32(self.acc) * ACC_UNIT | self.p
 
     def put_acc_p(self, value: int) -> None:  # core: C only
-        """Write ACC:P and its flags; bits above 63 are dropped."""
+        """Write the low 64 bits of a value to ACC:P, and set N and Z."""
         self.acc, self.p = value >> 32 & M32, value & M32
         self.n, self.z = self.acc >> 31, int(not self.acc | self.p)
 
     def x16(self, value: int) -> int:  # core: C only
-        """Extend 16 bits to 32 according to SXM."""
+        """Return 16 bits extended to 32: with the sign if SXM is 1, else with zeros."""
         return value | HIGH16 if self.sxm and value & SIGN16 else value
 
     def psh(self) -> int:  # core: C only
-        """Return P shifted by PM, to 32 bits."""
+        """Return P shifted as PM selects, in 32 bits."""
         if self.pm == 0:
             return self.p << 1 & M32
         return s32(self.p) >> self.pm - 1 & M32

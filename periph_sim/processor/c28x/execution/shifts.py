@@ -1,6 +1,7 @@
-"""Shifts of ACC, AX and ACC:P. Each function is one form of `encodings.toml`, by its id.
+"""Shifts of ACC, AX and ACC:P.
 
-C is the last bit shifted out, 0 for a shift of 0. Source: SPRU430F chapter 6.
+A function that has the id of a form of `encodings.toml` as its name executes this form.
+C is the last bit that was shifted out; it is 0 for a shift by 0. Source: SPRU430F chapter 6.
 """
 
 # core: compiled
@@ -12,7 +13,7 @@ from .cpu import Cpu, Operation
 from .half_words import put
 from .registers import M16, M32, s16, s32
 
-__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
+__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
 
 
 def left(cpu: Cpu, value: int, shift: int, bits: int) -> int:
@@ -21,7 +22,7 @@ def left(cpu: Cpu, value: int, shift: int, bits: int) -> int:
 
 
 def right(cpu: Cpu, value: int, shift: int) -> int:
-    """Shift right and set C: arithmetically for a signed value, else logically."""
+    """Return a value shifted right, and set C. A negative value is shifted arithmetically."""
     cpu.c = value >> shift - 1 & 1 if shift else 0
     return value >> shift
 
@@ -91,7 +92,7 @@ def ASR_AX_T(cpu: Cpu, f: Operation) -> None:
 
 
 def left64(cpu: Cpu, shift: int) -> None:
-    """Shift ACC:P left, as two halves."""
+    """Shift ACC:P left by 0 to 63, in two halves of 32 bits."""
     acc, p = cpu.acc, cpu.p
     cpu.c = 0 if not shift else acc >> 32 - shift & 1 if shift <= 32 else p >> 64 - shift & 1
     if shift < 32:
@@ -110,7 +111,7 @@ def LSL64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
 
 
 def right64(cpu: Cpu, shift: int) -> None:
-    """Shift ACC:P right logically, as two halves."""
+    """Shift ACC:P right logically by 0 to 63, in two halves of 32 bits."""
     acc, p = cpu.acc, cpu.p
     cpu.c = 0 if not shift else p >> shift - 1 & 1 if shift <= 32 else acc >> shift - 33 & 1
     if shift < 32:
@@ -140,7 +141,10 @@ def ASR64_ACC_P_T(cpu: Cpu, f: Operation) -> None:
 
 
 def normalise(cpu: Cpu, n: int, step: int) -> None:
-    """Shift a redundant sign bit out and count it in XARn; TC is set if none is left."""
+    """Execute one pass of NORM: if ACC has a redundant sign bit, shift ACC left by one and add `step` to XARn.
+
+    Set TC if there is no redundant sign bit, or ACC is 0; else clear TC.
+    """
     if cpu.acc and cpu.acc >> 31 == cpu.acc >> 30 & 1:
         cpu.acc = cpu.acc << 1 & M32
         cpu.xar[n] = cpu.xar[n] + step & M32
@@ -179,5 +183,5 @@ def NORM_ACC_XARndec(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
+    """Make an operation execute the function of this name. Raise KeyError if this module does not have it."""
     f.execute = globals()[name]

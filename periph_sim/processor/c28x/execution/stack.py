@@ -1,6 +1,8 @@
-"""PUSH and POP, and stack pointer alignment. Each function is one form of `encodings.toml`, by its id.
+"""PUSH and POP, and stack pointer alignment.
 
-A pair's second name is the lower half. POP ACC, PUSH XAR4 and similar ones are moves. Source: SPRU430F chapter 6.
+A function that has the id of a form of `encodings.toml` as its name executes this form.
+Of two registers that are pushed together, the second one named is at the lower address: AR0 in PUSH AR1:AR0. POP ACC,
+PUSH XAR4 and similar instructions are aliases of moves. Source: SPRU430F chapter 6.
 """
 
 # core: compiled
@@ -10,7 +12,7 @@ from __future__ import annotations
 from .cpu import Cpu, Operation
 from .registers import CODE, HIGH16, M16, SPA
 
-__all__ = ("bind",)  # all other functions are compiled to C functions, which `bind` finds
+__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
 
 
 def _push_halves(cpu: Cpu, n: int, shift: int) -> None:
@@ -150,7 +152,7 @@ def POP_RB(cpu: Cpu, f: Operation) -> None:
 
 
 def ASP(cpu: Cpu, f: Operation) -> None:
-    """Make SP even, and record whether it was odd."""
+    """Make SP even. Set SPA in ST1 if SP was odd, else clear SPA."""
     odd = cpu.sp & 1
     cpu.sp = cpu.sp + odd & M16
     cpu.change_st1(SPA, bool(odd))
@@ -163,5 +165,5 @@ def NASP(cpu: Cpu, f: Operation) -> None:
 
 
 def bind(f: Operation, name: str) -> None:
-    """Bind an operation to the function of this name. Raise KeyError if it is not here."""
+    """Make an operation execute the function of this name. Raise KeyError if this module does not have it."""
     f.execute = globals()[name]

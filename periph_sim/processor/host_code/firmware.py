@@ -161,7 +161,7 @@ class Run:
         return found
 
     def _call(self, address: int) -> None:
-        """Run the C function at a host address to its end. Raise FirmwareLost if the host's processor signals a fault."""
+        """Run the C function at a host address to its end. Raise FirmwareLost if the host signals a fault."""
         enter_c()
         how = self.library.run(address)
         raised, self._raised = self._raised, None

@@ -1,1 +1,1 @@
-"""The commands, one file for each. A command receives parsed arguments, calls the library, and prints the result."""
+"""The commands of periph-sim, one file each. A command parses arguments, calls the library and prints the result."""

@@ -1,4 +1,4 @@
-"""`periph-sim assemble SOURCE FILE`: a program in C28x assembly becomes an image."""
+"""`periph-sim assemble SOURCE FILE`: assemble a program in C28x assembly, and write it as an image."""
 
 from __future__ import annotations
 

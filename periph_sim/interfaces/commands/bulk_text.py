@@ -1,9 +1,9 @@
-"""Bulk formatting of columns of numbers and words as bytes, without a Python step for each line.
+"""Bulk formatting of columns of numbers and words as bytes, without a Python statement for each line.
 
     | digits | literal | words of a table | --> one array of characters with a row for each line --> bytes
 
-Values shorter than their column are padded with NUL, and all NULs are removed at the end; or with blanks, in columns
-that are aligned.
+A value that is shorter than its column is padded: with blanks in columns that are aligned, otherwise with NULs.
+Finally, all NULs are removed.
 """
 
 from __future__ import annotations
@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 Characters = NDArray[np.uint8]
 Numbers = NDArray[np.int64]
 
-AT_ONCE = 1 << 15  # number of lines formatted at a time, so that their characters stay in the processor's cache
+AT_ONCE = 1 << 15  # number of lines that are formatted at a time; their characters fit into the processor's cache
 BLANK, NONE = b" ", b"\0"
-MAX_TABLE = 1 << 24  # codes up to this value are numbered by a table, larger ones by sorting
+MAX_TABLE = 1 << 24  # codes up to this value are numbered by a table; larger codes are numbered by sorting
 
-# Four digits as one machine word: to select many of these is ten times as fast as to select rows of four bytes.
+# The four digits of each number below 10,000 as one machine word. Selecting words is ten times as fast as selecting
+# rows of four bytes.
 _FOUR = (np.arange(10_000)[:, None] // (1000, 100, 10, 1) % 10 + ord("0")).astype(np.uint8).view(np.uint32)[:, 0]
 
 
@@ -37,7 +38,11 @@ class Literal:
 
 
 class Digits:
-    """A column of non-negative integers, right-aligned; the last `decimals` digits follow a decimal point."""
+    """A column of non-negative integers, right-aligned. The last `decimals` digits are after a decimal point.
+
+    pad: the character before the first digit: BLANK or NONE.
+    width: the minimum width of the column.
+    """
 
     def __init__(self, values: Numbers, decimals: int = 0, pad: bytes = BLANK, width: int = 0) -> None:
         largest = int(values.max()) if len(values) else 0
@@ -70,7 +75,13 @@ class Digits:
 
 
 class Words:
-    """A column with one of a few texts in each line. Each text is `text_of(code)`; codes are small integers from 0."""
+    """A column with one of a few texts in each line.
+
+    codes: the code of each line, an integer from 0.
+    text_of: a function that returns the text of a code.
+    pad: the character after the last character of a text: BLANK or NONE.
+    width: the minimum width of the column.
+    """
 
     def __init__(self, codes: Numbers, text_of: Callable[[int], str], pad: bytes = NONE, width: int = 0) -> None:
         used, self._place = numbered(codes)
@@ -84,7 +95,7 @@ class Words:
 
 
 class Sparse:
-    """Columns that are empty in most lines. Their n-th value is written to line where[n] of the page."""
+    """Columns that are empty in most lines. where: the line of the n-th value of each column, in increasing order."""
 
     def __init__(self, columns: Sequence[Column], where: Numbers) -> None:
         self._columns = columns
@@ -102,13 +113,13 @@ class Sparse:
         into[self._where[begin:end] - lines.start] = page
 
 
-# A column has the same width in every line. Its `fill` writes some lines into an array of shape (number of lines,
-# width).
+# A column has the same width in every line. The method `fill` writes some lines of the column into an array with the
+# shape (number of these lines, width).
 Column: TypeAlias = "Literal | Digits | Words | Sparse"
 
 
 def numbered(codes: Numbers) -> tuple[Numbers, Numbers]:
-    """Return the codes that occur, in order, and for each code its index among them."""
+    """Return the different codes in increasing order, and for each element of `codes` its index in this array."""
     if len(codes) and int(codes.max()) > MAX_TABLE:
         return np.unique(codes, return_inverse=True)
     there = np.zeros(int(codes.max()) + 1 if len(codes) else 0, bool)
@@ -120,7 +131,7 @@ def numbered(codes: Numbers) -> tuple[Numbers, Numbers]:
 
 
 def text(columns: Sequence[Column], lines: int) -> Iterator[bytes]:
-    """Yield the lines as bytes in several pieces. lines: the number of lines."""
+    """Yield the lines of a text as bytes, AT_ONCE lines at a time. lines: the number of all lines."""
     bounds = np.cumsum([0, *(column.width for column in columns)]).tolist()
     for begin in range(0, lines, AT_ONCE):
         some = slice(begin, min(begin + AT_ONCE, lines))

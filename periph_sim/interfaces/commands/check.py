@@ -73,7 +73,7 @@ def check(
         project = project_of(Path())
         if junit_file is not None or html_file is not None:
             note_inputs(case_files(paths or project.cases()), but_baselines=update)
-        # Outputs are opened before the runs, so that a file that cannot be written is reported at once.
+        # Output files are opened before the runs, so that it is reported at once if one cannot be written.
         unfinished, unfinished_html = (
             None if file is None else outputs.enter_context(atomic_write(file)) for file in (junit_file, html_file)
         )
@@ -131,7 +131,7 @@ def check(
         from ..reports.baselines.ci_output import github
 
         for line in github(checks, refused):
-            # GitHub reads both streams; with --json, standard output must remain one JSON object.
+            # GitHub reads standard output and standard error. With --json, standard output must remain one JSON object.
             click.echo(line, err=as_json)
     if refused:
         return 2
@@ -196,7 +196,7 @@ LEGEND = "columns count budgets; must break: named in `breaks`; baseline: change
 
 
 def _row(one: CaseCheck) -> tuple[tuple[str, ...], str]:
-    """Return the cells and the style of a case: numbers of budgets by verdict, and the baseline's result."""
+    """Return the cells and the style of a case's row: the numbers of budgets by verdict, and the baseline's state."""
     words = [verdict.word for verdict in one.outcome.verdicts]
     numbers = [str(words.count(word)) for word in (SEEN, BROKEN, NOT_JUDGED)]
     changed = sum(not change.note for change in one.changes)

@@ -1,6 +1,6 @@
-"""The frame of every command: how it takes its usual options, reports mistakes in one sentence, and prints its answer.
+"""Code that all commands share: options that several commands have, reports of input errors, and output of answers.
 
-arguments --> RATE, JSON, ...: values   mistakes --> one line on standard error, status 2
+arguments --> RATE, JSON, ...: values   input errors --> one line on standard error, status 2
 answer -----> lines, tables within 80 columns, or one JSON object; styles are used only on a terminal
 """
 
@@ -37,7 +37,8 @@ Section = Literal["run", "understand", "traces", "sensors"]
 def command(section: Section, example: str) -> Callable[[Callable[..., object]], click.Command]:
     """Return a decorator that makes a function a command of periph-sim.
 
-    section: the section of `periph-sim --help` that lists it. example: the command line with which its own help begins.
+    section: the section of `periph-sim --help` that lists the command.
+    example: the command line with which the help of the command begins.
     """
 
     def made(function: Callable[..., object]) -> click.Command:
@@ -48,13 +49,13 @@ def command(section: Section, example: str) -> Callable[[Callable[..., object]],
     return made
 
 
-CODES = {"bold": 1, "dim": 2, "italic": 3, "red": 31, "yellow": 33}  # of the styles of lines, in escape sequences
+CODES = {"bold": 1, "dim": 2, "italic": 3, "red": 31, "yellow": 33}  # a dictionary from styles to ANSI escape codes
 UNSEEN = dict.fromkeys((7, 8, 11, 12, 13))  # control codes that are removed from lines
 TAB = 8
 
 
 def say(*texts: str, style: str = "") -> None:
-    """Print texts without breaking their lines, so that they can be searched for. style: a key of CODES, or ""."""
+    """Print texts without breaking their lines, so that the output can be searched. style: a key of CODES, or ""."""
     styled = bool(style) and _has_styles()
     for line in (line for text in texts for line in text.split("\n")):
         line = line.translate(UNSEEN).expandtabs(TAB)
@@ -62,7 +63,10 @@ def say(*texts: str, style: str = "") -> None:
 
 
 def _has_styles() -> bool:
-    """Return True if standard output is a terminal with styles, or if a variable says so."""
+    """Return True if output may have styles: if standard output is a terminal, or an environment variable requests it.
+
+    NO_COLOR and TERM can forbid styles.
+    """
     if os.environ.get("NO_COLOR") or os.environ.get("TERM") in ("dumb", "unknown"):
         return False
     return sys.stdout.isatty() or bool(os.environ.get("FORCE_COLOR")) or os.environ.get("TTY_COMPATIBLE") == "1"
@@ -74,11 +78,11 @@ def print_table(
     right: Collection[int] = (),
     whole: Collection[int] = (),
 ) -> None:
-    """Print a table with a line under its titles. It is as wide as the terminal, but at least 80 columns.
+    """Print a table with a line under the titles. The table may use the width of the terminal, but at least 80 columns.
 
-    rows: the cells of each row, and its style.
-    right: the numbers of the columns that are aligned at the right.
-    whole: the numbers of the columns whose cells are kept on one line.
+    rows: the cells and the style of each row.
+    right: the numbers, from 0, of the columns that are aligned at the right.
+    whole: the numbers, from 0, of the columns whose cells are kept on one line.
     """
     lowest = max(title.count("\n") for title in titles)
     low_titles = ["\n" * (lowest - title.count("\n")) + title for title in titles]
@@ -92,39 +96,41 @@ def print_table(
 
 
 def _columns() -> int:
-    """Return the number of columns, from the variable COLUMNS or from the terminal; 0 if there is none."""
+    """Return the number of columns of the terminal or of the variable COLUMNS; 0 if it is unknown."""
     said = os.environ.get("COLUMNS", "")
     if said.isdecimal():
         return int(said)
     for stream in (sys.__stdin__, sys.__stdout__, sys.__stderr__):
         try:
             return 0 if stream is None else os.get_terminal_size(stream.fileno()).columns
-        except (ValueError, OSError):  # the stream is closed or no terminal
+        except (ValueError, OSError):  # the stream is closed or is not a terminal
             pass
     return 0
 
 
-VERSION = 2  # incremented when a key is removed or changes its meaning, not for a new key
+VERSION = 2  # of the JSON output; incremented if a key is removed or changes its meaning, but not if a key is added
 
 
 def print_json(command: str, answer: Mapping[str, object]) -> None:
-    """Print one object on standard output. Its `schema` is the command, and its `schema_version` is VERSION.
+    """Print an answer as one JSON object on standard output.
 
-    Its last key, `form`, is the form of the core that was used.
+    The first keys of the object are `schema`, which names the command, and `schema_version`. The last key is `form`,
+    the form of the core that was used: compiled or interpreted.
     """
     head = {"schema": f"periph-sim {command}", "schema_version": VERSION}
     click.echo(json.dumps({**head, **answer, "form": form.running}, indent=2, ensure_ascii=False))
 
 
 def print_answer(command: str, answer: Mapping[str, object] | str) -> None:
-    """Print an answer, which is a text, or an object for JSON."""
+    """Print an answer: a text as it is, or a dictionary by `print_json`."""
     if isinstance(answer, str):
         click.echo(answer)
     else:
         print_json(command, answer)
 
 
-# Errors caused by input. They are given by name, so that a command that cannot raise an error need not import it.
+# Classes of errors caused by input. They are given by name, so that a command need not import errors that it cannot
+# raise.
 MISTAKES = {
     "periph_sim.interfaces.reports.baselines.files.BadCheck",
     "periph_sim.scene.case.model.BadCase",
@@ -144,7 +150,7 @@ MISTAKES = {
 
 
 def is_mistake(error: BaseException) -> bool:
-    """Return True if input caused the error; then its text is a sentence."""
+    """Return True if input caused an error. The text of such an error is a sentence."""
     return not MISTAKES.isdisjoint(f"{kind.__module__}.{kind.__qualname__}" for kind in type(error).__mro__)
 
 
@@ -168,14 +174,15 @@ def usage_errors_in_one_sentence() -> Iterator[None]:
         raise click.ClickException(str(error)) from None
 
 
-LONG = 5  # an interpreted run of this many seconds or more gets the advice to compile the core
-# CPU time of the shipped cases compiled, relative to interpreted; measured with `python -m tests.bench.forms`.
+LONG = 5  # in seconds; an interpreted run that takes at least this time gets the advice to compile the core
+# The CPU time of a compiled run as a share of the interpreted run, for the shipped cases. Measured with
+# `python -m tests.bench.forms`.
 SHARE = "a fifth to a fourteenth"
 
 
 @contextmanager
 def progress(name: str) -> Iterator[Callable[[float], None] | None]:
-    """Yield a function that displays the completed share, 0 to 1; None if the bar would not be visible."""
+    """Yield a function that displays the completed share, 0 to 1, as a bar; None if standard error is no terminal."""
     if not sys.stderr.isatty():
         yield None
         return
@@ -195,7 +202,8 @@ def progress(name: str) -> Iterator[Callable[[float], None] | None]:
 def cost_of_form(seconds: float) -> str:
     """Return advice to compile the core after an interpreted run of `seconds`.
 
-    Return "" if the run was short, a note on this has been printed already, or the interpreted form was requested.
+    Return "" if the core is compiled, if the run was short, if a note on the form has been printed already, or if the
+    user requested the interpreted form.
     """
     asked = os.environ.get(form.VARIABLE) == form.INTERPRETED
     if form.running != form.INTERPRETED or form.note or asked or seconds < LONG:
@@ -234,8 +242,10 @@ SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, if RUN does n
 
 
 def read_capture(path: Path, rate: str | None, salvage: bool = False, option: str = "--rate") -> Capture:
-    """Read the capture in a file. Raise BadCapture if it cannot be read.
+    """Read the capture in a file. Raise BadCapture if the file cannot be read.
 
+    rate: the sample rate as the user wrote it; None if the option is not given.
+    salvage: True to read a damaged file up to the damage.
     option: the name of the option for the rate, for messages.
     """
     from ...traces import formats
@@ -244,7 +254,7 @@ def read_capture(path: Path, rate: str | None, salvage: bool = False, option: st
 
 
 def rate_given(option: str, text: str) -> Fraction:
-    """Parse a rate above 0 in samples per second."""
+    """Parse a rate. Return samples per second, which are above 0. option: the name of the option, for messages."""
     from ...traces.capture.capture import rate_of
 
     try:
@@ -257,7 +267,7 @@ def rate_given(option: str, text: str) -> Fraction:
 
 
 def time_given(option: str, text: str) -> Fraction:
-    """Parse a time of 0 or more. Return seconds."""
+    """Parse a time of 0 or more. Return seconds. option: the name of the option, for messages."""
     from ...core.table import duration
 
     try:
@@ -267,7 +277,7 @@ def time_given(option: str, text: str) -> Fraction:
 
 
 def address_given(option: str, text: str) -> tuple[str, int]:
-    """Parse "[ADDRESS:]PORT". Return (address, port); the default address is that of this computer."""
+    """Parse "[ADDRESS:]PORT". Return (address, port); the default address is 127.0.0.1."""
     address, _, port = text.rpartition(":")
     if not port.isdecimal() or int(port) > 65535:
         raise click.UsageError(f"{option} {text!r}: expected a port up to 65535, or ADDRESS:PORT; 0 is any free port")
@@ -288,13 +298,13 @@ def length_given(text: str) -> Fraction:
 
 
 def check_file_name(place: Path) -> None:
-    """Reject a file name with characters that are difficult to type or to import."""
+    """Raise ClickException if a file name has characters that are difficult to type or to import."""
     if not FILE_NAME.fullmatch(place.name):
         raise click.ClickException(f"{place.name!r} is no name for files; expected letters, digits, '_' and '-'")
 
 
 def apart(**outputs: Path | None) -> None:
-    """Reject two options that name the same output file."""
+    """Raise ClickException if two options name the same output file. outputs: the path that each option names."""
     taken: dict[Path, str] = {}
     for option, path in outputs.items():
         if path is not None:
@@ -304,9 +314,9 @@ def apart(**outputs: Path | None) -> None:
 
 
 def _refuse_guaranteed(asked: bool | None) -> None:
-    """Reject --guaranteed, and `guaranteed = true` in the project's settings.
+    """Raise ClickException if --guaranteed is given, or if the project's settings contain `guaranteed = true`.
 
-    asked: the value of the option; None if it is not given.
+    asked: True for --guaranteed, False for --no-guaranteed, None if neither option is given.
     """
     from ...scene.project import project_of
     from ...timing.verdict import NOTHING_PROVEN
@@ -320,7 +330,10 @@ def _refuse_guaranteed(asked: bool | None) -> None:
 
 
 def open_run(path: Path, sysclk: str | None) -> Run:
-    """Open a recorded run. Raise BadCapture or NotInRun if the file does not contain one."""
+    """Open a recorded run. Raise BadCapture or NotInRun if the file does not contain a run.
+
+    sysclk: SYSCLKOUT as the user wrote it; None if the option is not given.
+    """
     from ...records.run import Run
 
     return Run.read(path, None if sysclk is None else rate_given("--sysclk", sysclk))

@@ -1,6 +1,6 @@
 """`periph-sim convert IN OUT`: convert a capture or a recorded run to another format.
 
-The output is read again and compared with the input. Each loss in OUT is reported in a note.
+OUT is read again and compared with IN. A note reports each loss in OUT.
 """
 
 from __future__ import annotations
@@ -106,7 +106,7 @@ def _sizes(capture: formats.Capture) -> str:
 
 
 def _not_kept(ready: formats.Capture, out: Path) -> Iterator[str]:
-    """Read OUT again, and yield a sentence for each loss in it. Raise BadCapture if its edges differ."""
+    """Read OUT again, and yield a sentence for each loss in OUT. Raise BadCapture if the edges in OUT differ."""
     if not any(
         out.name.casefold().endswith(suffix) for reader in formats.readers().values() for suffix in reader.SUFFIXES
     ):

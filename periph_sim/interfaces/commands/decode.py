@@ -141,7 +141,7 @@ def _text(found: list[Bus], capture: Capture, style: str, full: bool, whole: boo
 
 
 def _shortest(text: str, capture: Capture) -> int:
-    """Convert the value of --glitch to a number of positions. Pulses that are shorter are glitches."""
+    """Convert the value of --glitch to a number of positions. Shorter pulses are ignored as glitches."""
     match = re.fullmatch(r"\s*(\d{1,18}(?:\.\d{1,18})?)\s*([a-z]*)\s*", text)
     if not match or (match[2] and match[2] not in A_SECOND) or (not match[2] and not match[1].isdecimal()):
         raise click.ClickException(
@@ -172,7 +172,11 @@ SIGROK = {
 def in_pcapng(
     rows: Rows, first: Numbers, buses: Sequence[str], protocols: Sequence[str], clock: event_text.Clock
 ) -> Iterator[bytes]:
-    """Export to pcapng. protocols: the protocol of each bus; serial lines and SPI have no link type of their own."""
+    """Yield the pieces of a pcapng file.
+
+    first: the rows with which transfers and bursts begin.
+    protocols: the protocol of each bus. Serial lines and SPI have no link type of their own, so USER0 is used.
+    """
     yield pcapng.section()
     for name, protocol in zip(buses, protocols, strict=True):
         yield pcapng.interface(pcapng.I2C_LINUX if protocol == "i2c" else pcapng.USER0, name, DECIMALS)
@@ -182,7 +186,10 @@ def in_pcapng(
 
 
 def in_hexdump(rows: Rows, first: Numbers, clock: event_text.Clock) -> Iterator[bytes]:
-    """Export for `text2pcap -t %s.%f -l 209` (147 for a serial line or SPI), which adds the link type."""
+    """Yield the packets as text for `text2pcap -t %s.%f -l 209`, which adds the link type.
+
+    The link type is 209 for I2C, and 147 for a serial line or SPI.
+    """
     for _, time, wire, _, said in packets(rows, first, clock):
         begins = range(0, len(wire), PER_LINE)
         lines = [f"# {said}", f"{time // 10**DECIMALS}.{time % 10**DECIMALS:0{DECIMALS}}"]
@@ -191,9 +198,10 @@ def in_hexdump(rows: Rows, first: Numbers, clock: event_text.Clock) -> Iterator[
 
 
 def in_sigrok(rows: Rows, protocols: Sequence[str]) -> Iterator[bytes]:
-    """Export in the form of `sigrok-cli --protocol-decoder-samplenum`. The ends are those of the bits, not estimates.
+    """Yield lines in the form of `sigrok-cli --protocol-decoder-samplenum`.
 
-    Each SPI line has its own decoder, which prints only words: sigrok has no line for a selection.
+    The end of an event is the actual end of its last bit, which sigrok only estimates. Each SPI line has its own
+    decoder. Selections are left out, because sigrok has no line for them.
     """
     rows = select(rows, (rows.event != SELECT) & (rows.event != DESELECT))
     decoders: list[str] = []
@@ -228,12 +236,12 @@ def _as_sigrok_says(event: str, value: int | None, bits: int, detail: str) -> st
 def packets(rows: Rows, first: Numbers, clock: event_text.Clock) -> Iterator[tuple[int, int, bytes, int, str]]:
     """Yield the packets in order of time. A packet is a burst, or a message of an I2C transfer.
 
-    It has the number of the bus, the time in units of 10**-DECIMALS s, bytes, flags of an I2C message, and a text in
-    the notation of the I2C-bus specification, with ACKs and the final condition. The bytes are the address byte and the
-    data of a message, the bytes of a burst, or SPI words. A word is a whole number of bytes, the most significant one
-    first.
+    A packet consists of the number of the bus, the time in units of 10**-DECIMALS s, bytes, the flags of an I2C
+    message, and a text in the notation of the I2C-bus specification, with ACKs and the final condition. The bytes are
+    the address byte and the data of a message, the bytes of a burst, or SPI words. An SPI word is padded to whole
+    bytes, and its most significant byte comes first. A message without a complete address byte is left out.
 
-    first: the rows with which transfers and bursts begin. A message without a complete address byte is left out.
+    first: the rows with which transfers and bursts begin.
     """
     begins = np.union1d(first, np.flatnonzero((rows.event == START) | (rows.event == AGAIN)))
     times = (

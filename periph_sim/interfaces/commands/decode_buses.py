@@ -1,9 +1,9 @@
-"""The buses of `periph-sim decode`, by its options, with their decoded rows.
+"""The buses that `periph-sim decode` decodes according to its options, with their decoded rows.
 
 --i2c scl=0,sda=1          --> channels --> i2c_table  --> Bus: rows, and notes on their limitations
 --uart rx=2,baud=auto,...  --> channels --> uart_table -->
---spi clk=3,mosi=4,...     --> channels --> spi        --> Bus of each data line
-no option                  --> channels named scl and sda, rx and tx; doubtful guesses are reported, not used
+--spi clk=3,mosi=4,...     --> channels --> spi        --> a Bus for each data line
+no option                  --> channels named scl and sda, rx and tx; uncertain guesses are reported, but not used
 """
 
 from __future__ import annotations
@@ -25,23 +25,26 @@ from ...traces.decode.uart_line import line_of
 BUS_LINES, UART_LINES = ("scl", "sda"), ("rx", "tx")
 FLAGS = ("invert", "vote")  # settings without a value
 SPI_LINES = {"clk": "clk", "mosi": "mosi", "miso": "miso", "cs": "cs", "simo": "mosi", "somi": "miso", "ste": "cs"}
-SPI_MODES = {  # names and values as in sigrok's decoder; the first one is the default
+SPI_MODES = {  # names and values as in sigrok's decoder; the first value is the default
     "cpol": ("0", "1"),
     "cpha": ("0", "1"),
     "bitorder": ("msb-first", "lsb-first"),
     "cs_polarity": ("active-low", "active-high"),
 }
 MAX_WORD = 32  # maximum number of bits of an SPI word
-SURE = 0.5  # for 34 real lines with a stated rate, guesses above this certainty were right, and most below it wrong
+# Certainty from which a guess is used. For 34 real lines with a stated rate, all guesses above this certainty were
+# right, and most guesses below this certainty were wrong.
+SURE = 0.5
 
 
 class Bus(NamedTuple):
     """A bus, or one data line of an SPI bus.
 
     protocol: i2c, uart or spi.
-    silence: positions without a frame or word that end a burst; None if transfers begin at STARTs or selections.
+    silence: the number of positions without a frame or word after which a burst ends; None if transfers begin at STARTs
+        or selections.
     notes: sentences on the limitations of the decoding.
-    lines: SCL and SDA, or the serial line.
+    lines: SCL and SDA, the serial line, or the data line of SPI.
     """
 
     protocol: str
@@ -55,11 +58,13 @@ class Bus(NamedTuple):
 def asked_for(
     capture: Capture, i2cs: tuple[str, ...], uarts: tuple[str, ...], spis: tuple[str, ...], shortest: int
 ) -> list[Bus]:
-    """Decode the buses that the options name; without options, those whose channels have usual names.
+    """Decode the buses that the options name. Without options, decode the buses whose channels have usual names.
 
-    shortest: pulses of fewer positions are glitches.
+    i2cs, uarts, spis: the values of the options --i2c, --uart and --spi.
+    shortest: pulses of fewer positions are ignored as glitches.
 
-    Raise ClickException if an option names a channel that the capture lacks, or if no channel has a usual name.
+    Raise ClickException if an option is invalid or names a channel that the capture does not have. Without options,
+    raise it if no channel has a usual name, or if nothing can be decoded.
     """
     if i2cs or uarts or spis:
         serial = (bus for text in uarts for bus in _uart(capture, text, shortest))
@@ -128,11 +133,12 @@ def _uart(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
 def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: int, doubtful: bool = True) -> Bus:
     """Decode a serial line.
 
-    given: the settings that the user states; the others are guessed.
-    shortest: pulses of fewer positions are glitches.
+    given: a dictionary from the settings that the user states to their values. If the rate is missing or "auto", all
+        missing settings are guessed.
+    shortest: pulses of fewer positions are ignored as glitches.
     doubtful: True if an uncertain guess may be used.
 
-    Raise ValueError if the settings cannot be guessed, or the capture is too coarse for the rate.
+    Raise ValueError if the settings cannot be guessed, or if the capture is too coarse for the rate.
     """
     notes = gap_notes(capture, wire)
     if not len(wire.edges):
@@ -199,7 +205,11 @@ def _spi_format(text: str, given: dict[str, str]) -> spi.SpiFormat:
 def _channels(
     capture: Capture, option: str, text: str, given: dict[str, str], lines: dict[str, str]
 ) -> dict[str, Channel]:
-    """Return the channel of each line that is given. lines: the line of each name of a setting."""
+    """Return a dictionary from lines to the channels that the user states.
+
+    given: a dictionary from settings to the values that the user states.
+    lines: a dictionary from settings to lines. Several settings may have the same line, as mosi and simo.
+    """
     found: dict[str, Channel] = {}
     for name, line in lines.items():
         if name in given and line in found:
@@ -215,7 +225,11 @@ def _channels(
 
 
 def pairs_given(option: str, text: str, known: tuple[str, ...]) -> dict[str, str]:
-    """Parse `a=1,b` to a dict; entries without `=` have the value ''."""
+    """Parse a text such as `a=1,b` to a dictionary. An entry without `=` has the value "".
+
+    option: the name of the option, for messages.
+    known: the names that are allowed.
+    """
     given: dict[str, str] = {}
     for part in text.split(","):
         name, equals, value = part.partition("=")

@@ -7,7 +7,7 @@ condition:
     UART   {..., "frames": [{"value": 65, ...}]}
     SPI    {..., "words": [{"value": 159, "bits": 8, ...}], "cut": null}
 
-These lines are built as text, because a dense capture has a hundred thousand bytes.
+These lines are built as text without a JSON encoder, because a dense capture has a hundred thousand bytes.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ from ...traces.decode.i2c_table import LongLows
 from ...traces.decode.table_columns import select
 from .bulk_text import BLANK, NONE, Column, Digits, Literal, Numbers, Sparse, Words, numbered, text
 
-MOST_DECIMALS = 12  # number of decimals of a second if the sample period is no decimal fraction: picoseconds
+MOST_DECIMALS = 12  # maximum number of decimals of a second; used if the sample period has no finite number of decimals
 GAP = "  "
 
 
 class Clock(NamedTuple):
     """Converter of positions in a capture to seconds: one position is `up / down` units of 10**-decimals s.
 
-    It is exact if the sample period is a decimal fraction of up to twelve digits. Otherwise it rounds to picoseconds,
-    or to coarser units in captures of over a hundred days.
+    The conversion is exact if the sample period in seconds has at most twelve decimals. Otherwise, times are rounded to
+    picoseconds, or to larger units in captures that are longer than a hundred days.
     """
 
     up: int
@@ -45,7 +45,7 @@ class Clock(NamedTuple):
     def for_rate(rate: Fraction, length: int = 0) -> Clock:
         """Return the converter for a sampling rate.
 
-        length: the largest position. The number of decimals is reduced until the time of this position fits 63 bits.
+        length: the largest position. The number of decimals is reduced until the time of this position fits in 63 bits.
         """
         period = 1 / rate
         decimals = next((n for n in range(MOST_DECIMALS) if (period * 10**n).denominator == 1), MOST_DECIMALS)
@@ -55,18 +55,18 @@ class Clock(NamedTuple):
         return Clock(scaled.numerator, scaled.denominator, decimals)
 
     def units(self, positions: Numbers) -> Numbers:
-        """Convert positions to the nearest number of units. Values beyond 63 bits are calculated one by one."""
+        """Convert positions to the nearest number of units. If products exceed 63 bits, Python's integers are used."""
         if not len(positions) or int(positions.max()) * 2 * self.up + self.down < 1 << 63:
             return (positions * (2 * self.up) + self.down) // (2 * self.down)
         exact = [(2 * at * self.up + self.down) // (2 * self.down) for at in positions.tolist()]
         return np.array(exact, np.int64)
 
 
-Shown = Callable[[str, int | None, int, str], str]  # event, value, bits, detail -> text
+Shown = Callable[[str, int | None, int, str], str]  # a function from event, value, bits and detail to a text
 
 
 def said_in_transfer(event: int, value: int, bits: int, detail: int) -> str:
-    """Return the text of a row by `in_transfer`, from its cells."""
+    """Return the text of a row as `in_transfer` does. The arguments are the cells of the row."""
     return in_transfer(EVENTS[event], None if value < 0 else value, bits, DETAILS[detail])
 
 
@@ -98,7 +98,10 @@ def in_transfer(event: str, value: int | None, bits: int, detail: str) -> str:
 
 
 def _value(event: str, value: int | None, bits: int) -> str:
-    """Format a byte in hexadecimal, and an incomplete one as bits. A printable character of a frame is added."""
+    """Format the value of an event in hexadecimal, or as bits if it is incomplete.
+
+    If the value of a UART frame is a printable character, the character is added.
+    """
     if value is None:
         return ""
     if event == "cut":
@@ -114,9 +117,10 @@ TITLES = {"table": f"{'event':<14}{GAP}value\n", "csv": "event,value,bits,detail
 def events(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, full: bool) -> Iterator[bytes]:
     """Yield a line for each row.
 
-    style: table or csv, with a line of titles first; or json, with an object on each line.
-    full: True to show also in a table the end of each row and, beside times, positions.
-    clock: None if the capture has no time base.
+    buses: the name of each bus.
+    clock: None if the capture has no sample rate.
+    style: table or csv, with a first line of titles; or json, with an object on each line.
+    full: True to show in a table the ends of rows, and positions beside times. CSV and JSON always have them.
     """
     titles, head = _head(rows, buses, clock, style, full)
     yield (titles + TITLES[style]).encode()
@@ -126,9 +130,10 @@ def events(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, fu
 def transfers(
     rows: Rows, first: Numbers, buses: Sequence[str], clock: Clock | None, style: str, full: bool
 ) -> Iterator[bytes]:
-    """Yield a line for each group of rows in style table or csv.
+    """Yield a line for each transfer or burst in style table or csv.
 
-    first: the rows with which groups begin. For the others see `events`.
+    first: the rows with which transfers and bursts begin.
+    buses, clock, style, full: as for `events`.
     """
     ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
     titles, head = _head(select(rows, first)._replace(end=ends), buses, clock, style, full)
@@ -148,7 +153,7 @@ def transfers(
 
 
 def _head(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, full: bool) -> tuple[str, list[Column]]:
-    """Return the part of the title line for time and bus, and the columns of these."""
+    """Return the begin of the title line, and the columns for time, position and bus to which these titles belong."""
     is_table = style == "table"
     pad = BLANK if is_table else NONE
     named: list[tuple[str, Digits | Words]] = [*_when(rows, clock, full or not is_table, pad)]
@@ -171,7 +176,7 @@ def _head(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, ful
 
 
 def _when(rows: Rows, clock: Clock | None, full: bool, pad: bytes) -> list[tuple[str, Digits]]:
-    """Return columns of time and position, with their names."""
+    """Return the name and the column of each time and position that is shown."""
     columns: list[tuple[str, Digits]] = []
     if clock is not None:
         columns.append(("time_s", Digits(clock.units(rows.at), clock.decimals, pad)))
@@ -185,7 +190,7 @@ def _when(rows: Rows, clock: Clock | None, full: bool, pad: bytes) -> list[tuple
 
 
 def events_column(rows: Rows, shown: Shown) -> Words:
-    """Return the column of events. It has few different texts, even if there are many rows."""
+    """Return the column of events. The column has few different texts, even if there are many rows."""
     held = rows.value >= 0
     bits = np.where(held, rows.bits, 0).astype(np.int64)
     values, value = numbered(np.where(held, (bits << 32 | rows.value) + 1, 0))
@@ -218,10 +223,12 @@ def transfer_lines(
     lows: Sequence[LongLows | None],
     clock: Clock | None,
 ) -> Iterator[bytes]:
-    """Yield a line for each transfer or burst.
+    """Yield a JSON line for each transfer or burst.
 
-    first: the rows with which they begin.
+    first: the rows with which transfers and bursts begin.
+    buses, protocols: the name and the protocol of each bus.
     lows: the long low phases of each I2C bus; None for other buses.
+    clock: None if the capture has no sample rate.
     """
     table = _Table(rows, clock)
     ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
@@ -242,9 +249,9 @@ def transfer_lines(
 
 
 def _stretches(rows: Rows, bus: int, lows: LongLows, clock: Clock | None) -> dict[int, list[str]]:
-    """Return the long low phases of one bus as JSON, indexed by the row of the byte in which they occur.
+    """Return a dictionary from rows of bytes to the long low phases of SCL in these bytes.
 
-    The number of the byte in its message is added later.
+    A low phase is the begin of a JSON object. The caller adds the number of the byte in the message.
     """
     own = np.flatnonzero((rows.bus == bus) & (rows.value >= 0))
     starts = np.searchsorted(lows.rises, rows.at[own])  # the index of the rise of each byte's first bit
@@ -264,7 +271,7 @@ def _stretches(rows: Rows, bus: int, lows: LongLows, clock: Clock | None) -> dic
 
 
 def _times(positions: Numbers, clock: Clock | None) -> list[str]:
-    """Format positions as exact seconds; as empty texts if positions have no time."""
+    """Format positions as seconds. clock: None if the capture has no sample rate; the texts are then empty."""
     if clock is None:
         return [""] * len(positions)
     units = clock.units(positions).tolist()
@@ -285,7 +292,7 @@ class _Table:
         self._value = rows.value.tolist()
         self._bits = rows.bits.tolist()
         self._detail = rows.detail.tolist()
-        # Cache of the texts, of which there are few even if there are many rows.
+        # Cache from the cells of a row to its text. There are few different texts, even if there are many rows.
         self._said: dict[tuple[int, int, int, int], str] = {}
 
     def when(self, row: int) -> str:
@@ -293,12 +300,17 @@ class _Table:
         return f'"time_s": {time}, "position": {self._at[row]}' if time else f'"position": {self._at[row]}'
 
     def span(self, row: int, end_time: str, end: int) -> str:
-        """Format the keys of `--format json` for the times and positions of an event."""
+        """Format the JSON keys for the begin and the end of a transfer.
+
+        row: the first row of the transfer.
+        end_time: the time of the end; "" if the capture has no sample rate.
+        end: the position of the end.
+        """
         times = f'"time_s": {self._time[row]}, "end_s": {end_time}, ' if end_time else ""
         return f'{times}"position": {self._at[row]}, "end": {end}'
 
     def said(self, row: int) -> str:
-        """Format the row in the notation of the I2C-bus specification: `S`, `53 W`, `A`."""
+        """Format a row in the notation of the I2C-bus specification: `S`, `53 W`, `A`."""
         key = self._event[row], self._value[row], self._bits[row], self._detail[row]
         if key not in self._said:
             self._said[key] = said_in_transfer(*key)
@@ -316,7 +328,7 @@ class _Table:
         )
 
     def words(self, begin: int, end: int) -> str:
-        """Format the words of one selection, and the bits of an incomplete last word."""
+        """Format the words of an SPI selection, and the bits of an incomplete last word, as JSON keys."""
         whole, cut = [], "null"
         for row in range(begin, end):
             value, bits = self._value[row], self._bits[row]

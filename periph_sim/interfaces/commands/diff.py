@@ -78,7 +78,10 @@ def diff(
 
 
 def _line(text: str) -> tuple[str | None, Line]:
-    """Parse `rx=CHANNEL,baud=RATE,format=8n1` to (channel, line); baud is mandatory."""
+    """Parse the value of --uart, such as `rx=CHANNEL,baud=RATE,format=8n1`. Return the channel and the settings.
+
+    The channel is None if it is not stated. Raise ClickException if the rate is not stated.
+    """
     from ...traces.decode.uart_line import line_of
     from .decode_buses import pairs_given
 

@@ -1,7 +1,7 @@
-"""Files of `new --live`: the case of a live session, driven by the session's log.
+"""The files that `new --live` writes: the case of a live session, which the session's log drives.
 
 case file, its changes --+
-log --> wires, duration -+--> case with [outside], and with budgets if it had none
+log --> wires, duration -+--> case with [outside], and with new budgets if the case file has none
 """
 
 from __future__ import annotations
@@ -30,11 +30,13 @@ MEASURES = (  # measures that become budgets if a case has no budget
 
 
 def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
-    """Return the files to write, and the path of the case among them.
+    """Return a dictionary from the paths of the files to write to their texts, and the path of the new case.
 
-    given: the name of the new case; by default, it is that of the live case with `_live`.
+    log: the log of the live session.
+    given: the name of the new case; None for the name of the live case with the suffix `_live`.
 
-    Raise ClickException or BadCase if the log is invalid, or if its case has no file or the file is missing.
+    Raise ClickException or BadCase if the log is invalid, if its case was not read from a file, or if this file is
+    missing.
     """
     try:
         reader = LogReader(log)
@@ -70,7 +72,10 @@ def files_of(log: Path, given: str | None) -> tuple[dict[Path, str], Path]:
 
 
 def _moved(tree: Tree, before: Path, after: Path) -> None:
-    """Change texts that name files relative to the old case to paths relative to the new case."""
+    """Change paths of files in a case that moves to another folder.
+
+    before, after: the folders of the old and of the new case, to which the paths are relative.
+    """
     named = {text for text in texts_in(tree) if 0 < len(text) < 200 and (before / text).is_file()}
 
     def moved(value: Any) -> Any:
@@ -85,7 +90,7 @@ def _moved(tree: Tree, before: Path, after: Path) -> None:
 
 @output_muted()
 def _as_seen(tree: Tree, target: Path) -> list[Tree]:
-    """Return a budget for each measure of the session, with the session's result as its limit."""
+    """Return a budget for each of the MEASURES that was measured in the session. Its limit is the session's result."""
     found: list[Tree] = []
     for measure in MEASURES:
         budget: Tree = {"name": measure, "measure": measure, "max": 0}
@@ -106,7 +111,7 @@ def _as_seen(tree: Tree, target: Path) -> list[Tree]:
 
 
 def toml(tree: Tree) -> str:
-    """Format a tree of tables as TOML: plain values first, then tables, then lists of tables."""
+    """Format a tree of tables as TOML. In each table, plain values come first."""
     return "\n".join(_tables(tree, ())).strip() + "\n"
 
 

@@ -25,9 +25,11 @@ WIRES = ("SCL", "SDA", "RX", "TX")
 
 
 class Shown:
-    """The display of a session. As a context manager, it ends with the session's last snapshot.
+    """The display of a live session. At the end of the context, the session's last snapshot is displayed.
 
-    url: the address of its page; "" in the terminal.
+    in_terminal: True to display the session in the terminal.
+    address: the address and the port of the page that displays the session; None for no page.
+    url: the URL of the page; "" without a page.
 
     Raise OutsideError if the port of the page is in use.
     """
@@ -65,12 +67,16 @@ class Shown:
                 part.close()
 
     def subscribe(self, recorder: Recorder, timebase: Timebase) -> None:
-        """Subscribe the recorder of the waveform. A Scene calls this."""
+        """Subscribe the waveform of the page to the records of the session. A Scene calls this method once."""
         if self._wave is not None:
             self._wave.subscribe(recorder, timebase)
 
     def doors(self, session: Session, line: SerialLine | None, pacer: Pacer, where: str) -> Sequence[Door]:
-        """Return the doors that the loop of the session serves for the display."""
+        """Return the doors (objects that the session's loop serves) for the display; none without a display.
+
+        line: the serial line of the session; None if the session serves the I2C bus.
+        where: the path of the port.
+        """
         if self._board is None:
             return ()
         from ...outside.live.view.status import Status, ViewDoor
@@ -80,7 +86,7 @@ class Shown:
         return (self._door,)
 
     def begin(self) -> None:
-        """Begin the display. Call this after all output that precedes the session."""
+        """Begin the display in the terminal. Call this method after all output that precedes the session."""
         if self._in_terminal:
             from .live_view import LiveView
 

@@ -1,6 +1,6 @@
-"""The view of a live session in the terminal, updated in place from its board.
+"""The view of a live session in the terminal, updated in place from the snapshots on the session's board.
 
-A separate thread prints, so that simulated time never waits for a terminal.
+A separate thread prints, so that the simulation never waits for a terminal.
 """
 
 from __future__ import annotations
@@ -16,9 +16,9 @@ from rich.text import Text
 from ...outside.live.pacing import in_ms
 from ...outside.live.view.status import Board, BudgetSoFar, Lateness, Snapshot
 
-PATIENCE = 1.0  # seconds without a new snapshot after which the printing thread checks for the end
+PATIENCE = 1.0  # in seconds; without a new snapshot in this time, the thread checks whether the board is closed
 BAR = 30  # number of columns of the longest bar
-TURNS = 0.0005  # seconds after which the printing thread lets the session run
+TURNS = 0.0005  # in seconds; after this time, the printing thread must let the session's thread run
 
 
 class LiveView:
@@ -31,7 +31,7 @@ class LiveView:
         self._thread.start()
 
     def close(self) -> None:
-        """Wait for the last snapshot on the screen. Call after closing the board."""
+        """Wait until the last snapshot has been printed. Call this method after closing the board."""
         self._thread.join()
 
     def _run(self) -> None:
@@ -45,7 +45,7 @@ class LiveView:
 
 
 def screen(status: Snapshot, height: int = 100) -> RenderableType:
-    """Return the content of the screen. Budgets that do not fit into its height are left out."""
+    """Return the content of the screen. height: the lines of the screen; budgets that do not fit are left out."""
     rates = status["rates"]
     pace = f", {rates['pace']:.2f} s a second" if "pace" in rates else ""
     over = "ended at" if status["over"] else ""

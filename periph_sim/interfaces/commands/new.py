@@ -1,6 +1,6 @@
 """`periph-sim new KIND [NAME]`: write a firmware and its case, ready to run.
 
-With `--example`, it copies a shipped case. With `--live`, it writes the case of a live session.
+With `--example`, the command copies a shipped case. With `--live`, it writes the case of a live session.
 """
 
 from __future__ import annotations
@@ -115,7 +115,7 @@ def _kinds() -> list[str]:
 
 
 def _cases() -> dict[str, Path]:
-    """Return the shipped cases, indexed by name."""
+    """Return a dictionary from the names of the shipped cases to their paths."""
     return {file.stem: file for file in sorted((EXAMPLES / "timing").glob("*.toml"))}
 
 
@@ -141,7 +141,11 @@ def _go_on(files: Files, case: Path, following: str | None) -> list[str]:
 
 
 def _template(kind: str, place: Path) -> Files:
-    """Return the files of a template with the user's name. place: the folder and the name without a suffix."""
+    """Return the files of a template with the name that the user gave.
+
+    kind: the name of the template.
+    place: the folder and the name of the new files, without a suffix.
+    """
     check_file_name(place)
     stem = kind.replace("-", "_")
     found = {}
@@ -154,7 +158,10 @@ def _template(kind: str, place: Path) -> Files:
 
 
 def _as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
-    """Return the files of a replay for the target in the user's capture, without the capture of the template."""
+    """Return the files of a replay for the target in the user's capture.
+
+    files: the files of the template. Its capture is left out.
+    """
     from ...replay.channels import channel_map
     from ...replay.i2c_script import most_frequent, turns
     from ...traces.decode import i2c
@@ -185,7 +192,10 @@ def _as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
 
 
 def _example(name: str, folder: Path) -> Files:
-    """Return the files of a shipped case: itself, its firmware with all imports, and files beside it that it names."""
+    """Return the files of a shipped case: the case, its firmware with all imports, and the files that the case names.
+
+    Of the files that the case names, only those in its own folder are included.
+    """
     cases = _cases()
     if name not in cases:
         raise click.ClickException(f"there is no example {name!r}; {did_you_mean(name, cases)}")
@@ -221,7 +231,7 @@ def _with_headers(source: Path) -> list[Path]:
 
 
 def _imported(program: str) -> list[str]:
-    """Return a shipped program and the modules that it imports from its own folder."""
+    """Return the name of a shipped program and the names of all modules that it needs from its own folder."""
     found = [program]
     for name in found:
         for node in ast.walk(ast.parse((SHIPPED / f"{name}.py").read_text(encoding="utf-8"))):
@@ -232,7 +242,7 @@ def _imported(program: str) -> list[str]:
 
 
 def write(files: Files) -> None:
-    """Write all files. If one of them exists, write none and raise an error."""
+    """Write all files. If one of them exists already, write none and raise ClickException."""
     there = [str(path) for path in files if path.exists() or path.is_symlink()]
     if there:
         raise click.ClickException(f"{', '.join(there)}: exists already, and nothing was written; give another name")

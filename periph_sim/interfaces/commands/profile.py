@@ -1,4 +1,4 @@
-"""`periph-sim profile CASE`: time spent in functions of a case's images, and their executed source lines."""
+"""`periph-sim profile CASE`: the time spent in each function of a case's images, and the executed source lines."""
 
 from __future__ import annotations
 

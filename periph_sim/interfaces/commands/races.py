@@ -1,4 +1,4 @@
-"""`periph-sim races RUN`: distances of reads of flags from their changes, and flags lost to read-modify-writes."""
+"""`periph-sim races RUN`: the times between reads and changes of flags, and flags lost to read-modify-writes."""
 
 from __future__ import annotations
 

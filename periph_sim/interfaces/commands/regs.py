@@ -1,4 +1,4 @@
-"""`periph-sim regs`: the register maps as tables, with their sources; and the options that answer open questions."""
+"""`periph-sim regs`: tables of the register maps with their sources, and of the options for open questions."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def regs(name: str | None, want_options: bool) -> None:
 
 
 def show_registers(module: str, register: str) -> None:
-    """Show one register with its fields, or the registers of a module if no register is named."""
+    """Print one register with its fields, or all registers of a module if `register` is ""."""
     if module not in MAPS:
         raise click.ClickException(f"there is no module {module!r}; {did_you_mean(module, MAPS)}")
     base, registers = MAPS[module]
@@ -65,7 +65,10 @@ def reset_of(register: Register) -> str:
 
 
 def show_options(name: str | None) -> None:
-    """Show each option with its values, the default first, and its question below."""
+    """Print each option with its values, the default value first, and below it the question that the option answers.
+
+    name: the group whose options are printed; None for all groups.
+    """
     if name is not None and name not in OPTIONS:
         raise click.ClickException(f"there are no options for {name!r}; {did_you_mean(name, OPTIONS)}")
     for group, kind in OPTIONS.items():

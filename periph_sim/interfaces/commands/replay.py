@@ -1,4 +1,4 @@
-"""`periph-sim replay CAPTURE`: replay a capture against a firmware, print the first differences of the wires."""
+"""`periph-sim replay CAPTURE`: replay a capture against a firmware, and print the first differences on the wires."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ FIRST = {
     "event": "first other divergence",
     "timing": "first difference in time",
 }
-BEFORE, AFTER = 14, 4  # numbers of changes that are shown before and after a divergence
+BEFORE, AFTER = 14, 4  # maximum numbers of changes of registers that are shown before and after a divergence
 
 
 @command("traces", "periph-sim replay capture.sr --case timing/responder.toml")
@@ -207,7 +207,10 @@ def replay(
 
 
 def _serial(text: str, salvage: bool) -> tuple[Capture, str]:
-    """Parse a file and its channel: `host.sr`, `host.sr,rx=0`, `host.csv,rx=0,rate=4 MHz`."""
+    """Parse the value of --uart: `host.sr`, `host.sr,rx=0`, `host.csv,rx=0,rate=4 MHz`.
+
+    Return the capture in the file and the name of the channel of RX.
+    """
     path, *more = text.split(",")
     rates = [part.partition("=")[2] for part in more if part.strip().startswith("rate=")]
     lines = [part for part in more if not part.strip().startswith("rate=")]
@@ -233,7 +236,7 @@ def _address(text: str) -> int:
 
 
 def show(report: Report, case: Case, verbose: bool) -> None:
-    """Print the report. verbose: list the run's assumptions."""
+    """Print the report of a replay. verbose: True to list the undocumented behaviours that the run assumed."""
     say(f"{report.case}, {report.capture}: {headline(report)}", style="bold")
     say("", *columns(rows(report), indent=" "), "")
     if report.budgets:
@@ -245,7 +248,7 @@ def show(report: Report, case: Case, verbose: bool) -> None:
 
 
 def rows(report: Report) -> list[tuple[str, str]]:
-    """Return the name and the value in each line of the table."""
+    """Return the name and the value in each line of a report's table. A further line of a value has the name ""."""
     found = [("events as in the capture", f"{report.agreed} of {report.events}")]
     if report.ambiguous:
         found.append(("ambiguous", str(report.ambiguous)))
@@ -272,7 +275,7 @@ def rows(report: Report) -> list[tuple[str, str]]:
 
 
 def _times(report: Report) -> list[tuple[str, str]]:
-    """Return the lines with the times of an I2C replay, and with the stretches in the capture, if there are any."""
+    """Return the lines with the times of an I2C replay and, if the capture has stretches, with their longest time."""
     stretch = f"{report.stretch_worst_us:.3f} us"
     if report.loop == "open":
         found = [
@@ -292,7 +295,7 @@ def _times(report: Report) -> list[tuple[str, str]]:
 
 
 def show_history(divergence: Divergence) -> None:
-    """Print the changes of registers around a divergence: the last ones before it and the first ones after it."""
+    """Print the last changes of registers before a divergence, and the first changes after the divergence."""
     if not divergence.history:
         return
     at = divergence.replay_s if divergence.replay_s is not None else divergence.history[-1].at_s
@@ -308,7 +311,7 @@ def show_history(divergence: Divergence) -> None:
 
 
 def _polls_as_one(changes: list[Change]) -> list[Change]:
-    """Return the changes without reads that have the same result as the read before."""
+    """Return the changes without those that have the same register and value as the previous change, as polls have."""
     return [
         change
         for before, change in zip([None, *changes], changes, strict=False)

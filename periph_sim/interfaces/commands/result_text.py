@@ -12,14 +12,17 @@ from ...timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict, broken, fig
 from .command_frame import print_table, say
 
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
-# The singular of the names of counts that are nouns; the others have no plural: `2 missed`.
+# A dictionary from names of counts to their singular. Names that are not in it are used for all numbers: `2 missed`.
 THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}
 MOST_WRONG = 12  # maximum number of places of wrong bytes that are listed
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
 
 
 def show(result: Result, case: Case, verbose: bool = False) -> None:
-    """Print a result. verbose: list the run's assumptions and skipped events."""
+    """Print the result of a run.
+
+    verbose: True to list the undocumented behaviours that the run assumed, and the counts of skipped polls and bits.
+    """
     by_estimate = f"; cycles between accesses of {' and '.join(result.estimated)} are estimated"
     say(f"{result.case}: {title(result)}{by_estimate if result.estimated else ''}", style="bold")
     if result.budgets:
@@ -64,9 +67,9 @@ def title(result: Result) -> str:
 
 
 def budget_table(budgets: Sequence[Verdict]) -> None:
-    """Print a table with a row for each budget. Broken budgets are red, and those that are not judged are yellow.
+    """Print a table with a row for each budget. Broken budgets are red, and budgets that are not judged are yellow.
 
-    Only names may take two lines.
+    Only the name of a budget may be broken into several lines.
     """
     rows = []
     for one in budgets:
@@ -81,7 +84,7 @@ def broken_lines(budgets: Sequence[Verdict]) -> list[str]:
 
 
 def legend(budgets: Sequence[Verdict]) -> list[str]:
-    """Return the lines below a table of budgets: broken budgets with their instants, and the meaning of its words."""
+    """Return the lines below a table of budgets: broken budgets with the reason, and what words in the table mean."""
     if not budgets:
         return []
     words = {each.word for each in budgets}
@@ -91,7 +94,7 @@ def legend(budgets: Sequence[Verdict]) -> list[str]:
 
 
 def assumptions(names: Sequence[str], case: Case, verbose: bool) -> list[str]:
-    """Return lines about the undocumented behaviours that a run depended on; none if it depended on none.
+    """Return lines about the undocumented behaviours that a run assumed; an empty list if it assumed none.
 
         assumes 23 undocumented behaviours (-v lists them)
 
@@ -99,7 +102,8 @@ def assumptions(names: Sequence[str], case: Case, verbose: bool) -> list[str]:
           dsp.i2c.bcm_reset = 0; the default is 1
           dsp.i2c.rrdy_point = fall8, the default
 
-    names: `UNIT.GROUP.OPTION` or `CHIP.OPTION`.
+    names: the options of these behaviours, as `UNIT.GROUP.OPTION` or `CHIP.OPTION`.
+    verbose: True for a line for each behaviour, as in the second example.
     """
     if not names:
         return []

@@ -1,4 +1,4 @@
-"""`periph-sim run CASE`: run a case, print its budgets, set the exit status."""
+"""`periph-sim run CASE`: run a case, print the verdicts of its budgets, and set the exit status."""
 
 from __future__ import annotations
 
@@ -108,9 +108,10 @@ def run(
 
 
 def _object(result: Result, chains: dict[str, Chain] | None) -> dict[str, object]:
-    """Return the result as an object.
+    """Return the result as a dictionary for JSON.
 
-    chains: if given, each budget has a key `chain`, which is null if its worst value has no instant.
+    chains: a dictionary from budgets to explanations, which become the key `chain` of each budget. This key is null if
+        the worst value has no instant. None for a result without explanations.
     """
     shown = dataclasses.asdict(result)
     if chains is not None:

@@ -1,4 +1,4 @@
-"""`periph-sim schema`: the JSON schema of case files, which editors complete and check them by."""
+"""`periph-sim schema`: the JSON schema of case files, with which editors complete and check such files."""
 
 from __future__ import annotations
 

@@ -1,6 +1,7 @@
-"""`periph-sim serve CASE --pty`: run a case in real time, with an SCI as a serial port, or its bus as an I2CDriver's.
+"""`periph-sim serve CASE --pty`: run a case in real time. Other programs use its SCI as a serial port.
 
-Prints the port's path, and at the end the verdicts and the lateness.
+With --i2cdriver, other programs use the I2C bus of the case like that of an I2CDriver. The command prints the path of
+the port and, at the end, the verdicts and the lateness.
 """
 
 from __future__ import annotations
@@ -161,7 +162,7 @@ def serve(
 
 
 def _given(*names: str) -> list[str]:
-    """Return those of the named options that were given on the command line, in the spelling of the user."""
+    """Return the options that were given on the command line, such as "--baud". names: the parameters to look for."""
     context = click.get_current_context()
     options = {one.name: one.opts[0] for one in context.command.params}
     return [options[one] for one in names if context.get_parameter_source(one) is ParameterSource.COMMANDLINE]
@@ -186,7 +187,7 @@ def _door(
 
 
 def _not_handed_over(line: SerialLine | None, door: PtyDoor | PortDoor | Rfc2217Door | I2cDriverDoor) -> Iterator[str]:
-    """Yield remarks on bytes that were not sent, and on bytes that were not read, at the end of the session."""
+    """Yield remarks on bytes that were not sent, not read or discarded when the session ended."""
     whose = "the I2CDriver" if line is None else "the SCI"
     waiting = door.unread + (0 if line is None else line.waiting)
     if waiting:
@@ -198,7 +199,7 @@ def _not_handed_over(line: SerialLine | None, door: PtyDoor | PortDoor | Rfc2217
 
 
 def _slower(case: Case, result: Result) -> str:
-    """Return a sentence that explains the lateness by the speed of the simulation."""
+    """Return a sentence that explains the lateness of a session by the speed of the simulation."""
     takes = result.wall_s / result.simulated_s
     images = " and ".join(name for name, unit in case.unit.items() if unit.image)
     why = f": {images} runs an image, instruction by instruction, its polls included" if images else ""

@@ -1,4 +1,4 @@
-"""`periph-sim sweep CASE --vary KEY=VALUES`: run a case with many values of its keys, print budgets at their worst."""
+"""`periph-sim sweep CASE --vary KEY=VALUES`: run a case with many values of its keys, and print the worst results."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .command_frame import JSON, SECONDS, command, print_json, print_table, prog
 from .watch import note_inputs
 
 FIGURES = ("worst", "limit", "margin", "at_s", "count", "verdict")
-MAX_LISTED = 10  # runs that are listed one by one
+MAX_LISTED = 10  # maximum number of runs without a pass that are listed one by one
 
 
 @command("run", "periph-sim sweep timing/imu_hil.toml --vary 'seed=1, 2, 3' --seconds 0.1")
@@ -99,9 +99,11 @@ def _varied(vary: tuple[str, ...]) -> dict[str, list[str]]:
 
 
 def _as_varied(sentence: str, varied: Mapping[str, list[str]]) -> str:
-    """Return an error message about --set in terms of --vary, which is the option that the user gave.
+    """Return an error message with --vary in place of --set, because the user gave the option --vary.
 
-    If a range lacks its step, the message explains how to write a range.
+    If a value looks like a range without a step, the message explains how to write a range.
+
+    varied: a dictionary from the keys of --vary to their values.
     """
     for key, values in varied.items():
         if f"--set '{key}=" in sentence:
@@ -122,9 +124,9 @@ def _write_csv(came: Sweep, file: Path) -> None:
 
 
 def _object(came: Sweep, stopped: str) -> dict[str, object]:
-    """Return the answer for JSON, with an object for each run, whose figures are those of `run --json`.
+    """Return the answer for JSON, with an object for each run. The figures in this object are as in `run --json`.
 
-    stopped: the reason why runs are missing, or "".
+    stopped: the reason why runs are missing; "" if all runs were made.
     """
     return {
         "case": came.case,
@@ -170,7 +172,7 @@ def _show(came: Sweep, varied: list[str], stopped: str) -> None:
 
 
 def _why(came: Sweep, row: int) -> str:
-    """Return the reason why a run does not pass."""
+    """Return the reason why a run does not pass, as the end of a sentence."""
     if came.error[row]:
         return f": error: {came.error[row]}"
     words = {name: str(budget.verdict[row]) for name, budget in came.budgets.items()}
@@ -178,7 +180,7 @@ def _why(came: Sweep, row: int) -> str:
 
 
 def _rows(came: Sweep) -> tuple[list[tuple[tuple[str, ...], str]], list[int]]:
-    """Return the cells and the style of each budget, and the numbers of the runs that are in the table."""
+    """Return the cells and the style of each budget's row, and the numbers of the runs that these rows name."""
     rows: list[tuple[tuple[str, ...], str]] = []
     shown: dict[int, None] = {}
     for name, budget in came.budgets.items():
@@ -197,5 +199,5 @@ def _rows(came: Sweep) -> tuple[list[tuple[tuple[str, ...], str]], list[int]]:
 
 
 def _of_unit(value: Any, unit: str) -> float | int:
-    """Return a figure in us, % or LSB as a float, and any other as a whole number."""
+    """Return a figure as a float if its unit is us, % or LSB, and as an integer if it has another unit."""
     return float(value) if unit in ("us", "%", "LSB") else int(value)

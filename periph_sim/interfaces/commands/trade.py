@@ -1,4 +1,4 @@
-"""`periph-sim trade CASE`: cost and error of each choice that a user has."""
+"""`periph-sim trade CASE`: the CPU time and the error of each choice between speed and accuracy."""
 
 from __future__ import annotations
 

@@ -45,7 +45,11 @@ def watch(case: Path, changes: tuple[str, ...]) -> int:
 
 
 def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome | None:
-    """Print a run. Return the outcome with which the next run is compared."""
+    """Print the outcome of a run. Return the outcome with which the next run is compared.
+
+    came: the outcome to print.
+    before: the last outcome that was not rejected; None if there is none.
+    """
     if isinstance(came, RejectedCase):
         say(f"Error: {came.why}")
         return before
@@ -71,7 +75,7 @@ Stamps = dict[Path, tuple[int, int]]
 
 
 def stamps(case: Path) -> Stamps:
-    """Return the time of the last change and the size of each file of a case that exists."""
+    """Return a dictionary from the existing files of a case to the times of their last changes and their sizes."""
     found: Stamps = {}
     for file in {*files_of(case)}:
         try:
@@ -83,16 +87,19 @@ def stamps(case: Path) -> Stamps:
 
 
 def note_inputs(cases: Iterable[Path], but_baselines: bool = False) -> None:
-    """Register the files of these cases as inputs of the command, which must not write to them.
+    """Register the files of these cases as inputs of the command. A command must not write to its inputs.
 
-    Commands call this if worker processes read the files, since this process then does not notice it.
+    Commands call this function if worker processes read the files, because this process registers only files that it
+    reads itself.
+
+    but_baselines: True to leave out the baselines of the cases, because the command writes them.
     """
     for case in cases:
         note_inputs_of(file for file in files_of(case) if not (but_baselines and file == path_for(case)))
 
 
 def files_of(case: Path) -> Iterator[Path]:
-    """Yield the case, its baseline, and the files that its texts name."""
+    """Yield the paths of a case, of its baseline, and of the files that texts in the case name."""
     yield case
     yield path_for(case)
     try:

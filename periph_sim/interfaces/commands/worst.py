@@ -1,4 +1,4 @@
-"""`periph-sim worst CASE [BUDGET]...`: explain the worst occurrence of each budget, with its picture."""
+"""`periph-sim worst CASE [BUDGET]...`: explain the worst occurrence of each budget, and draw a timing diagram."""
 
 from __future__ import annotations
 
@@ -65,7 +65,10 @@ def worst(
 
 
 def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
-    """Return the explanation and the picture of a worst occurrence, or one line if the verdict has no instant."""
+    """Return the lines of an explanation and of its picture; one line if the verdict has no instant.
+
+    one: the explanation of the worst occurrence; None if the verdict has no instant.
+    """
     from ..reports.explain.picture import text_picture
 
     if one is None:
@@ -76,7 +79,10 @@ def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
 
 
 def _write(folder: Path, found: dict[str, Explained]) -> None:
-    """Write a file for each budget. Raise BadCheck, and write none, if one of them cannot be written."""
+    """Write a file with a picture for each budget. If a file cannot be written, write none and raise BadCheck.
+
+    found: a dictionary from budgets to explanations.
+    """
     from ..reports.baselines.files import write_all
     from ..reports.explain.picture import svg_picture
 

@@ -3,10 +3,11 @@
     first pool --> server, which imports the package and runs no case --fork--> new worker
 
 For many cases, importing the package takes as long as the run. This process cannot be forked, because it may have run
-cases and started threads. Windows has no such server; workers import what they need there.
+cases and started threads. Windows has no such server, so each worker imports the package there.
 
-No worker outlives its pool. An error or Ctrl-C in the block of a pool ends its workers at once, and `end_workers` ends
-those of all pools. A worker ends itself when its parent process ends, and the server ends with the last worker.
+No worker outlives its pool. If the `with` block of a pool raises an error or receives Ctrl-C, the workers of the pool
+are ended at once. `end_workers` ends the workers of all pools. A worker ends itself when its parent process ends, and
+the server ends with the last worker.
 """
 
 from __future__ import annotations
@@ -46,7 +47,7 @@ def processes(workers: int) -> Iterator[ProcessPoolExecutor]:
 
 
 def end_workers() -> None:
-    """End the workers of all pools. Callers that wait for a worker receive BrokenProcessPool."""
+    """End the workers of all pools. A caller that waits for a worker receives BrokenProcessPool."""
     for pool in list(_pools):
         _end(pool)
 
@@ -57,9 +58,10 @@ def _end(pool: ProcessPoolExecutor) -> None:
 
 
 def _begin(environment: Mapping[str, str]) -> None:
-    """Set up a worker. Ctrl-C ends it without a traceback, and garbage collection ignores the imported objects.
+    """Set up a worker process.
 
-    User code prints to standard error, because standard output is reserved for the output of the command.
+    Ctrl-C ends the worker without a traceback, and garbage collection ignores the imported objects. The output of user
+    code goes to standard error, because standard output is reserved for the output of the command.
     """
     signal(SIGINT, SIG_DFL)
     sys.stdout = sys.stderr
@@ -70,7 +72,7 @@ def _begin(environment: Mapping[str, str]) -> None:
 
 
 def _end_with_parent() -> None:
-    """End this worker as soon as the process that uses it has ended, also by SIGKILL."""
+    """End this worker as soon as the process that uses the worker has ended, even if it was ended by SIGKILL."""
     parent = parent_process()
     if parent is not None:
         parent.join()

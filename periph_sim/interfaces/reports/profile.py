@@ -3,8 +3,8 @@
     address --line--> DA: execution count         BRDA: not taken, taken counts
     function -------> FN, FNDA: execution count of its first instruction
 
-The count of a line is the highest count of its instructions. Sources: speedscope's file-format-schema.json (sampled
-profiles); geninfo(1), "TRACEFILE FORMAT".
+The execution count of a line is the highest count of its instructions. Sources: speedscope's file-format-schema.json
+(sampled profiles); geninfo(1), "TRACEFILE FORMAT".
 """
 
 from __future__ import annotations
@@ -20,8 +20,8 @@ from ...processor.image_files.load import Image
 from ...processor.source_location import parsed
 
 LONGEST_TEXT = 20  # number of functions that are shown without -v
-FINE = 1000  # in us; shorter times are shown with three decimals
-PlaceOf = Callable[[str, str], str]  # returns the location of the first instruction of a unit's function
+FINE = 1000  # in us; times below this value are shown with three decimals
+PlaceOf = Callable[[str, str], str]  # a function from a unit and a function's name to the location of the function
 
 
 def text(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: PlaceOf, every: bool = False) -> str:
@@ -60,7 +60,7 @@ def _us(time: float) -> str:
 
 
 def _begins_at(place: str) -> str:
-    """Return the file and line of a place, or its address if they are unknown."""
+    """Return the file and the line of a place; its address if these are unknown, or "" if the place is unknown."""
     at = parsed(place)
     return "" if at is None else f"{at.file}:{at.line}" if at.file else f"{at.pc:#08x}"
 
@@ -96,15 +96,16 @@ def as_json(profiles: Mapping[str, Profile], ticks_per_second: int, place_of: Pl
 SCHEMA = "https://www.speedscope.app/file-format-schema.json"
 
 
-Frame = tuple[str, str, int]  # function, file and line, which are "" and 0 if unknown
+Frame = tuple[str, str, int]  # the function, its file ("" if unknown), and its line (0 if unknown)
 
 
 def speedscope(
     profiles: Mapping[str, Profile], ticks_per_second: int, name: str, place_of: Callable[[str, str], str]
 ) -> dict[str, object]:
-    """Return the flame graph as JSON: the stacks of each unit in alphabetical order, weighted with their seconds.
+    """Return the flame graph as JSON. It has the call stacks of each unit in alphabetical order, with their seconds.
 
-    place_of: a function that returns the location of the first instruction of a unit's function.
+    name: the title of the flame graph.
+    place_of: as `PlaceOf`.
     """
     frames: dict[Frame, int] = {}
 
@@ -144,9 +145,10 @@ def speedscope(
 class FileCoverage:
     """The coverage of one source file.
 
-    lines: the count of each line.
-    branches: for each (line, address, way), how often the branch was not taken (way 0) or taken (way 1).
-    functions: for each (line, name), the count of the function.
+    lines: a dictionary from lines to execution counts.
+    branches: a dictionary from (line, address, way) to the number of times that the branch at the address was not taken
+        (way 0) or was taken (way 1).
+    functions: a dictionary from (line, name) to the execution count of the function with this name.
     """
 
     def __init__(self) -> None:
@@ -159,7 +161,7 @@ Covered = tuple[Image, FunctionMap, Coverage]
 
 
 def covered_files(programs: Iterable[Covered]) -> dict[str, FileCoverage]:
-    """Return the coverage of each source file, for all lines with code. Counts of several units are added."""
+    """Return a dictionary from source files to coverage, for all lines with code. Counts of several units are added."""
     found: dict[str, FileCoverage] = defaultdict(FileCoverage)
     for image, functions, counts in programs:
         for file, of_file in _files(image, functions, counts).items():
@@ -190,7 +192,7 @@ def _files(image: Image, functions: FunctionMap, counts: Coverage) -> dict[str, 
 
 
 def tracefile(files: dict[str, FileCoverage], name: str) -> str:
-    """Return the tracefile's text. name: the name of the test."""
+    """Return the text of an lcov tracefile. name: the name of the test in the tracefile."""
     return "".join(f"{line}\n" for file, of_file in files.items() for line in _record(file, of_file, name))
 
 

@@ -1,12 +1,12 @@
 """Findings from the records at the ends of an occurrence and around an instant, for budgets of every kind.
 
-ends of a measure of events                  --> the records that the measure uses there
-ends of other measures                       --> the records of the bus, a line or a module from which they are derived
+ends of a measure of events                  --> the records of these events
+ends of other measures                       --> the records of the bus, a line or a module that determine the values
 
 an address or byte that was not acknowledged --> the write of I2COAR, IRS or NACKMOD, or the missing write
 bytes of a read                              --> the write of I2CDXR for each byte, or the device's memory
-a round that is due, a line held low         --> the transfers before, the wait that does not end, the unread byte
-words in the FIFO                            --> the last read before, the next one, and the firmware in between
+a round that is due, a line held low         --> the earlier transfers, the wait that does not end, the unread byte
+words in the FIFO                            --> the previous read, the next read, and the firmware between these reads
 """
 
 from __future__ import annotations
@@ -56,8 +56,8 @@ ON_THE_BUS = frozenset({Kind.TRANSFER, Kind.ROUND})
 class Ends:
     """The records at both ends of an occurrence.
 
-    begin, end: the record at this end; None if there is none, as at the end of the run.
-    thing: the name of the records at the end; "" if the measure does not name them.
+    begin, end: the record at the begin and at the end; None if there is no record, for example at the end of the run.
+    thing: the name of the last event of the measure, such as "refused"; "" if the measure has no such name.
     """
 
     begin: Record | None
@@ -76,14 +76,14 @@ class Ends:
 
     @property
     def on_the_bus(self) -> bool:
-        """True if only the bus determines the time between both ends."""
+        """True if the measure is one of transfers or rounds, or if both ends are records of the I2C bus."""
         there = [r for r in (self.begin, self.end) if r is not None]
         of_bus = [r for r in there if r.kind is Kind.BUS or (r.kind is Kind.EDGE and r.where in ("SCL", "SDA"))]
         return bool(self.measure.kinds & ON_THE_BUS) or len(of_bus) == 2
 
 
 def looks_at(measure: Measure, record: Record) -> bool:
-    """Return True if a measure uses a record."""
+    """Return True if a record is an event of a measure."""
     if hasattr(measure, "matchers"):
         return any(matcher.fits(record) for matcher in measure.matchers)
     if hasattr(measure, "watched"):
@@ -92,7 +92,10 @@ def looks_at(measure: Measure, record: Record) -> bool:
 
 
 def _at(evidence: Evidence, measure: Measure, tick: int) -> Record | None:
-    """Return the record of an end that is nearest to a tick, within the rounding error of 0.1 ns; else None."""
+    """Return the record at an end of an occurrence: the best match near a tick, or None if there is no match.
+
+    "Near" means within the rounding error of a verdict's instant (see `Evidence.slip`).
+    """
     window = evidence.window
     near = [r for r in window.records if abs(r.tick - tick) <= evidence.slip]
     named = [r for r in near if looks_at(measure, r)]
@@ -113,13 +116,13 @@ WORDS = "SCIFFRX.RXFFST"
 PROMPT = Fraction(1, 10**6)  # in seconds; accesses and changes within this time are shown together
 
 
-# A finding about an instant: its steps, in any order, and the cause, if it is known. The cause has priority over the
-# firmware's activity at the instant.
+# A finding about an instant: steps in any order, and the cause or None. If a cause is known, the explanation blames the
+# cause and not the firmware's activity at the instant.
 Finding = tuple[list[Step], Part | None]
 
 
 def asked(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
-    """Return steps for the controller's request in a phase: START, address, and the bytes up to a tick."""
+    """Return steps for the START and the address of a phase, and for its bytes up to a tick."""
     steps = [evidence.say(phase.begin, f"{phase.start}, {phase}")]
     if phase.answered is not None:
         which = "address" if phase.acked else f"address 0x{phase.address:02X} not"
@@ -134,7 +137,7 @@ def asked(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
 def transfers(evidence: Evidence, begin: int, end: int) -> list[Step]:
     """Return a step for each phase that begins between two ticks.
 
-    Consecutive phases with the same NACK share a step.
+    Consecutive phases with the same address share a step if the address was not acknowledged.
     """
     steps = []
     inside = [phase for phase in evidence.phases if begin <= phase.begin < end]
@@ -148,9 +151,9 @@ def transfers(evidence: Evidence, begin: int, end: int) -> list[Step]:
 
 
 def held(evidence: Evidence, begin: int, end: int) -> list[Step]:
-    """Return a step for each time that SCL was held low between two ticks.
+    """Return a step for each time in which SCL was held low between two ticks.
 
-    It names the party that held SCL and, for a unit, the activity of its firmware.
+    The step names the party that held SCL low. If this is a unit, the step also has the activity of its firmware.
     """
     steps = []
     for let_go, rise in evidence.stretches(begin, end):
@@ -163,7 +166,7 @@ def held(evidence: Evidence, begin: int, end: int) -> list[Step]:
 def answered(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
     """Return a step for the last access to the data of a phase up to a tick; an empty list if there is none.
 
-    The step says how long SCL was held for the access, or how early the access was.
+    The step states how long SCL was held low until the access, or how long before the release of SCL the access was.
     """
     free, rise = max(evidence.stretches(phase.begin, until), default=(until, until))
     accesses = (evidence.last_access(rise, f"W {I2C}.I2CDXR"), evidence.last_access(rise, f"R {I2C}.I2CDRR"))
@@ -176,7 +179,7 @@ def answered(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]
 
 
 def awaited(evidence: Evidence, access: Record, let_go: int) -> Step:
-    """Return a step for the access for which SCL was held low.
+    """Return a step for the access until which SCL was held low.
 
     let_go: the tick at which the controller released SCL.
     """
@@ -186,7 +189,7 @@ def awaited(evidence: Evidence, access: Record, let_go: int) -> Step:
 def _refused(evidence: Evidence, ends: Ends) -> Finding:
     """Find the address that was not acknowledged at an instant.
 
-    If the instant is that of a round or a transfer, it is the first such address after it.
+    If the measure counts refused transfers or rounds, find the first such address after the instant.
     """
     at = evidence.window.begin
     if not ends.measure.kinds & {Kind.BUS, Kind.TRANSFER, Kind.ROUND} or ends.thing in LATE:
@@ -205,7 +208,7 @@ def _refused(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _transfer(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the phase that begins at an instant, unless `_refused` finds it."""
+    """Find the phase that begins at an instant, unless the measure is one of refused transfers (see `_refused`)."""
     at = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin == at), None)
     if Kind.TRANSFER not in ends.measure.kinds or phase is None or ends.thing == "refused":
@@ -228,16 +231,17 @@ def _refused_byte(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _blamed(steps: list[Step]) -> Part | None:
-    """Return the first step that has a place as the cause; None if no step has one."""
+    """Return the first step with a place in the firmware as the cause; None if no step has a place."""
     step = next((step for step in steps if step.place is not None), None)
     return None if step is None else Part("code", step.what.partition(",")[0], 0, 1, step.place)
 
 
 def _bytes(evidence: Evidence, ends: Ends) -> Finding:
-    """Find for each byte of a read the write of I2CDXR from which it came, possibly for another read.
+    """Find the origin of each byte of a read.
 
-    For a device, find the origin of the bytes in it. If every byte was written in time, the firmware calculated a wrong
-    value earlier, so its spans and service routines are listed, too.
+    If a unit sent the byte, the origin is the write of I2CDXR, which the firmware may have made for another read. If a
+    device sent the byte, the origin is inside the device. If every byte was written in time, the firmware calculated a
+    wrong value earlier, so the spans and service routines before the read are listed, too.
     """
     at = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin >= at), None)
@@ -270,7 +274,7 @@ def _bytes(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _round_before(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the transfers in the period before a round that is due, and a wait in them that an old flag ended."""
+    """Find the transfers in the period before a round is due, and a wait that ended at once in one of them."""
     due = evidence.window.begin
     before = max(due - evidence.period, evidence.window.kept[0].begin)
     if Kind.ROUND not in ends.measure.kinds or ends.thing == "refused":
@@ -300,7 +304,7 @@ def _hung(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _fifo(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the time since which the firmware has not read the FIFO, and its activities in this time."""
+    """Find the last read of the FIFO, and the firmware's activities while characters accumulated in the FIFO."""
     at = evidence.window.begin
     if Kind.RECEIVER not in ends.measure.kinds and (ends.begin is None or ends.begin.what not in (*FIFO, WORDS)):
         return [], None
@@ -324,7 +328,7 @@ def _fifo(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _beside(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the accesses and changes of a register around an instant, if the measure compares these."""
+    """Find the accesses and the changes of a register around an instant, if the measure compares the two."""
     at, near = evidence.window.begin, evidence.window.timebase.ticks(PROMPT, "nearest")
     if ends.measure.kinds != {Kind.ACCESS, Kind.FLAG}:
         return [], None

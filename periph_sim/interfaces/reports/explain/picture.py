@@ -1,7 +1,7 @@
 """A window as a small timing diagram, in characters or SVG.
 
     wires: SCL, SDA, bytes, pins that change
-    flags: those that are related to the measure or named by it
+    flags: fields that are related to the measure, or that the measure or the explanation names
     firmware of each unit: service routines, spans, waits
 
 Time 0 of the axis is the beginning of the worst occurrence.
@@ -23,7 +23,7 @@ from .window import Window, event_of
 
 ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
 RECEIVED = ("SCIFFRX.RXFFINT",)
-# For kinds of records, the related flags if the name of the measure contains none.
+# A dictionary from the last event of a measure to the flags that are related to this event.
 FLAGS: dict[str, tuple[str, ...]] = {
     "answer": ANSWER,
     "stretch": ANSWER,
@@ -35,7 +35,7 @@ FLAGS: dict[str, tuple[str, ...]] = {
     "lost": RECEIVED,
 }
 COLUMNS_SVG = 160  # number of bytes that can be distinguished side by side in an SVG
-LEAST_BOX = 400  # minimum width of the box of an episode, as the divisor of the width of the picture
+LEAST_BOX = 400  # the box of a service routine, span or wait is at least 1/LEAST_BOX as wide as the picture
 
 
 def text_picture(window: Window, width: int) -> list[str]:
@@ -64,7 +64,7 @@ def _lanes(window: Window, columns: int) -> list[Lane]:
 
 
 def _firmware(window: Window, unit: str, group: str) -> list[Lane]:
-    """Return a lane for each of service routines, spans and waits that the window contains."""
+    """Return up to three lanes: one with service routines, one with spans and one with waits."""
     of = episodes(window, unit, window.drawn.begin, window.drawn.end)
     lanes = []
     for doing, name, colour in (("interrupt", "irq", ORANGE), ("span", "span", BLUE), ("wait", "wait", GREY)):
@@ -84,10 +84,10 @@ def _box(window: Window, one: Stretch) -> Box:
 
 
 def flags_shown(window: Window) -> list[tuple[str, str]]:
-    """Return the place and the name of each field that is shown.
+    """Return the module and the name of each field that is shown.
 
-    These are fields that are related to the measure and changed within the picture, and all fields that the explanation
-    names.
+    These are the fields that are related to the measure and change within the picture, and all fields that the
+    explanation names. A module is written as UNIT.MODULE.
     """
     changed = {(r.where, r.what) for r in window.between(*window.drawn, Kind.FLAG)}
     known = {(r.where, r.what) for r in window.all_records if r.kind is Kind.FLAG}
@@ -104,7 +104,7 @@ def flags_shown(window: Window) -> list[tuple[str, str]]:
 
 
 def _is_named(window: Window, where: str, what: str) -> bool:
-    """Return True if the explanation names a field, or the register that consists of this field alone."""
+    """Return True if the explanation names a field, or the register if the register consists of this field alone."""
     name = _shown(where, what)
     return any(re.search(rf"\b{name}\b(?!\.)", text) for text in window.chain_texts)
 
@@ -117,13 +117,13 @@ def _shown(where: str, what: str) -> str:
 
 
 def _flag_lane(window: Window, where: str, what: str) -> Lane:
-    """Return a flag as a wave, and a field of several bits as boxes with its values."""
+    """Return the lane of a field: a wave for a flag, or boxes with the values for a field of several bits."""
     changes = [r for r in window.all_records if (r.kind, r.where, r.what) == (Kind.FLAG, where, what)]
     earlier = [r for r in changes if r.tick < window.drawn.begin]
     inside = [r for r in changes if window.drawn.begin <= r.tick < window.drawn.end]
     register, name = what.partition(".")[0], _shown(where, what).rpartition(".")[2]
     if name != register and all(r.value in (0, 1) for r in changes):
-        # Also if the first change is after the picture.
+        # Without an earlier change, the initial level is the opposite of the first change, even after the picture.
         initial = earlier[-1].value if earlier else 1 - changes[0].value
         edges = tuple((_seconds(window, r.tick), r.value) for r in inside)
         return Lane(name, "flags", BLACK, initial=initial, edges=edges)

@@ -3,9 +3,10 @@
     case, verdicts --> ranges of ticks --> one more run, everything recorded --> kept records --> a Window for each
     recorded run, verdicts ------------------------------------------------------^
 
-Runs are deterministic, so the second run has the same occurrences. It ends after the last range. Only the records in
-the ranges and shortly before them are kept, and before that the last record of each kind, place and thing, which are
-the state at the beginning. So memory does not grow with the length of the run.
+Runs are deterministic, so the second run has the same occurrences. It ends after the last range. The records in the
+ranges and shortly before the ranges are kept. Of all earlier records, only the last one with the same `kind`, `where`
+and `what` is kept. These last records are the state at the begin of a range. Therefore, the needed memory does not grow
+with the length of the run.
 """
 
 from __future__ import annotations
@@ -32,10 +33,10 @@ from ....traces.capture.capture import Capture, Channel, Span, channel_of
 from ....traces.drawing.capture_lanes import bit_of
 from ....traces.formats.record_table import Columns, RecordTable
 
-AROUND = Fraction(5, 1000)  # seconds that are kept before and after an interval: a transfer, a frame of the host
-WIDE = Fraction(25, 1000)  # seconds that are kept before and after an instant: a period of rounds
-LATE = ("missed", "stuck")  # records whose instant is the end of a wait that is too long
-LONGEST = Fraction(1, 10)  # seconds that are kept at each end of a long occurrence
+AROUND = Fraction(5, 1000)  # seconds that are kept before and after an interval; a transfer or a host's frame fits in
+WIDE = Fraction(25, 1000)  # seconds that are kept before and after an instant; a period of rounds fits in
+LATE = ("missed", "stuck")  # events whose instant is the end of a wait that is too long
+LONGEST = Fraction(1, 10)  # seconds that are kept after the begin and before the end of a long occurrence
 LEAD = Fraction(25, 1000)  # seconds that are kept before a range, so that a transfer in progress is decoded
 BITS = 18  # minimum extent of a picture in bits: two bytes with their ACKs
 BIT = Fraction(1, 100_000)  # length of a bit in seconds if there is no SCL
@@ -49,13 +50,15 @@ class Window:
     drawn: the extent of a picture, which is the occurrence with some room on both sides.
     kept: the ranges of `records`: one, or two if the middle of a long occurrence was not kept.
     records: all records in these ranges, in order of time.
-    before: the last record of each kind, place and thing before the first range, in order of time. These are levels of
-        wires, values of fields, spans and service routines (value 1 if they have not ended), and accesses.
+    before: the state before the first range: for each combination of `kind`, `where` and `what`, the last record, in
+        order of time. These are levels of wires, values of fields, accesses, and spans and service routines. If a span
+        or service routine has not ended, the value of its record is 1.
     edges: the edges of all wires of the scene; positions are ticks. Levels are known in `kept` and for some time before
         each range.
     start: the tick at which the run began, from which `verdict.at_s` counts.
-    chain_texts: the texts of the steps of the explanation, if there is one. A picture shows the fields that they name.
-    modules: the modules of each unit.
+    chain_texts: the texts of the steps of the explanation; empty without an explanation. A picture shows the fields
+        that these texts name.
+    modules: a dictionary from units to the names of their modules.
     """
 
     verdict: Verdict
@@ -73,17 +76,17 @@ class Window:
 
     @cached_property
     def all_records(self) -> tuple[Record, ...]:
-        """The last records before the first range, followed by those of the ranges."""
+        """The last records before the first range, followed by the records in the ranges."""
         return (*self.before, *self.records)
 
     @cached_property
     def by_number(self) -> dict[int, Record]:
-        """All records by number, in order of number. Their places in the firmware know their files."""
+        """A dictionary from numbers to records, in order of number. Places in these records have paths of files."""
         return {record.number: record for record in sorted(self.all_records, key=lambda r: r.number)}
 
     @cached_property
     def run(self) -> Run:
-        """The records as a recorded run, in which causes can be followed; places in it do not know their files."""
+        """The records as a recorded run, in which causes can be followed. Places in this run have no paths of files."""
         columns = Columns()
         for record in self.by_number.values():
             columns.add(record)
@@ -91,11 +94,11 @@ class Window:
 
     @property
     def hole(self) -> Span | None:
-        """The middle of a long occurrence, for which no records were kept; None if all were kept."""
+        """The middle of a long occurrence, for which no records were kept; None if all records were kept."""
         return Span(self.kept[0].end, self.kept[1].begin) if len(self.kept) > 1 else None
 
     def between(self, begin: int, end: int, *kinds: Kind) -> list[Record]:
-        """Return the records between two ticks, inclusive. kinds: the kinds to return; all if none is given."""
+        """Return the records from tick `begin` to tick `end`. kinds: the kinds to return; all kinds if empty."""
         return [r for r in self.records if begin <= r.tick <= end and (not kinds or r.kind in kinds)]
 
 
@@ -108,8 +111,8 @@ def windows(
 ) -> list[Window]:
     """Run the case once more. Return a Window for each verdict that has an instant, in the order of the verdicts.
 
-    length: the duration of the original run in seconds; None for that of the case.
-    programs: as for the Scene of the original run.
+    length: the duration of the original run in seconds; None for the duration that the case states.
+    programs: a dictionary from units to firmware that is given as functions, as for the Scene of the original run.
 
     Raise the errors of a Scene and its run.
     """
@@ -135,7 +138,7 @@ def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict],
 
     start: the tick at which the run began.
 
-    Raise ValueError if the table is not that of a run.
+    Raise ValueError if the table does not contain a run.
     """
     if table.per_second is None or table.per_second.denominator != 1:
         raise ValueError(f"a table of {table.per_second} ticks a second is no recorded run")
@@ -146,7 +149,11 @@ def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict],
 
 
 def windows_of_edges(edges: Capture, timebase: Timebase, verdicts: Iterable[Verdict], start: int) -> list[Window]:
-    """Return windows from the wires of a run alone; their only records are edges. Positions of `edges` are ticks."""
+    """Return windows from the wires of a run. The only records in these windows are edges.
+
+    edges: the edges of all wires; positions are ticks.
+    start: the tick at which the run began.
+    """
     keeper = _Keeper(verdicts, timebase, start, edges.length - 1)
     moves = [
         (at, c.name, to) for c in edges.channels for at, to in zip(c.edges.tolist(), c.levels.tolist(), strict=True)
@@ -158,7 +165,7 @@ def windows_of_edges(edges: Capture, timebase: Timebase, verdicts: Iterable[Verd
 
 @dataclass(frozen=True)
 class _Wanted:
-    """The begin and end of a verdict's occurrence, and the ranges to keep."""
+    """The occurrence of a verdict and the ranges of ticks whose records are kept for its window."""
 
     verdict: Verdict
     begin: int
@@ -167,26 +174,26 @@ class _Wanted:
 
 
 class _Keeper:
-    """Receiver of all records of a run in order of creation. It keeps the records around some occurrences."""
+    """Receiver of all records of a run in order of creation. It keeps the records around the verdicts' occurrences."""
 
     def __init__(self, verdicts: Iterable[Verdict], timebase: Timebase, start: int, end: int) -> None:
         self._timebase = timebase
         self._start, self._end = start, end
         self._wanted = [self._want(verdict, verdict.at_s) for verdict in verdicts if verdict.at_s is not None]
         lead = timebase.ticks(LEAD, "nearest")
-        self._ranges: list[Span] = []  # in order; those that touch or overlap are merged
+        self._ranges: list[Span] = []  # in order of time; ranges that touch or overlap are merged
         for span in sorted(Span(max(s.begin - lead, start), s.end) for one in self._wanted for s in one.kept):
             if self._ranges and span.begin <= self._ranges[-1].end:
                 self._ranges[-1] = Span(self._ranges[-1].begin, max(self._ranges[-1].end, span.end))
             else:
                 self._ranges.append(span)
         self._records: list[Record] = []
-        self._before: list[dict[object, Record]] = []  # for each range that has begun, the last records before it
+        self._before: list[dict[object, Record]] = []  # the last records before each range that has begun
         self._seen: dict[object, Record] = {}
 
     @property
     def ends(self) -> int:
-        """The tick after which nothing is kept."""
+        """The tick after which no record is kept."""
         return self._ranges[-1].end - 1 if self._ranges else self._start
 
     def _want(self, verdict: Verdict, at_s: float) -> _Wanted:
@@ -213,7 +220,7 @@ class _Keeper:
             self._before.append(dict(self._seen))
         if self._before:
             begin, end = self._ranges[len(self._before) - 1]
-            if tick < begin:  # a record from before the range that comes late
+            if tick < begin:  # a late record, whose tick is before the range
                 self._before[-1][thing] = record
             elif tick < end:
                 self._records.append(record)
@@ -225,7 +232,7 @@ class _Keeper:
         return [_with_stretch(self._window(one, name, wires, modules)) for one in self._wanted]
 
     def _between(self, begin: int, end: int) -> list[Record]:
-        """Return the records from one tick up to, but not including, another."""
+        """Return the records from tick `begin` up to, but not including, tick `end`."""
         first, last = (bisect_left(self._records, tick, key=lambda r: r.tick) for tick in (begin, end))
         return self._records[first:last]
 
@@ -255,8 +262,8 @@ class _Keeper:
     def _drawn(self, one: _Wanted, bit: int) -> Span:
         """Return the extent of a picture.
 
-        An interval is in its middle, and an instant at its first sixth. If the instant is the end of a wait that is too
-        long, the picture begins with the kept records.
+        An interval is in the middle of the picture. An instant is after the first sixth of the picture. If the instant
+        is the end of a wait that is too long, the picture begins with the kept records.
         """
         begin = one.kept[0].begin if is_late(one.verdict) else one.begin
         end = one.end
@@ -268,7 +275,7 @@ class _Keeper:
         return Span(max(min(first, last - least), earliest), last + 1)
 
     def _channel(self, wire: str, index: int, one: _Wanted, ranges: list[int]) -> Channel:
-        """Return the edges of a wire. They are unknown between two ranges."""
+        """Return the edges of a wire. Between two ranges, the level is unknown."""
         states: dict[int, int | None] = {}
         over = one.kept[0].end
         for place, span in zip(ranges, one.kept, strict=True):
@@ -283,24 +290,27 @@ class _Keeper:
 
 
 def event_of(verdict: Verdict) -> Event | None:
-    """Return the event at which a shipped measure takes its values; None for other measures."""
+    """Return the last event of a measure that has a name in MEASURES; None for other measures."""
     sentence = MEASURES.get(verdict.measure.partition(" of ")[0])
     return None if sentence is None else measure_of(sentence.text.format(of="")).events[-1]
 
 
 def is_late(verdict: Verdict) -> bool:
-    """Return True if the instant is the end of a wait that is too long."""
+    """Return True if the instant of a verdict is the end of a wait that is too long."""
     event = event_of(verdict)
     return event is not None and event.how in LATE
 
 
 def _is_length(verdict: Verdict) -> bool:
-    """Return True if the value is the length of the occurrence, which then is an interval."""
+    """Return True if the value of a verdict is the length of its occurrence, so that the occurrence is an interval."""
     return verdict.unit == "us" and not verdict.measure.startswith(("jitter of", "time in"))
 
 
 def _with_stretch(window: Window) -> Window:
-    """Narrow the occurrence of a stretch, which is given as a whole phase, to the longest low phase of SCL in it."""
+    """Return the window. If the verdict is about a stretch, its occurrence is reduced to the longest low time of SCL.
+
+    Otherwise, the occurrence of a stretch would be a whole phase.
+    """
     event = event_of(window.verdict)
     if event is None or event.how != "stretch" or window.begin == window.end:
         return window

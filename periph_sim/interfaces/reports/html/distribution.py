@@ -1,6 +1,6 @@
 """The distribution of a budget's values, and its plot.
 
-Bins have equal width and begin at whole multiples of it, so the bins of two runs coincide.
+All bins have the same width and begin at whole multiples of this width, so the bins of two runs coincide.
 
     counts   |    _        :            :
     (log)    |  _| |_      :      //    :
@@ -39,9 +39,11 @@ class Bin:
 
 @dataclass(frozen=True)
 class Distribution:
-    """The distribution of the values of a budget. All numbers are in `unit`, which depends on their size.
+    """The distribution of the values of a budget.
 
+    unit: the unit of all numbers, which depends on the size of the values.
     counted: True if the values are whole counts, so that a bin of width 1 contains one distinct value.
+    least, worst: the smallest and the largest value.
     limits: key and value of each limit.
     quantiles: name and value (nearest rank) of each quantile.
     """
@@ -60,7 +62,7 @@ class Distribution:
 
 
 def distribution(values: Values, per_ns: int) -> Distribution:
-    """Return the distribution. per_ns: ticks per nanosecond, for times."""
+    """Return the distribution of the values of a budget. per_ns: the number of ticks per nanosecond."""
     data = np.sort(values.values)
     least, worst = int(data[0]), int(data[-1])
     unit, size, grain = scale_of(values.unit, max(abs(least), abs(worst)), per_ns)
@@ -83,7 +85,7 @@ def distribution(values: Values, per_ns: int) -> Distribution:
 
 
 def scale_of(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
-    """Return the unit to show, its size in units of the values, and the minimum bin width.
+    """Return the unit to show, and two numbers in units of the values: the size of this unit and the minimum bin width.
 
     A time is shown in the unit in which the largest value is below 1000.
     """
@@ -98,7 +100,7 @@ def scale_of(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
 WIDTH, HEIGHT = 560, 244
 LEFT, RIGHT, TOP, BOTTOM = 46, 18, 58, 40
 BREAK = 78  # width of the part of the axis after a break, in units of the drawing
-REACH = 1.5  # a limit is on scale if its distance is at most this multiple of the range of the values
+REACH = 1.5  # a limit is on scale if its distance from the values is at most this multiple of the values' range
 ROWS = 2  # number of rows for the texts of limits
 CHARACTER = 6.6  # width of a character, in units of the drawing
 LEAST = 24  # minimum number of bins of the axis, so that a single value is a narrow bar
@@ -115,10 +117,10 @@ class Bar:
 
 @dataclass(frozen=True)
 class Rule:
-    """A vertical line with its text.
+    """A vertical line with a text above it.
 
-    anchor: the alignment of the text at the line.
-    row: the row of the text, counted from below.
+    anchor: the alignment of the text at the line: start, middle or end.
+    row: the row of the text, counted from below from 0.
     """
 
     x: float
@@ -131,8 +133,12 @@ class Rule:
 class Plot:
     """Layout of the plot, in units of the drawing.
 
-    width, height: the size of the drawing.
+    limits, worst: the lines of the limits and of the worst value.
+    across, up: position and text of each label of the horizontal and of the vertical axis.
+    breaks: the positions of breaks of the horizontal axis.
+    summary: a text for screen readers.
     left, right, top, bottom: the edges of the box that the axes enclose.
+    width, height: the size of the drawing.
     """
 
     bars: tuple[Bar, ...]
@@ -166,7 +172,7 @@ def plot(spread: Distribution, least_is_worst: bool = False) -> Plot:
     between = f" from {number(spread.least)} to {number(spread.worst)}"
     if spread.least == spread.worst:
         between = f", {'all ' * (spread.count > 1)}{number(spread.worst)}"
-    # Grid lines are at powers of ten, and at 2 and 5 times these if there is room.
+    # Grid lines are at powers of ten and, if there is room, at 2 and 5 times the powers of ten.
     counts = [f * 10**n for n in range(floor(log10(most)) + 1) for f in ((1, 2, 5) if most < 100 else (1,))]
     marked = spread.least if least_is_worst else spread.worst
     return Plot(
@@ -186,7 +192,7 @@ class _Scale:
 
     def __init__(self, spread: Distribution) -> None:
         self._spread = spread
-        self._shift = 0.5 if spread.counted else 0.0  # the bin of a count is centred on it
+        self._shift = 0.5 if spread.counted else 0.0  # the bin of a whole count is centred on this count
         low, high = spread.bins[0].begin - self._shift, spread.bins[-1].end - self._shift
         lacking = LEAST * (spread.bins[0].end - spread.bins[0].begin) - (high - low)
         if lacking > 0:
@@ -205,7 +211,7 @@ class _Scale:
         )
 
     def place(self, value: float) -> float:
-        """Return the x position of a value. Values that are off scale are after the break."""
+        """Return the x position of a value. A value that is off scale is beyond the break of the axis."""
         if value < self.begin:
             return LEFT + BREAK / 3
         if value > self.end:
@@ -228,13 +234,13 @@ class _Scale:
 def axis_ticks(
     begin: float, end: float, step: float, place: Callable[[float], float], unit: str = ""
 ) -> tuple[tuple[float, str], ...]:
-    """Return the position and the text of each multiple of a step on an axis. place: the position of a value."""
+    """Return position and text of each multiple of a step on an axis. place: a function from values to positions."""
     first, last = ceil(begin / step - 1e-9), floor(end / step + 1e-9)
     return tuple((place(n * step), f"{number(n * step, step)} {unit}".rstrip()) for n in range(first, last + 1))
 
 
 def _rules(spread: Distribution, scale: _Scale) -> tuple[Rule, ...]:
-    """Return the lines of the limits from left to right. Texts that would overlap are in different rows."""
+    """Return the lines of the limits from left to right. If two texts would overlap, they are in different rows."""
     rules: list[Rule] = []
     free = [float("-inf")] * ROWS
     for key, value in sorted(spread.limits, key=lambda one: one[1]):
@@ -252,7 +258,7 @@ def _with_unit(name: str, value: float, unit: str) -> str:
 
 
 def number(value: float, step: float | None = None) -> str:
-    """Format a number with at most three decimals, or with those of a step of the axis, and without trailing zeros."""
+    """Format a number with up to three decimals. step: if given, use as many decimals as this step of an axis needs."""
     decimals = 3 if step is None else max(0, -floor(log10(step) + 1e-9))
     text = f"{value:.{decimals}f}"
     text = text.rstrip("0").rstrip(".") if "." in text and step is None else text

@@ -41,13 +41,15 @@ class BudgetReport:
     """The report of one budget.
 
     limits: key and text of each limit.
+    source: the source of the limit, as the case states it.
     must_break: True if the case says that the budget breaks.
     distribution, over_time: None if the budget has a single number per run.
-    timeline: the timeline around the worst value; None if that has no instant.
-    explanation: how the worst value came about.
-    failure: what failed, and why.
-    others: more occurrences beyond a limit, in order of time. Each is the instant, in ticks from the start of the run,
-        and the timeline.
+    timeline: the timeline around the worst value; None if the worst value has no instant.
+    explanation: the explanation of the worst value; None if the worst value has no instant.
+    failure: a description of the failure; None if the budget is as expected.
+    per_second: the number of ticks per second.
+    others: more occurrences beyond a limit, in order of time: for each, its instant in ticks from the start of the run,
+        and its timeline.
     """
 
     verdict: Verdict
@@ -71,12 +73,14 @@ class BudgetReport:
 class CaseReport:
     """The report of one case.
 
+    verdict: "pass" or "fail".
     standing: the result; "known" is a failure that the case expects.
     commit: the commit of the case's repository; "" if there is none.
     clocks: each unit and its SYSCLKOUT as text.
-    findings: errors that are not in a verdict of a budget.
+    findings: errors that are not described in the `failure` of a budget.
     options: the options for undocumented behaviour that the run used, as UNIT.GROUP.NAME.
-    counts: all other counts of the run.
+    changes: the "key=value" texts with which the case was read.
+    counts: a dictionary from names to counts of the run, such as bytes on the bus.
     """
 
     name: str
@@ -116,9 +120,9 @@ def case_report(
     values: the values of each budget, in the order of the budgets.
     typical: the result of `Scene.typical`.
     per_second: the number of ticks per second.
-    length: the duration of the run in seconds; None for that of the case.
+    length: the duration of the run in seconds; None for the duration that the case states.
     changes: the "key=value" texts with which the case was read.
-    findings: the findings of `check`; the case passes if there are none. None: the verdict is that of the run.
+    findings: the findings of `check`, without which the case passes. If None, the case passes if the run passes.
 
     Raise the errors of a Scene and its run.
     """
@@ -136,7 +140,7 @@ def case_report(
     failed = {verdict.name for verdict in result.budgets if not verdict.passed}
     broken = {verdict.name for verdict in result.budgets if verdict.broken}
     as_said = bool(case.breaks) and failed == broken == set(case.breaks) and not result.stuck
-    devices = tuple(f"{name}, " for name in (*case.chip, *case.device))  # their notes come first: only few are shown
+    devices = tuple(f"{name}, " for name in (*case.chip, *case.device))  # notes of devices come first; few are shown
     return CaseReport(
         name=case.name,
         about=case.about,
@@ -166,19 +170,19 @@ def report_of_file(
     per_second: int,
     findings: Sequence[str],
 ) -> CaseReport:
-    """Return the report of a case file that was run for its own duration. It can be called in another process."""
+    """Return the report of a case file that was run for the duration that it states. Worker processes can call this."""
     return case_report(load(path, list(changes)), result, values, typical, per_second, None, changes, findings)
 
 
 def _others(
     case: Case, per_second: int, verdicts: Sequence[Verdict], overs: Sequence[OverTime | None]
 ) -> list[Verdict]:
-    """Return more occurrences beyond a limit, as verdicts, for failed budgets."""
+    """Return further occurrences beyond the limits of failed budgets. Each is a verdict with another worst value."""
     found = []
     for verdict, over in zip(verdicts, overs, strict=True):
         if over is None or not verdict.broken or verdict.name in case.breaks or verdict.at_s is None:
             continue
-        size = {"us": 1_000_000 / per_second, "LSB": 1e-6}.get(verdict.unit, 1)  # of a value in this unit
+        size = {"us": 1_000_000 / per_second, "LSB": 1e-6}.get(verdict.unit, 1)  # of one step of a value, in the unit
         shown = shown_violations(over, _ticks(verdict.at_s, per_second))
         found += [replace(verdict, worst=value * size, at_s=at / per_second) for at, value in shown]
     return found
@@ -193,7 +197,7 @@ def _budget(
     over: OverTime | None,
     found: Sequence[Explained],
 ) -> BudgetReport:
-    """Return the report of a budget. found: the explanations of all budgets, the worst occurrence of each first."""
+    """Return the report of a budget. found: the explanations of all budgets; those of worst occurrences come first."""
     must_break = verdict.name in case.breaks
     own = [one for one in found if one.window.verdict.name == verdict.name]
     worst, others = (own[0] if own else None), own[1:]
@@ -231,8 +235,8 @@ def _ticks(seconds: float | None, per_second: int) -> int:
 def _limits(budget: Budget, verdict: Verdict) -> list[tuple[str, str]]:
     """Return the key and the text of each limit.
 
-    The text is that of the case, with the measure for joined conditions. The limit that the verdict names has the value
-    that was compared.
+    The text is the limit as the case states it. If conditions are joined to the budget, the key contains the measure.
+    For the limit that the verdict names, the text is the value with which the worst value was compared.
     """
     found = []
     parts: list[Budget | Condition] = [budget, *budget.also]
@@ -256,7 +260,7 @@ def _found(result: Result) -> list[str]:
 
 
 def _beside_failures(findings: Sequence[str], budgets: Sequence[BudgetReport]) -> list[str]:
-    """Return the findings that are not contained in the `failure` of a budget."""
+    """Return the findings that the `failure` of a budget does not describe."""
     names = [one.verdict.name for one in budgets if one.failure is not None]
     known = tuple(f"{name}{rest}" for name in names for rest in (" breaks: ", " is not judged: ", " holds, but ", ": "))
     return [text for text in findings if not text.startswith(known)]
@@ -298,7 +302,13 @@ def _git(folder: Path, *command: str) -> str:
 
 @dataclass(frozen=True)
 class Failure:
-    """The sentences about a failure, which may be "". place: the location in the firmware at the end of `why`."""
+    """The sentences about the failure of a budget.
+
+    what: the value and the broken limit.
+    count: the number of occurrences beyond the limit, or "".
+    why: the cause, or "".
+    place: the location in the firmware with which the sentence `why` ends, or "".
+    """
 
     what: str
     count: str = ""

@@ -31,11 +31,11 @@ PARTS = SHOWN - SHOWN // 2
 
 @dataclass(frozen=True)
 class Column:
-    """One part of the run.
+    """The values in one part of the run, or a single value.
 
-    at: its begin, in ticks from the start of the run.
-    low, high: the least and the greatest value in this part.
-    beyond: True if some of its values are beyond a limit.
+    at: the middle of the part, or the instant of the value, in ticks from the start of the run.
+    low, high: the least and the greatest value.
+    beyond: True if at least one value is beyond a limit.
     """
 
     at: int
@@ -48,9 +48,12 @@ class Column:
 class OverTime:
     """The values of a budget over the run, in the unit of `Values`.
 
-    end: the end of the run, in ticks from its start.
-    which: the limit that the verdict names.
+    end: the end of the run, in ticks from the start of the run.
+    limits: key and value of each limit.
+    which: the key of the limit that the verdict names.
     violations: instant and value of the first MOST violations, in order of time.
+    violation_count: the number of all violations.
+    count: the number of all values.
     """
 
     unit: str
@@ -64,7 +67,7 @@ class OverTime:
 
 
 def over_time(values: Values, verdict: Verdict, end: int) -> OverTime:
-    """Return the values over time. end: the end of the run, in ticks from its start."""
+    """Return the values of a budget over time. end: the end of the run, in ticks from the start of the run."""
     order = np.argsort(values.at, kind="stable")
     at, data = values.at[order], values.values[order]
     beyond = _beyond(data, verdict, values.limits)
@@ -82,7 +85,7 @@ def over_time(values: Values, verdict: Verdict, end: int) -> OverTime:
 
 
 def _beyond(data: NDArray[np.int64], verdict: Verdict, limits: Mapping[str, int]) -> NDArray[np.bool_]:
-    """Return True for values beyond a limit. The limit of a percentile counts only if it is broken."""
+    """Return an array with True for each value beyond a limit. The limit of a percentile counts only if broken."""
     found = np.zeros(len(data), bool)
     for key, limit in limits.items():
         if key == "min":
@@ -107,9 +110,10 @@ def _columns(at: NDArray[np.int64], data: NDArray[np.int64], beyond: NDArray[np.
 
 
 def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ...]:
-    """Return the violations, besides the worst one, that are shown with waves, in order of time.
+    """Return the violations that are shown with waves in addition to the worst violation, in order of time.
 
-    These are the first ones, and the worst one of each part of the others; SHOWN in total.
+    There are up to SHOWN. The first half are the first violations. For the second half, the remaining violations are
+    divided into PARTS parts, and the worst violation of each part is taken.
     """
     others = [one for one in over.violations if one[0] != worst_at]
     first, rest = others[: SHOWN // 2], others[SHOWN // 2 :]
@@ -119,13 +123,17 @@ def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ..
 
 
 FIELD_WIDTH = 1000  # width of the field in the units of the SVG paths
-NEAR = 1.5  # a limit is drawn if it is within this many spreads of the values
+NEAR = 1.5  # a limit is drawn if its distance from the values is at most this multiple of the values' range
 ROOM = 0.08  # margin above and below, as a fraction of the height of the field
 
 
 @dataclass(frozen=True)
 class Line:
-    """A limit as a line across the field. y: the position in percent from the top; None if it is off scale."""
+    """A limit as a line across the field.
+
+    y: the position in percent from the top; None if the limit is off scale.
+    above: if the limit is off scale, True if it is above the field.
+    """
 
     text: str
     y: float | None
@@ -137,7 +145,8 @@ class TimePlot:
     """The layout of a plot.
 
     up, across: the labels of the axes as positions in percent and texts.
-    values, broken: SVG paths of all values and of those beyond a limit.
+    lines: the limits.
+    values, broken: SVG paths of all values, and of the values beyond a limit.
     summary: a text for screen readers.
     """
 
@@ -150,7 +159,7 @@ class TimePlot:
 
 
 def shown_unit(over: OverTime, per_second: int) -> tuple[str, int]:
-    """Return the unit to show, and its size in units of the values."""
+    """Return the unit to show, and the size of this unit in units of the values."""
     largest = max(max(abs(c.low), abs(c.high)) for c in over.columns)
     return scale_of(over.unit, largest, per_second // 10**9)[:2]
 

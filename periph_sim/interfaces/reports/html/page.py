@@ -46,7 +46,8 @@ def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
     title: the title of the page, and of the overview if there are several cases.
     command: the command line that made the page.
     """
-    # The rows have the numbers of the case and of the budget. Failed budgets come first, then others that broke.
+    # A row has the number of the case, the case, the number of the budget and the budget. Budgets with an unexpected
+    # result come first, then budgets that broke as expected.
     budgets = [(*case, *one) for case in enumerate(cases, 1) for one in enumerate(case[1].budgets, 1)]
     rows = sorted(budgets, key=lambda row: (row[3].as_it_should_be, row[3].verdict.passed))
     return _template().render(
@@ -91,7 +92,7 @@ def _text(name: str) -> str:
 
 
 def _data(value: object) -> Markup:
-    """Return compact JSON for a script element. `<` is escaped, so that no text can end the element."""
+    """Return a value as compact JSON for a script element. `<` is escaped, so that no text can end the element."""
     return Markup(json.dumps(value, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c"))
 
 
@@ -111,7 +112,10 @@ def _share(one: BudgetReport) -> float | None:
 
 
 def _instants(one: BudgetReport) -> dict[str, object]:
-    """Return the instants that the script needs, in seconds: worst value, values beyond a limit, values with waves."""
+    """Return the data for the script of the plot over time.
+
+    The instants, in seconds, are those of the worst value, of values beyond a limit, and of values shown with waves.
+    """
     over, rate = one.over_time, one.per_second
     assert over is not None
     unit, size = shown_unit(over, rate)
@@ -127,9 +131,9 @@ def _instants(one: BudgetReport) -> dict[str, object]:
 
 
 def _parts(chain: Chain) -> list[tuple[Part, float, str]]:
-    """Return the largest parts, each with its percentage and its excess over the typical occurrence.
+    """Return the largest parts of an explanation, each with its percentage and its excess.
 
-    The excess is "" if there is none.
+    The excess is the difference from the least critical occurrence; "" if there is no difference.
     """
     more = {(part.doing, part.what): part.length for part in chain.more}
     rows = []

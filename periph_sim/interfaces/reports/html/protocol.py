@@ -18,13 +18,16 @@ LONGEST = 24  # maximum number of bytes in a row of characters
 
 
 class Row(NamedTuple):
-    """A row of the protocol table. In JSON, it is a list of these values.
+    """A row of the protocol table. In JSON, a row is a list of these values.
 
-    at, end: ticks from the beginning of the run or another origin.
+    at, end: the begin and the end in ticks from the origin of the timeline.
     bus: "I2C", or the wire of SCI characters.
     start: "START", "Sr" for a repeated START, or "" for characters.
-    address, way, ack: "0x68"; "R" or "W"; "ACK", "NACK" or "".
-    data: each byte in hexadecimal with "ACK", "NACK" or ""; "error" for an incomplete character.
+    address: the address, as in "0x68"; "" for characters.
+    way: the direction, "R" or "W"; "" for characters.
+    ack: the answer to the address, "ACK" or "NACK"; "" if there is none.
+    data: for each byte, the value in hexadecimal and the answer; for each character, the value and "error" or "".
+    stop: True if the row ends with a STOP.
     """
 
     at: int
@@ -39,9 +42,9 @@ class Row(NamedTuple):
 
 
 def rows(window: Window, seen: Callable[[int, int], bool], zero: int) -> list[Row]:
-    """Return the rows in order of time.
+    """Return the rows of the protocol table in order of time.
 
-    seen: a function that returns True if a range of ticks (begin, end) is shown.
+    seen: a function that returns True if a range of ticks, given by its begin and end, is shown.
     zero: the tick from which the times of rows are counted.
     """
     names = {channel.name for channel in window.edges.channels}
@@ -75,7 +78,7 @@ def _ack(acked: bool | None) -> str:
 
 
 def _frame_rows(window: Window) -> list[Row]:
-    """Return rows of characters for each wire. A gap of a character or more starts a new row."""
+    """Return rows of characters for each wire. A new row starts after a pause of at least one character's length."""
     found: dict[str, list[Row]] = {}
     begun: dict[str, int] = {}
     for record in window.records:
@@ -93,11 +96,11 @@ def _frame_rows(window: Window) -> list[Row]:
     return [row for rows in found.values() for row in rows]
 
 
-Box = tuple[int, int, str, str]  # begin and end as positions of the transfers, label, text
+Box = tuple[int, int, str, str]  # begin and end as positions in the capture, label, text
 
 
 def bytes_of(transfers: Iterable[i2c.Transfer], end: int) -> Iterator[Box]:
-    """Yield a box for each condition, byte and ACK. end: the position at which incomplete boxes end."""
+    """Yield a box for each condition, byte and ACK bit. end: the position at which incomplete boxes end."""
     for transfer in transfers:
         for number, phase in enumerate(transfer.phases):
             start = phase.start

@@ -1,14 +1,14 @@
 """The timeline around a worst occurrence: lanes with events in ticks, from a Window, as compact JSON for the page.
 
-edges     --decoder--> SCL, SDA, bytes; RX, TX; named pins; rows of the protocol table
+edges     --decoder--> SCL, SDA, bytes; RX, TX; other wires; rows of the protocol table
 BUS, FRAME -----------> transfers of the controller, frames of the host
 FLAG      -----------> one lane per register field that changed
 SPAN, WAIT, IRQ ------> spans of firmware, its waits with the polled field, service routines
 ACCESS    -----------> one lane per register: reads and writes with their firmware location
 
-Lanes are chosen, and so drawn at first, if the explanation is about them. These are wires and registers that the chain
-names, the wires of the bus that it mentions (SCL and SDA for an address, RX for a frame), fields that are named by the
-chain or measured, and service routines, spans and waits within the picture.
+At first, the page draws only the chosen lanes. These are the lanes of wires and registers that the explanation names;
+the wires of a bus that the explanation mentions (SCL and SDA for a transfer, RX and TX for a frame); fields that the
+explanation or the measure names; and service routines, spans and waits within the picture.
 """
 
 from __future__ import annotations
@@ -34,13 +34,13 @@ SERIAL_WORDS = re.compile(r"\b(RX|TX|SCI\w*|frames?|host|FIFO)\b")
 BUS = ("SCL", "SDA")
 SERIAL = ("RX", "TX")
 MOST = 24_000  # maximum number of events of a timeline; events farther from the occurrence are left out
-FRAME_BITS = 10  # number of bits of the host's characters: start, 8 data, stop
+FRAME_BITS = 10  # number of bits of a character from the host: a start bit, 8 data bits and a stop bit
 EPISODES = (("span", "span"), ("wait", "waits for"), ("interrupt", "service routine of"))
 OPTIONAL = ("chosen", "long", "labels", "strong", "places")  # keys of a lane that are left out if they are empty
 
 
 class Texts(dict[str, int]):
-    """Texts with their indices; each text is stored once. The first line of a text is its title."""
+    """A dictionary from texts to indices. Each text is stored once. The first line of a text is its title."""
 
     def place(self, text: str) -> int:
         return self.setdefault(text, len(self))
@@ -48,14 +48,16 @@ class Texts(dict[str, int]):
 
 @dataclass
 class Lane:
-    """A lane of events, which are edges of a `wave`, `boxes` in the order in which they begin, or `marks` of instants.
+    """A lane of events.
 
+    kind: "wave" for edges, "boxes" for events with a duration in the order in which they begin, "marks" for instants.
+    unit: the unit to which the lane belongs; "" if it belongs to none.
     initial: the level of a wave before the first edge.
-    chosen: True if the explanation is about it; only such lanes are drawn at first.
+    chosen: True if the explanation is about the lane. At first, only chosen lanes are drawn.
     at, end: the ticks of the events. Only boxes have an end.
-    says, labels: for each event, the indices of its text and its label. Edges have no label.
-    strong: 1 for each mark that is drawn as more important, such as a write among reads.
-    places: for each mark, the index of its location in the firmware; empty if unknown.
+    says, labels: the indices of each event's text and label in `Texts`. Edges have no label.
+    strong: 1 for each mark that is drawn as more important, such as a write among reads; 0 for the other marks.
+    places: the index of each mark's location in the firmware in `Texts`; empty if the locations are unknown.
     """
 
     kind: str
@@ -71,7 +73,7 @@ class Lane:
     places: list[int] = field(default_factory=list)
 
     def json(self) -> dict[str, Any]:
-        """Convert to JSON. Ticks are distances from the one before, so most of them are short numbers."""
+        """Convert to JSON. A tick is given as the distance from the previous tick, so most numbers are short."""
         keys: dict[str, Any] = {"name": self.name, "unit": self.unit, "chosen": int(self.chosen), "kind": self.kind}
         keys |= {"initial": self.initial} if self.kind == "wave" else {}
         keys |= {
@@ -89,10 +91,10 @@ class Lane:
 class Timeline:
     """The timeline around one worst occurrence.
 
-    origin: the tick of time 0, counted from the start of the run. All other ticks are relative to it.
+    origin: the tick of time 0, counted from the start of the run. All other ticks are relative to the origin.
     begin, end: the begin and the end of the occurrence.
-    per_second: ticks per second.
-    cycles: ticks per SYSCLKOUT cycle, by unit. Lanes without a unit use those of the first unit.
+    per_second: the number of ticks per second.
+    cycles: a dictionary from units to ticks per SYSCLKOUT cycle. Lanes without a unit use the value of the first unit.
     shown: the range that is visible at first.
     kept: the available ranges, one or two.
     groups: name and lanes of each group.
@@ -144,9 +146,10 @@ def only_chosen(timeline: Timeline) -> Timeline:
 class Lanes:
     """Builder of the timeline of a window.
 
-    cycles: the number of ticks per cycle of SYSCLKOUT for each unit.
-    frame_bit: the number of ticks per bit of the host; 0 if there is no host.
-    most: the maximum number of events.
+    cycles: a dictionary from units to ticks per cycle of SYSCLKOUT.
+    frame_bit: the number of ticks per bit of the host's characters; 0 if there is no host.
+    most: the maximum number of records that the timeline shows.
+    says: the texts that lanes refer to by index.
     """
 
     window: Window
@@ -193,7 +196,12 @@ class Lanes:
     def _add(
         self, lane: Lane, begin: int, says: str, label: str = "", end: int | None = None, strong: int | None = None
     ) -> None:
-        """Add an event to a lane. begin, end: ticks of the run."""
+        """Add an event to a lane.
+
+        begin, end: the ticks of the event in the run; `end` is None for an instant.
+        says, label: the text and the label of the event.
+        strong: 1 or 0 for a mark (see `Lane`).
+        """
         lane.at.append(begin - self.zero)
         lane.says.append(self.says.place(says))
         if lane.kind != "wave":
@@ -204,7 +212,10 @@ class Lanes:
             lane.strong.append(strong)
 
     def _add_edges(self, lane: Lane, records: Iterable[Record], about: Callable[[Record], str]) -> Lane:
-        """Add the records at which the level of a wave changes. about: returns a text that follows that of a record."""
+        """Add an edge for each record at which the level of a wave changes.
+
+        about: a function that returns a text, which is appended to the text of a record.
+        """
         level = lane.initial
         for record in records:
             if record.value != level:
@@ -215,7 +226,7 @@ class Lanes:
     # Lines --------------------------------------------------------------------------
 
     def _waves(self, wires: Iterable[str]) -> list[Lane]:
-        """Return the waves of those wires that exist and changed."""
+        """Return a wave for each of these wires that exists and has a known level."""
         lanes = []
         for channel in (channel for wire in wires for channel in self.window.edges.channels if channel.name == wire):
             wire = channel.name
@@ -291,7 +302,7 @@ class Lanes:
         return lane
 
     def _because(self, record: Record) -> str:
-        """Describe the record that caused a change in the same cycle.
+        """Describe the access or edge that caused a change in the same cycle; "" if there is none.
 
         Earlier causes are uncertain, so they are omitted.
         """
@@ -351,7 +362,7 @@ class Lanes:
     # --------------------------------------------------------------------------------
 
     def _named(self, word: str) -> bool:
-        """Return True if the measure or the chain names a pin, or a register without a field."""
+        """Return True if the measure or the explanation names a wire, or a register without one of its fields."""
         return bool(re.search(rf"\b{re.escape(word)}\b(?!\.)", self.about))
 
     def _drawn(self, begin: int, end: int) -> bool:
@@ -363,7 +374,10 @@ class Lanes:
 
 
 def _within_reach(window: Window, most: int) -> tuple[Span, ...]:
-    """Return the recorded ranges, cut to at most `most` events around the occurrence, or after its begin."""
+    """Return the recorded ranges, reduced to at most about `most` records.
+
+    The records around the occurrence are kept. If the occurrence alone has too many records, its first ones are kept.
+    """
     if len(window.records) <= most:
         return window.kept
     inside = [r.tick for r in window.records if window.begin <= r.tick <= window.end]

@@ -1,12 +1,12 @@
-"""The runs of a sweep: their values as `key=value` texts, with which a worker process executes them.
+"""The runs of a sweep. Their values become `key=value` texts, with which worker processes execute the runs.
 
 {"seed": (1, 2), "host.jitter": ("0 us", "50 us")}  --> a run for each combination; the last key changes fastest
 [{"seed": 1}, {"seed": 2, "start": "1 ms"}]         --> two runs with these values
 ["seed=1", ["seed=2", "start=1 ms"]]                --> the same two runs, in the form of `--set`
-Job, values of some runs                            --> a Row each, both of which can be sent between processes
+Job, values of some runs                            --> a Row for each run; Jobs and Rows can be sent between processes
 
-The values of a key can be one text: "1, 2, 5" or "0 ms to 20 ms step 10 us". A range ends with its last value if a
-step falls on it. Its values are exact, in the unit of the step.
+The values of a key can be one text: "1, 2, 5" or "0 ms to 20 ms step 10 us". A range includes its last value if this is
+a whole number of steps from the first value. The values of a range are exact, and in the unit of the step.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ Changes: TypeAlias = Mapping[str, Iterable[Value]] | Iterable[Run | str | Sequen
 
 
 def runs_of(changes: Changes) -> list[dict[str, Value]]:
-    """Return the values of each run, indexed by key. Raise BadCase if a change is invalid or there is no run."""
+    """Return a dictionary from keys to values for each run. Raise BadCase if a change is invalid or there is no run."""
     if isinstance(changes, str):
         raise BadCase(f"changes={changes!r}: give a list of runs, or a table of keys and their values")
     if isinstance(changes, Mapping):
@@ -55,7 +55,7 @@ def runs_of(changes: Changes) -> list[dict[str, Value]]:
 
 
 def texts_of(run: Run) -> list[str]:
-    """Return a run's changes as for `--set`. Raise BadCase for a value that a case cannot have."""
+    """Return the changes of a run as texts for `--set`. Raise BadCase for a value that a case cannot have."""
     return [f"{key}={_text(key, value)}" for key, value in run.items()]
 
 
@@ -74,7 +74,7 @@ def _one(run: Run | str | Sequence[str], number: int) -> dict[str, Value]:
 
 
 def _text(key: str, value: Value) -> str:
-    """Format a value as TOML, or return its text."""
+    """Format a value as TOML. A text is returned unchanged."""
     if isinstance(value, str):
         return value
     plain = value.item() if hasattr(value, "item") else value  # converts numbers of numpy to those of Python
@@ -90,11 +90,11 @@ def _text(key: str, value: Value) -> str:
 
 RANGE = re.compile(r"(?P<first>.+?)\s+to\s+(?P<last>.+?)\s+step\s+(?P<step>.+)")
 NUMBER = re.compile(r"(-?\d+(?:\.\d+)?)\s*([a-zA-Z%]*)")
-MOST = 1_000_000  # maximum number of values of a range; more of them suggest a step in the wrong unit
+MOST = 1_000_000  # maximum number of values of a range; a larger number suggests a step in the wrong unit
 
 
 def values_of(key: str, text: str) -> list[str]:
-    """Return the values that a text lists. Raise BadCase if there are none, or if a range is invalid."""
+    """Return the values of a key from a text, which is a list or a range. Raise BadCase if the text is invalid."""
     found = RANGE.fullmatch(text.strip())
     if found is not None:
         return _range(key, *found.group("first", "last", "step"))
@@ -135,7 +135,7 @@ def _number(key: str, text: str, shown: str) -> tuple[Fraction, str]:
 
 
 def _apart(text: str) -> list[str]:
-    """Split at commas outside brackets, braces and quotes."""
+    """Split a text at commas outside brackets, braces and quotes."""
     parts, depth, quote = [""], 0, ""
     for sign in text:
         if quote:
@@ -151,15 +151,17 @@ def _apart(text: str) -> list[str]:
     return [part.strip() for part in parts]
 
 
-Row = Result | str  # the result of a run, or the reason why it could not be made
+Row = Result | str  # the result of a run, or the reason why the run could not be made
 
 
 @dataclass(frozen=True)
 class Job:
     """The data that all runs of a sweep share.
 
-    shown: the path of the file as the caller wrote it, for messages.
-    length: the duration of each run in seconds, in place of that of the case.
+    file: the absolute path of the case file.
+    shown: the path of the case file as the caller wrote it, for messages.
+    length: the duration of each run in seconds; None for the duration that the case states.
+    programs: a dictionary from units to firmware that is given as functions.
     """
 
     file: str
@@ -169,13 +171,13 @@ class Job:
 
 
 def rows_of(job: Job, runs: Sequence[Sequence[str]]) -> list[Row]:
-    """Execute some runs one after the other and return their rows. runs: the changes of each run, as for `--set`."""
+    """Execute some runs one after the other. Return their rows. runs: the changes of each run, as for `--set`."""
     return [_row(job, changes) for changes in runs]
 
 
 @lru_cache(maxsize=4)
 def _prepared(file: str, text: str) -> PreparedScene:
-    """Return the prepared scene of a file. A worker keeps it for later runs, as long as the file has the same text."""
+    """Return the prepared scene of a case file. Later runs in the same process use it until the file's text changes."""
     return PreparedScene(file)
 
 

@@ -2,7 +2,8 @@
 
     runs --some at a time--> Executor --> Rows, in the order of the runs --> Sweep
 
-Any `concurrent.futures.Executor` works: threads, processes, a cluster; by default our own processes.
+Any `concurrent.futures.Executor` can be used: threads, processes, a cluster. The default is a pool of worker processes
+(see `processes`).
 """
 
 from __future__ import annotations
@@ -29,16 +30,16 @@ from ....timing.verdict import Verdict
 from ..processes import DIED, processes
 from .runs import Changes, Job, Row, rows_of, runs_of, texts_of
 
-NO_RESULT = Result("", "error", 0.0, 0.0, 0, 0, 0, [], {}, [], [], [])  # of a run that could not be made
+NO_RESULT = Result("", "error", 0.0, 0.0, 0, 0, 0, [], {}, [], [], [])  # stands for a run that could not be made
 Column = NDArray[Any]
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
 class BudgetColumns:
-    """The figures of a budget as in a `Verdict`, with one entry per run.
+    """The figures of a budget as in a `Verdict`, in arrays with one entry per run.
 
-    If a run has no figure, the entry is NaN, "", or -1 for the count.
+    If a run has no figure, the entry is NaN for a float, -1 for the count, and "" for the verdict.
 
     unit: the unit of worst, limit and margin: "us", "%", "LSB", or the name of what is counted.
     verdict: "pass", "broken" or "not judged".
@@ -58,12 +59,14 @@ class BudgetColumns:
 class Sweep:
     """The result of a sweep: arrays with one entry per run, in the order of the changes.
 
-    changes: for each key the value in each run; "" if it is unchanged.
-    verdict: "pass", "fail", "not judged", or "error" if the run could not be made, with the reason in `error`.
+    changes: a dictionary from changed keys to their values in all runs; "" for a run that does not change the key.
+    verdict: "pass", "fail", "not judged", or "error" if the run could not be made.
+    error: the reason why the run could not be made, or "".
     wire_bytes: the number of bytes on the I2C bus.
-    sci_bytes, sci_bytes_sent: the numbers of bytes that were sent to SCIs of units and by them.
-    budgets: the figures of each budget, indexed by name.
-    counts: other counts, indexed by name; -1 for a run without this count.
+    sci_bytes: the number of bytes that the SCIs of units received.
+    sci_bytes_sent: the number of bytes that the SCIs of units sent.
+    budgets: a dictionary from the names of budgets to their figures.
+    counts: a dictionary from names to other counts; -1 for a run without this count.
     """
 
     case: str
@@ -83,11 +86,11 @@ class Sweep:
 
     @property
     def worst(self) -> dict[str, Floats]:
-        """The worst values of each budget, indexed by name."""
+        """A dictionary from the names of budgets to their worst values."""
         return {name: budget.worst for name, budget in self.budgets.items()}
 
     def columns(self) -> dict[str, Column]:
-        """Return all columns in one table, indexed by their names, for example for pandas.DataFrame or a CSV file."""
+        """Return a dictionary from names to all columns, for example for pandas.DataFrame or a CSV file."""
         table: dict[str, Column] = {**self.changes, "verdict": self.verdict, "error": self.error}
         for name, budget in self.budgets.items():
             figures = {one.name: getattr(budget, one.name) for one in fields(budget)[2:]}
@@ -98,7 +101,7 @@ class Sweep:
 
 
 def sweep_of(case: str, runs: Sequence[Mapping[str, object]], rows: Sequence[Row]) -> Sweep:
-    """Build the columns from the rows of these runs."""
+    """Build the columns of a sweep. runs: a dictionary from keys to values for each run. rows: the row of each run."""
     keys = dict.fromkeys(key for run in runs for key in run)
     results = [row if isinstance(row, Result) else NO_RESULT for row in rows]
     names = dict.fromkeys(verdict.name for one in results for verdict in one.budgets)
@@ -155,14 +158,14 @@ def _numbers_or_texts(values: list[object]) -> Column:
     return _texts(str(value) for value in plain)
 
 
-AT_A_TIME = 8  # number of runs that are sent to a worker together, because sending costs as much as a short run
-FEW = 64  # up to this number, runs are sent one by one, so that all workers receive some
+AT_A_TIME = 8  # number of runs that are sent to a worker together, because sending takes as long as a short run
+FEW = 64  # up to this number of runs, runs are sent one by one, so that all workers receive some
 
 Program = Callable[[Any, Any], None]
 
 
 class SweepStopped(KeyboardInterrupt):
-    """Ctrl-C or SIGTERM stopped a sweep. finished: the completed runs. runs: the number of all runs."""
+    """Error that Ctrl-C or SIGTERM stopped a sweep. finished: the completed runs. runs: the number of all runs."""
 
     def __init__(self, finished: Sweep, runs: int) -> None:
         super().__init__(f"the sweep was stopped after {len(finished)} of {runs} runs")
@@ -188,17 +191,17 @@ def sweep(
     case: the case file.
     changes: `{key: values}` for all combinations, or a list of runs. A run is `{key: value}`, or "key=value" texts as
         for `--set`.
-    seconds: the duration of each run, in place of that of the case.
-    programs: firmware that is given as functions, indexed by unit. Workers import the functions by name, so they must
-        be in a module.
+    seconds: the duration of each run; None for the duration that the case states.
+    programs: a dictionary from units to firmware that is given as functions. Worker processes import the functions by
+        name, so the functions must be defined in a module.
     jobs: the number of worker processes; None for one per core. With 1, all runs are made in this process.
-    executor: an executor of `concurrent.futures` that is used in place of own workers and is not closed. Its workers
-        must find the case under the same path. The result is the same for any `jobs` or `executor`.
+    executor: an executor of `concurrent.futures` to use in place of these processes. It is not closed. Its workers must
+        find the case under the same path. The result does not depend on `jobs` and `executor`.
     on_progress: a function that is called with the completed share, 0 to 1, in this thread.
 
-    Raise BadCase if a change names no key of the case, or if no run could be made. The row of a run that could not be
-    made has the reason. After Ctrl-C or SIGTERM, raise SweepStopped, a KeyboardInterrupt, with the completed runs. A
-    script that calls this function with more than one process needs the usual `if __name__ == "__main__":`.
+    Raise BadCase if a change names no key of the case, or if no run could be made. If only some runs could not be made,
+    the result has the reasons. After Ctrl-C or SIGTERM, raise SweepStopped, a KeyboardInterrupt, with the completed
+    runs. A script that calls this function with more than one process needs the usual `if __name__ == "__main__":`.
     """
     if isinstance(case, Case):
         raise BadCase("a sweep changes keys of a file; give the path of the case, or write one")
@@ -234,7 +237,10 @@ def sweep(
 
 
 def _check(file: Path, texts: Texts, programs: Iterable[str]) -> str:
-    """Return the name of the case. Raise BadCase for an unknown key or unit. A wrong value is reported in its row."""
+    """Return the name of the case. Raise BadCase for an unknown key or unit.
+
+    A wrong value is not reported here, but in the row of its run.
+    """
     case = load(file)
     for unit in programs:
         if unit not in case.unit:
@@ -264,7 +270,7 @@ def _check_sent(firmware: Mapping[str, Firmware]) -> None:
 
 
 def _made(job: Job, texts: Texts, executor: Executor | None, jobs: int) -> Iterator[list[Row]]:
-    """Yield the rows in lists, in the order of the texts."""
+    """Execute the runs. Yield lists of rows, in the order of the runs."""
     size = AT_A_TIME if len(texts) > FEW else 1
     parts = [texts[first : first + size] for first in range(0, len(texts), size)]
     if executor is not None:
@@ -288,9 +294,9 @@ def _by(executor: Executor, job: Job, parts: Sequence[Texts]) -> Iterator[list[R
 
 
 def _by_processes(job: Job, parts: Sequence[Texts], jobs: int) -> Iterator[list[Row]]:
-    """Yield the rows in the order of the parts, which own worker processes execute.
+    """Execute the parts in worker processes. Yield the rows of each part, in the order of the parts.
 
-    If a process dies, its unfinished runs are repeated one by one.
+    If a process dies, the runs of the first unfinished part are repeated, each in a process of its own.
     """
     done = 0
     while done < len(parts):
@@ -318,7 +324,7 @@ def _apart(job: Job, text: list[str]) -> list[Row]:
 def _begins() -> bool:
     """Return True if a worker process can start.
 
-    It cannot if the running script, which the worker imports, starts workers itself when it is imported.
+    A worker imports the running script. It cannot start if the script itself starts workers when it is imported.
     """
     with processes(1) as pool:
         try:

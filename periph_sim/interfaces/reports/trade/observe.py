@@ -1,6 +1,6 @@
-"""Observation of a run for `periph-sim trade`, and its errors in comparison with another run.
+"""Observation of a run for `periph-sim trade`, and comparison of two observed runs.
 
-Verdicts and occurrences of budgets are compared, and the data that is read on the I2C bus.
+The verdicts and occurrences of budgets are compared, and the data that the controller reads on the I2C bus.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ....scene.scene import Scene
 from ....timing.budget_schema import Budget
 from ....timing.verdict import NOT_JUDGED
 
-SAMPLE = 6  # number of bytes of a read that contains a whole sample
+SAMPLE = 6  # number of bytes of a sample; a read of this length contains one sample
 UNITS = ("s", 1), ("ms", 1e3), ("us", 1e6), ("ns", 1e9)
 DIGITS = 13  # number of significant digits of a time in seconds; further digits are rounding errors of ticks
 
@@ -34,10 +34,10 @@ DIGITS = 13  # number of significant digits of a time in seconds; further digits
 class Observed:
     """The results of one run that are compared with another run.
 
-    verdicts: the verdict of each budget that this run can measure, by name.
-    times: the occurrences of each time budget, in seconds.
-    samples: the codes read from each chip in the controller's order, int64[n, 3].
-    others: the bytes of other reads, by address.
+    verdicts: a dictionary from the budgets that this run can measure to their verdicts.
+    times: a dictionary from the budgets that limit a time to their occurrences in seconds.
+    samples: a dictionary from the chips in the controller's order to the codes read from them, int64[n, 3].
+    others: a dictionary from addresses to the bytes of all other reads.
     """
 
     verdicts: dict[str, str]
@@ -47,7 +47,7 @@ class Observed:
 
     @property
     def is_empty(self) -> bool:
-        """Return True if there is nothing in which two runs could be compared."""
+        """True if this run has no verdict, occurrence or data that can be compared with another run."""
         occurred = [*self.times.values(), *self.samples.values(), *self.others.values()]
         return not any(map(len, occurred)) and set(self.verdicts.values()) <= {NOT_JUDGED}
 
@@ -57,7 +57,7 @@ class Error:
     """The largest of several differences.
 
     amount: the difference; infinite if the numbers of occurrences differ.
-    place: the budget or chip that has it.
+    place: the budget, chip or address with this difference.
     """
 
     amount: float
@@ -66,7 +66,7 @@ class Error:
 
     @property
     def text(self) -> str:
-        """`none`, `12.3 us`, `2 LSB`, or `other count` if the numbers of occurrences differ."""
+        """The error as text: `none`, `12.3 us`, `2 LSB`, or `other count` if the numbers of occurrences differ."""
         if not self.amount:
             return "none"
         if isinf(self.amount):
@@ -79,10 +79,12 @@ class Error:
 
 @dataclass(frozen=True)
 class Errors:
-    """The errors of a run in comparison with the reference.
+    """The errors of a run in comparison with the reference run.
 
-    differ: the budgets that the reference judges and that have another verdict.
-    value: the error of the chips' data in LSB; if only other reads differ, the number of bytes that differ.
+    judged: the number of budgets that the reference run judges.
+    differ: those of these budgets that have another verdict in the run.
+    time: the largest error of an occurrence of a budget that limits a time.
+    value: the largest error of the chips' data in LSB; if only other reads differ, the number of bytes that differ.
     """
 
     judged: int
@@ -92,13 +94,13 @@ class Errors:
 
     @property
     def cells(self) -> tuple[str, str, str]:
-        """Return the cells of a table: equal verdicts as `20 of 21`, the error of times and the error of values."""
+        """The cells of a table row: the equal verdicts as `20 of 21`, the error of times and the error of values."""
         return f"{self.judged - len(self.differ)} of {self.judged}", self.time.text, self.value.text
 
 
 @contextmanager
 def built(case: Case, record: str = "", *, keep_values: bool = False) -> Iterator[Scene]:
-    """Yield a new scene of the case. When the context ends, the recording is completed and its file is deleted.
+    """Yield a new scene of the case. At the end of the context, the recording is completed and its file is deleted.
 
     record: the suffix of the temporary file to which the run is recorded; "" for no recording.
     """
@@ -111,7 +113,7 @@ def built(case: Case, record: str = "", *, keep_values: bool = False) -> Iterato
 
 
 def observe(case: Case, length: Fraction, record: str = "") -> Observed:
-    """Run `case` for `length` seconds. Raise BadCase or one of REFUSED if it cannot be run."""
+    """Run a case for `length` seconds. Raise one of the errors in REFUSED if the case cannot be run."""
     order = () if case.controller is None else case.controller.order
     sensors = sensors_of(case, order)
     chips = {sensors[name].address: name for name in order}
@@ -141,7 +143,8 @@ def observe(case: Case, length: Fraction, record: str = "") -> Observed:
 def compare(reference: Observed, run: Observed) -> Errors:
     """Compare a run with the reference.
 
-    The n-th occurrence of each budget, the n-th sample and the n-th byte are compared with the n-th of the reference.
+    The n-th occurrence of each budget, the n-th sample of each chip and the n-th byte from each other address are
+    compared with the n-th occurrence, sample and byte of the reference.
     """
     judged = {name: verdict for name, verdict in reference.verdicts.items() if verdict != NOT_JUDGED}
     differ = tuple(name for name, verdict in judged.items() if run.verdicts.get(name) != verdict)
@@ -172,7 +175,7 @@ def _largest(
 
 
 def _measurable(case: Case) -> Case:
-    """Return the case without budgets that its units cannot have, because they belong to other firmware."""
+    """Return the case without budgets that belong to other firmware, so that its units cannot have these budgets."""
     try:
         Scene(case)
     except BadCase:

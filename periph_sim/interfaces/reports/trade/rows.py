@@ -15,11 +15,11 @@ from ....scene.case.model import BadCase, Case
 from ....scene.case.unit_table import Unit
 from ....scene.firmware_loader import BadFirmware, BadSetting, load_firmware, settings_for
 
-# Kinds of firmware: with cycles of instructions, with cycles estimated from C, and with stated cycles.
+# Kinds of firmware, the most accurate first: the cycles of instructions are known, estimated from C, or stated.
 KINDS = ("image", "C", "Python")
 ARITHMETICS = ("float64", "float32", "q16")
 RECORDINGS = (".psr", ".vcd")
-BYTES = "bytes"  # the name of the arithmetic of firmware without models
+BYTES = "bytes"  # the value of the setting `arithmetic` for firmware without sensor models
 AS_GIVEN = "as given"
 Make = Callable[[Sequence[str]], Case]
 
@@ -29,8 +29,8 @@ class Row:
     """One choice for the scene.
 
     changes: the changes of the case, as for `--set`.
-    units: the case whose units are used; None for those of the case itself.
-    record: the suffix of the recording to write, or "".
+    units: another case whose units are used; None to use the units of the case itself.
+    record: the suffix of the recording to write; "" for no recording.
     """
 
     name: str
@@ -39,13 +39,16 @@ class Row:
     record: str = ""
 
     def case(self, make: Make) -> Case:
-        """Return the case to run. Raise BadCase if the changes do not fit it."""
+        """Return the case to run. Raise BadCase if the changes do not fit the case.
+
+        make: a function that returns the case with some changes.
+        """
         case = make(self.changes)
         return case if self.units is None else case.model_copy(update={"unit": self.units.unit})
 
 
 def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
-    """Return all rows of a case. others: other cases, whose units are rows, too."""
+    """Return all rows of a case. make: as in `Row.case`. others: other cases; the units of each are a row, too."""
     case = make(())
     firmware = [(kind_of(case), [*_arithmetics(case, Row(AS_GIVEN))])]
     firmware += [(kind, [Row(f"{kind} of {other.name}", units=other)]) for other in others if (kind := kind_of(other))]
@@ -56,7 +59,7 @@ def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
 def chosen(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
     """Return the most accurate row, the case as given, and the rows with these names; all rows if no name is given.
 
-    Raise BadCase if no row has a name.
+    Raise BadCase if there is no row with one of these names.
     """
     known = [row.name for row in rows]
     for name in names:
@@ -66,13 +69,13 @@ def chosen(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
 
 
 def kind_of(case: Case) -> str:
-    """Return the kind of a case's firmware. If there are several units, it is the least accurate kind."""
+    """Return the kind of a case's firmware. If the case has several units, return the least accurate kind."""
     kinds = ["image" if unit.image else "C" if unit.sources else "Python" for unit in case.unit.values()]
     return max(kinds, key=KINDS.index, default="Python")
 
 
 def _arithmetics(case: Case, given: Row) -> Iterator[Row]:
-    """Yield the case as given and with other number formats, the most accurate first."""
+    """Yield a row for the case as given and a row for each other number format, the most accurate format first."""
     settings = {name: _settings(unit) for name, unit in case.unit.items() if unit.firmware}
     computing = {name: one for name, one in settings.items() if getattr(one, "arithmetic", BYTES) != BYTES}
     present = {getattr(one, "arithmetic", BYTES) for one in computing.values()}
@@ -88,7 +91,7 @@ def _arithmetics(case: Case, given: Row) -> Iterator[Row]:
 
 
 def _settings(unit: Unit) -> object:
-    """Return the settings of a unit's firmware; None if they are wrong, which will be reported by the run."""
+    """Return the settings of a unit's firmware; None if the settings are wrong, which the run will report."""
     try:
         return settings_for(load_firmware(unit.firmware), unit.settings)
     except (BadFirmware, BadSetting):
@@ -96,7 +99,7 @@ def _settings(unit: Unit) -> object:
 
 
 def _computed_in(arithmetic: str, unit: str, settings: object) -> Iterator[str]:
-    """Yield the changes that replace a unit's number format, but do not change the time that its models take."""
+    """Yield changes that replace the number format of a unit, but not the time that the unit's models take."""
     yield f"unit.{unit}.settings.arithmetic={arithmetic}"
     if getattr(settings, "model_cost", None) == "estimate":
         yield f"unit.{unit}.settings.model_cost={getattr(settings, 'run_cost', '')}"

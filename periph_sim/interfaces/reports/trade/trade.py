@@ -1,7 +1,7 @@
 """Comparison of the choices for a scene: the errors and the CPU time of each, and a recommendation.
 
-Each choice is a row. Its errors are the differences from the most accurate row. CPU time is measured after the start of
-the scenes. The measurement is repeated until the rows differ significantly.
+Each choice is a row. The errors of a row are the differences from the most accurate row. CPU time is measured after the
+start of the scenes. The measurement is repeated until the rows differ significantly.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from .observe import Error, Errors, Observed, built, compare, observe
 from .rows import AS_GIVEN, Make, Row
 
 FEWEST, MOST = 5, 15  # minimum and maximum number of runs of each row
-PATIENCE = 20.0  # seconds of CPU time after which repeating stops
+PATIENCE = 20.0  # in seconds of CPU time; after this time, the measurement is not repeated any more
 
 
 @dataclass(frozen=True)
@@ -33,8 +33,9 @@ class Cost:
     """The CPU time of a row.
 
     cpu_s: CPU seconds per simulated second, the median of all runs.
-    spread_s: the interquartile range divided by the square root of the number of runs, which is about the standard
-    error of the median.
+    spread_s: the interquartile range divided by the square root of the number of runs. This is about the standard error
+        of the median.
+    runs: the number of runs.
     """
 
     cpu_s: float
@@ -42,18 +43,18 @@ class Cost:
     runs: int
 
     def is_below(self, other: Cost) -> bool:
-        """Return True if this cost is lower by more than both spreads."""
+        """Return True if this cost is lower than another cost by more than the sum of both spreads."""
         return other.cpu_s - self.cpu_s > self.spread_s + other.spread_s
 
 
 def costs_of(rows: Mapping[str, tuple[Case, str]], start: Fraction, length: Fraction) -> dict[str, Cost]:
-    """Return the cost of each row, indexed by name.
+    """Return a dictionary from the names of rows to costs.
 
-    Each pass runs every row once, so that changes of the computer's load affect all rows.
+    All rows are run once before any row is run again, so that changes of the computer's load affect all rows.
 
-    rows: for each name the case of the row, and the suffix of its recording or "".
-    start: the number of simulated seconds that are not measured.
-    length: the number of simulated seconds after them that are measured.
+    rows: a dictionary from the names of rows to their cases and the suffixes of their recordings; "" for no recording.
+    start: the number of simulated seconds at the begin that are not measured.
+    length: the number of simulated seconds after `start` that are measured.
     """
     seconds: dict[str, list[float]] = {name: [] for name in rows}
     began = process_time()
@@ -68,7 +69,7 @@ def costs_of(rows: Mapping[str, tuple[Case, str]], start: Fraction, length: Frac
 
 
 def are_apart(costs: Sequence[Cost]) -> bool:
-    """Return True if every two of the costs differ by more than their spreads."""
+    """Return True if any two of the costs differ by more than the sum of their spreads."""
     return all(one.is_below(other) for one, other in pairwise(sorted(costs, key=lambda cost: cost.cpu_s)))
 
 
@@ -91,14 +92,18 @@ START, TIMED = Fraction(1, 10), Fraction(1)  # simulated seconds that are exclud
 
 @dataclass(frozen=True)
 class Outcome:
-    """Result of a row: its errors and its cost."""
+    """The errors and the cost of a row."""
 
     row: Row
     errors: Errors
     cost: Cost
 
     def fits(self, max_error_s: float) -> bool:
-        """Return True if the verdicts are those of the reference and the errors of times are within the limit."""
+        """Return True if this row can be recommended.
+
+        The row must have no recording, the verdicts of the reference, and no error of a time above `max_error_s`. If
+        `max_error_s` is finite, the row must also have no error of values.
+        """
         within = self.errors.time.amount <= max_error_s and (isinf(max_error_s) or not self.errors.value.amount)
         return not self.row.record and not self.errors.differ and within
 
@@ -107,11 +112,12 @@ class Outcome:
 class Trade:
     """The outcomes of all rows that were run, the reference first.
 
-    refused: the reasons why other rows cannot be run, indexed by name.
-    ran_s: the simulated seconds over which errors are measured. Half of this time gives the same errors, except for the
-        rows in `changed`.
-    start_s, timed_s: the simulated seconds that are excluded from CPU times, and those after them that are included.
-    best: the recommended row.
+    refused: a dictionary from the names of the other rows to the reasons why these rows cannot be run.
+    ran_s: the simulated seconds over which errors are measured.
+    changed: the names of the rows whose errors are different if only half of `ran_s` is simulated.
+    start_s: the simulated seconds at the begin, which are excluded from CPU times.
+    timed_s: the simulated seconds after `start_s` in which CPU times are measured.
+    best: the outcome of the recommended row.
     why: the reason for the recommendation, as a phrase.
     """
 
@@ -133,11 +139,17 @@ def trade(
     max_error_s: float = inf,
     on_progress: Callable[[float], None] | None = None,
 ) -> Trade:
-    """Run all rows for half of `length` seconds, for `length` and, if the errors of a row differ, for twice `length`.
+    """Compare all rows of a case.
 
+    All rows are run for half of `length` seconds and for `length` seconds. If the errors of a row differ between the
+    two, all rows are also run for twice `length` seconds.
+
+    make: as in `Row.case`.
     max_error_s: the maximum error of times in the recommended row.
+    on_progress: a function that is called with the completed share, 0 to 1.
 
-    Raise BadCase or one of REFUSED if the most accurate row cannot be run, or nothing occurs in it.
+    Raise one of the errors in REFUSED if the most accurate row or the case as given cannot be run. Raise BadCase if
+    nothing occurs in the most accurate row that could be compared.
     """
     runs = _Runs(make, rows)
     changed: list[str] = []
@@ -161,7 +173,7 @@ def trade(
 
 
 class _Runs:
-    """The cases of all rows. refused: the reasons why rows cannot be run, indexed by name."""
+    """The cases of all rows. refused: a dictionary from the names of rows to the reasons why they cannot be run."""
 
     def __init__(self, make: Make, rows: Sequence[Row]) -> None:
         self.rows = rows
@@ -176,9 +188,9 @@ class _Runs:
         return [row for row in self.rows if row.name not in self.refused]
 
     def errors(self, length: Fraction, may_be_empty: bool = False) -> dict[str, Errors]:
-        """Return the errors of all rows without a recording, indexed by name.
+        """Return a dictionary from the names of all rows without a recording to their errors.
 
-        Raise BadCase if nothing occurs in the first one.
+        may_be_empty: False to raise BadCase if nothing occurs in the first row that could be compared.
         """
         found: dict[str, Errors] = {}
         reference: Observed | None = None
@@ -197,10 +209,10 @@ class _Runs:
         return found
 
     def errors_of_recorded(self, length: Fraction, unrecorded: Errors) -> dict[str, Errors]:
-        """Return the errors of all rows with a recording, indexed by name.
+        """Return a dictionary from the names of all rows with a recording to their errors.
 
-        They are `unrecorded`, the errors of the case as given, if recording changes nothing in a run of `length`
-        seconds. Otherwise they are the differences that recording causes.
+        If recording changes nothing in a run of `length` seconds, the errors are `unrecorded`, which are the errors of
+        the case as given. Otherwise, the errors are the differences that recording causes.
         """
         found: dict[str, Errors] = {}
         for row in self.running:
@@ -224,9 +236,9 @@ class _Runs:
 
 
 def _best(outcomes: Sequence[Outcome], max_error_s: float) -> tuple[Outcome, str]:
-    """Return the row with the lowest cost that fits, and the reason.
+    """Return the outcome with the lowest cost that fits (see `Outcome.fits`), and the reason as a phrase.
 
-    Of equal costs, the most accurate row is chosen.
+    If several costs do not differ significantly, return the outcome of the most accurate row.
     """
     reference = outcomes[0]
     fitting = [one for one in outcomes if one.fits(max_error_s)]
@@ -284,7 +296,7 @@ def _table_row(outcome: Outcome, is_reference: bool) -> tuple[str, ...]:
 
 
 def as_json(found: Trade) -> dict[str, object]:
-    """Return the whole comparison for JSON. Infinite errors are the text "infinite"."""
+    """Return the whole comparison as a dictionary for JSON. An infinite error is the text "infinite"."""
     return {
         "case": found.case,
         "ran_s": found.ran_s,

@@ -34,7 +34,7 @@ PURPOSES = (
 
 
 def purpose_of(byte: int) -> str:
-    """Return the purpose of an address byte with its R/W bit; empty for a device's address."""
+    """Return the purpose of a reserved address; "" for the address of a device. byte: the address with its R/W bit."""
     high = byte >> 1
     if high == 0:
         return "START byte" if byte & 1 else "general call"
@@ -47,7 +47,8 @@ def purpose_of(byte: int) -> str:
     return "10-bit" if high >= 0x78 else ""
 
 
-# The names of events, indexed by `event` of a row. Those of I2C are in the order of `I2cRowKind`.
+# EVENTS has the names of events; the column `event` of a row is an index into EVENTS. OF_I2C is in the order of
+# `I2cRowKind`.
 OF_I2C = ("start", "repeated start", "address", "address low", "data", "ack", "nack", "stop", "cut")
 OF_SPI = ("select", "word", "deselect")
 EVENTS = (*OF_I2C, "frame", "break", "rejected start", *OF_SPI)
@@ -57,20 +58,21 @@ DETAILS = ("", "write", "read", *FAULTS, *RESERVED)
 START, ADDRESS, ADDRESS_LOW, CUT = (EVENTS.index(name) for name in ("start", "address", "address low", "cut"))
 FRAME, BREAK, REJECTED, SELECT, WORD, DESELECT = range(len(OF_I2C), len(EVENTS))
 
-OF_UART = np.array([FRAME, BREAK, CUT, REJECTED], np.uint8)  # events, indexed by `UartRowKind`
-OF_FAULTS = np.array([0, *range(3, 10)], np.uint8)  # details, indexed by parity error + 2 * frame error + 4 * glitch
+OF_UART = np.array([FRAME, BREAK, CUT, REJECTED], np.uint8)  # for each `UartRowKind`, an index into EVENTS
+# For each value of parity error + 2 * frame error + 4 * glitch, an index into DETAILS.
+OF_FAULTS = np.array([0, *range(3, 10)], np.uint8)
 WAYS = [("read" if byte & 1 else "write") + (purpose_of(byte) and ", " + purpose_of(byte)) for byte in range(256)]
-OF_ADDRESS = np.array([DETAILS.index(way) for way in WAYS], np.uint8)  # details, indexed by the address byte
+OF_ADDRESS = np.array([DETAILS.index(way) for way in WAYS], np.uint8)  # for each address byte, an index into DETAILS
 
 
 class Rows(NamedTuple):
     """A table of events: a tuple of columns, which are arrays of equal length.
 
-    at, end  int64   positions, as in the tables
+    at, end  int64   positions, as in `I2cTable`, `UartTable` and `spi.Event`
     bus      uint8   number of the bus in the list of buses to decode
     event    uint8   index into EVENTS
-    value    int32   address, byte or bits; -1 for none. int64 for an SPI line
-    bits     uint8   number of bits of `value` on the wire; 10 for a 10-bit address that is repeated
+    value    int32   address, byte or bits; -1 if there is no value. The type is int64 for an SPI line
+    bits     uint8   number of bits of `value` on the wire; 10 for the address that begins a read from a 10-bit address
     detail   uint8   index into DETAILS
     """
 
@@ -92,8 +94,10 @@ def no_rows() -> Rows:
 def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
     """Return the rows of an I2C table.
 
-    The detail of a row is the direction of a byte, whole or cut, and the purpose of a reserved address. If a 10-bit
-    address is repeated to read, `value` has all its ten bits.
+    The detail of a complete or cut byte is its direction, and also the purpose if the address is reserved. If a
+    repeated START is followed by a 10-bit address with R/W = 1, the value of its row has all ten bits of the address.
+
+    bus: the number of the bus.
     """
     is_byte = (table.bits >= 8) | (table.kind == i2c_table.I2cRowKind.CUT)
     detail = (table.read + np.uint8(1)) * is_byte
@@ -104,9 +108,9 @@ def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
     again = addresses[byte & 0xF9 == 0xF1]  # 11110xx and R/W = 1
     if len(again):
         lows, starts = np.flatnonzero(table.kind == ADDRESS_LOW), np.flatnonzero(table.kind == START)
-        known = np.searchsorted(lows, again)  # number of 10-bit addresses before each
+        known = np.searchsorted(lows, again)  # number of lower address bytes before each of these addresses
         again, known = again[known > 0], known[known > 0] - 1
-        # True if both are in the same transfer.
+        # True if the lower address byte and the repeated address are in the same transfer.
         same = np.searchsorted(starts, lows[known]) == np.searchsorted(starts, again)
         same &= value[lows[known]] >> 8 == value[again] & 3
         value[again[same]] = value[lows[known[same]]]
@@ -123,7 +127,10 @@ def uart_rows(table: UartTable, bus: int = 0) -> Rows:
 
 
 def spi_rows(events: Sequence[spi.Event], is_mosi: bool, bus: int = 0) -> Rows:
-    """Return the rows of one data line of an SPI bus, and those of the chip select."""
+    """Return the rows of one data line of an SPI bus, and the rows of its chip select.
+
+    is_mosi: True for the line MOSI, False for MISO.
+    """
     rows = []
     for one in events:
         value = one.mosi if is_mosi else one.miso
@@ -144,8 +151,8 @@ def merged(parts: Sequence[Rows]) -> Rows:
 def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np.int64]]:
     """Return the rows grouped by transfers, and the numbers of the rows with which transfers begin.
 
-    silence: for each bus the number of positions without an event that separates two transfers. If it is None, a
-        transfer begins at each START of an I2C bus and at each selection of an SPI line.
+    silence: for each bus a number of positions; a longer time without events separates two transfers. For a bus with
+        None, a transfer begins at each START of an I2C bus or at each selection of an SPI line.
 
     Transfers are in the order of their first rows.
     """

@@ -5,17 +5,18 @@ It is a test oracle, so it shares no code with the chip's model or the agents on
     edges --> clock rises with SDA's level, START and STOP --> Transfer > Phase > Byte > Bit
                                                            --> events, in order
 
-Positions are those of logic-analyser decoders: START and STOP at the SDA edge, a byte at the rising
-SCL of its first bit, ACK or NACK at the ninth.
+Positions are as in the decoders of logic analysers: a START or STOP is at the edge of SDA, a byte at the rising SCL of
+its first bit, and an ACK or NACK at the rising SCL of the ninth bit.
 
 Rules, from the I2C-bus specification (UM10204, section 3.1):
-- A bit is the level of SDA at a rising SCL. If both lines change in one sample, their order is unknown: SDA's new level
-  counts at a rising SCL and its old level at a falling SCL, and neither is a START or STOP.
-- A falling SDA while SCL is high before and after it is a START or repeated START, a rising one is a STOP, also within
-  a byte. The pulse of SCL in which it lies is no bit, except the ninth: the sender sampled the ACK when SCL rose. The
-  bits of an incomplete byte are CUT.
-- The first byte after a START is the address. After R/W = 1 the target drives the bytes and the controller the ACKs;
-  otherwise it is the other way round. This party should drive: the lines do not show which one did.
+- A bit is the level of SDA at a rising SCL. If both lines change in one sample, the order of the edges is unknown: at a
+  rising SCL the new level of SDA counts, and at a falling SCL the old level. Such a change is no START or STOP.
+- If SCL is high before and after an edge of SDA, a falling edge is a START or repeated START, and a rising edge is a
+  STOP, also within a byte. The pulse of SCL that contains the edge is not counted as a bit, unless it is the ninth
+  pulse of a byte: its ACK was already transferred when SCL rose. The bits of an incomplete byte are decoded as CUT.
+- The first byte after a START is the address. After R/W = 1 the target drives the data bytes and the controller the
+  ACKs; otherwise the controller drives the bytes and the target the ACKs. The `driver` of a bit is this party, which
+  should drive SDA; the lines do not show which party does.
 - The two bytes of a 10-bit address are not combined: 11110xx is decoded as an address and the second byte as data.
 """
 
@@ -42,11 +43,12 @@ class Party(Enum):
 class Event(NamedTuple):
     """An event: a row of `I2cTable`, except that the second byte of a 10-bit address is DATA.
 
-    at: START, STOP: the edge of SDA; ACK, NACK: the rising SCL of the ninth bit; else that of the first bit.
-    last: the rising SCL of the last bit, which is the R/W bit of an address; START, STOP: as `at`.
-    value: the seven bits of an ADDRESS, the byte of DATA, the bits of CUT with the last one least significant; else -1.
-    bits: the number of bits: 8 of a whole byte, 1 of ACK and NACK, fewer than 8 of CUT, 0 of START and STOP.
-    read: True if the target sends in this phase, according to the R/W bit of the address.
+    at: the edge of SDA for START and STOP, otherwise the rising SCL of the first bit (for ACK and NACK the ninth bit).
+    last: the rising SCL of the last bit (for an address its R/W bit); equal to `at` for START and STOP.
+    value: the seven bits of an ADDRESS, the byte of DATA, or the bits of CUT, the last bit least significant; -1 for
+        other kinds.
+    bits: the number of bits: 8 for a complete byte, 1 for ACK and NACK, fewer than 8 for CUT, 0 for START and STOP.
+    read: True if the R/W bit of the address says that the target sends in this phase.
     """
 
     kind: I2cRowKind
@@ -57,7 +59,7 @@ class Event(NamedTuple):
     read: bool = False
 
 
-# The usual names of events.
+# The names of events in texts.
 NAMES = {
     I2cRowKind.START: "START",
     I2cRowKind.REPEATED_START: "repeated START",
@@ -73,11 +75,13 @@ NAMES = {
 class Bit(NamedTuple):
     """One pulse of SCL.
 
-    at: the position of the rising SCL.
-    low: the number of positions for which SCL was low before it, stretching included, because the lines do not show who
-        held SCL; None if the capture, or its known part, began during that time.
-    high: the number of positions from the rise to the fall; None if the capture ended before the fall.
-    sda: the position at which SDA changed to this level; None if that was before SCL fell.
+    value: the level of SDA.
+    at: the position at which SCL rises.
+    low: the length of the low phase of SCL before the rise, in positions, including stretching; None if the capture, or
+        its known part, begins within this phase.
+    high: the length of the high phase of SCL, in positions; None if the capture, or its known part, ends within it.
+    sda: the position at which SDA changed to this level; None if SDA already had this level when SCL fell.
+    driver: the party that should drive SDA in this pulse.
     """
 
     value: int
@@ -89,7 +93,12 @@ class Bit(NamedTuple):
 
 
 class Byte(NamedTuple):
-    """Eight bits and the ninth. value: None if the byte is cut off. acked: None if the ninth bit is missing."""
+    """Eight bits and the ACK bit, or fewer bits if the byte is cut off.
+
+    at: the rising SCL of the first bit.
+    value: the first eight bits as a number; None if there are fewer.
+    acked: True if the ninth bit is low; None if this bit is missing.
+    """
 
     at: int
     value: int | None
@@ -101,10 +110,11 @@ class Condition(NamedTuple):
     """START, repeated START or STOP.
 
     at: the position of the edge of SDA.
-    low: the length of the low phase of SCL before it.
-    high: the time from the rise of SCL to the edge of SDA. Both are None if SCL did not change since the last
-        condition.
-    hold: the time from the edge of SDA to the next fall of SCL; None if there is none before the next condition.
+    low: the length of the last low phase of SCL before this edge, in positions.
+    high: the number of positions from the last rise of SCL to this edge. `low` and `high` are None if SCL did not rise
+        since the previous condition.
+    hold: the number of positions from this edge to the next fall of SCL; None if the next condition is before this
+        fall.
     """
 
     at: int
@@ -115,12 +125,16 @@ class Condition(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Phase:
-    """The part of a transfer after a START or repeated START. Address and direction are None if they were cut off."""
+    """The part of a transfer from a START or repeated START to the next condition.
+
+    address, read: the address and the direction; None if the address byte is cut off.
+    bytes: all bytes; the first byte has the address.
+    """
 
     start: Condition
     address: int | None
     read: bool | None
-    bytes: tuple[Byte, ...]  # bytes[0] is the address
+    bytes: tuple[Byte, ...]
 
     @property
     def data(self) -> tuple[int, ...]:
@@ -132,10 +146,10 @@ class Phase:
 class Transfer:
     """A transfer from START to STOP.
 
-    gap: the number of positions between the STOP before and this START; None if that STOP was not captured.
-    stop: None if the capture ends before the STOP.
-    lead: pulses of SCL before the first START of the capture. They belong to a transfer whose START was not captured.
-        It has no phases, because the boundaries of its bytes are unknown.
+    stop: the STOP; None if the capture, or its known part, ends before it.
+    gap: the number of positions from the previous STOP to the START; None if the previous STOP was not captured.
+    lead: the pulses of SCL before the first START of the capture, or of its known part. A transfer with such pulses has
+        no phases, because its START was not captured and the boundaries of its bytes are unknown.
     """
 
     phases: tuple[Phase, ...]
@@ -148,16 +162,19 @@ class Transfer:
         return bool(self.phases) and self.stop is not None
 
 
-_Pulse = tuple[int, int, int | None, int | None, int | None]  # a bit without its driver
+_Pulse = tuple[int, int, int | None, int | None, int | None]  # the fields of a Bit, except its driver
 
 
 def transfers(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> list[Transfer]:
-    """Decode all transfers of a capture, in order. Raise LookupError for a missing channel."""
+    """Decode all transfers of a capture, in order. Raise LookupError if a channel is missing."""
     return [transfer for edges in i2c_edges(capture, scl, sda) for transfer in _transfers(edges)]
 
 
 def events(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> list[Event]:
-    """Decode all events of a capture, in order, from the first START on. Raise LookupError for a missing channel."""
+    """Decode all events of a capture, in order, from the first START of each known span on.
+
+    Raise LookupError if a channel is missing.
+    """
     return events_of_table(i2c_table(capture, scl, sda))
 
 
@@ -194,7 +211,7 @@ def events_of(transfer: Transfer) -> Iterator[Event]:
 
 
 def number_of(bits: Sequence[Bit]) -> int:
-    """Return the number that bits form, the first one most significant."""
+    """Return the number that the bits form, with the first bit most significant."""
     value = 0
     for bit in bits:
         value = value << 1 | bit.value
@@ -204,14 +221,14 @@ def number_of(bits: Sequence[Bit]) -> int:
 def shared_edges(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA") -> int:
     """Count the samples in which both lines change.
 
-    The order of these edges is unknown: they may be a START or STOP.
+    The order of the two edges in such a sample is unknown, so the edge of SDA may be a START or STOP.
     """
     clock, data = capture.channel(scl), capture.channel(sda)
     return len(np.intersect1d(clock.edges, data.edges, assume_unique=True))
 
 
 def _transfers(edges: I2cEdges) -> Iterator[Transfer]:
-    """Yield the transfers of a span. The bytes between two conditions belong to the first one."""
+    """Yield the transfers of a span. Bytes belong to the phase of the last condition before them."""
     pulses = _pulses(edges)
     conditions = _conditions(edges, pulses)
     starts, seen, counts = (column.tolist() for column in (edges.starts, edges.seen, bit_counts(edges)))
@@ -239,7 +256,7 @@ def _transfers(edges: I2cEdges) -> Iterator[Transfer]:
 
 
 def _phase(start: Condition, pulses: list[_Pulse]) -> Phase:
-    """Return the phase that consists of a START and the bytes of these pulses."""
+    """Return the phase that consists of a START and of the bytes that these pulses transfer."""
     read: bool | None = None
     address: int | None = None
     found: list[Byte] = []

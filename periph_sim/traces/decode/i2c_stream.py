@@ -1,15 +1,16 @@
 """I2C decoder of streams: it receives the levels of the lines sample by sample.
 
-    levels --> START, STOP, rises and falls of SCL, and for each whether it ends a complete byte
+    levels --> START, STOP, rises and falls of SCL; a flag of these events marks the end of a complete byte
 
-Its table of states is also that of the decoder of arrays (`i2c_table`):
+The decoder of arrays, `i2c_table`, uses the same two tables:
 
-    EVENTS >> 3 * (before << 2 | now) & 7     event between two samples; levels: bit 0 is SCL, bit 1 is SDA
+    EVENTS >> 3 * (before << 2 | now) & 7     the event between two samples; bit 0 of a sample is SCL, bit 1 is SDA
     COUNTED[rises]                            number of bits if a START or STOP follows this number of rises of SCL
 
-START and STOP are changes of SDA with SCL high in both samples. If both lines change at once, the change is an edge of
-SCL. The pulse of SCL in which a START or STOP lies is no bit, except the ninth: the sender sampled the ACK when SCL
-rose. The agents on the simulated bus have their own table, because the decoders are the test oracle for them.
+START and STOP are changes of SDA with SCL high in both samples. If both lines change at once, the event is an edge of
+SCL. The pulse of SCL that contains a START or STOP is not counted as a bit, unless it is the ninth pulse of a byte: its
+ACK was already transferred when SCL rose. The agents on the simulated bus have their own table, because the decoders
+are the test oracle for them.
 
 Source: UM10204 sections 3.1.3 to 3.1.6.
 """
@@ -27,7 +28,7 @@ BITS = 9  # number of bits of a byte with its ACK
 
 NOTHING, FALL, RISE, START, STOP = range(5)
 KINDS = 7  # mask of the events above
-BYTE = KINDS + 1  # flag of the event that ends a byte: a fall of SCL, or a START or STOP in the ninth pulse
+BYTE = KINDS + 1  # flag of an event that ends a byte, which is a fall of SCL, or a START or STOP in the ninth pulse
 BYTE_OVER = FALL + BYTE
 
 
@@ -49,10 +50,12 @@ class I2cStream:
 
     levels: the levels of the last sample; SCL is bit 0 and SDA bit 1.
     busy: True between a START and its STOP.
-    index: the index of the last complete byte since the START; 0 is the address, and -1 means that there is none yet.
-    byte, acked: the last complete byte and its ACK.
-    address, read: address and direction of the phase, valid after its address byte.
-    bits: the number of received bits of the present byte, the ninth included.
+    index: the number of the last complete byte since the START, counted from 0, which is the address; -1 if no byte is
+        complete yet.
+    byte: the first eight bits of the last complete byte.
+    acked: True if the last complete byte was acknowledged.
+    address, read: the address and the direction of the phase, valid after the address byte of the phase.
+    bits: the number of received bits of the present byte, including the ninth.
     """
 
     STATE = State("levels busy index byte acked address read bits _shifted", made=True)
@@ -70,7 +73,7 @@ class I2cStream:
         self.bits = self._shifted = 0
 
     def sample(self, levels: int) -> int:
-        """Decode the levels of the next sample. Return the event, with BYTE set if it ends a byte."""
+        """Decode the levels of the next sample. Return the event, with BYTE set if the event ends a byte."""
         event: int = EVENTS >> 3 * (self.levels << 2 | levels) & KINDS
         self.levels = levels
         if event == RISE:
@@ -107,7 +110,10 @@ class I2cStream:
         self.bits = self._shifted = 0
 
     def skip(self, shown: int) -> None:
-        """Add the first seven bits of the byte `shown` at once. Afterwards SCL is low before the eighth bit."""
+        """Add the first seven bits of the byte `shown` at once.
+
+        Afterwards SCL is low, and SDA has the level of the eighth bit.
+        """
         self.levels = SDA if shown & 1 else 0
         if self.busy:
             self.bits, self._shifted = BITS - 2, shown >> 1

@@ -2,12 +2,12 @@
 
     edges --> clock rises with SDA's level | START and STOP --> phases --> bytes --> rows in order of time
 
-The rules are those of `decode.i2c`, which returns the same events as objects with the timing of each bit. `i2c_stream`
-contains the rules as a table. All operations are on whole arrays, so a capture of a million edges takes some tens of
+The rules are stated in `decode.i2c`, which returns the same events as objects with the timing of each bit. `i2c_stream`
+contains the rules as tables. All operations are on whole arrays, so a capture of a million edges takes some tens of
 milliseconds.
 
 10-bit addresses (UM10204, section 3.1.11): the byte after an acknowledged 11110xx with R/W = 0 is the lower part of the
-address. Its row is `ADDRESS_LOW`, whose value is the whole address.
+address. The kind of its row is `ADDRESS_LOW`, and the value of this row is the whole address.
 """
 
 from __future__ import annotations
@@ -50,13 +50,15 @@ class I2cTable(NamedTuple):
     """Events in order of time: a tuple of columns, which are arrays of equal length.
 
     kind    uint8   an `I2cRowKind`
-    at      int64   START, STOP: the edge of SDA; ACK, NACK: the rising SCL of the ninth bit; else that of the first bit
-    last    int64   the rising SCL of the last bit (of an address: of its R/W bit); START, STOP: as `at`
-    end     int64   the falling SCL after the last bit, or `last` if the capture ends before; START, STOP: as `at`
-    value   int16   ADDRESS: seven bits, right-aligned; ADDRESS_LOW: ten bits; DATA: the byte; CUT: its bits, the
-                    last one least significant; else -1
-    bits    uint8   number of bits: 8 of a complete byte, 1 of ACK and NACK, fewer than 8 of CUT, 0 of START and STOP
-    read    bool    True if the target sends in this phase, by the address's R/W bit; False if there is no address
+    at      int64   the edge of SDA for START and STOP, otherwise the rising SCL of the first bit (for ACK and NACK the
+                    ninth bit)
+    last    int64   the rising SCL of the last bit (for an address its R/W bit); equal to `at` for START and STOP
+    end     int64   the falling SCL after the last bit, or `last` if the capture ends before this fall; equal to `at`
+                    for START and STOP
+    value   int16   the seven bits of ADDRESS, the ten bits of ADDRESS_LOW, the byte of DATA, or the bits of CUT, the
+                    last bit least significant; -1 for other kinds
+    bits    uint8   8 for a complete byte, 1 for ACK and NACK, fewer than 8 for CUT, 0 for START and STOP
+    read    bool    True if the R/W bit says that the target sends in this phase; False if there is no R/W bit
     """
 
     kind: NDArray[np.uint8]
@@ -72,9 +74,9 @@ class I2cBits(NamedTuple):
     """All pulses of SCL in order of time: a tuple of columns, which are arrays of equal length.
 
     at      int64   the rising SCL
-    value   uint8   the level of SDA there
-    low     int64   positions for which SCL was low before, stretching included; -1 if that began before the capture
-    high    int64   positions to the falling SCL; -1 if the capture ended before
+    value   uint8   the level of SDA at the rising SCL
+    low     int64   length of the low phase before the rise, including stretching; -1 if its begin was not captured
+    high    int64   length of the high phase after the rise; -1 if its end was not captured
     """
 
     at: Positions
@@ -86,11 +88,12 @@ class I2cBits(NamedTuple):
 class I2cEdges(NamedTuple):
     """Bits and conditions in a span in which both lines are known. The arrays are in order of time.
 
-    rises       int64   each rising SCL
-    values      uint8   the level of SDA there
-    conditions  int64   the edges of SDA that are START or STOP
-    starts      bool    True if the condition is a START
-    seen        int64   the number of rises before each condition
+    clock, data         SCL and SDA in the span
+    rises       int64   the position of each rising SCL
+    values      uint8   the level of SDA at each rise
+    conditions  int64   the positions of edges of SDA that are START or STOP
+    starts      bool    for each condition, True if it is a START
+    seen        int64   for each condition, the number of rises before it
     """
 
     clock: Channel
@@ -107,7 +110,7 @@ def i2c_table(capture: Capture, scl: str | int = "SCL", sda: str | int = "SDA", 
 
     No event extends over unknown levels.
 
-    glitch: pulses of fewer positions on either line are removed first.
+    glitch: pulses of SCL or SDA that are shorter than this number of positions are removed first.
 
     Raise LookupError if a channel is missing.
     """
@@ -147,10 +150,10 @@ def _edges(line: Channel, level: int) -> Positions:
 
 
 def edges_of(clock: Channel, data: Channel) -> I2cEdges:
-    """Find START, STOP and bits in the edges of two lines, both of which are known."""
+    """Find START, STOP and bits in the edges of SCL and SDA. Both lines must be known throughout."""
     rises = _edges(clock, 1)
 
-    # The place of each edge of SDA among those of SCL, and the levels of both lines before and after it.
+    # For each edge of SDA: its place among the edges of SCL, and the levels of both lines before and after it.
     edges = data.edges
     passed = np.searchsorted(clock.edges, edges)  # number of SCL's edges before each edge of SDA
     seen = (passed + 1 - clock.initial) >> 1  # number of rises among these edges
@@ -160,7 +163,7 @@ def edges_of(clock: Channel, data: Channel) -> I2cEdges:
     events = OF_EVENTS[before << 2 | after]
     which = np.flatnonzero(events >= START)
 
-    # The level of SDA at each rise follows from the parity of the number of its edges up to there.
+    # The level of SDA at each rise of SCL follows from the parity of the number of SDA's edges up to this rise.
     values = np.bincount(seen, minlength=len(rises) + 1)[: len(rises)].astype(np.uint8)
     np.cumsum(values, out=values)  # only the parity of the sum is used, so the sum may overflow
     values &= 1
@@ -187,25 +190,28 @@ def bit_counts(edges: I2cEdges) -> Counts:
 
 
 class _Bytes(NamedTuple):
-    """The bytes of all phases, complete or cut, in order.
+    """The bytes of all phases, complete or cut, in order. The columns are arrays of equal length.
 
-    phase: the number of the condition with which the byte's phase begins.
-    begin: the number of the byte's first rise.
+    phase: the index of the condition with which the phase of the byte begins.
+    begin: the index of the first rise of the byte.
+    bits: the number of bits, without the ninth.
+    acked: True if the byte has a ninth bit.
     """
 
     phase: Counts
     begin: Counts
     kind: NDArray[np.uint8]
     value: NDArray[np.int16]
-    bits: Counts  # number of bits without the ninth
-    acked: Flags  # True if there is a ninth bit
+    bits: Counts
+    acked: Flags
     read: Flags
 
 
 def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
-    """Divide rises into bytes of nine bits.
+    """Divide the rises of SCL into bytes of nine bits.
 
-    seen, count: the number of the first rise after each condition, and the number of rises that belong to it.
+    seen: for each condition, the index of the first rise after it.
+    count: for each condition, the number of bits after it, up to the next condition.
     values: the level of SDA at each rise.
     """
     per = (count + 8) // 9
@@ -216,7 +222,7 @@ def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
     bits, acked, whole = np.minimum(there, 8), there >= 9, there >= 8
 
     padded = np.append(values, np.zeros(8, np.uint8))
-    # The eight values from each rise on, as a word.
+    # For each rise, a word with the values at this rise and at the next seven rises.
     eights = np.ndarray(len(values) + 1, np.uint64, padded, strides=(1,))
     value = np.packbits(eights[begin].view(np.uint8).reshape(-1, 8), axis=1)[:, 0].astype(np.int16)
     value >>= 8 - bits
@@ -236,13 +242,13 @@ def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
 
 
 def _rows(edges: I2cEdges, found: _Bytes) -> I2cTable:
-    """Return the rows of conditions, the first of which is a START, and of bytes with their ACK or NACK, in order."""
+    """Return the rows of conditions, bytes, ACKs and NACKs in order. The first condition is a START."""
     clock, _, rises, values, conditions, starts, _ = edges
-    falls = _edges(clock, 0)[clock.initial :]  # from the first fall after the first rise on
-    again = np.concatenate(([False], starts[:-1]))  # True if the condition before was a START
-    shown = starts | again  # a second STOP without a START before it has no row
+    falls = _edges(clock, 0)[clock.initial :]  # the falls after the first rise
+    again = np.concatenate(([False], starts[:-1]))  # True if the previous condition is a START
+    shown = starts | again  # a STOP that follows another STOP has no row
 
-    of_bytes = np.concatenate(([0], np.cumsum(1 + found.acked)))  # number of rows before each byte, without conditions
+    of_bytes = np.concatenate(([0], np.cumsum(1 + found.acked)))  # number of rows of bytes and ACKs before each byte
     of_conditions = np.cumsum(shown)
     at_byte = of_bytes[:-1] + of_conditions[found.phase]
     at_ack = at_byte[found.acked] + 1
@@ -272,7 +278,7 @@ def _rows(edges: I2cEdges, found: _Bytes) -> I2cTable:
 
 
 def _behind(falls: Positions, rises: Positions, which: Counts) -> Positions:
-    """Return the falling edges after some rises. If the last rise has none, return the rise itself in its place."""
+    """Return the fall of SCL after each of the rises `which`; the rise itself if the capture ends before the fall."""
     if len(falls) == len(rises):
         return falls[which]
     ends = rises[which]
@@ -293,9 +299,9 @@ def _empty(rows: int) -> I2cTable:
     )
 
 
-LONG = Fraction(3, 2)  # a low phase is long above this multiple of the median
-SLOWEST, FASTEST = 100, 5_000_000  # Hz; UM10204: Ultra Fast-mode to 5 MHz; SMBus allows no less than 10 kHz
-FEWEST = 9  # minimum number of clocks for a judgement: one byte
+LONG = Fraction(3, 2)  # a low phase is long if it exceeds this multiple of the median
+SLOWEST, FASTEST = 100, 5_000_000  # possible rates of SCL in Hz; Ultra Fast-mode (UM10204) has up to 5 MHz
+FEWEST = 9  # minimum number of rises of SCL for a judgement: one byte
 
 
 class LongLows(NamedTuple):
@@ -312,7 +318,7 @@ class LongLows(NamedTuple):
 
 
 def long_lows(capture: Capture, scl: Channel, sda: Channel, glitch: int = 0) -> LongLows:
-    """Return the low phases of SCL that exceed 1.5 times the median, and the median by at least two samples.
+    """Return the low phases of SCL that are longer than 1.5 times the median, and than the median plus two samples.
 
     glitch: as in `i2c_table`.
     """
@@ -325,7 +331,7 @@ def long_lows(capture: Capture, scl: Channel, sda: Channel, glitch: int = 0) -> 
 
 
 def impossible_rate(capture: Capture, scl: str | int) -> str:
-    """Return the reason why the capture's rate is impossible; "" if it is possible or there are too few clocks.
+    """Return why SCL shows that the capture's rate is wrong; "" if the rate is possible or SCL has too few edges.
 
     Raise LookupError if the channel is missing.
     """

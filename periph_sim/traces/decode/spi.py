@@ -1,4 +1,4 @@
-"""SPI decoder: from a clock, one or two data lines and a chip select to words and selections.
+"""SPI decoder: from a clock, one or two data lines and an optional chip select to words and selections.
 
 It is a test oracle, so it shares no code with the SPI model.
 
@@ -9,14 +9,14 @@ It is a test oracle, so it shares no code with the SPI model.
               at      end
 
 Rules:
-- A bit is the level of a data line in the sample of each latching edge: the rising edge if polarity and phase are
-  equal, else the falling one. If a data line or CS changes in that same sample, its new level counts.
-- Without a chip select, words are counted from the first latching edge on, and again after a gap in the capture.
-- With a chip select, only edges while it is active count. A change of the chip select, or the end of the capture, ends
-  a word; the bits of an incomplete word are cut. If the chip select is active from the beginning, words are counted
-  from the first latching edge on.
+- A bit is the level of a data line in the sample of a latching edge of the clock. Rising edges latch if polarity and
+  phase are equal, otherwise falling edges. If a data line or CS changes in the same sample, its new level counts.
+- Without a chip select, the first word begins at the first latching edge of the capture and after each gap in it.
+- With a chip select, only latching edges while the chip select is active count. A change of the chip select, or the end
+  of the capture, ends a word; the bits of an incomplete word are an event "cut". If the chip select is active from the
+  beginning, the first word begins at the first latching edge.
 
-Polarity and phase are CPOL and CPHA of the field. TI's CLK_PHASE is the opposite of CPHA.
+Polarity and phase are usually called CPOL and CPHA. TI's CLK_PHASE is the opposite of CPHA.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ class SpiFormat(Struct, frozen=True):
     """Format of the words and meaning of the clock's edges.
 
     bits: the number of bits of a word.
-    polarity: level of the clock between words (CPOL).
-    phase: 0 if the edge away from this level latches, 1 if the other one does (CPHA).
-    lsb_first: the least significant bit comes first.
-    active_high: the chip select is active at 1.
+    polarity: the level of the clock between words (CPOL).
+    phase: 0 if data is latched at the edge away from this level, 1 if at the edge back to this level (CPHA).
+    lsb_first: True if the least significant bit comes first.
+    active_high: True if the chip select is active at 1.
     """
 
     bits: int = 8
@@ -57,8 +57,10 @@ class Event(NamedTuple):
     """An event on the bus.
 
     kind: "select" or "deselect" if the chip select became active or inactive; "word"; "cut" for an incomplete word.
-    at, end: the first and the last latching edge; of a chip select both are its edge.
-    mosi, miso: the word, or the bits of a cut one in order of reception; None if that line is not used.
+    at, end: the first and the last latching edge of a word. For "select" and "deselect", both are the edge of the chip
+        select.
+    mosi, miso: the word on the line. For "cut", the received bits with the last bit least significant. None if the line
+        is not used, and for "select" and "deselect".
     bits: the number of received bits.
     """
 
@@ -79,9 +81,10 @@ def events(
     cs: str | int | None = "CS",
     glitch: int = 0,
 ) -> list[Event]:
-    """Decode all events of a capture, in the order in which they begin. A word is before the end of its selection.
+    """Decode all events of a capture, in the order in which they begin.
 
-    glitch: pulses of fewer positions are removed first. A line that is None is not used.
+    clk, mosi, miso, cs: the channels; None for a line that is not used.
+    glitch: pulses of any line that are shorter than this number of positions are removed first.
 
     Raise LookupError if a channel is missing, and ValueError if there is no data line.
     """
@@ -115,7 +118,7 @@ def _events(
 
 
 def _words(format_: SpiFormat, latches: Positions, mosi: Channel | None, miso: Channel | None) -> list[Event]:
-    """Decode the words of latching edges between two changes of the chip select."""
+    """Decode the words whose latching edges are `latches`. All of them are between two changes of the chip select."""
     streams = [None if line is None else line.at(latches).tolist() for line in (mosi, miso)]
     found: list[Event] = []
     for begin in range(0, len(latches), format_.bits):

@@ -12,14 +12,14 @@ Table = TypeVar("Table", bound=tuple[Any, ...])
 
 
 def select(table: Table, rows: NDArray[np.int64] | NDArray[np.bool_] | slice) -> Table:
-    """Return the table of some rows. rows: their numbers, a mask or a slice."""
+    """Return a table of some rows of a table. rows: the numbers of these rows, a mask or a slice."""
     kind: Any = type(table)
     selected: Table = kind(*(column[rows] for column in table))
     return selected
 
 
 def joined(tables: Sequence[Table]) -> Table:
-    """Concatenate tables, of which there is at least one."""
+    """Concatenate one or more tables."""
     kind: Any = type(tables[0])
     together: Table = kind(*(np.concatenate(columns) for columns in zip(*tables, strict=True)))
     return together

@@ -8,19 +8,20 @@ It is a test oracle, so it shares no code with the SCI model.
             at  mid-bit: where each bit is sampled
 
 Rules:
-- A falling edge starts a frame. The edge lies between two samples, so bits are counted from half a sample before the
-  first low sample.
-- Each bit is sampled once, at the first sample that is not before its middle, or three times around the middle, where
-  the majority counts. A start bit that is sampled high is a rejected start.
-- Only the first stop bit is checked. The first falling edge after its sample starts the next frame.
-- A low phase of at least a whole frame is a break, in addition to its frame.
-- A pulse of less than half a bit is a glitch. If it lies at a place at which receivers sample a bit, they may read that
-  bit either way, and the line does not show which value they read.
+- A falling edge starts a frame. The true edge is between two samples, so bits are measured from half a sample before
+  the first low sample.
+- Each bit is sampled once, at the first sample at or after the middle of the bit, or three times around its middle. Of
+  three samples, the majority counts. If the start bit is sampled high, the event is a rejected start.
+- Only the first stop bit is checked. The first falling edge after the sample point of this bit starts the next frame.
+- A low phase that is at least as long as a frame is a break. It is also decoded as a frame.
+- A pulse shorter than half a bit is a glitch. If a glitch is where receivers may sample a bit, a receiver may read this
+  bit as 0 or as 1.
 
     falling edges --> the next possible start after each --> chain of frames --> edges within each frame --> bits
 
-The place of a frame determines where the next one can begin, so the chain is followed frame by frame, with one list
-access each. All other steps are done for all frames at once in a table, whose rows `events` converts to objects.
+The position of a frame determines where the next frame can begin, so frames are found one after the other, with one
+list access for each. All other steps are done for all frames at once, in arrays. The function `events` converts the
+rows of the resulting table to objects.
 """
 
 from __future__ import annotations
@@ -42,9 +43,9 @@ HALF, QUARTER, LATEST = Fraction(1, 2), Fraction(1, 4), Fraction(7, 8)
 
 
 def width_of(capture: Capture, baud: Fraction | int) -> Fraction:
-    """Return the length of a bit in samples.
+    """Return the length of a bit in positions.
 
-    Raise ValueError if the capture has no rate, or fewer than two samples per bit.
+    Raise ValueError if the capture has no rate, or fewer than two positions per bit.
     """
     if capture.rate is None:
         raise ValueError(f"{capture.path}: frames need a time base and the file states no rate; state the rate")
@@ -60,7 +61,7 @@ def width_of(capture: Capture, baud: Fraction | int) -> Fraction:
 def sample_points_of(line: Line, width: Fraction, step: int = 1, vote: bool = False) -> list[tuple[int, ...]]:
     """Return the sample points of each bit, from the start bit to the first stop bit.
 
-    They are offsets from the first low position.
+    A sample point is an offset in positions from the first low position of the frame.
 
     width: the length of a bit in positions.
     step: the length of a sample in positions.
@@ -68,15 +69,16 @@ def sample_points_of(line: Line, width: Fraction, step: int = 1, vote: bool = Fa
     """
     places = (Fraction(3, 8), HALF, Fraction(5, 8)) if vote else (HALF,)
     bits = range(_checked_bits(line))
-    # The first sample that is not before each place, which is counted from half a sample before the first low one.
+    # The first sample at or after each place. Places are measured from half a sample before the first low sample.
     return [tuple(step * ceil((bit + place) * width / step - HALF) for place in places) for bit in bits]
 
 
 def windows_of(line: Line, width: Fraction) -> list[tuple[int, int]]:
-    """Return the interval in which a receiver may sample each bit, as offsets from the first low position.
+    """Return the interval in which a receiver may sample each bit, as offsets from the first low position of the frame.
 
-    It is from a quarter to seven eighths of the bit: receivers with 8 or 16 samples per bit vote around the middle, and
-    they detect the start edge up to one of these samples late. They sample the start bit from its beginning on.
+    The interval is from a quarter to seven eighths of the bit. Receivers with 8 or 16 samples per bit vote around the
+    middle of a bit, and detect the start edge up to one of these samples late. For the start bit, the interval begins
+    at the first low position.
     """
     bits = range(_checked_bits(line))
     return [(int((bit + QUARTER) * width) + 1 if bit else 0, int((bit + LATEST) * width)) for bit in bits]
@@ -87,15 +89,16 @@ def _checked_bits(line: Line) -> int:
 
 
 def sample_point_step(step: int, width: Fraction | float) -> int:
-    """Return the step of sample points, in positions: `step`, or 1 if a bit would have fewer than two samples.
+    """Return the step of sample points, in positions: `step`, or 1 if a bit is shorter than two steps.
 
-    In the second case, `step` is the grid of the signal's own edges and not the sampling grid of an analyser.
+    If a bit is shorter than two steps, `step` is the grid of the signal's own edges and not the sampling grid of an
+    analyser.
     """
     return step if width >= 2 * step else 1
 
 
 class UartRowKind(IntEnum):
-    """Kind of a row. CUT: a frame that is incomplete because the capture, or its known part, ends in it."""
+    """Kind of a row. CUT: a frame that is incomplete because the capture, or its known part, ends within the frame."""
 
     FRAME = 0
     BREAK = 1
@@ -106,18 +109,19 @@ class UartRowKind(IntEnum):
 class UartTable(NamedTuple):
     """Events of a line in the order in which they begin: a tuple of columns, which are arrays of equal length.
 
-    A frame is before the break of which it is a part.
+    If a frame and a break begin at the same edge, the frame comes first.
 
     kind          uint8   a `UartRowKind`
     at            int64   the start edge
-    end           int64   FRAME: the end of its last stop bit; BREAK, REJECTED: the rising edge; CUT: where it was
-                          cut off
-    value         int32   the data bits, the first one least significant; -1 for a break and a rejected start
-    bits          uint8   data bits received; 0 for a break and a rejected start
-    parity_error  bool
-    frame_error   bool    True if the stop bit was low
+    end           int64   for FRAME the end of the last stop bit; for BREAK and REJECTED the rising edge; for CUT the
+                          end of the capture or of its known part
+    value         int32   the data bits, the first bit least significant; -1 for BREAK and REJECTED
+    bits          uint8   number of received data bits; 0 for BREAK and REJECTED
+    parity_error  bool    True if the parity bit is wrong
+    frame_error   bool    True if the stop bit is low
     glitched      bool    True if there is a glitch within the frame
-    unsure        int32   the bits that receivers may read differently: bit 0 the start bit, then as sent
+    unsure        int32   mask of the bits that a glitch may change in a receiver: bit 0 is the start bit, bit 1 the
+                          first data bit, and so on
     """
 
     kind: NDArray[np.uint8]
@@ -132,12 +136,12 @@ class UartTable(NamedTuple):
 
 
 def uart_table(capture: Capture, channel: str | int, line: Line, glitch: int = 0, vote: bool = False) -> UartTable:
-    """Decode frames, breaks and rejected starts of one channel. None of them extends over unknown levels.
+    """Decode frames, breaks and rejected starts of one channel. No event extends over unknown levels.
 
-    glitch: pulses of fewer positions are removed first.
+    glitch: pulses that are shorter than this number of positions are removed first.
     vote: True if each bit is the majority of three samples.
 
-    Raise LookupError if the channel is missing, and ValueError if the capture has no rate, or fewer than two samples
+    Raise LookupError if the channel is missing, and ValueError if the capture has no rate, or fewer than two positions
     per bit.
     """
     wire = capture.channel(channel)
@@ -160,15 +164,17 @@ def _table(wire: Channel, line: Line, width: Fraction, end: int, step: int, vote
 def frames_of(
     wire: Channel, line: Line, width: Fraction, end: int, step: int, vote: bool
 ) -> tuple[UartTable, UartTable]:
-    """Decode a line that is known up to `end`. Return its frames and its rejected starts.
+    """Decode a line that is known up to the position `end`. Return a table of frames and a table of rejected starts.
 
-    width, step: the length of a bit and of a sample, in positions. vote: as for `uart_table`.
+    width: the length of a bit in positions.
+    step: the length of a sample in positions.
+    vote: as for `uart_table`.
     """
     low = int(line.invert)  # level of the wire during a start bit
     edges = wire.edges
     first = int(wire.initial == low)  # index of the first edge that may start a frame
     starts = edges[first::2]
-    looks = np.array(sample_points_of(line, width, step, vote), np.int64)  # a row for each bit
+    looks = np.array(sample_points_of(line, width, step, vote), np.int64)  # the sample points, a row for each bit
     last = looks[:, -1]
 
     taken, rejected = _chain(starts, edges, first, looks, end)
@@ -205,9 +211,12 @@ def frames_of(
 
 
 def _seen(edges: Positions, first: int, taken: NDArray[np.int64], looks: Positions) -> NDArray[np.int32]:
-    """Return the levels at the sample points of each frame, as bits; 1 is the idle level.
+    """Return for each frame a number whose bits are the levels at the sample points; 1 is the idle level.
 
-    Each edge of a frame inverts the levels at all sample points after it. Edge 0 is the start edge.
+    Each edge of a frame, including the start edge, inverts the levels at all sample points after it.
+
+    first, taken: the start edge of frame n is the edge with the index 2 * taken[n] + first.
+    looks: the sample points, as offsets from the start edge.
     """
     begin = 2 * taken + first
     if not len(begin):
@@ -230,7 +239,7 @@ def _majority(seen: list[NDArray[np.int32]]) -> NDArray[np.int32]:
 def _glitches(
     edges: Positions, at: Positions, line: Line, width: Fraction
 ) -> tuple[NDArray[np.bool_], NDArray[np.int32]]:
-    """Return for each of the frames that begin at `at` whether it contains a glitch, and the bits made unsure by it."""
+    """Return the columns `glitched` and `unsure` of a `UartTable` for the frames that begin at the positions `at`."""
     glitched, unsure = np.zeros(len(at), bool), np.zeros(len(at), np.int32)
     short = np.flatnonzero(np.diff(edges) <= ceil(width / 2) - 1) if len(at) else edges[:0]
     begins, ends = edges[short], edges[short + 1]
@@ -248,17 +257,18 @@ def _glitches(
 def _chain(
     starts: Positions, edges: Positions, first: int, looks: NDArray[np.int64], end: int
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the edges that start a frame, and those that are rejected as starts.
+    """Return the indices of the edges in `starts` that start a frame, and of the edges that are rejected starts.
 
-    The first candidate is the first edge. The next one is the first edge after the last sample point of the frame, or
-    of the start bit if the candidate is rejected. A candidate is rejected if its start bit is high at its sample point.
+    The first candidate is the first edge. A candidate is rejected if its start bit is high at most of its sample
+    points. The next candidate is the first edge after the last sample point of the frame, or after that of the start
+    bit if the candidate is rejected.
     """
     passed = [np.searchsorted(edges, starts + look, side="right") for look in looks[0].tolist()]
     high = sum((done - first & 1 == 0).astype(np.int64) for done in passed)
     start, stop = starts + looks[0, -1], starts + looks[-1, -1]
     glitch = (2 * high > len(passed)) & (start < end)
     behind = np.searchsorted(starts, np.where(glitch, start, stop), side="right")
-    behind[~glitch & (stop >= end)] = len(starts)  # the end of the line cuts this frame off, so no frame follows
+    behind[~glitch & (stop >= end)] = len(starts)  # the capture ends in this frame, so no frame follows
     hops: list[int] = behind.tolist()
     tried: list[int] = []
     n, count = 0, len(hops)
@@ -319,13 +329,11 @@ class Event(NamedTuple):
 
 
 def events(capture: Capture, channel: str | int, line: Line, vote: bool = False) -> list[Event]:
-    """Decode the events of one channel, in the order in which they begin.
-
-    A frame is before the break of which it is a part.
+    """Decode the events of one channel, in the order of the rows of `UartTable`.
 
     vote: True if each bit is the majority of three samples.
 
-    Raise LookupError if the channel is missing, and ValueError if the capture has no rate, or fewer than two samples
+    Raise LookupError if the channel is missing, and ValueError if the capture has no rate, or fewer than two positions
     per bit.
     """
     return events_of_table(uart_table(capture, channel, line, vote=vote))

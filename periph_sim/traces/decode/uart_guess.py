@@ -1,12 +1,13 @@
-"""Estimate of a serial line's rate, frame and polarity from its edges, with a measure of certainty.
+"""Estimate of the baud rate, frame shape and polarity of a serial line from its edges, with a measure of certainty.
 
-    low pulses --> the largest bit time of which all are multiples --> a usual rate near it
+    low pulses --> the largest bit time of which all their lengths are multiples --> a usual baud rate near it
     frames decoded with each usual shape --> the first shape without errors that enough values support
 
-Low pulses consist of start and data bits and never of silence, so their lengths are whole numbers of bits; those of
-high pulses are not. A shape that decodes without errors is not necessarily right: a line of 7e1 also decodes as 8n1,
-and any parity is right for half of all bytes. A shape that requires more of the line is accepted if at least six
-different values agree with it.
+The shape of a frame states data bits, parity and stop bits, as in 8n1. Low pulses consist of start and data bits, so
+their lengths are whole numbers of bits. The lengths of high pulses are not, because they include silence.
+
+A shape that decodes without errors is not necessarily right: a line of 7e1 also decodes as 8n1, and any parity is right
+for half of all bytes. So a shape other than 8n1 is accepted only if at least six different values agree with it.
 """
 
 from __future__ import annotations
@@ -34,30 +35,33 @@ USUAL = (
     *(375_000, 460_800, 500_000, 576_000, 625_000, 750_000, 921_600, 1_000_000, 1_250_000, 1_500_000, 1_843_200),
     *(2_000_000, 2_500_000, 3_000_000, 3_500_000, 4_000_000, 6_000_000, 8_000_000, 12_000_000),
 )
-# A rate this near to a usual one is rounded to it. Receivers tolerate 2.5 %; the error of a short capture is 1 %.
+# A measured rate is rounded to a usual baud rate if the relative difference is at most NEAR. Receivers tolerate 2.5 %,
+# and the error of a short capture is 1 %.
 NEAR = 0.035
 
-# Shapes in order of preference; the first one that decodes without errors is chosen.
+# Shapes in order of preference. The first shape that decodes without errors, and with enough values, is chosen.
 SHAPES = ("5n1", "6n1", "7n1", "7e1", "7o1", "8n1", "8e1", "8o1", "9n1")
 PLAIN = "8n1"
-ENOUGH = 6  # number of different values that must agree with any other shape
-CLEAN = 0.005  # tolerated share of wrong frames
+ENOUGH = 6  # minimum number of different values that must agree with a shape other than PLAIN
+CLEAN = 0.005  # a shape decodes without errors if its share of wrong frames exceeds the smallest by at most CLEAN
 
-MANY = 12  # number of pulses from which a constant lengthening of all pulses can be estimated
-LOOKED_AT = 20_000  # number of edges on which the shapes are tried
-LONGEST = 10.5  # longest low pulse in bits: start and nine data bits; longer ones are breaks
+MANY = 12  # minimum number of pulses from which a constant lengthening of all pulses can be estimated
+LOOKED_AT = 20_000  # maximum number of edges on which a shape is tried
+LONGEST = 10.5  # maximum length of a low pulse in bits, for a start bit and nine data bits; longer pulses are breaks
 
 
 @dataclass(frozen=True)
 class Guess:
     """The estimated settings of a line.
 
+    line: the estimated settings; the baud rate is usually rounded to a usual one.
     measured: the baud rate according to the edges.
-    errors: the share of wrong frames among those examined.
-    off: the average distance of edges from the boundaries of bits, in bits.
-    also: other shapes that decode as well, but are less likely or supported by fewer values.
-    sure: a certainty from 0 to 1, which is no probability. It is small if there are few frames, errors, edges away from
-        the boundaries of bits, or other shapes that fit as well.
+    frames: the number of decoded frames.
+    errors: the share of wrong frames among the decoded frames.
+    off: the average difference of low pulses from a whole number of bits, in bits.
+    also: other shapes that decode equally well, but are less likely or supported by fewer values.
+    sure: a certainty from 0 to 1, which is no probability. The value is small if frames are few, if frames are wrong,
+        if `off` is large, or if too few values exclude another shape.
     """
 
     line: Line
@@ -82,7 +86,9 @@ def guess(
 ) -> Guess:
     """Return the settings with which a channel decodes best.
 
-    shape, invert: the shape, such as 8n1, and the polarity, if they are known.
+    shape: the shape of a frame, such as 8n1; None if it is unknown.
+    invert: True if the line idles low, False if the line idles high; None if this is unknown.
+    glitch: pulses that are shorter than this number of positions are removed first.
 
     Raise LookupError if the channel is missing, and ValueError if the capture has no rate, or too few edges for a
     guess.
@@ -107,7 +113,12 @@ def guess(
 
 @dataclass(frozen=True)
 class _Tried:
-    """The result of decoding the line with a shape. values: the number of different values."""
+    """The result of decoding the line with a shape.
+
+    frames: the number of frames.
+    values: the number of different values of these frames.
+    errors: the share of wrong frames.
+    """
 
     line: Line
     frames: int
@@ -116,7 +127,11 @@ class _Tried:
 
 
 def _best(rate: Fraction, step: int, parts: list[Channel], shape: str | None, invert: bool) -> Guess | None:
-    """Return the best guess at one polarity; None if there are too few pulses. step: positions of a sample."""
+    """Return the best guess for one polarity; None if all pulses are too short.
+
+    step: the length of a sample in positions.
+    parts: the line in each known span.
+    """
     lengths = [ends - begins for begins, ends in (low_pulses(part, invert) for part in parts)]
     pulses = np.concatenate([np.empty(0, np.int64), *lengths])
     found = _bit_time(pulses, step)
@@ -140,9 +155,9 @@ def _best(rate: Fraction, step: int, parts: list[Channel], shape: str | None, in
 
 
 def _only_longer(line: Line, than: Line) -> bool:
-    """Return True if a line differs from another one only by more data bits.
+    """Return True if `line` has more data bits than `than`, has no parity, and is not PLAIN.
 
-    Such a line is no better, because silence also decodes as high data bits.
+    Such a line is not a better guess, because the silence after a frame also decodes as high data bits.
     """
     return line.parity == "none" and line.shape != PLAIN and line.bits > than.bits
 
@@ -150,7 +165,9 @@ def _only_longer(line: Line, than: Line) -> bool:
 def _bit_time(pulses: Pulses, step: int) -> tuple[float, float] | None:
     """Return the length of a bit in positions, and the average distance of the pulses from whole bits, in bits.
 
-    The shortest frequent pulse is one bit long, or several bits if the bytes contain no single low bit.
+    The shortest frequent pulse is assumed to be one bit long, or two to four bits if no byte contains a single low bit.
+
+    step: the length of a sample in positions.
     """
     pulses = np.sort(pulses[pulses >= 2])
     if not len(pulses):
@@ -161,19 +178,19 @@ def _bit_time(pulses: Pulses, step: int) -> tuple[float, float] | None:
     fits = [_fit(pulses, shortest / bits) for bits in (1, 2, 3, 4) if shortest / bits >= 2]
     fits = fits or [_fit(pulses, shortest)]
     for width, off in fits:
-        # The second term allows for edges between two samples.
+        # The second term allows for true edges between two samples.
         if off <= 0.07 + 0.4 * sample_point_step(step, width) / width:
             return width, off
     return min(fits, key=lambda fit: fit[1])
 
 
 def _fit(pulses: Pulses, width: float) -> tuple[float, float]:
-    """Return the bit time near `width` that fits the pulses best, and their average distance from whole bits.
+    """Return the bit time near `width` that fits the pulses best, and the average distance of pulses from whole bits.
 
     The fit allows for a constant lengthening of all low pulses, which occurs if a line falls faster than it rises.
     """
     longer = 0.0
-    # Short pulses first, since an error of the bit time adds up in long ones.
+    # Short pulses are fitted first, because an error of the bit time adds up over the bits of a long pulse.
     for longest in (2.5, 5.5, LONGEST, LONGEST):
         some = pulses[pulses < longest * width]
         bits = np.maximum(np.rint((some - longer) / width), 1)
@@ -192,7 +209,10 @@ def _fit(pulses: Pulses, width: float) -> tuple[float, float]:
 
 
 def _try(rate: Fraction, step: int, parts: list[Channel], line: Line) -> _Tried:
-    """Decode with a line's settings and count frames, values and errors. Frames that are cut off do not count."""
+    """Decode with the settings `line` and count frames, values and errors.
+
+    Frames that are cut off, and frames that begin with a break, do not count.
+    """
     width = rate / Fraction(line.baud)
     sample = sample_point_step(step, width)
     frames = wrong = 0

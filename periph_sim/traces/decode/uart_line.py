@@ -1,4 +1,4 @@
-"""Format of a serial line: its rate and the shape of its frames, also parsed from text."""
+"""Format of a serial line: its baud rate and the shape of its frames, also parsed from text."""
 
 from __future__ import annotations
 
@@ -13,7 +13,13 @@ PARITIES = ("none", "odd", "even", "mark", "space")
 
 
 class Line(Struct, frozen=True):
-    """Rate of a line and shape of its frames. invert: True if the line idles low on the wire."""
+    """Baud rate of a line and shape of its frames.
+
+    bits: the number of data bits.
+    parity: an item of PARITIES.
+    stop: the number of stop bits.
+    invert: True if the wire is low while the line is idle.
+    """
 
     baud: Fraction | int
     bits: int = 8
@@ -48,7 +54,7 @@ def line_of(baud: str, shape: str = "8n1", invert: bool = False) -> Line:
     baud: a rate such as `115200` or `31250.5`.
     shape: data bits, first letter of the parity, and stop bits: `8n1`, `7e1.5`.
 
-    Raise ValueError if one of them is invalid.
+    Raise ValueError if the rate or the shape is invalid.
     """
     match = re.fullmatch(r"(\d\d?)([a-z])(1|1\.5|2)", shape.strip().casefold())
     parity = [name for name in PARITIES if match and name[0] == match[2]]

@@ -108,7 +108,7 @@ class SampledParty:
         raise NotImplementedError
 
     def jump(self, bits: int) -> None:
-        """Invert the levels of the lines in the mask `bits`. Nobody is notified, because a shortcut skips the edges."""
+        """Invert the levels of the lines in the mask `bits`. No party is notified, since a shortcut skips the edges."""
         raise NotImplementedError
 
 
@@ -214,7 +214,7 @@ class EventQueue:
         else:
             while before is not None and before.following is not event:
                 before = before.following
-            if before is not None:  # it is None if `take_all` has removed the event from the linked list
+            if before is not None:  # `before` is None if `take_all` has removed the event from the linked list
                 before.following = event.following
         event.following = None
 

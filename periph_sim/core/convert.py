@@ -123,6 +123,7 @@ class BadTable(ValueError):
         return next((one for one in self.mistakes if one.known is not None), self.mistakes[0])
 
 
+# A `Converter` converts a value at a place and appends mistakes to a list. Its result is valid only if it appends none.
 Converter = Callable[[Any, Place, list[Mistake]], Any]
 
 
@@ -369,7 +370,7 @@ def _union(converters: list[Converter], takes_none: bool) -> Converter:
         for converter, wrong in zip(converters, tried, strict=True):
             made = converter(value, place, wrong)
             if not wrong:
-                # The mistakes of the failed attempts contain tracebacks, which would keep all calling frames alive.
+                # The lists are cleared, because tracebacks in the mistakes would keep the frames of all callers alive.
                 for given_up in tried:
                     given_up.clear()
                 return made

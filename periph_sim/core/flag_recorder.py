@@ -186,7 +186,7 @@ class FlagRecorder:
             self._read = self._moving if chip.writes == self._writes else self._registers
             self._writes = chip.writes
         touched = chip.touched
-        # Names are removed from `touched` only below. So it has new names if and only if its length has changed.
+        # `touched` has new names if and only if its length has changed, because names are removed only here.
         if len(touched) != len(self._touched):
             self._touched = frozenset(touched)
         moved = False

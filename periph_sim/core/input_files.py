@@ -81,7 +81,7 @@ def note_inputs_of(paths: Iterable[Path]) -> None:
 
 
 def is_input(path: Path) -> bool:
-    """Return True if the command that runs, or Python's import, has read this file, by whatever name or link."""
+    """Return True if the command that runs has read this file, or if Python has imported it, under any name or link."""
     identity = _identity(path)
     if identity is None:
         return False

@@ -47,7 +47,7 @@ STORM = 100_000  # maximum number of events in one tick; more are an endless loo
 
 
 class SimulationStuck(Exception):
-    """Events caused further events in the same tick without end."""
+    """Error: events cause further events in the same tick without end."""
 
 
 @final
@@ -88,7 +88,7 @@ class Kernel:
         self._ranks = 0
 
     def rank(self) -> int:
-        """Return the next number in the order in which wires settle and parties sample within an instant."""
+        """Return a new rank. Within an instant, wires settle and parties sample in the order of their ranks."""
         self._ranks += 1
         return self._ranks
 

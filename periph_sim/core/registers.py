@@ -136,7 +136,7 @@ class Register(Struct, frozen=True, dict=True):
     yields: Yields = Yields.STATE
     read_acts: bool = False  # True if a read takes a word from a FIFO, clears a flag elsewhere, or has a similar effect
     data: str = ""  # the name of the field that contains the data word, if `yields` is DATA
-    # The name of the register with bits 31:16, if C headers join it with this register to one 32-bit register.
+    # `upper` is the name of the register with bits 31:16, if C headers join both registers to one 32-bit register.
     upper: str = ""
 
     def __post_init__(self) -> None:

@@ -91,7 +91,7 @@ class Sampler(SampledParty):
         self._set(line, level)
 
     def jump(self, bits: int) -> None:
-        """Invert the levels of the lines in the mask `bits`. Nobody is notified, because a shortcut skips the edges."""
+        """Invert the levels of the lines in the mask `bits`. No party is notified, since a shortcut skips the edges."""
         self.levels ^= bits
         self._seen ^= bits
 

@@ -74,7 +74,7 @@ def paragraph(text: str, first: str = "", then: str = "  ") -> list[str]:
 
 
 def together(text: str) -> str:
-    """Return the text with spaces at which the functions above do not break it."""
+    """Return the text with spaces at which the functions of this module do not break lines."""
     return text.replace(" ", KEPT)
 
 

@@ -65,7 +65,8 @@ class Wire(Settleable):
         self._pull_watches: PullWatch | None = None
         self._queued = False
         self._moved = self._pulled = False  # True if the last settling changed the level or the pulling parties
-        # The last record that caused a pull, or a release, since the wire last settled; 0 if there is none.
+        # `_pulled_under` is the number of the last record that caused a pull since the wire last settled, or 0.
+        # `_released_under` is the number of the last record that caused a release since the wire last settled, or 0.
         self._pulled_under = self._released_under = 0
 
     def attach(self, who: str) -> Pin:

@@ -57,8 +57,7 @@ DIRECTIVES = {
     "nonecheck": True,  # access to an attribute of None raises AttributeError, as in Python
 }
 # With `trashcan`, Python frees a long linked list of objects in a loop instead of by recursion.
-# Cython documents `trashcan` as a directive of a single class. So that it applies to every class, it is added to
-# Cython's options after Cython has checked them.
+# Cython documents `trashcan` only for single classes. `generate` adds it to the options, so it applies to all classes.
 FOR_ALL_CLASSES = {"trashcan": True}
 NEVER_NONE = "self"  # this argument is never None, because its caller has already checked the object
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
@@ -275,7 +274,7 @@ def last_build(built: Path) -> dict[str, str]:
 
 
 def note_stamps(built: Path, written: list[list[int]]) -> None:
-    """Update the modification times in the manifest. They change if a source is saved again with equal content."""
+    """Update the modification times in the manifest, because a source may have been saved again with equal content."""
     manifest = json.loads((built / MANIFEST).read_text("utf-8"))
     if manifest["stamps"] != written:
         anew = built / f"{MANIFEST}.new"

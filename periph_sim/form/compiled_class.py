@@ -1,4 +1,4 @@
-"""C types with which a compiled module declares its functions, and the attributes and methods of its classes."""
+"""Declarations of a compiled module: the C types of its functions, and of its classes' attributes and methods."""
 
 from __future__ import annotations
 

@@ -15,9 +15,9 @@ from collections.abc import Iterator
 from .compiled_class import INTEGER, NUMBERS, OBJECT, VOID, Class, Function, Type
 from .sources import Source
 
-# From a C type to its name in the module `cython`.
+# LOCALS maps a C type to its name in the module `cython`.
 LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}
-# From a C result type to the declaration of the error value, which a function returns if it has raised an exception.
+# RAISES maps a C result type to its declared error value, which a function returns if it has raised an exception.
 # Without error values, the caller of a C function would have to ask Python after each call if an exception was raised.
 # A C function without a result returns False. If a Python method overrides it, the method's None is converted to False.
 RAISES = {VOID: " except -1", "bint": " except -1", INTEGER: " except? PERIPH_SIM_RAISED"}
@@ -80,8 +80,8 @@ class Writer:
         yield f"cdef class {kind.name}{base}:"
         body = []
         for name, type_ in kind.attributes.items():
-            # Private buffers and private byte arrays are not declared public, so Python cannot access them. If a byte
-            # array were public, Python would read it only up to its first 0.
+            # Private buffers and private byte arrays are not declared public, so Python cannot access them.
+            # If a byte array were declared public, Python would read the array only up to its first 0.
             hidden = name.startswith("_") and (type_.c.endswith("[::1]") or type_.c.startswith("unsigned char["))
             public = "" if hidden or type_.c in self.source.pointers or name.startswith("__") else "public "
             body.append(f"    cdef {public}{self._spelled(type_)} {name}")

@@ -16,7 +16,7 @@ from collections.abc import Iterator
 FINAL = "@cython.final"
 CLASS = re.compile(r"cdef class (\w+)")
 FUNCTION = re.compile(r" *cp?def .*?(\w+)\([^()]*\)")
-# C spelling of the types of local variables, except Python's own types and compiled classes.
+# LOCALS maps the type of a local variable to its spelling in C. Python's own types and compiled classes are left out.
 LOCALS = {
     "cython.bint": "int ",
     "cython.double": "double ",

@@ -35,7 +35,7 @@ FUTURE = "from __future__ import annotations\n"
 
 
 def prepared(source: Source) -> str:
-    """Return the source with the changes that the module's docstring lists, except those of constants."""
+    """Return the source with the changes that the module's docstring lists. Constants are not replaced here."""
     lines = source.text.split("\n")
     for node in walked(source.tree):
         if isinstance(node, ast.FunctionDef):
@@ -75,7 +75,7 @@ def _replace_bare_annotations(body: list[ast.stmt], lines: list[str]) -> None:
 
 
 def _bare_returns(source: Source) -> Iterator[tuple[int, int]]:
-    """Yield (row, end column) of each `return` without a value in C functions that return nothing. Both begin at 0."""
+    """Yield (row, end column), counted from 0, of each `return` without a value in C functions that return nothing."""
     kinds = source.classes.values()
     owners = [({one.name: one for one in source.tree.body if isinstance(one, ast.FunctionDef)}, source.functions)]
     owners += [(kind.defined, kind.methods) for kind in kinds]

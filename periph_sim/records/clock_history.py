@@ -52,7 +52,7 @@ class ClockHistory(NamedTuple):
         return lengths[self._now(at)]
 
     def numbers(self, ticks: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return for each tick the number of the cycle that begins nearest to it.
+        """Return, for each tick, the number of the cycle that begins nearest to this tick.
 
         Cycle 0 is the first cycle of the first clock.
         """

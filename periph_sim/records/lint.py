@@ -87,7 +87,7 @@ def finds(says: str) -> Callable[[Faults], Faults]:
 
 @cache
 def all_lints() -> dict[str, Lint]:
-    """Return the lints by name, in the order of their names."""
+    """Return a dictionary from a name to the lint of this name, in the order of the names."""
     modules_with("finds", lints.__name__, lints.__path__)
     return dict(sorted(_LINTS.items()))
 

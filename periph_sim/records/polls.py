@@ -22,9 +22,9 @@ Number = TypeVar("Number", np.int64, np.bool_)
 
 SHORTEST_PASS, LONGEST_PASS = 4, 400  # minimum and maximum cycles of a pass of a polling loop
 MOST_READS = 3  # maximum number of reads of one register in a pass
-# Shares that must fit: of passes with one read, of passes with several reads, and of gaps that contain a change.
+# Minimum shares that must agree: of passes with one read, of passes with several reads, and of gaps with a change.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
-FEW_GAPS = 3  # number of gaps from which on their greatest common divisor is taken as the length of a pass
+FEW_GAPS = 3  # with at least this number of gaps, their greatest common divisor is taken as the length of a pass
 
 
 class Polls(NamedTuple):
@@ -116,7 +116,7 @@ def _shifted(column: NDArray[Number], back: int) -> NDArray[Number]:
 
 
 def _within(waits: NDBool, back: int) -> NDBool:
-    """Return True for each read whose `back` predecessors belong to the same wait."""
+    """Return, for each read, True if the `back` reads before it belong to the same wait."""
     found = np.ones(len(waits), bool)
     for step in range(1, back + 1):
         found &= np.concatenate([np.zeros(min(step, len(waits)), bool), waits[:-step]])

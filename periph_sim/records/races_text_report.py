@@ -97,7 +97,7 @@ def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
 
 
 def _counts(races: Races, place: PlaceRaces) -> tuple[str, ...]:
-    # None if the place is not in an image; the table above has the source line of one in an image
+    # `at` is None if the place is not in an image. For a place in an image, the table above has the source line.
     at = parsed(place.place)
     short = place.place if at is None else f"{at.function} {at.pc:#08x}"
     return (_name(races, place), short, str(place.reads), str(place.polls), *map(str, place.histogram))

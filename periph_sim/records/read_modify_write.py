@@ -117,7 +117,9 @@ class ReadModifyWrite:
 
 
 def modifies_of(run: Run, groups: Iterable[Group]) -> tuple[ReadModifyWrite, ...]:
-    """Return the read-modify-writes of several groups by place. Those that lost the most flags come first.
+    """Return the read-modify-writes of several groups, one object for each place.
+
+    The places at which the most flags were lost come first.
 
     Registers without a field that writing 1 clears are left out.
     """

@@ -61,7 +61,8 @@ def happened(record: Record) -> str:
 def happened_where(record: Record) -> str:
     """Return a record as text with its unit: "dsp.I2C-A.I2CSTR.SDIR set", "dsp: SCIRXINTA entered at sci_received:76".
 
-    The place in the firmware follows if the record has one. A FLAG record has one only for a variable.
+    If the record has a place in the firmware, the text ends with this place. A FLAG record has a place only if it is
+    about a variable.
     """
     said = happened(record)
     if record.kind is Kind.FLAG:

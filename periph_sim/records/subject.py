@@ -142,7 +142,7 @@ def _folded(name: str) -> str:
 
 
 def groups_of(run: Run, register: str | None) -> list[tuple[Group, Field | None]]:
-    """Return the groups of accesses to a register, each with the field that was named; None for the whole register.
+    """Return the groups of accesses to a register, each with the field in `register`, or None for the whole register.
 
     register: a name such as "I2C-A.I2CSTR" or "I2C-A.I2CSTR.XRDY"; None selects every status register. Raise NotInRun
     if the firmware never accessed it.

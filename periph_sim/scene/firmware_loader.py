@@ -40,7 +40,7 @@ SHIPPED = EXAMPLES / "firmware" / "python"
 
 PREFIX = "_firmware_"
 SHIPPED_PACKAGE = f"{PREFIX}shipped"
-# From a file and a thread to the name of the package, because several threads may load the same file.
+# `_packages` maps a file and a thread to the name of a package, because several threads may load the same file.
 _packages: dict[tuple[Path, int], str] = {}
 _numbers = count()
 

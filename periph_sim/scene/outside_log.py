@@ -150,7 +150,7 @@ class LogReader:
                 return None
             value: object = json.loads(text)
         except (ValueError, RecursionError):
-            # The line is not JSON or not UTF-8, is too long, or has a number with more digits than Python reads.
+            # The line is no JSON, is not UTF-8, is too long, or has a number with more digits than Python accepts.
             raise self._bad(self._lines + 1, "a damaged line", "JSON") from None
         self._lines += 1
         return value

@@ -94,7 +94,7 @@ def _judged(case: Case, driven: Case) -> Iterator[bool]:
     """Yield, for each budget of the case, True if the driven case can judge it."""
     timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
     start = timebase.ticks(case.start, "nearest")
-    # Raise BadCase for a budget that is wrong whether or not an outside party replaces a party of the case.
+    # This call raises BadCase for a budget that is wrong whether or not an outside party replaces a party of the case.
     limit_plans(CaseTicks(case, timebase, start), scope_of_case(case))
     rounds = case.controller or case.rounds
     lost = case.host is not None and driven.host is None

@@ -161,7 +161,7 @@ def _project_plugins(folder: Path) -> list[Plugin]:
 def _module(path: Path, changed: int, size: int) -> ModuleType:
     """Return the module of a file, from a cache.
 
-    changed, size: time of change and size of the file. If they differ from the cached ones, it is imported again.
+    changed, size: modification time and size of the file. If they have changed, the file is imported again.
     """
     return UserCode(f"plugin {path.name}", STALL_LIMIT).in_time(module_of_file, path)
 

@@ -103,7 +103,8 @@ class PreparedScene:
         """Run the case with these changes, and return the result, judged as `periph-sim run` judges it.
 
         seconds: the duration, such as "10 ms" or a Fraction, in place of the case's own.
-        programs: firmware given as functions (dsp, settings), by unit; the unit's own `firmware` is then only a name.
+        programs: a dictionary from a unit to firmware that is given as a function (dsp, settings). For this unit, the
+            key `firmware` in the case is then only a name.
         record: a file for the records, in the format of its suffix.
 
         Raise BadCase, FirmwareError or a similar error, with one sentence, if the case cannot be run. Raise

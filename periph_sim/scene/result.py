@@ -113,7 +113,7 @@ def notes_of(scene: Scene) -> list[str]:
                 at = scene.timebase.show(tick - scene.start)
                 place = dsp.note_places.get((socket.name, tick))
                 where = f", {place.for_people()}" if place else ""
-                text = note.text.removeprefix(f"{module}: ")  # the line names the module already
+                text = note.text.removeprefix(f"{module}: ")  # the line has the name of the module already
                 lines.append(f"{name} {module}, first at {at}{where}: {text} [{note.source}]")
         for note, n in dsp.processor.notes.counts.items():
             place = dsp.processor.notes.places.get(note)

@@ -61,12 +61,12 @@ class Scene:
     """A built scene. Deleting it terminates its firmware.
 
     case: the case, or its plan if several scenes are built from it.
-    subscribe: called while the scene is built, before anything runs, so that recorders can subscribe.
+    subscribe: a function that is called while the scene is built, so that recorders can subscribe before anything runs.
     programs: a dictionary from a unit to firmware that is given as a Python function. For this unit, the key `firmware`
         in the case is then only a name.
-    keep_values: keep all values of measures that have a series of values, for `BudgetJudge.values`.
+    keep_values: True to keep all values of measures that have a series of values, for `BudgetJudge.values`.
     sources: a dictionary from a sensor chip to its input as a function of the tick, which replaces the case's `values`.
-    restorable: keep a log of the accesses of C sources, so that `restore` need not run the scene from its start.
+    restorable: True to log the accesses of C sources, so that `restore` need not run the scene from its start.
     """
 
     WIRES = SceneWires

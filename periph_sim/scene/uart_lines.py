@@ -36,7 +36,7 @@ def _settings(dsp: Dsp, module: str) -> tuple[int, int, Fraction, int]:
     return ccr, brr, dsp.control.sysclk_hz, dsp.control.lspclk_divider
 
 
-# Cached, because it is called for each frame of each line, and settings hardly ever change.
+# The result is cached, because the function is called for each frame on each line and settings hardly ever change.
 @lru_cache(64)
 def _ticks_and_format(
     per_second: int, ccr: int, brr: int, sysclk_hz: Fraction, divider: int

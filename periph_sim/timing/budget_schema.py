@@ -23,7 +23,7 @@ def _limit(value: object) -> object:
 
 Extent = Annotated[str | int, Before(_limit)]
 
-# Prefixes of measures that consist of a prefix and a name, such as "span:models".
+# The following prefixes begin measures that consist of a prefix and a name, such as "span:models".
 SPAN = "span:"
 REPLY = "reply:"
 WATCH = "watch:"

@@ -129,14 +129,16 @@ class ByRoundBefore:
 class BusRounds:
     """Groups the transfers of a bus into rounds.
 
-    on_transfer, on_round: called at the end of each transfer and each round.
-    on_other: called for a transfer that is none of the requests.
+    on_transfer: called with each transfer at its end.
+    on_round: called with each complete round at its end.
+    on_other: called with each transfer that is none of the requests.
     on_due: called with the due time of a round once it is known whether the round began.
     on_missed: called with the due time of a round that did not begin, or with the tick of the START of the transfer
         that was made in place of a missing request.
     begun_at: a function that returns, at the end of the run, the tick of the START of an unfinished transfer; NO_TIME
         if there is none.
-    completed, missed: number of rounds so far.
+    completed: number of complete rounds so far.
+    missed: number of missed rounds so far.
     """
 
     def __init__(self, asked: Asked | None, begun_at: Callable[[], int]) -> None:

@@ -29,8 +29,8 @@ class Verdict:
     at_s: the time of `worst` in seconds from the start of the run.
     which: the key of the limit. For a percentile, `worst` is the value of the percentile.
     found: a text that explains the figures, such as that no event matched; "" if nothing needs to be explained.
-    measured, occasions: the number of occasions that were measured, and of all occasions. `occasions` is None if the
-        measure does not count them.
+    measured: the number of events at which a value was measured.
+    occasions: the number of events at which a value should have been measured; None if they are not counted.
     until_s: the end of the fault that `found` describes, such as a wrong reply, which began at `at_s`.
     """
 

@@ -189,7 +189,7 @@ def said(run: Run, step: Link) -> str:
 
 
 def _with_source(words: str) -> str:
-    """Return the text with spaces at which lines are not broken in the section of the manual at its end, if any."""
+    """Return the text. If it ends with a section of the manual, lines are not broken at the spaces in this section."""
     what, bracket, source = words.partition(" [")
     return f"{what} {together(f'[{source}')}" if bracket else words
 

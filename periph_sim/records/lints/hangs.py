@@ -38,7 +38,7 @@ def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
         ids = what.astype(np.int64) << 32 | table.columns["text"][rows]
         is_read = np.array([name.startswith("R ") for name in table.names["what"]], bool)[what]
         takes = np.array([reads_take(name[2:]) for name in table.names["what"]], bool)[what]
-        # `found` has by the reads of a loop: first row, length in ticks, True if the run's end cuts it off.
+        # `found` maps the reads of a loop to (first row, length in ticks, True if the end of the run cuts it off).
         found: dict[tuple[int, ...], list[tuple[int, int, bool]]] = {}
         for reads in range(1, LONGEST_PASS + 1):
             for begin, last in _again_and_again(ids, is_read & ~takes if reads > 1 else is_read, following, reads):

@@ -138,12 +138,12 @@ OVERWRITTEN = "writes I2CDXR while XRDY = 0: the byte written before was not tak
 
 @finds("I2CDRR read with RRDY = 0: no byte came since the read before")
 def receive_register_early(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield reads of I2CDRR when it has no new byte: none ever came, or the last one was already read."""
+    """Yield reads of I2CDRR that return no new byte, because none was received or the last byte was already read."""
     for group in accesses(run, "R", I2CDRR):
         changes = run.changes(group.unit, group.module, I2CSTR, I2CSTR["RRDY"])
         last = np.append(changes, -1)[np.searchsorted(changes, group.rows) - 1]
         empty = ~held(run, group, I2CSTR, "RRDY")
-        # If a write or a reset cleared RRDY, the byte can still be read.
+        # RRDY must have been cleared by a read. After a write or a reset has cleared RRDY, the byte can still be read.
         by_read = (last < 0) | np.isin(run.made_by(last), group.rows)
         plain = ~held(run, group, I2CFFRX, "RXFFRST")
         enabled = held(run, group, I2CMDR, "IRS")

@@ -68,7 +68,10 @@ def recording_formats() -> dict[str, type[RecordingWriter]]:
 
 
 def format_of(path: Path) -> type[RecordingWriter] | None:
-    """Return the format whose suffix is the end of the file's name, or None. A suffix may be `.perfetto.json`."""
+    """Return the format whose suffix is the end of the file's name, or None. A suffix may have two dots.
+
+    An example of a suffix with two dots is `.perfetto.json`.
+    """
     name = path.name.casefold()
     return next((found for suffix, found in recording_formats().items() if name.endswith(suffix)), None)
 

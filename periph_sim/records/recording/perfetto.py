@@ -33,7 +33,7 @@ THREAD_OF = {Kind.SPAN: "firmware", Kind.IRQ: "interrupts"}
 
 
 class Track:
-    """One thread in the viewer. Slices on it nest."""
+    """One thread in the viewer. The slices of a thread can be nested."""
 
     def __init__(self, pid: int, tid: int) -> None:
         self.head = f'"pid":{pid},"tid":{tid}'

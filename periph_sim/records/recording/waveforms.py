@@ -44,7 +44,7 @@ MAPS = {"I2C": I2C_MAP, "SCI": SCI_MAP}
 RATES = [Fraction(mhz * 10**6) for mhz in (100, 50, 20, 10, 5, 2, 1)]  # sample rates of .sr files, in Hz
 MOST_SAMPLES = 1 << 28  # 2.7 s at 100 MHz; packing this number of samples takes two to three seconds
 PICOSECONDS = 10**12
-# Text signals of .fst with values such as "0x68 R ACK" and "0x55". Each value is kept until the next record.
+# SAID has the names of the text signals in .fst files, whose values are texts such as "0x68 R ACK" and "0x55".
 SAID = {Kind.BUS: "bus.I2C.text", Kind.FRAME: "bus.UART.text"}
 
 Numbers = NDArray[np.int64]
@@ -93,9 +93,9 @@ class RunSignals:
         self._per_second = timebase.per_second
         self._signals: dict[str, Signal] = {}
         self._wires = {name: self._signal(f"wires.{name}", initial=1) for name in WIRES}
-        # From a place and a field to the field's signal, the register's signal, and the lowest bit of the field.
+        # `_fields` maps a place and a field to the field's signal, the register's signal, and the field's lowest bit.
         self._fields: dict[tuple[str, str], tuple[Signal, Signal, int]] = {}
-        # From an interrupt or span to its nesting depth, because it may be entered again before it is left.
+        # `_depth` maps an interrupt or span to its nesting depth, because it may be entered again before it is left.
         self._depth: dict[tuple[str, str], int] = {}
         for names in modules.values():
             for pin in (name.removeprefix("pin:") for name in names if name.startswith("pin:")):
@@ -229,15 +229,15 @@ class SrWriter(WaveformWriter):
     """sigrok session for PulseView and sigrok-cli: wires, bus state, interrupts and spans, as an analyser would show
     them.
 
-    It has the first 64 signals of one bit, wires first, without fields of registers. The sample rate is the highest of
-    `RATES` with which the file has at most `MOST_SAMPLES` samples.
+    The file has the first 64 signals of one bit, wires first, without fields of registers. Its sample rate is the
+    highest of `RATES` with which the file has at most `MOST_SAMPLES` samples.
     """
 
     SUFFIX, MODE = ".sr", "wb"
 
     def close(self, now: int) -> None:
         lines = self._run.lines(now)
-        # Decoders find their channels by name: `SCL` for `wires.SCL`.
+        # The prefix "wires." is removed, because the decoders of sigrok find their channels by names such as "SCL".
         shown = [replace(c, name=c.name.removeprefix("wires.")) for c in lines.channels[: sigrok_sr.MOST_WIDE]]
         rate = rate_for(Fraction(lines.length, self._per_second))
         sigrok_sr.write_to(self._file, resampled(replace(lines, channels=tuple(shown)), rate))

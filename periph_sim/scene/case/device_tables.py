@@ -1,4 +1,4 @@
-"""Tables whose models or kinds add keys, [device.NAME] and [watch.NAME], and the disturbances of devices and chips."""
+"""The tables [device.NAME] and [watch.NAME], whose keys depend on a model or kind, and the tables of disturbances."""
 
 from __future__ import annotations
 

@@ -19,7 +19,8 @@ SHOWN = 60  # maximum number of characters of a wrong value in a message
 def explain(source: Source, error: BadTable, tree: object = None, above: Place = ()) -> str:
     """Return one sentence about the first mistake.
 
-    tree: the data that was checked, for the names of its entries. above: the keys that lead to the checked table.
+    tree: the checked data, from which the names of entries are taken.
+    above: the keys that lead to the checked table.
     """
     first = error.first
     place = (*above, *first.place)

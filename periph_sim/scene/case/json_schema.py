@@ -38,7 +38,7 @@ from .model import Case
 
 Schema = dict[str, Any]
 
-# For each attribute of msgspec.Meta, the keyword of a schema with the same meaning.
+# LIMITS maps an attribute of msgspec.Meta to the keyword of a JSON schema with the same meaning.
 LIMITS = {"ge": "minimum", "le": "maximum", "pattern": "pattern", "examples": "examples"}
 PLAIN: dict[Any, Schema] = {
     bool: {"type": "boolean"},
@@ -63,7 +63,7 @@ def schema_of(annotation: Any, definitions: Schema) -> Schema:
         return {"type": PLAIN[type(arguments[0])]["type"], "enum": [*arguments]}
     if origin is tuple and arguments[1] is not ...:
         entries = [schema_of(kind, definitions) for kind in arguments]
-        # In draft 7, a tuple has this form.
+        # In draft 7 of JSON Schema, the schema of a tuple has the following form.
         return {
             "type": "array",
             "minItems": len(entries),

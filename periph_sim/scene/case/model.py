@@ -83,13 +83,13 @@ class Controller(Table, frozen=True, kw_only=True):
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
     initialise: Length | None = None  # time from the set-up of chips to the first round; None: no chip is set up
-    # What the measure "wrong bytes" compares the bytes with: the keys `expect` of requests, or the frames of the host.
+    # `check`: the measure "wrong bytes" compares the bytes with the keys `expect` of requests, or with host frames.
     check: Literal["expect", "host"] = "expect"
-    # What follows a data byte that is not acknowledged: the rest of the transfer, or a STOP.
+    # `on_nack`: after a NACK of a data byte, "go on" continues the transfer, and "give up" makes a STOP.
     on_nack: Literal["go on", "give up"] = "go on"
     stuck_after: Length = Fraction(25, 1000)
     clear_after: Length | None = None  # None: the bus is never cleared
-    # For an outside party on SDA and SCL: False if it replaces the [controller], True if both are on the bus.
+    # `beside_outside`: an outside party on SDA and SCL replaces the [controller] if False; both are on the bus if True.
     beside_outside: bool = False
 
     def as_rounds(self) -> RoundsTable:

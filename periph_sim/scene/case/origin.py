@@ -88,7 +88,7 @@ def line_of(text: str, place: Place) -> int:
     return best
 
 
-# From the suffix of a source file to a pattern of the files in its folder that it may import or include.
+# BESIDE maps the suffix of a source file to a pattern of the files in its folder that it may import or include.
 BESIDE = {".py": "*.py", ".asm": "*.inc", ".c": "*.h"}
 LONGEST = 200  # a text with at least this number of characters is not taken for the path of a file
 

@@ -77,7 +77,7 @@ class Unit(Table, frozen=True, kw_only=True):
     skip_polls: bool = True
     pins: dict[str, Annotated[int, Meta(ge=0, le=87)]] = {}
     code: Code = Code()
-    # From a group of options to the answers to its open questions; `periph-sim regs --options` lists them.
+    # `options` maps a group to the answers to its open questions; `periph-sim regs --options` lists all groups.
     options: dict[str, dict[str, Answer]] = {}
 
     def check_together(self, given: Set[str]) -> None:

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from .model import BadCase, Case
 
 
-# Wires are built in this order, the bus first. It is also the order in which edges of one instant are recorded.
+# Wires are built in the order of SIGNALS, the bus first. Edges of one instant are recorded in the same order.
 SIGNALS: dict[str, dict[str, int]] = {
     module.name: {name: module.pins[signal] for name, signal in module.wires.items()}
     for module in sorted(PART.modules, key=lambda one: not one.bus)

@@ -4,7 +4,7 @@ thing            tick               value
 bytes asked      START of the read  number of bytes requested
 bytes compared   START of the read  number of bytes whose right values are known
 wrong bytes      START of the read  number of these bytes that are wrong
-zeros            end of the run     number of bytes read as 0 from chips that never showed a host frame's values
+zeros            end of the run     number of bytes read as 0 from chips that never returned a host frame's values
 unknown bytes    end of the run     number of bytes that may be values of frames that were not compared with them
 """
 
@@ -40,8 +40,8 @@ class ByteRecords:
         self._wrong: Topic = recorder.topic(Kind.DATA, I2C, "wrong bytes")
         self._never_shown: Topic = recorder.topic(Kind.DATA, I2C, "zeros")
         self._not_known: Topic = recorder.topic(Kind.DATA, I2C, "unknown bytes")
-        # From the address of a chip to the number of bytes that were read as 0 before any values of a frame. These
-        # bytes are right if the chip returns the values of a frame later.
+        # `_zeros` maps a chip's address to the number of bytes that were read as 0 before any values of a frame.
+        # These zeros are right if a later read of the same chip returns the values of a frame.
         self._zeros: dict[int, int] = {}
         self._unknown = 0
 

@@ -36,7 +36,7 @@ BYTES = 6  # length of a read that carries a whole sample
 class _Chip:
     """The state of one chip, and the topics of its records.
 
-    fitted: the tick at which the frame was due that fitted best to the last read of the chip; NO_TIME if there is none.
+    fitted: the due tick of the frame that fitted best to the last read of the chip; NO_TIME before the first read.
     """
 
     def __init__(self, recorder: Recorder, name: str, data: ChipData) -> None:
@@ -63,7 +63,7 @@ class ErrorRecords:
         self._truth_at = truth_at
         self._frame_due = frame_due
         self._due: deque[int] = deque(maxlen=MOST)
-        self._left_out = NO_TIME  # the tick at which the frame was due that was removed from `_due` last
+        self._left_out = NO_TIME  # the due tick of the frame that was removed last from `_due`
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         """Store the tick at which this host frame was due."""

@@ -69,7 +69,7 @@ class FrameHistory:
         self._ended: array[int] = array("q")
         self._values = bytearray()
         self._format: Struct | None = None  # the format of a frame's values; None before the first frame
-        # From the address of a chip to the bytes that the chip returns for each frame, one frame after the other.
+        # `_shown` maps the address of a chip to the bytes that the chip returns for all frames, in order of the frames.
         self._shown: dict[int, bytearray] = {}
 
     def add(self, number: int, values: tuple[int, ...], ended: int) -> None:
@@ -245,7 +245,7 @@ class ModelOrigins(Origins):
         self._sent.append(Sent(number, values, tick))
 
     def model_pin(self, now: int, level: int) -> None:
-        """Handle a change of the MODEL pin, which is high during a run. A run can use frames that ended before it."""
+        """Handle a change of the MODEL pin, which is high during a run. A run may use frames that ended earlier."""
         if level:
             self._may_take = list(self._sent)
         elif self._pulled_up:  # this fall is no end of a run: the pin becomes an output

@@ -45,7 +45,7 @@ BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost",
 OF_AGENT = ("arbitration lost", "clear")  # recorded only by the controller of a case
 OF_PAIRS = ("cut", "collision")
 FRAME_PARTS = ("begin", "end", "error", *OF_PAIRS)
-# The words that can follow an event.
+# In the text of a measure, only these words can follow an event; "" is the end of the text.
 BEHIND_EVENTS = ("", "to", "from", "or", "of", "at", ",", "in", "next", "last", "same")
 NTH = re.compile(r"(\d+)(st|nd|rd|th)")
 GROUPS = ("transfer", "round", "burst", "interrupt")

@@ -90,16 +90,16 @@ class ImageNames(Protocol):
 class Scope(Struct):
     """The parts of a scene that a measure may name.
 
-    units: the modules of each unit.
+    units: a dictionary from a unit to its modules.
     controller: True if the scene has a controller agent on its wires.
     host: True if the scene has a host on its wires.
     rounds: True if the requests of the controller's rounds are known, whichever party is the controller.
     lines: the wires that carry frames; if none are given, the wires in LINES that the scene has.
     pairs: the RS-485 pairs.
-    images: the names in the image of each unit that runs an image; None for an image that is not known, as in a
-        recorded run: every name is accepted.
+    images: a dictionary from a unit that runs an image to the names in this image. If the image is not known, as in a
+        recorded run, the entry is None, and every name is accepted.
     uncounted: a unit whose program reports no overflows, because it is not Python firmware; "" if there is none.
-    measures: the texts of measures that the user has named, indexed by name.
+    measures: a dictionary from the name of a user's own measure to its text.
     """
 
     units: dict[str, tuple[str, ...]] = {}
@@ -203,7 +203,7 @@ class Scope(Struct):
         return owner
 
     def span(self, unit: str, name: str) -> tuple[str, bool]:
-        """Return the unit of a span, and True if the span is known to exist, because it is a function of an image."""
+        """Return the unit of a span, and True if the span is a function in an image, so that it is known to exist."""
         owner = self.unit(unit)
         names = self.images.get(owner)
         if names is None:
@@ -231,7 +231,7 @@ class Scope(Struct):
 
 
 def scope_of_table(table: RecordTable) -> Scope:
-    """Return the scope of a recorded run. It has a controller or a host if any record comes from this agent."""
+    """Return the scope of a recorded run. `controller` or `host` is True if any record comes from this party."""
     kinds = set(table.texts("kind", table.rows(Kind.BUS)[:1]) + table.texts("kind", table.rows(Kind.FRAME)[:1]))
     listed = [name for modules in table.modules.values() for name in modules]
     wires = [wire for module in listed for wire in WIRES.get(module, ())]

@@ -33,8 +33,8 @@ class BusFromWires(BitParty):
         self.stream = I2cStream()
         self.ours = False  # True if the unit has acknowledged the address
         self.phase_at = NO_TIME  # the tick of the START or repeated START of the present phase; NO_TIME after a STOP
-        # The tick at which the last party other than the unit released SCL, in the present or last low phase of SCL.
-        # It is NO_TIME while another party holds SCL low.
+        # `others_held_until` is the tick since which no other party has held SCL low, in the last low phase of SCL.
+        # While any other party holds SCL low, `others_held_until` is NO_TIME.
         self.others_held_until = NO_TIME
         self._unit: str = f"{unit}."
         self._scl_pulling = self._sda_pulling = 0  # masks of the parties that pull: bit i is party i
@@ -72,12 +72,12 @@ class BusFromWires(BitParty):
         self.others_held_until = NO_TIME
 
     def settle_before(self, tick: int) -> None:
-        """Evaluate the tick in progress if it is before `tick`."""
+        """Evaluate the changes of the tick in progress, if this tick is before `tick`."""
         if self._tick != tick:
             self.settle()
 
     def settle(self) -> None:
-        """Evaluate the tick in progress, after its last change."""
+        """Evaluate the changes of the tick in progress, after the last of these changes."""
         if self._settled:
             return
         self._settled = True

@@ -162,7 +162,7 @@ class EventMeasure(Measure):
         each = [one for m in (*matchers, *starts) for one in m.each]
         self.kinds = frozenset(one.kind for one in each)
         self._wanted = {(one.kind, one.what) for one in each}
-        # The kinds of records that are needed with any `what`.
+        # `_every` has the kinds of records that are needed whatever their `what` is.
         self._every: set[Kind] = {one.kind for one in each if one.what == ANYTHING}
         if self.spans is not None:  # all spans are needed, so that the right name can be suggested
             self._every.add(Kind.SPAN)
@@ -274,7 +274,10 @@ class EventMeasure(Measure):
             self._counts(place, tick, value)
 
     def _settle(self, place: int, counts: int) -> None:
-        """Decide whether the newest event number `place` counts (1) or is replaced by a later one of its group (0)."""
+        """Decide about the newest event number `place`.
+
+        counts: 1 if this event counts, 0 if a later event of its group replaces it.
+        """
         newest: _Seen | None = self._newest.pop(place, None)
         if newest is not None:
             newest.counts = counts

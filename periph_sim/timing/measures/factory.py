@@ -40,7 +40,7 @@ ROLES = {
 }
 JITTER = "jitter of "
 UNSAID = Said()
-# A function that returns a new measure. All scenes of a case use the same function, because no run changes it.
+# A `Maker` is a function that returns a new measure. No run changes it, so all scenes of a case use the same function.
 Maker: TypeAlias = Callable[[], Measure]
 
 
@@ -118,7 +118,7 @@ def _unknown(name: str, sentences: Mapping[str, str]) -> BadEvent:
     return BadEvent(f"there is no measure {name!r}; {hint}")
 
 
-# For each parameter that the text of a named measure can contain, a function that returns the words for it.
+# WORDS maps each parameter in the texts of named measures to a function that returns the words in its place.
 WORDS: dict[str, Callable[[Said, Scope], str]] = {
     "event": lambda said, scope: said.events[0].text,
     "cpu": lambda said, scope: scope.unit(said.unit),

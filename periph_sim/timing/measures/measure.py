@@ -103,7 +103,7 @@ LOOKS_BACK = (
     "the whole run",
 )
 MILLIONTHS = 1_000_000  # shares of time and values in LSB are counted in millionths
-READ = "read"  # a kind of occurrence: one addressed phase, read or written, identified by its START
+READ = "read"  # the occurrence of measures that have one value for each addressed phase, identified by its START
 
 
 class Measure(Listener):
@@ -142,7 +142,7 @@ class Measure(Listener):
         self.occasions: int | None = 0 if self.asked else None
         self.is_jitter = False
         self._before: int | None = None  # for a jitter: the last value; None before the first value
-        # 1 before the first occasion of a jitter, because its value has no earlier value to compare with; otherwise 0.
+        # `_uncompared` is 1 before the first value of a jitter, which has no earlier value to compare with; else 0.
         self._uncompared = 0
         self._kept: tuple[array[int], array[int]] | None = None
         self._tally: Tally | None = None

@@ -107,7 +107,7 @@ class Modifies(RecordSink):
         self._spare: Access | None = None  # the first of a linked list of Access objects that can be used again
         self._topics: list[Topic] = []  # the topics, indexed by tag
         self.recent: dict[str, Recent] = {}  # from a unit to its accesses in the last cycles
-        # From the unit and the name of a register to the judged register.
+        # `_registers` maps the unit and the name of a register to the judged register.
         self._registers: dict[tuple[str, str], ClearedRegister] = {}
 
     def clock_is(self, per_second: int, clocks: list[tuple[int, Fraction]]) -> None:

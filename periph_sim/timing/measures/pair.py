@@ -195,7 +195,7 @@ class Between(EventMeasure):
             self._group_over()
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
-        if self._rule is not None and self._stopped:  # not every first event has a second one in its group
+        if self._rule is not None and self._stopped:  # not every first event has a second event in its group
             return []
         found: list[tuple[int, int]] = []
         for waiting in self._of_unit.values():

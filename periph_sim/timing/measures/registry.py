@@ -20,7 +20,7 @@ from msgspec import Struct
 class Sentence(Struct, frozen=True):
     """A named measure.
 
-    about: what it measures, for documentation; "" if its text explains it.
+    about: a description for the documentation; "" if the text of the measure explains it.
     cost: the number of records that the measure handles in 0.1 s (five rounds) of timing/imu_hil_published.toml.
     looks_back: as in `Measure`. The range includes the records from which `timing/derived` makes the needed records.
     asked: a noun in the plural for the events of the clause `for each`, at which a value should be measured.
@@ -134,7 +134,7 @@ MEASURES = {
     "stuck": Sentence("count of record bus stuck", "Times a line of the bus was held low longer than `stuck_after`."),
 }
 
-# Measures that have parameters or depend on the scene, indexed by their form in the language of budgets.
+# PHRASES maps a form in the language of budgets to its measure. These measures have parameters or depend on the scene.
 PHRASES = {
     "span": Sentence(
         "from span any:{quoted} begin to span any:{quoted} end, last, same unit",

@@ -70,7 +70,7 @@ class StateEvents(Struct, frozen=True):
 class BusiestWindow:
     """Finds the window of a given length in which a state lasts longest.
 
-    This window begins when the state begins, or ends when the state ends, so only such windows are evaluated.
+    This window begins when the state begins, or it ends when the state ends, so no other windows are evaluated.
     most: the share of the state in this window, in millionths; -1 before a window was over.
     """
 
@@ -82,7 +82,7 @@ class BusiestWindow:
         self.begin = NO_TIME
         self._began = began
         self._since = NO_TIME  # the tick since which the state holds; NO_TIME if it does not hold
-        # (begin, end) of the past times in the state that an unfinished window may overlap.
+        # `_stretches` has (begin, end) of each past time in the state that an unfinished window may overlap.
         self._stretches: deque[tuple[int, int]] = deque()
         self._begins: deque[int] = deque([began])  # begins of the windows that are not over yet
 
@@ -145,7 +145,7 @@ class TimeIn(EventMeasure):
         self._nests = bool(state.nests)
         self._is_idle: bool = state.is_idle
         self._under_way: list[int] = []  # waits and service routines, the inner ones last
-        self._enters = len(state.enters)  # number of the events that begin the state: the first of `matchers`
+        self._enters = len(state.enters)  # number of events that begin the state; `matchers` begins with these events
         self._since = NO_TIME
         self._whole = False  # True if the state began during the run, not before it
         self._began = 0

@@ -131,7 +131,8 @@ def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
 class _Reads(NamedTuple):
     """All reads of one register at a place.
 
-    looked_at: for each read, the code of the name of the field that was read; the name "" means the whole register.
+    looked_at: for each read, the code of the name of the field that was read; the name "", or the code -1
+    if no access has this name, means the whole register.
     waits: for each read, True if the next access of the same routine is also one of these reads.
     """
 
@@ -151,10 +152,11 @@ def _reads_by_place(run: Run, group: Group) -> Iterator[_Reads]:
     order = np.argsort(rows)
     next_of = following[order][np.searchsorted(rows[order], group.rows)]
     for_writes = read_modify_writes(run, group.unit).reads
+    whole = table.names["field"].index("") if "" in table.names["field"] else -1
     for place, reads in run.by_place(group.rows):
         nexts = next_of[np.searchsorted(group.rows, reads)]
         codes = table.columns["field"][reads].astype(np.int64)
-        codes = np.where(np.isin(reads, for_writes), _code(run, ""), codes)
+        codes = np.where(np.isin(reads, for_writes), whole, codes)
         waits = np.append(reads[1:] == nexts[:-1], False)
         if parsed(place) is not None:
             waits |= _loops_of_an_image(run, group.unit, reads, nexts)
@@ -182,12 +184,6 @@ def _loops_of_an_image(run: Run, unit: str, reads: Rows, nexts: Rows) -> NDBool:
         at = np.where(there, following[order][place], -1)
         found |= only_reads & (np.append(reads[1:], -1) == at) & (at >= 0)
     return found & (slept | short)
-
-
-def _code(run: Run, name: str) -> int:
-    """Return the code of a field's name in the table; -1 if no access names the field."""
-    names = run.table.names["field"]
-    return names.index(name) if name in names else -1
 
 
 def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:

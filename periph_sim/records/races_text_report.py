@@ -7,7 +7,7 @@ import dataclasses
 from ..core.phrases import counted
 from ..core.text_table import paragraph, text_table
 from ..processor.source_location import parsed
-from .races import DECADES, NearMiss, PlaceRaces, Races
+from .races import DECADES, PlaceRaces, Races
 from .read_modify_write import ReadModifyWrite
 
 CLOSEST = ("register", "place", "closest", "cycles", "field", "at")
@@ -60,8 +60,12 @@ def as_json(races: Races) -> dict[str, object]:
         "places": [
             {
                 **dataclasses.asdict(place),
-                "before": _shave_json(races, place.before),
-                "after": _shave_json(races, place.after),
+                **{
+                    side: None
+                    if miss is None
+                    else {"cycles": miss.cycles, "read_at_s": float(run.seconds(miss.tick)), "field": miss.field}
+                    for side, miss in (("before", place.before), ("after", place.after))
+                },
             }
             for place in races.places
         ],
@@ -109,12 +113,6 @@ def _indent(line: str) -> str:
 
 def _name(races: Races, of: PlaceRaces | ReadModifyWrite) -> str:
     return of.register if len(races.run.units) == 1 else f"{of.unit}.{of.register}"
-
-
-def _shave_json(races: Races, shave: NearMiss | None) -> dict[str, object] | None:
-    if shave is None:
-        return None
-    return {"cycles": shave.cycles, "read_at_s": float(races.run.seconds(shave.tick)), "field": shave.field}
 
 
 def _modify(races: Races, modify: ReadModifyWrite) -> list[str]:

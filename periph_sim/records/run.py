@@ -123,9 +123,6 @@ class Run:
     def record(self, row: int) -> Record:
         return next(self.table.records(np.array([row])))
 
-    def records(self, rows: Rows) -> Iterator[Record]:
-        return self.table.records(rows)
-
     def row_of(self, number: int) -> int | None:
         """Return the row of the record with this number; None if it was not recorded."""
         row = int(np.searchsorted(self.table.number, number))

@@ -88,11 +88,6 @@ class BudgetJudge:
         """This judge and the judges of its joined conditions."""
         return [self, *self.joined]
 
-    @property
-    def limits(self) -> dict[str, int]:
-        """The limits in ticks, millionths or counts, indexed by their keys."""
-        return dict(self.plan.limits)
-
     def finish(self, now: int) -> None:
         """End the measures. An occurrence that the end of the run cuts off counts with the value reached so far."""
         if self.same_as is not None:
@@ -208,7 +203,7 @@ class BudgetJudge:
         if kept is None or not len(kept[0]):
             return None
         values, at = kept
-        return Values(shown.measure.unit, values, at - start, shown.limits)
+        return Values(shown.measure.unit, values, at - start, shown.plan.limits)
 
     def _in_words(self, verdict: Verdict) -> str:
         """Return the verdict as text: "age 22.153 ms at 0.025195 s (max 25 ms)"."""

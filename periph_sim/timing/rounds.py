@@ -23,6 +23,7 @@ from fractions import Fraction
 from msgspec import Struct
 
 from ..bus.i2c.transfer import Phase, Transfer
+from ..core.chip import NEVER
 from ..core.time import NO_TIME
 from ..devices.sensor_rounds import Round
 from ..form.c_types import BigInt
@@ -48,82 +49,70 @@ class Asked(Struct, frozen=True):
     ack_polling: bool = False
 
 
-class ByPlan:
-    """Schedule of an agent: round n is due n periods after the first.
+class Schedule:
+    """Due times of rounds.
 
-    A round is missed if it has not begun when the next one is due.
+    If the first due time is known, as for an agent, round n is due n periods after the first, and it is missed if it
+    has not begun when the next one is due. Otherwise, as for a firmware or a capture, a round is due one period after
+    the begin of the round before, and it is missed if it has not begun half a period after that. After the requested
+    number of rounds, no more are due.
     """
 
     def __init__(self, asked: Asked) -> None:
-        assert asked.first is not None
-        self._first: int = asked.first
         self._asked: Asked = asked
-        period = Fraction(asked.period)
+        self._is_fixed: bool = asked.first is not None
+        self._since: int = NO_TIME if asked.first is None else asked.first  # from here on, periods are counted
+        period = Fraction(asked.period if self._is_fixed else asked.period // 1)
+        assert period > 0, "a period of 0 ticks has rounds without end"
         self._ticks: BigInt = period.numerator  # number of ticks in `_periods` periods
         self._periods: BigInt = period.denominator
-        self._next: BigInt = 0
+        self._next: BigInt = 0  # number of periods from `_since` to the next due time
+        self._passed = 0  # number of rounds that began or were missed
 
     def begins(self, start: int) -> tuple[list[int], int]:
         """Return the due times of the rounds missed since the last round, and the due time of the round that begins.
 
         start: the tick at which the round begins.
         """
-        missed = []
-        while self._due(1) <= start:
-            missed.append(self._due())
-            self._next += 1
-        due = self._due()
-        self._next += 1
-        return missed, due
+        missed = self._missed(start)
+        if not self._is_fixed:
+            self._since, self._next = start, 0
+        return missed, self._pass()
 
     def missed_by(self, now: int, over: int | None) -> list[int]:
         """Return the due times of the rounds missed since the last round, when the run ends at tick `now`.
 
         over: the tick at which the last round ended; None if a round or the set-up is in progress.
         """
-        missed = []
-        while self._due() <= now and self._next != self._asked.rounds:
-            if over is None or self._due() + self._asked.late < over or self._due(1) <= now:
-                missed.append(self._due())
-            self._next += 1
+        missed = self._missed(now)
+        if self._is_fixed and self._deadline() != NEVER and self._due() <= now:
+            due = self._pass()
+            if over is None or due + self._asked.late < over:
+                missed.append(due)
         return missed
-
-    def _due(self, ahead: int = 0) -> int:
-        return self._first + (self._next + ahead) * self._ticks // self._periods
-
-
-class ByRoundBefore:
-    """Schedule of a firmware or a capture: a round is due one period after the begin of the round before.
-
-    After the requested number of rounds, no more are due.
-    """
-
-    def __init__(self, asked: Asked) -> None:
-        self._period: int = int(asked.period // 1)
-        self._next = NO_TIME
-        self._left: int | None = asked.rounds
-
-    def begins(self, start: int) -> tuple[list[int], int]:
-        missed = self._missed(start)
-        self._plan(start + self._period)
-        return missed, start
-
-    def missed_by(self, now: int, over: int | None) -> list[int]:
-        return self._missed(now)
 
     def _missed(self, now: int) -> list[int]:
-        assert self._period > 0, "a period of 0 ticks has rounds without end"
         missed = []
-        while self._next != NO_TIME and now >= self._next + self._period // 2:
-            missed.append(self._next)
-            self._plan(self._next + self._period)
+        while now >= self._deadline():
+            missed.append(self._pass())
         return missed
 
-    def _plan(self, due: int) -> None:
-        """Set the due time of the next round, unless the round that was just begun or missed is the last one."""
-        if self._left is not None:
-            self._left -= 1
-        self._next = NO_TIME if self._left is not None and self._left <= 0 else due
+    def _deadline(self) -> int:
+        """Return the tick at which the next round is missed if it has not begun; NEVER if no round is due."""
+        rounds = self._asked.rounds
+        if self._since == NO_TIME or (rounds is not None and self._passed >= rounds):
+            return NEVER
+        return self._due(1) if self._is_fixed else self._due() + self._ticks // 2
+
+    def _pass(self) -> int:
+        """Go to the next round. Return the due time of the round before."""
+        due = self._due()
+        self._next += 1
+        self._passed += 1
+        return due
+
+    def _due(self, ahead: int = 0) -> int:
+        return self._since + (self._next + ahead) * self._ticks // self._periods
 
 
 class BusRounds:
@@ -150,9 +139,7 @@ class BusRounds:
         self._begun_at = begun_at
         self._startup: list[Transfer] = [] if asked is None else list(asked.startup)
         self._requests: tuple[Transfer, ...] = () if asked is None else tuple(asked.requests)
-        self._schedule: ByPlan | ByRoundBefore | None = None
-        if asked is not None:
-            self._schedule = ByRoundBefore(asked) if asked.first is None else ByPlan(asked)
+        self._schedule: Schedule | None = None if asked is None else Schedule(asked)
         self._late: int = 0 if asked is None else asked.late
         self._ack_polling: bool = asked is not None and asked.ack_polling
         self._made = 0  # number of requests of the present round that were made or skipped

@@ -204,7 +204,7 @@ def test_a_run_is_read_from_its_file_with_its_name(tmp_path: Path):
         ended_at(100)
     run = Run.read(str(path), Fraction(75_000_000))
     assert (run.name, run.units, run.table.end) == (str(path), {"dsp": ("I2C-A", "SYS", "PIE")}, 100)
-    assert [(one.tick, one.value) for one in run.records(run.rows(Kind.NOTE))] == [(40, 7)]
+    assert [(one.tick, one.value) for one in run.table.records(run.rows(Kind.NOTE))] == [(40, 7)]
     assert run.cycles.how == "SYSCLKOUT 75 MHz, as given"
 
 

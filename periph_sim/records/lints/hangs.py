@@ -60,7 +60,9 @@ def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
             if any(cut for _, _, cut in waits):
                 text += ", the last" if past else ","
                 text += " until the end of the run" if past else " until the end of the run, and never got past it"
-            yield Fault(unit, rows[[begin for begin, _, _ in waits]], text, _source(names[0]))
+            register = register_of(*names[0].split(".", 1))
+            source = "" if register is None else register.source
+            yield Fault(unit, rows[[begin for begin, _, _ in waits]], text, source)
 
 
 def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> Iterator[tuple[int, int]]:
@@ -81,11 +83,6 @@ def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> 
             (ids[begin : begin + reads - part] == ids[begin + part : begin + reads]).all() for part in parts
         ):
             yield begin, last
-
-
-def _source(name: str) -> str:
-    register = register_of(*name.split(".", 1))
-    return register.source if register is not None else ""
 
 
 TEXT = "{} is served, and PIEACK bit {} is not written afterwards: no interrupt of group {} comes any more"

@@ -27,7 +27,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from functools import cached_property, lru_cache
-from typing import NamedTuple
 
 from msgspec import Struct
 from msgspec.structs import replace
@@ -194,7 +193,7 @@ def _read_nth(words: Words) -> int:
 def _read_one(words: Words) -> Event:
     begin = words.place
     kind = words.one_of(list(EVENTS))
-    unit, name, how, number = EVENTS[kind].read(words)
+    unit, name, how, number = EVENTS[kind][0](words)
     return Event(kind, words.between(begin), unit, name, how, number)
 
 
@@ -202,7 +201,7 @@ def matcher(event: Event | str, scope: Scope) -> Matcher:
     """Return the test for an event. Raise BadEvent if it cannot happen in this scene."""
     if isinstance(event, str):
         event = event_of(event)
-    found = EVENTS[event.kind].match(event, scope)
+    found = EVENTS[event.kind][1](event, scope)
     if event.others:
         return replace(found, others=tuple(matcher(other, scope) for other in event.others))
     return replace(found, nth=event.nth, group=group_of(event, scope)) if event.nth else found
@@ -230,10 +229,6 @@ def stretch_of(name: str, scope: Scope, whose: str, hint: str = "") -> Group:
 
 
 Parts = tuple[str, str, str, int | None]
-
-
-def _read_edge(words: Words) -> Parts:
-    return "", words.name("a wire")[1], words.one_of(list(CHANGES)), None
 
 
 def _read_named(expected: str, *hows: str) -> Callable[[Words], Parts]:
@@ -395,22 +390,16 @@ def _match_record(event: Event, scope: Scope) -> Matcher:
     return Matcher(event.text, Kind(event.name), place, event.how, thing=RECORDS[event.name][event.how])
 
 
-class EventKind(NamedTuple):
-    """A kind of event. read: parses the words after the kind's name. match: returns the matcher of a parsed event."""
-
-    read: Callable[[Words], Parts]
-    match: Callable[[Event, Scope], Matcher]
-
-
-EVENTS = {
-    "edge": EventKind(_read_edge, _match_edge),
-    "flag": EventKind(_read_named("a field", *CHANGES, "="), _match_flag),
-    "access": EventKind(_read_access, _match_access),
-    "interrupt": EventKind(_read_named("an interrupt's name", "enter", "leave"), _match_interrupt),
-    "span": EventKind(_read_span, _match_span),
-    "bus": EventKind(_read_bus, _match_bus),
-    "frame": EventKind(_read_frame, _match_frame),
-    "variable": EventKind(_read_named("a variable of an image", "change", "="), _match_variable),
-    "note": EventKind(_read_note, _match_note),
-    "record": EventKind(_read_record, _match_record),
+# Kinds of events by their first word: the parser of the words after it, and the function that makes the matcher.
+EVENTS: dict[str, tuple[Callable[[Words], Parts], Callable[[Event, Scope], Matcher]]] = {
+    "edge": (_read_named("a wire", *CHANGES), _match_edge),
+    "flag": (_read_named("a field", *CHANGES, "="), _match_flag),
+    "access": (_read_access, _match_access),
+    "interrupt": (_read_named("an interrupt's name", "enter", "leave"), _match_interrupt),
+    "span": (_read_span, _match_span),
+    "bus": (_read_bus, _match_bus),
+    "frame": (_read_frame, _match_frame),
+    "variable": (_read_named("a variable of an image", "change", "="), _match_variable),
+    "note": (_read_note, _match_note),
+    "record": (_read_record, _match_record),
 }

@@ -67,13 +67,13 @@ class Reply(Measure):
     needs = "serial"
     asked = "times that the reply was asked for"
 
+    _expected: Expected
+
     def __init__(self, name: str) -> None:
         super().__init__()
         self.name = name
-        self._expected: Expected | None = None
         self._open: deque[_Occasion] = deque()
         self._judged = 0
-        self._wrong = 0
         self._cut = False
         self._why_never: Callable[[], str] = str
         self._began, self._per_second = 0, 1
@@ -99,7 +99,7 @@ class Reply(Measure):
         if waiting is not None:
             waiting.since = tick
             if waiting.ends == NO_TIME:
-                waiting.ends = tick + self._what.within
+                waiting.ends = tick + self._expected.within
             self._settle()
 
     def others_turn(self, tick: int) -> None:
@@ -110,7 +110,7 @@ class Reply(Measure):
 
     def character(self, begin: int, end: int, value: int, good: bool) -> None:
         """Handle a character on the line."""
-        expected = self._what
+        expected = self._expected
         occasion = next((one for one in self._open if not self._over(one)), None)
         if occasion is None or begin < occasion.window:
             return
@@ -133,30 +133,23 @@ class Reply(Measure):
 
     # Judging --------------------------------------------------------------------
 
-    @property
-    def _what(self) -> Expected:
-        assert self._expected is not None
-        return self._expected
-
     def _complete(self, occasion: _Occasion) -> bool:
-        return tuple(occasion.came) == self._what.characters
+        return tuple(occasion.came) == self._expected.characters
 
     def _over(self, occasion: _Occasion) -> bool:
         """Return True if the reply is complete or wrong, so that later characters do not belong to it."""
-        enough = len(occasion.came) >= len(self._what.characters)
-        return self._complete(occasion) or (enough and not self._what.anywhere)
+        enough = len(occasion.came) >= len(self._expected.characters)
+        return self._complete(occasion) or (enough and not self._expected.anywhere)
 
     def _settle(self) -> None:
         """Judge the replies that are complete or wrong, in the order of their requests."""
         while self._open and self._open[0].since != NO_TIME and self._over(self._open[0]):
-            self._close(self._open.popleft())
-
-    def _close(self, occasion: _Occasion) -> None:
-        if self._complete(occasion):
-            self._judge(occasion)
-            self.take(max(0, occasion.ended - occasion.since), occasion.since)
-        else:
-            self._refute(occasion, NO_TIME)
+            occasion = self._open.popleft()
+            if self._complete(occasion):
+                self._judge(occasion)
+                self.take(max(0, occasion.ended - occasion.since), occasion.since)
+            else:
+                self._refute(occasion, NO_TIME)
 
     def _judge(self, occasion: _Occasion) -> None:
         self.occasion(occasion.since)
@@ -167,14 +160,13 @@ class Reply(Measure):
         if occasion.since < self.not_before:
             return
         self._judge(occasion)
-        self._wrong += 1
         if now != NO_TIME and occasion.wrong_at == NO_TIME:
             self.take(now - occasion.since, occasion.since)
-        over = occasion.since + self._what.within
+        over = occasion.since + self._expected.within
         self.refute(self._said(occasion), occasion.since, over if occasion.wrong_at == NO_TIME else occasion.ended)
 
     def _said(self, occasion: _Occasion) -> str:
-        expected = self._what
+        expected = self._expected
         came = expected.show(tuple(occasion.came))
         wanted = f"{expected.show(expected.characters)} was expected from {expected.source}"
         if not expected.anywhere and occasion.since != NO_TIME and occasion.first > occasion.since + expected.within:
@@ -190,7 +182,7 @@ class Reply(Measure):
         """Judge the replies that are overdue, because another reply is requested."""
         while self._open:
             first = self._open[0]
-            late = first.since != NO_TIME and now - first.since > self._what.within
+            late = first.since != NO_TIME and now - first.since > self._expected.within
             if not late and first.wrong_at == NO_TIME:
                 return
             self._refute(self._open.popleft(), now)
@@ -199,7 +191,7 @@ class Reply(Measure):
         self._settle()
         for occasion in self._open:
             if occasion.since == NO_TIME or (
-                now - occasion.since <= self._what.within and occasion.wrong_at == NO_TIME
+                now - occasion.since <= self._expected.within and occasion.wrong_at == NO_TIME
             ):
                 self._cut = True
             else:
@@ -208,7 +200,7 @@ class Reply(Measure):
 
     def why_silent(self) -> str:
         if self._cut:
-            return f"the run ended before the reply from {self._what.source} had to be there; let it last longer"
+            return f"the run ended before the reply from {self._expected.source} had to be there; let it last longer"
         return self._why_never()
 
 

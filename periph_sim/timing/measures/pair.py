@@ -99,7 +99,9 @@ class Between(EventMeasure):
     ) -> None:
         inside = () if group is None else (group.begin, group.end)
         extra = () if counted is None else (counted,)
-        super().__init__(begin, end, *inside, *extra, order=_order(len(inside), len(extra)), clauses=clauses)
+        starts, stops = ((START,), (STOP,)) if inside else ((), ())
+        order = (*starts, *range(2 + len(inside), 2 + len(inside) + len(extra)), SECOND, FIRST, *stops)
+        super().__init__(begin, end, *inside, *extra, order=order, clauses=clauses)
         self.unit = "count" if extra else "time"
         self._is_count = bool(extra)
         self.pairing = pairing
@@ -222,10 +224,3 @@ class Between(EventMeasure):
         if self.seen(FIRST) and self.seen(SECOND) and first != second:
             return f"no {first!r} was followed by {second!r}{self._rule_text}"
         return self.unmatched([self.matchers[place] for place in (FIRST, SECOND) if not self.seen(place)])
-
-
-def _order(inside: int, extra: int) -> tuple[int, ...]:
-    """Return the order in which the events of one record count: START, counted event, pair's end and begin, STOP."""
-    starts, stops = ((START,), (STOP,)) if inside else ((), ())
-    counted = range(2 + inside, 2 + inside + extra)
-    return (*starts, *counted, SECOND, FIRST, *stops)

@@ -68,7 +68,6 @@ class Race(Measure):
         self._clocks = {self.watched.unit: scene.clock_history(self.watched.unit)}
 
     def subscribe(self, recorder: Recorder) -> None:
-        super().subscribe(recorder)
         recorder.subscribe(self.kinds, self._kept_records, self.subjects)
 
     def finish(self, now: int) -> None:

@@ -113,7 +113,7 @@ def test_wires_and_spans(run: Run):
 
 
 def test_an_interrupt_goes_back_to_the_flag_of_its_module_and_the_edge(emulator: Run):
-    (entered, *_) = [r for r in emulator.records(emulator.rows(Kind.IRQ)) if r.value]
+    (entered, *_) = [r for r in emulator.table.records(emulator.rows(Kind.IRQ)) if r.value]
     answer = why(emulator, f"{entered.what}@{entered.tick * 10**9 // int(emulator.per_second) + 1}ns")
     kinds = [(step.record.kind, step.record.where) for step in answer.back]
     assert kinds[:4] == [

@@ -1,11 +1,11 @@
-"""Trace files of many formats, read to a `Capture` and written from one.
+"""File formats of captures: each format can be read to a `Capture`, or written from a `Capture`, or both.
 
-One file of this folder is one format. It defines
+A module in this folder that has a NAME is a format. The module defines
 
-    NAME                                     the usual name
-    SUFFIXES                                 the usual ends of its file names, with the dot; "/" for a folder
+    NAME                                     the usual name of the format
+    SUFFIXES                                 the usual ends of file names, with the dot; "/" for a folder
 
-and one or both of
+and also the definitions for reading, for writing, or for both:
 
     recognises(path, head)                   return True if a file that begins with the bytes `head` can be of this
                                              format; `head` is b"" for a folder
@@ -13,11 +13,11 @@ and one or both of
 
     write(capture, path)                     write the file (`path` is a temporary name); return notes on losses or None
     SAMPLES_ONLY = True                      set if positions must be samples, because the format has no times
-    WRITTEN                                  the SUFFIXES that can be written, if not all
+    WRITTEN                                  the SUFFIXES that can be written; missing if all can be written
 
-A new file in this folder needs no registration. `rate` gives the sampling rate if the file states none or a wrong one;
-times in seconds are converted to samples of this rate. With `salvage`, a damaged file is read up to the damage, and the
-notes of the Capture say what was left out.
+A new module in this folder needs no registration. `rate` is the sampling rate if the file states no rate or a wrong
+rate; times in seconds are converted to samples of this rate. With `salvage`, a damaged file is read up to the damage,
+and the notes of the Capture say what was left out.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ __all__ = ["BadCapture", "Capture", "Channel", "Format", "Span", "formats", "rat
 
 HEAD = 4096  # number of bytes of a file that `recognises` receives
 
-REFUSED = {  # for each suffix that cannot be read, a description and a remedy
+REFUSED = {  # a dictionary from each suffix that cannot be read to a description and a remedy
     ".sal": ("a Saleae session, whose layout the vendor changes at will", "export CSV or binary from Logic 2"),
     ".logicdata": ("a Saleae Logic 1 session, whose layout is not published", "export CSV from Logic"),
     ".pvs": ("a PulseView setup without samples", "give the .sr file beside it"),
@@ -52,7 +52,7 @@ REFUSED = {  # for each suffix that cannot be read, a description and a remedy
 
 
 class Format(Protocol):
-    """The definitions of a file of this folder. A format that cannot be read, or written, lacks these functions."""
+    """The definitions of a format. A format that can only be written, or only be read, lacks the other functions."""
 
     NAME: str
     SUFFIXES: tuple[str, ...]
@@ -65,9 +65,9 @@ class Format(Protocol):
 
 
 def _with_plugins(shipped: dict[str, Format], installed: bool) -> dict[str, Format]:
-    """Return these formats and those of plugins.
+    """Return the formats `shipped` and the formats of plugins.
 
-    Plugins are those of the project in the current folder and, if `installed`, those of installed distributions.
+    Plugins belong to the project in the current folder or, if `installed` is True, also to installed distributions.
     """
     if not installed and not has_plugins(Path()):
         return shipped
@@ -75,30 +75,34 @@ def _with_plugins(shipped: dict[str, Format], installed: bool) -> dict[str, Form
 
 
 def formats(installed: bool = False) -> dict[str, Format]:
-    """Return every format of this folder and of plugins, indexed by the name of its file.
+    """Return a dictionary from the name of each format's module to the format, including the formats of plugins.
 
-    installed: see `_with_plugins`.
+    installed: True to include the plugins of installed distributions.
     """
     shipped = modules_with("NAME", __name__, __path__)
     return _with_plugins({name: cast(Format, module) for name, module in shipped.items()}, installed)
 
 
 def readers(installed: bool = False) -> dict[str, Format]:
-    """Return the formats that can be read."""
+    """Return a dictionary from the names of modules to the formats that can be read."""
     return {name: found for name, found in formats(installed).items() if hasattr(found, "read")}
 
 
 def writers(installed: bool = False) -> dict[str, Format]:
-    """Return the formats that can be written, indexed by suffix."""
+    """Return a dictionary from suffixes to the formats that can be written with these suffixes."""
     able = [found for found in formats(installed).values() if hasattr(found, "write")]
     return {suffix: writer for writer in able for suffix in getattr(writer, "WRITTEN", writer.SUFFIXES)}
 
 
 def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = False) -> Capture:
-    """Read the capture in a file or folder. Raise BadCapture with the problem and a remedy if that is impossible.
+    """Read the capture in a file or folder.
 
     The content of the file determines its format. The suffix only determines which formats are tried first, and which
-    one reports an error if none recognises the content.
+    format reports an error if no format recognises the content.
+
+    rate, salvage: see the module docstring.
+
+    Raise BadCapture, with the problem and a remedy, if the file cannot be read.
     """
     path = note_input(Path(path))
     suffix = "/" if isdir(path) else path.suffix.casefold()
@@ -112,7 +116,7 @@ def read(path: str | Path, rate: Fraction | None = None, *, salvage: bool = Fals
     for candidate in likely:
         if candidate.recognises(path, head):
             return candidate.read(path, rate, salvage)
-    for installed in (False, True):  # entry points are searched last, because that takes long
+    for installed in (False, True):  # installed plugins are tried last, because finding them takes long
         for candidate in readers(installed).values():
             if candidate not in likely and candidate.recognises(path, head):
                 return candidate.read(path, rate, salvage)
@@ -137,10 +141,10 @@ def _readers_of(suffix: str) -> list[Format]:
 
 
 def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -> tuple[str, ...]:
-    """Write a capture in the format of the suffix. Return sentences on the differences from the capture.
+    """Write a capture in the format of the suffix. Return notes on the differences between the file and the capture.
 
-    rate: the rate at which the capture is resampled first. If it is None and the format has only samples, the capture
-        is resampled at the lowest rate that loses no edge.
+    rate: the rate to which the capture is resampled first. If the rate is None and the format has only samples, the
+        capture is resampled to the lowest rate that loses no edge.
 
     Raise BadCapture, without creating a file, if the capture cannot be written.
     """
@@ -172,7 +176,7 @@ def _writer_of(path: Path) -> Format:
     able, name = writers(), path.name.casefold()
     if not any(name.endswith(known) for known in able):
         able = writers(installed=True)
-    # The longest, since a suffix may have two dots.
+    # The longest known suffix is used, because a suffix may have two dots.
     suffix = max((known for known in able if name.endswith(known)), key=len, default=None)
     if suffix is None:
         raise BadCapture(
@@ -202,16 +206,16 @@ NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """Yield a temporary path with the same suffix. Its file replaces `path` when the block ends without an error.
+    """Yield a temporary path with the same suffix. The file there replaces `path` when the block ends without an error.
 
-    Links are followed. A device or pipe, such as /dev/stdout, is never replaced: the bytes are copied to it when the
-    block ends. If the block raises, the temporary file is removed and the file at `path` is unchanged.
+    Links are followed. A device or pipe, such as /dev/stdout, is not replaced; instead the bytes are copied to the
+    device when the block ends. If the block raises, the temporary file is removed and the file at `path` is unchanged.
 
     Raise BadCapture if no file can be created, if the disk is full, or if the present command has read the file at
     `path`, because an output never replaces an input.
     """
     import shutil
-    import tempfile  # imported here because only writing needs it
+    import tempfile  # both modules are imported here, because only writing needs them
 
     whole = Path(os.path.realpath(path)) if path.is_symlink() else path
     replaced = whole.is_file() or not path.exists()

@@ -1,9 +1,9 @@
-"""Rows of CSV files: their cells, and the times and levels of those of logic analysers.
+"""Rows of CSV files: their cells and, in the files of logic analysers, their times and levels.
 
     0.000016460,1,0 --> only rows that change a level are kept: time, levels --> times since the first row, states
 
-Times are whole numbers of the last decimal that any time so far has. Few combinations of levels occur, so the text of
-each is parsed once.
+Times are integers. Their unit is the last decimal of the time with the most decimals so far. Only few combinations of
+levels occur, so the text of each combination is parsed once.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ MOST_INT64 = 1 << 62  # maximum time that is stored in 64 bits
 def numbered_rows(path: Path, file: IO[str], expected: str, way_out: str) -> Iterator[tuple[int, list[str]]]:
     """Yield the line number and the cells of every row that is not empty.
 
-    Raise BadCapture, with these parts of its message, if a row cannot be split into cells.
+    expected, way_out: parts of the message if a row cannot be split into cells. Then BadCapture is raised.
     """
     rows = csv.reader(file, skipinitialspace=True)
     try:
@@ -40,12 +40,15 @@ def numbered_rows(path: Path, file: IO[str], expected: str, way_out: str) -> Ite
 class Rows:
     """The rows of a file.
 
-    states: the state of a line, indexed by the text of a cell.
-    decimals: the number of decimals of the times, at first the least one.
+    columns: the number of levels in a row.
+    states: a dictionary from the text of a cell to the state of the line.
+    decimals: the number of decimals of the times. The argument is a minimum; later the attribute increases if a time
+        has more decimals.
     separator: the text between two cells.
     timed: True if rows begin with a time; otherwise the time is the number of the row.
     expected, way_out: parts of the message about a malformed row.
-    count, last_line: the number of rows so far, and the line of the last one.
+    count: the number of rows so far.
+    last_line: the line number of the last row so far.
     """
 
     def __init__(
@@ -66,16 +69,17 @@ class Rows:
         self._states = states
         self._expected, self._way_out = expected, way_out
         self._separator, self._timed = separator, timed
-        self._kinds: dict[str, int] = {}  # numbers of the combinations of levels, indexed by their text
-        self._levels: list[bytes] = []  # the states of each combination, a byte each
-        self._times: array[int] | list[int] = array("q")  # since the first row; a list if a time exceeds 64 bits
-        self._kept = array("I")  # the combination of each row that is kept
-        self._lines = array("q")  # the line of each row that is kept
+        self._kinds: dict[str, int] = {}  # from the text of a combination of levels to the number of this combination
+        self._levels: list[bytes] = []  # for each combination its states, one byte each
+        # Times of the kept rows, counted from the first row. This is a list if a time exceeds 64 bits.
+        self._times: array[int] | list[int] = array("q")
+        self._kept = array("I")  # for each kept row the number of its combination
+        self._lines = array("q")  # for each kept row its line number
         self.last_line = 0
         self._first = self._last = 0
 
     def add(self, line: int, row: str) -> None:
-        """Add a row. Raise BadCapture, with the line, if it is malformed or its time decreases."""
+        """Add a row. Raise BadCapture, with the line, if the row is malformed or the times of rows decrease."""
         time, _, levels = row.partition(self._separator) if self._timed else ("", "", row)
         try:
             kind = self._kinds.get(levels)
@@ -116,16 +120,16 @@ class Rows:
         self._times = times if self._last > MOST_INT64 else array("q", times)
 
     def times(self) -> Positions:
-        """Return the times of the rows that are kept, and of the last row, as int64 or as Python's integers."""
+        """Return the times of the kept rows and of the last row, as int64 or as an array of Python's integers."""
         times = [*self._times, self._last]
         return np.array(times, object if self._last > MOST_INT64 else np.int64)
 
     def states(self, index: int) -> Levels:
-        """Return the state of one channel in each row that is kept."""
+        """Return the state of one channel in each kept row."""
         return np.array([levels[index] for levels in self._levels], np.uint8)[np.frombuffer(self._kept, np.uint32)]
 
     def line_of(self, which: int) -> int:
-        """Return the line of one of `times`."""
+        """Return the line number of the row whose time is `times()[which]`."""
         return self._lines[which] if which < len(self._lines) else self.last_line
 
     def bad(self, line: int, found: str, expected: str, way_out: str) -> BadCapture:

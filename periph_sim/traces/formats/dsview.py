@@ -2,11 +2,11 @@
 
     L-<channel>/0, /1, ... --> a byte per sample --> edges
 
-Chosen: a probe without blocks was not captured. If channels are off, DSView numbers the probes of the header and the
-folders of the blocks differently. So if the number of a probe has no folder, probes and folders are matched in order.
-With salvage, the levels of a channel are unknown after its damage.
+Chosen: a probe without blocks was not captured. If channels are off, DSView may number the probes of the header and the
+folders of the blocks differently. So if the number of a folder is not that of a probe, probes and folders are matched
+in order. With salvage, the levels of a channel are unknown after a damaged place in its blocks.
 
-Source: the demo captures that come with DSView (header versions 2 and 3): INI text and such blocks.
+Source: the demo captures that come with DSView, whose header versions are 2 and 3.
 """
 
 from __future__ import annotations
@@ -59,7 +59,10 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 
 
 class Folder(NamedTuple):
-    """The members with a channel's samples: L-<number>/0 to L-<number>/<blocks - 1>, with `size` bytes in total."""
+    """The members with the samples of one channel: L-<number>/0 to L-<number>/<blocks - 1>.
+
+    size: the number of unpacked bytes of all blocks.
+    """
 
     number: int
     blocks: int
@@ -84,7 +87,7 @@ def _samples(block: bytes) -> bytes:
 
 
 def _channel(name: str, probe: int, scan: Scan, length: int) -> Channel:
-    """Return the channel of a scan up to `length`. It is unknown after its last sample."""
+    """Return the channel of a scan up to `length` samples. After the last sample of the scan, its level is unknown."""
     (found,) = scan.channels()
     known = min(scan.length, length)
     unknown = (Span(known, length),) if known < length else ()
@@ -92,7 +95,7 @@ def _channel(name: str, probe: int, scan: Scan, length: int) -> Channel:
 
 
 def _folders(path: Path, archive: Archive, probes: dict[int, str], keys: dict[str, str]) -> dict[int, Folder]:
-    """Return the folder of each probe that has blocks, indexed by the number of the probe."""
+    """Return a dictionary from the number of each probe with blocks to the folder of these blocks."""
     sizes: dict[int, int] = {}
     blocks = _count(keys, "total blocks") or 0
     for name, member in archive.members.items():
@@ -117,7 +120,7 @@ def _folders(path: Path, archive: Archive, probes: dict[int, str], keys: dict[st
 
 
 def _count(keys: dict[str, str], key: str) -> int | None:
-    """Return a number from the header; None if there is no valid one."""
+    """Return the number that the header states for `key`; None if the number is missing, 0 or invalid."""
     stated = keys.get(key, "")
     return int(stated) if re.fullmatch(r"[1-9]\d{0,17}", stated, re.ASCII) else None
 

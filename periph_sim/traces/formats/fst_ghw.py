@@ -3,14 +3,14 @@
     file --> a separate process with the library `pywellen` --> positions and states --> Capture
 
 Chosen, as for VCD: tick 0 is position 0; `z` is high; states other than 0 and 1 are unknown; reals and strings are
-ignored. Each bit of a vector is a channel `name[k]`; k is counted from 0 to the width, because the library does not
-report declared ranges. The end of the capture is the last time in an FST file, and the last change in a GHW file, which
-states no end.
+ignored. Each bit of a vector is a channel `name[k]`, where k is 0 for the least significant bit, because the library
+does not report declared ranges. The end of the capture is the last time in an FST file, and the last change in a GHW
+file, which states no end.
 
-VCD is not read with this library, because it loses the end of a capture and the declared ranges of vectors.
+VCD is not read with this library, because the library loses the end of a capture and the declared ranges of vectors.
 
-FST is written by GTKWave's own library, `fstapi.c`, which `pylibfst` provides (the extra `fst`). The library creates
-temporary files beside its output, so it writes into a folder of its own.
+FST is written by GTKWave's own library, `fstapi.c`, which `pylibfst` provides (the extra `fst`). This library creates
+temporary files beside its output, so the output is first written into a temporary folder.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ MOST_TICKS = 1 << 62
 ERROR = re.compile(r"^(?:[\w.]*(?:Error|Exception)): (.+)$", re.MULTILINE)
 NO_END = "the format does not say where the run ends, so the last change is used"
 
-STATE_OF = np.full(256, UNKNOWN, np.uint8)  # state of a line, indexed by the letter
+STATE_OF = np.full(256, UNKNOWN, np.uint8)  # for the code of each letter, the state of a line
 for _letters, _state in ((b"0lL", 0), (b"1hHzZ", 1)):
     STATE_OF[list(_letters)] = _state
 
@@ -93,7 +93,11 @@ def _fst_end(head: bytes) -> int | None:
 
 
 def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]]]:
-    """Read a file in a separate process. Return names and timescale, and the positions and letters of each signal."""
+    """Read a file in a separate process.
+
+    Return the head with names and timescale, and for each signal the positions of changes and the letters from each
+    position on.
+    """
     command = [sys.executable, "-P", str(READER), str(path.absolute())]
     try:
         done = subprocess.run(command, capture_output=True, timeout=PATIENCE)
@@ -136,8 +140,10 @@ TEXT = 0  # the width of a variable whose values are texts
 class Variable(NamedTuple):
     """A variable to be written.
 
-    name: the name with its scopes, `dsp.I2C_A.I2CSTR`.
-    changes: (time, value) in order, from time 0 on. A value has `width` letters of 0, 1, x, or is a text.
+    name: the name with its scopes, such as `dsp.I2C_A.I2CSTR`.
+    width: the number of bits, or TEXT.
+    changes: pairs of a time and a value in order, the first of which is at time 0. A value consists of `width` letters
+        0, 1 or x; if `width` is TEXT, a value is any text.
     """
 
     name: str
@@ -163,7 +169,7 @@ def library() -> Any:
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
     """Write a capture. Return notes on losses.
 
-    Raise BadCapture if the capture has no rate, or one that is too high for the format.
+    Raise BadCapture if the capture has no rate or a rate that is too high for the format, or if `pylibfst` is missing.
     """
     try:
         library()
@@ -183,10 +189,10 @@ def write(capture: Capture, path: Path) -> tuple[str, ...]:
 
 
 def fst_bytes(per_second: Fraction, variables: Sequence[Variable], end: int) -> bytes:
-    """Return the bytes of a file.
+    """Return the bytes of an FST file with these variables.
 
     per_second: the number of units of time per second, a power of ten.
-    end: the time of the end.
+    end: the time at which the waveforms end.
     """
     fst = library()
     with TemporaryDirectory() as folder:
@@ -216,7 +222,7 @@ def _write(lib: Any, null: Any, path: Path, per_second: Fraction, variables: Seq
 def _declared(lib: Any, null: Any, file: Any, variables: Sequence[tuple[str, int]]) -> list[int]:
     """Declare variables and return their handles.
 
-    Scopes are nested, so the variables of a scope are declared together.
+    Scopes are nested in the file, so the variables of a scope are declared together.
     """
     handles = [0] * len(variables)
     inside: list[str] = []

@@ -12,8 +12,10 @@ from __future__ import annotations
 
 from struct import pack
 
-I2C_LINUX = 209  # bus number, flags as in struct i2c_msg of Linux, and the bytes on the wire with the address
-USER0 = 147  # a link type whose content is defined by its users: here, the bytes of a serial line
+# Link type of I2C messages. A packet has a bus number, flags as in struct i2c_msg of Linux, and the bytes on the wire,
+# including the address.
+I2C_LINUX = 209
+USER0 = 147  # link type whose content is defined by its users; here, a packet has the bytes of a serial line
 READ, TEN_BITS = 0x0001, 0x0010  # flags of an I2C message
 
 COMMENT, IF_NAME, IF_TSRESOL, END = 1, 2, 9, 0
@@ -27,21 +29,25 @@ def section() -> bytes:
 def interface(link_type: int, name: str, decimals: int) -> bytes:
     """Return an interface block. Interfaces are numbered from 0 in the order of their blocks.
 
-    decimals: the number of decimals of a second in the times of its packets.
+    decimals: the number of decimals of a second in the times of the interface's packets.
     """
     options = _option(IF_NAME, name.encode()) + _option(IF_TSRESOL, bytes([decimals])) + _option(END, b"")
     return _block(1, pack("<HHI", link_type, 0, 0) + options)
 
 
 def packet(number: int, time: int, content: bytes, comment: str) -> bytes:
-    """Return a packet of interface `number`."""
+    """Return a packet block.
+
+    number: the number of the interface.
+    time: the time in units of the last decimal of the interface.
+    """
     size = len(content)
     head = pack("<IIIII", number, time >> 32, time & 0xFFFFFFFF, size, size)
     return _block(6, head + _padded(content) + _option(COMMENT, comment.encode()) + _option(END, b""))
 
 
 def i2c_content(bus: int, flags: int, on_the_wire: bytes) -> bytes:
-    """Return the content of a packet of link type I2C_LINUX."""
+    """Return the content of a packet of link type I2C_LINUX. on_the_wire: all bytes, including the address."""
     return pack(">BI", bus & 0x7F, flags) + on_the_wire
 
 

@@ -1,22 +1,22 @@
-"""Our own records, `.psr`: a run or a capture as typed columns, stored without any loss.
+"""The `.psr` file format of periph-sim: a run or a capture as typed columns, stored without any loss.
 
     RecordTable, Capture --> write_table, write --> zip of numpy arrays --> read_table, read
 
-A zip whose members are .npy arrays, so that `numpy.load` opens it:
+A file is a zip whose members are .npy arrays, so that `numpy.load` can open the file. The members are:
 
     head.npy     UTF-8 bytes of a JSON object: format, version, ticks_per_second, end, names, topics, modules, clocks,
                  capture
-    number.npy   tick.npy    the differences from the record before; for the first record its values
-    topic.npy    an index into `topics`, each of which has three indices into `names`: of kind, where and what
+    number.npy   tick.npy    the differences from the previous record; for the first record the values themselves
+    topic.npy    indices into `topics` of the head; a topic is three indices into `names`, of kind, where and what
     value.npy    text.npy    cause.npy   field.npy
 
 The type of each array is the smallest of int8, int16, int32 and int64 that holds its numbers. `text` and `field` are
 indices into `names`, so each string is stored once. `ticks_per_second` is a whole number, a fraction as text
 ("100000000/3"), or null.
 
-A capture has an "edge" record for each edge, in which `where` is the index of the channel; `capture` contains all its
-other data. If a run is read as a capture, each wire that changed at least once is a channel. `clocks` has for each unit
-pairs of a tick and the SYSCLKOUT from this tick on, in Hz as text.
+A capture is stored as one "edge" record for each edge, in which `where` is the number of the channel; `capture` in the
+head contains all other data of the capture. If a run is read as a capture, each wire that changed at least once is a
+channel. `clocks` is a dictionary from each unit to pairs of a tick and the SYSCLKOUT from this tick on, in Hz as text.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ MOST_BYTES = 4 << 30  # maximum size of all columns together: more than 80 milli
 ROW = sum(np.dtype(dtype).itemsize for _, dtype in COLUMNS.values())
 EDGE = Kind.EDGE.value
 COPY = "copy or record it again"
-# Exceptions that numpy raises for a damaged header of an array, because it parses the header as a Python literal.
+# Exceptions that numpy raises for a damaged header of an array, because numpy parses the header as a Python literal.
 UNREADABLE = (ValueError, SyntaxError, TokenError, TypeError, KeyError, AttributeError, MemoryError, RecursionError)
 
 
@@ -74,7 +74,7 @@ def read_table(path: Path) -> RecordTable:
 
 
 def holds_run(path: Path) -> bool:
-    """Return True if the file is a recorded run, which has more than edges; False for any other or a missing file."""
+    """Return True if the file is a recorded run; False if the file is a capture, of another kind, or missing."""
     try:
         with open_regular(path) as file:
             known = recognises(path, file.read(38))
@@ -87,7 +87,7 @@ def holds_run(path: Path) -> bool:
 
 
 def write(capture: Capture, path: Path) -> None:
-    """Write a capture. Only its path is not stored."""
+    """Write a capture with all its data except its path."""
     channels = capture.channels
     tick = np.concatenate([np.empty(0, np.int64), *(channel.edges for channel in channels)])
     value = np.concatenate([np.empty(0, np.uint8), *(channel.levels for channel in channels)])
@@ -118,7 +118,10 @@ def write(capture: Capture, path: Path) -> None:
 
 
 def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | None = None) -> None:
-    """Write the members to an open file. Equal tables give equal bytes. capture: see `write`."""
+    """Write the members to an open file. Equal tables give equal bytes.
+
+    capture: the data of a capture that are stored in the head; None for a run.
+    """
     per_second, topics = table.per_second, table.topics()
     stated: int | str | None = None if per_second is None else str(per_second)
     if per_second is not None and per_second.denominator == 1:
@@ -144,13 +147,13 @@ def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | N
             member.create_system = 3
             content = io.BytesIO()
             np.lib.format.write_array(content, values, allow_pickle=False)
-            # Level 6 would take three times as long and save about a third of the size.
+            # Compression level 6 would take three times as long and save about a third of the size.
             archive.writestr(member, content.getbuffer(), zipfile.ZIP_DEFLATED, 1)
 
 
 def _stored_as(name: str, values: NDArray[Any]) -> NDArray[Any]:
     if name in DIFFERENCES:
-        values = np.diff(values, prepend=values.dtype.type(0))  # modulo 2**64, like the summation when they are read
+        values = np.diff(values, prepend=values.dtype.type(0))  # modulo 2**64, as is the sum when the file is read
     least, most = (int(values.min()), int(values.max())) if len(values) else (0, 0)
     narrow = next(width for width in WIDTHS if np.iinfo(width).min <= least and most <= np.iinfo(width).max)
     return values.astype(narrow)
@@ -223,7 +226,7 @@ def _head(path: Path, archive: zipfile.ZipFile) -> dict[str, Any]:
 
 
 def _topics(path: Path, head: dict[str, Any], columns: dict[str, NDArray[Any]]) -> Topics:
-    """Return the topics of the file, and convert `columns` in place from the stored columns to those of COLUMNS."""
+    """Return the topics of the file, and convert the stored columns in place to the columns of COLUMNS."""
     row = columns.pop("topic")
     try:
         given = [[_whole(place) for place in topic] for topic in head["topics"]]
@@ -273,7 +276,7 @@ def _strings(given: Any) -> list[str]:
 
 
 def _clock(given: Any) -> tuple[tuple[int, Fraction], ...]:
-    """Parse pairs of a tick and a frequency. Raise ValueError if they are invalid or the ticks do not increase."""
+    """Parse pairs of a tick and a frequency. Raise ValueError if a pair is invalid or the ticks decrease."""
     found = tuple((_whole(tick), Fraction(hz)) for tick, hz in given)
     if not found or any(hz <= 0 for _, hz in found) or any(one[0] > other[0] for one, other in pairwise(found)):
         raise ValueError("a clock that is none")
@@ -295,7 +298,7 @@ def _rate(given: Any) -> Fraction | None:
 
 
 def _wires(path: Path, table: RecordTable) -> Capture:
-    """Return the whole run as a capture of each wire that changed at least once, in the order of first changes."""
+    """Return the whole run as a capture of all wires that changed at least once, in order of their first changes."""
     rows = table.rows(Kind.EDGE)
     if (np.diff(table.tick[rows], prepend=0) < 0).any():
         _bad(path, "tick.npy", "an edge before the one above", "times that rise from 0")
@@ -306,7 +309,7 @@ def _wires(path: Path, table: RecordTable) -> Capture:
     for index, place in enumerate(places[np.argsort(firsts)].tolist()):
         own = rows[where == place]
         levels = (table.value[own] != 0).astype(np.uint8)
-        # If there is no edge at tick 0, the level there is the opposite of that after the first edge.
+        # If there is no edge at tick 0, the level at tick 0 is the opposite of the level after the first edge.
         at, states = np.append(0, table.tick[own]), np.append(1 - levels[0], levels)
         channels.append(channel_of_states(table.names["where"][place], index, at, states, length))
     if not channels:
@@ -320,7 +323,7 @@ def _stored(path: Path, head: dict[str, Any], table: RecordTable) -> Capture:
         length = _whole(about["length"])
         notes = tuple(_strings(about["notes"]))
         given = list(about["channels"])
-        sampled, exact = about["sampled"], about.get("exact", False)  # `exact` is not in the first files
+        sampled, exact = about["sampled"], about.get("exact", False)  # the oldest files have no `exact`
         if type(sampled) is not bool or type(exact) is not bool:
             raise ValueError("sampled or exact")
         if len(given) != len(table.names["where"]) or length < 1:
@@ -345,9 +348,9 @@ def _channel(table: RecordTable, place: int, entry: dict[str, Any], length: int)
 
 
 def _at_rate(capture: Capture, rate: Fraction) -> Capture:
-    """Convert a capture to a rate. For samples, only the stated rate changes; ticks are converted to samples.
+    """Convert a capture to a rate. If positions are samples, only the rate changes; ticks are converted to samples.
 
-    Raise BadCapture if a tick is between two samples.
+    Raise BadCapture if an edge is between two samples, or if two edges of a channel are in one sample.
     """
     ratio = capture.rate
     if capture.sampled or ratio is None:

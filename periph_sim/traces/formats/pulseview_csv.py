@@ -1,13 +1,13 @@
-"""CSV files of sigrok-cli, PulseView and DSView: comments, and a row for each sample, or with a time for each change.
+"""CSV files of sigrok-cli, PulseView and DSView: comments, then a row for each sample, or a row with a time per change.
 
     ; Channels (2/8): SCL, SDA        names
     ; Samplerate: 4 MHz               rate; DSView: Sample rate
     SCL,SDA | logic,logic | microseconds,logic,logic | Time,SCL,SDA | Time(s), SCL, SDA | no header
     1,1
 
-Times are counted from the first row, which is the first sample: libsigrok 0.5 prints times one sample period late, and
-older versions do not. Their unit is that of the header. If it states none, the unit is the coarsest in which a sample
-period is at least 1, which the writer chooses.
+Times are counted from the first row, which is the first sample, because libsigrok 0.5 prints times one sample period
+late and older versions do not. The header states the unit of times. Without such a unit, the unit that the writer
+chooses is assumed, which is the coarsest unit in which a sample period is at least 1.
 
 Chosen: without a time column, every row is a sample. The separator is the first of comma, tab, semicolon, bar and blank
 that occurs in the first row.
@@ -59,7 +59,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """Read the capture. Raise BadCapture with the line of an error. rate: overrides the rate that the file states."""
+    """Read the capture. `rate` overrides the rate that the file states. Raise BadCapture with the line of an error."""
     with path.open(encoding="utf-8-sig", errors="replace") as file:
         return _read(path, file, rate, salvage)
 
@@ -69,7 +69,12 @@ Line = tuple[int, str]  # number and text of a line
 
 @dataclass
 class Head:
-    """Contents of the comments and the header row."""
+    """Contents of the comments and the header row.
+
+    names: the names of the channels.
+    timed: True if rows begin with a time.
+    unit: the unit of times, a key of UNITS; None if the header states no unit.
+    """
 
     names: list[str] = field(default_factory=list)
     rate: Fraction | None = None
@@ -99,7 +104,7 @@ def _read(path: Path, file: IO[str], rate: Fraction | None, salvage: bool) -> Ca
     except OverflowError:
         found, expected = "times that need over 64 bits", "times of one kind"
         raise BadCapture(path, "its times", found, expected, "export again") from None
-    lost = int((at[1:-1] == at[:-2]).sum())  # if several rows are of one sample, the last one counts
+    lost = int((at[1:-1] == at[:-2]).sum())  # number of rows that have the same sample as the next row
     if lost:
         notes.append(f"rows ignored, since the next row has the same sample: {lost}")
     if not rate and not positions_a_second:
@@ -120,7 +125,7 @@ def _lines(path: Path, file: IO[str]) -> Iterator[str]:
 
 
 def _head(path: Path, lines: Iterator[Line]) -> tuple[Head, list[Line]]:
-    """Parse the comments and the header. Return them, and the first row if there is no header."""
+    """Parse the comments and the header. Return their contents, and a list with the first row if there is no header."""
     head = Head()
     for number, line in lines:
         text = line.strip()
@@ -133,7 +138,7 @@ def _head(path: Path, lines: Iterator[Line]) -> tuple[Head, list[Line]]:
 
 
 def _add_rows(rows: Rows, timed: bool, lines: Iterator[Line]) -> None:
-    """Add all rows. Most rows without times equal the row before and are only counted, which is quicker."""
+    """Add all rows. A row without a time that equals the previous row is only counted, which is quicker."""
     before = ""
     for number, line in lines:
         if line == before:
@@ -185,7 +190,7 @@ def _header(path: Path, head: Head, number: int, line: str) -> bool:
 
 
 def _positions(path: Path, head: Head, rows: Rows) -> tuple[Positions, Fraction | None]:
-    """Return the positions of the rows with a change and of the last row, and the number of positions per second.
+    """Return the positions of the kept rows and of the last row, and the number of positions per second.
 
     Raise OverflowError if a position exceeds 64 bits.
     """

@@ -2,8 +2,9 @@
 
     record of a topic --> Columns.keep --> RecordTable: one numpy array per column, each string once in a table
 
-A record takes 53 bytes in the table, and 44 while it is collected, because its topic replaces kind, where and what.
-Collected records are in blocks of fixed length, so that no object is created for a record and no record is moved.
+A topic is a combination of kind, where and what. A record takes 53 bytes in the table. It takes only 44 bytes during
+the run, because the number of its topic replaces kind, where and what. Collected records are stored in blocks of fixed
+length, so that no object is created for a record and no record is moved.
 """
 
 # core: compiled
@@ -28,7 +29,8 @@ Clocks = Mapping[str, Sequence[tuple[int, Fraction]]]
 KINDS = RECORDED
 NUMBER_OF = {kind: number for number, kind in enumerate(KINDS)}
 
-# For each column its type code in `array` and its type in numpy. The five columns of strings have indices into `names`.
+# A dictionary from each column to its type code in `array` and its type in numpy. The five columns of strings contain
+# indices into `names`.
 COLUMNS: dict[str, tuple[str, str]] = {
     "number": ("q", "<i8"),
     "tick": ("q", "<i8"),
@@ -41,7 +43,8 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "field": ("I", "<u4"),
 }
 BLOCK = 2048  # number of records of a block
-# For each collected column its type code in `array` and its bytes. topic: a number for kind, where and what.
+# A dictionary from each collected column to its type code in `array` and its number of bytes. The column `topic` has
+# the numbers of topics.
 COLLECTED = {"topic": ("I", 4), "number": ("q", 8), "tick": ("q", 8), "value": ("q", 8)}
 COLLECTED |= {"cause": ("q", 8), "text": ("I", 4), "field": ("I", 4)}
 EMPTY = {name: array(code, bytes(BLOCK * size)) for name, (code, size) in COLLECTED.items()}
@@ -50,10 +53,10 @@ TOPIC = TABLES[:3]
 
 
 class Topics(NamedTuple):
-    """The combinations of kind, where and what.
+    """The combinations of kind, where and what that occur in a table.
 
-    indices: for each combination, its three indices into `names`.
-    row: the number of the combination of each row.
+    indices: for each topic, the three indices of kind, where and what into `names`.
+    row: for each row of the table, the number of its topic.
     """
 
     indices: NDArray[np.int64]  # shape (topics, 3)
@@ -64,13 +67,15 @@ class Topics(NamedTuple):
 class RecordTable:
     """Records as columns of equal length.
 
-    The columns `where`, `what`, `text`, `field` and `kind` contain indices into `names` of that column.
-
+    columns: a dictionary from the name of each column to its values. The columns `kind`, `where`, `what`, `text` and
+        `field` contain indices into the strings of `names`.
+    names: a dictionary from the name of each column of strings to its strings.
     per_second: the number of ticks per second; None if unknown.
     end: the last tick of the run.
-    modules: the modules of each unit of the run; empty for a capture.
-    known_topics: the topics of the rows, if they are known.
-    clocks: for each unit the SYSCLKOUT in Hz from each tick on; empty if the recording has none.
+    modules: a dictionary from each unit of the run to its modules; empty for a capture.
+    known_topics: the result of `topics` if the topics are already known, otherwise None.
+    clocks: a dictionary from each unit to pairs of a tick and the SYSCLKOUT in Hz from this tick on; empty if the
+        recording states no clocks.
     """
 
     columns: dict[str, NDArray[Any]]
@@ -85,7 +90,7 @@ class RecordTable:
         return len(self.columns["tick"])
 
     def topics(self) -> Topics:
-        """Return the combinations of kind, where and what that occur in the rows."""
+        """Return the topics that occur in the rows."""
         if self.known_topics is not None:
             return self.known_topics
         three = np.stack([self.columns[name].astype(np.int64) for name in TOPIC], axis=1)
@@ -109,7 +114,7 @@ class RecordTable:
         return self.columns["cause"]
 
     def rows(self, kind: Kind | None = None, where: str | None = None, what: str | None = None) -> NDArray[np.int64]:
-        """Return the numbers of the rows with this kind, where and what, in order. None matches all."""
+        """Return the numbers of the rows with this kind, where and what, in order. None matches all rows."""
         wanted = np.ones(len(self), bool)
         for column, name in (("kind", kind.value if kind else None), ("where", where), ("what", what)):
             if name is not None:
@@ -121,13 +126,13 @@ class RecordTable:
         return np.flatnonzero(wanted)
 
     def texts(self, column: str, rows: NDArray[np.int64] | None = None) -> list[str]:
-        """Return for each row its string in the column `kind`, `where`, `what`, `text` or `field`."""
+        """Return for each of the rows its string in a column, which is `kind`, `where`, `what`, `text` or `field`."""
         places = self.columns[column] if rows is None else self.columns[column][rows]
         names = self.names[column]
         return [names[place] for place in places.tolist()]
 
     def records(self, rows: NDArray[np.int64] | None = None) -> Iterator[Record]:
-        """Yield the rows as records. They are made in pieces, so that a long run is not copied as a whole."""
+        """Yield the rows as records. Columns are converted in pieces, so that a long run is not copied as a whole."""
         chosen = np.arange(len(self)) if rows is None else rows
         where, what, text, fields = (self.names[name] for name in ("where", "what", "text", "field"))
         kinds = [Kind(name) for name in self.names["kind"]]
@@ -141,7 +146,10 @@ class RecordTable:
 
 @final
 class _Strings:
-    """The strings of a topic's last record, and their indices. Usually the next record has the same objects."""
+    """`text` and `field` of the last record of a topic, and their indices.
+
+    The next record of the topic usually has the same string objects, so that no search for the indices is needed.
+    """
 
     __slots__ = ("field", "field_place", "text", "text_place")
 
@@ -164,7 +172,7 @@ class Columns(RecordSink):
 
     def __init__(self) -> None:
         self._topics: dict[tuple[Kind, str, str], int] = {}
-        # Two per topic, for even and odd values: the text of an edge depends on its level.
+        # Each topic has two entries, for even and for odd values, because the text of an edge depends on its level.
         self._last: list[_Strings] = []
         self.clear()
 
@@ -220,7 +228,7 @@ class Columns(RecordSink):
             self._begin()
 
     def _place(self, places: dict[str, int], text: Text) -> int:
-        """Return the index of a string, which is added if it is new."""
+        """Return the index of a string. A new string is added to `places`."""
         return places.setdefault(text, len(places))
 
     def add(self, record: Record) -> None:
@@ -248,7 +256,7 @@ class Columns(RecordSink):
         whats: dict[str, int] = {}
         known = list(self._topics)
         first = np.full(len(known), len(tags))
-        # Assigned from last to first, so that the first place of each topic remains.
+        # Assignment is from the last record to the first, so that the index of each topic's first record remains.
         first[tags[::-1]] = np.arange(len(tags))[::-1]
         used = np.flatnonzero(first < len(tags))
         used = used[np.argsort(first[used])]

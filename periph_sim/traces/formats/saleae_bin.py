@@ -1,12 +1,13 @@
-"""Reader of Saleae's binary exports, versions 0 and 1: the file of one channel, or the folder of all.
+"""Reader of Saleae's binary exports, versions 0 and 1: the file of one channel, or a folder with one file per channel.
 
     <SALEAE> version type | v0: level begin end count times... | v1: chunks of level rate begin end count times...
 
-Times are float64 seconds. They are converted to samples (v1 states the rate, v0 needs `rate`), or without a rate to
-nanoseconds, as in the vendor's CSV of the same capture.
+Times are float64 seconds. If the rate is known, they are converted to samples: version 1 states the rate, and for
+version 0 the caller must state `rate`. Otherwise they are converted to nanoseconds, as in Saleae's CSV of the same
+capture.
 
 Chosen: position 0 is the earliest beginning of all files. Levels between chunks are unknown. With salvage, the levels
-of a channel are unknown after its damage.
+of a channel are unknown after a damaged place in its file.
 
 Source: Saleae's published export formats, binary digital version 0 and the 2025 update.
 """
@@ -41,19 +42,25 @@ OR_SALVAGE = ", or read the intact part with --salvage"
 
 @dataclass(frozen=True)
 class Chunk:
-    """A part of a channel without gaps: the level at its beginning and the place of its changes in the file.
+    """A part of a channel without gaps.
 
-    Times are in seconds.
+    initial: the level at the beginning of the chunk.
+    rate: the number of samples per second; None in version 0.
+    begin, end: times in seconds.
+    place: the byte of the file at which the chunk begins.
+    at: the byte of the file at which the times of changes begin.
+    count: the number of these times in the file.
+    cut: True if the file ends before all times.
     """
 
     initial: int
     rate: float | None
     begin: float
     end: float
-    place: int  # place of the chunk in the file, in bytes
-    at: int  # place of its times in the file, in bytes
+    place: int
+    at: int
     count: int
-    cut: bool = False  # True if the file ends within its times
+    cut: bool = False
 
 
 def recognises(path: Path, head: bytes) -> bool:
@@ -96,7 +103,7 @@ class _Grid:
         self._strict = rate is not None
 
     def places(self, path: Path, times: NDArray[np.float64]) -> Positions:
-        """Return the positions of changes. Raise BadCapture if the rate is known and one is between two samples."""
+        """Return the positions of changes. Raise BadCapture if the rate is known and a change is not on a sample."""
         exact = self._exact(path, times)
         near = np.rint(exact)
         off = np.abs(exact - near) > OFF_GRID
@@ -111,7 +118,7 @@ class _Grid:
         return near.astype(np.int64)
 
     def nearest(self, path: Path, time: float) -> int:
-        """Return the position nearest to a beginning or an end, which is between two samples in some real files."""
+        """Return the position nearest to the begin or end of a chunk, which is between two samples in some files."""
         return round(float(self._exact(path, np.array([time]))[0]))
 
     def _exact(self, path: Path, times: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -123,8 +130,8 @@ class _Grid:
 
 
 def _channel(path: Path, grid: _Grid, index: int, chunks: list[Chunk], length: int, notes: list[str] | None) -> Channel:
-    """Read the states of one file. Damage is added to `notes`, or is an error if `notes` is None."""
-    parts: list[tuple[Positions, Levels]] = []  # positions, and the states from them on
+    """Read the channel of one file. A note on damage is added to `notes`; if `notes` is None, raise BadCapture."""
+    parts: list[tuple[Positions, Levels]] = []  # positions, and the state from each position on
     known_to = 0
     with path.open("rb") as file:
         for chunk in chunks:
@@ -150,7 +157,10 @@ def _unknown_from(position: int) -> tuple[Positions, Levels]:
 def _changes(
     path: Path, file: BinaryIO, grid: _Grid, chunk: Chunk, notes: list[str] | None
 ) -> tuple[list[Positions], float | None]:
-    """Read the changes of a chunk in blocks. Return their positions, and None or the last time if they end early."""
+    """Read the changes of a chunk in blocks. Return their positions, and the last valid time if the chunk is damaged.
+
+    If the chunk is intact, return None in place of this time.
+    """
     file.seek(chunk.at)
     found: list[Positions] = []
     last = chunk.begin
@@ -182,7 +192,10 @@ def _number(path: Path) -> int | None:
 
 
 def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
-    """Read the chunks of a file without their times. If `notes` is given, chunks after damage are left out."""
+    """Read the chunks of a file without their times.
+
+    If the file is damaged, leave out the chunks after the damage and add a note; if `notes` is None, raise BadCapture.
+    """
     try:
         opened = open_regular(path)
     except OSError as error:
@@ -202,7 +215,7 @@ def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
         count = cursor.read("Q")[0] if version else 1
         chunks: list[Chunk] = []
         try:
-            # A chunk has at least a byte, so a wrong count does not cause a long loop.
+            # A chunk has at least one byte. So a wrong count does not cause a long loop.
             for _ in range(min(count, cursor.left)):
                 chunk = _chunk(cursor, version, notes)
                 if chunks and chunk.begin < chunks[-1].end:
@@ -251,7 +264,7 @@ def _chunk(cursor: _Cursor, version: int, notes: list[str] | None) -> Chunk:
 
 
 class _Cursor:
-    """Sequential reader of a file's bytes. It raises BadCapture if the file ends too early."""
+    """Sequential reader of the bytes of a file. `read` and `skip` raise BadCapture if the file ends too early."""
 
     def __init__(self, path: Path, file: BinaryIO) -> None:
         self.path = path

@@ -1,14 +1,14 @@
-"""Saleae's CSV files of digital data: rows of changes, by Logic 2 or Logic 1.x. KingstVIS writes the latter form.
+"""Saleae's CSV files of digital data, with a row for each change. KingstVIS writes the form of Logic 1.x, too.
 
     Time [s],Channel 0,Channel 1      Logic 2: the first row is the start, the last row the end
     Time[s], SCL, SDA                 Logic 1.x: blanks after commas, no row for the end
 
 Chosen: position 0 is the first row, even if its time is not 0. Without a rate, positions are nanoseconds, or finer if a
-row needs it. `X` means that the level is unknown.
+time has more decimals. `X` means that the level is unknown.
 
-Captures are written in the form of Logic 2, with a row for the end. Times have nine decimals, or as many as are needed
-to be exact. If no number of decimals is exact (24 MHz), times are rounded so finely that a reader that knows the rate
-gets the same samples.
+Captures are written in the form of Logic 2, with a row for the end. Times have nine decimals, or more if nine are not
+exact. If no number of decimals is exact (for example at 24 MHz), times are rounded so finely that a reader that knows
+the rate gets the same samples.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ SUFFIXES = (".csv",)
 
 HEADER = re.compile(rb'(?:\xef\xbb\xbf)?"?Time ?\[s\]"?[,\r\n]')
 STATES = {"0": 0, "1": 1, "X": UNKNOWN, "x": UNKNOWN}
-ROUNDED_TO = 10  # minimum units of the last decimal in a sample, if times are not exact
+ROUNDED_TO = 10  # minimum number of units of the last decimal in a sample period, if times are not exact
 CELLS = "01X"
 NO_END = "the format has no row for the end, so the last change is used"
 
@@ -40,7 +40,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """Read the capture on the grid of `rate`, or in ticks of the time stamps.
+    """Read the capture in samples of `rate` or, without a rate, in ticks of the time stamps.
 
     Raise BadCapture with the line of an error.
     """
@@ -51,7 +51,7 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
     """Write a capture. Return notes on rounded times.
 
-    Raise BadCapture if positions have no time, or one that is too fine.
+    Raise BadCapture if the capture has no rate, or a rate that is too high.
     """
     decimals, exact = decimals_for(capture, LEAST_DECIMALS, ROUNDED_TO)
     per_second = 10**decimals

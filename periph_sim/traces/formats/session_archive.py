@@ -4,12 +4,12 @@
     block --> words --> words that differ from the one before --> their changed bits --> edges per channel
 
 Sizes, CRC-32 and the end of the deflate stream are checked while blocks are read. A mismatch raises `Damage`. The
-caller makes it an error or uses the data before it. The directory is read by `zipfile`, but members are not: it would
-discard the last data before damage, and take 18 times as long. In a broken archive, a member whose sizes follow its
-data is read up to the end of its deflate stream, without a CRC-32.
+caller converts this to an error, or uses the data before the damage. The directory is read by `zipfile`, but members
+are not, because `zipfile` would discard the last data before damage, and take 18 times as long. In a broken archive, a
+member whose sizes follow its data is read up to the end of its deflate stream, without a check of CRC-32.
 
-Only the edges of each channel are kept. The comparison of words runs at about the speed of memory, and a channel takes
-time only where a word changed. So memory and nearly all of the time grow with the number of edges, which is limited.
+Only the edges of each channel are kept. Words are compared at about the speed of memory, and channels are processed
+only where a word changed. So memory and nearly all of the time grow with the number of edges, which is limited.
 
 Source: APPNOTE 6.3 (PKWARE), sections 4.3 and 4.5.
 """
@@ -40,15 +40,15 @@ ENCRYPTED, SIZES_BEHIND = 1 << 0, 1 << 3  # flag bits of a header; SIZES_BEHIND:
 LOCAL = struct.Struct("<4s5H3I2H")
 LOCAL_MARK, END_MARK = b"PK\3\4", b"PK\5\6"
 END_REACH = 22 + 65535  # maximum length of the end record and the comment after it
-WIDE = 0xFFFFFFFF  # a size of 64 bits, which is elsewhere
+WIDE = 0xFFFFFFFF  # in place of a size, if the size has 64 bits and is stored elsewhere
 PIECE = 1 << 16  # number of packed bytes that are read at once
-# The cast is needed since the stub declares this class as an instance.
+# The cast is needed, because the stub declares this class as an instance.
 BrokenStream = cast(type[Exception], zlib_ng.error)
 BROKEN = (zipfile.BadZipFile, NotImplementedError, RuntimeError, EOFError, OSError, ValueError, struct.error)
 
 
 class Damage(ValueError):
-    """A member is damaged. cut: True if only the file ends there, so that the data before it is intact."""
+    """A member is damaged. cut: True if the archive ends within the member; then the data before this end is intact."""
 
     def __init__(self, member: str, found: str, cut: bool = False) -> None:
         super().__init__(f"{member}: {found}")
@@ -59,10 +59,16 @@ class Damage(ValueError):
 
 @dataclass(frozen=True)
 class Member:
-    """One packed file of an archive. size, crc: None if the header does not state them."""
+    """One packed file of an archive.
+
+    at: the byte of the archive at which the data begins.
+    packed: the number of packed bytes.
+    method: STORED or DEFLATED.
+    size, crc: the number and the CRC-32 of the unpacked bytes; None if the header does not state them.
+    """
 
     name: str
-    at: int  # place of its data, counted from the beginning of the archive
+    at: int
     packed: int
     method: int
     size: int | None
@@ -73,8 +79,8 @@ class Archive:
     """An open zip archive; a context manager.
 
     what: the kind of file, for messages.
-    members: the members, indexed by name.
-    notes: notes of a salvage.
+    members: a dictionary from names to members.
+    notes: notes on what could not be read, if `salvage` is True.
 
     Raise BadCapture if the file is no zip archive.
     """
@@ -99,7 +105,7 @@ class Archive:
     def text(self, name: str) -> str:
         """Read a member as UTF-8 text, in which invalid bytes are replaced.
 
-        Raise BadCapture if it is missing, too large or damaged.
+        Raise BadCapture if the member is missing, too large or damaged.
         """
         if name not in self.members:
             raise BadCapture(self.path, "the archive", f"no member {name!r}", f"a {self.what}", "save it again")
@@ -117,7 +123,7 @@ class Archive:
         return content.decode("utf-8", "replace")
 
     def blocks(self, name: str, most: int) -> Iterator[bytes]:
-        """Yield the unpacked bytes of a member in blocks of at most `most` bytes. Raise Damage at an invalid place."""
+        """Yield the unpacked bytes of a member in blocks of at most `most` bytes. Raise Damage at a damaged place."""
         member = self.members[name]
         total = crc = 0
         for block in self._unpacked(member, most):
@@ -179,7 +185,7 @@ class Archive:
             raise BadCapture(self.path, "the archive", found, f"a whole {self.what}", way_out) from None
 
     def _check_directory(self) -> None:
-        """Raise BadZipFile for a directory that is too large for the memory."""
+        """Raise BadZipFile if the directory of the archive is too large for the memory."""
         end = self._file.seek(0, 2)
         self._file.seek(max(0, end - END_REACH))
         tail = self._file.read()
@@ -194,7 +200,7 @@ class Archive:
         return self._file.read(4) == LOCAL_MARK
 
     def _listed(self, info: zipfile.ZipInfo) -> Member:
-        """Return a member of the directory. The place of its data is read from its local header."""
+        """Return the member that an entry of the directory describes. Its local header states where the data begins."""
         self._file.seek(info.header_offset)
         head = self._file.read(LOCAL.size)
         if len(head) < LOCAL.size or head[:4] != LOCAL_MARK:
@@ -206,7 +212,7 @@ class Archive:
         return Member(info.filename, at, info.compress_size, info.compress_type, info.file_size, info.CRC)
 
     def _kind_refused(self, name: str, flags: int, method: int) -> str:
-        """Return why a member cannot be unpacked; "" if it can."""
+        """Return why a member cannot be unpacked; "" if the member can be unpacked."""
         if flags & ENCRYPTED:
             return f"member {name!r} is encrypted"
         return "" if method in (STORED, DEFLATED) else f"member {name!r} is packed by method {method}, not by deflate"
@@ -214,8 +220,8 @@ class Archive:
     def _searched(self) -> dict[str, Member]:
         """Return the members that are found by following local headers, up to the first invalid one.
 
-        If the sizes of a member follow its data, its data may extend up to the end of the file, and the next header is
-        searched.
+        If the sizes of a member follow its data, the end of the data is unknown. Then the data is assumed to extend up
+        to the end of the file, and the mark of the next header is searched for.
         """
         found: dict[str, Member] = {}
         with mmap(self._file.fileno(), 0, access=ACCESS_READ) as data:
@@ -228,7 +234,7 @@ class Archive:
                     break
                 if method == DEFLATED and (flags & SIZES_BEHIND or packed == WIDE):
                     found.setdefault(name, Member(name, at, end - at, method, None, None))
-                    at = data.find(LOCAL_MARK, at)  # -1, where no mark is, if there is no other member
+                    at = data.find(LOCAL_MARK, at)  # -1 if there is no other mark, which ends the loop
                 else:
                     found.setdefault(name, Member(name, at, min(packed, end - at), method, size, crc))
                     at += packed
@@ -252,7 +258,7 @@ def ini_keys(text: str, section: str) -> dict[str, str]:
 
 
 def samplerate_of(path: Path, place: str, text: str | None, rate: Fraction | None, notes: list[str]) -> Fraction | None:
-    """Return `rate`, or else the samplerate that a session states, with a note if it states none."""
+    """Return `rate` or, if `rate` is None, the samplerate in `text`. Add a note and return None if both are missing."""
     if rate:
         return rate
     try:
@@ -264,9 +270,7 @@ def samplerate_of(path: Path, place: str, text: str | None, rate: Fraction | Non
     return stated or None
 
 
-BLOCK = (
-    1 << 16
-)  # bytes that are scanned at once; they fit into the caches of a processor, also with a byte for each bit
+BLOCK = 1 << 16  # number of bytes that are scanned at once; even with a byte for each bit, they fit into the caches
 
 Words = NDArray[np.unsignedinteger]
 
@@ -275,9 +279,9 @@ class Scan:
     """Scanner of blocks of little-endian samples.
 
     unitsize: the number of bytes of a sample.
-    channels: the names of the channels, indexed by their bits in a sample.
+    channels: a dictionary from the bit of each channel in a sample to the name of the channel.
     length: the number of complete samples so far.
-    rest: the bytes of an incomplete sample.
+    rest: the bytes of an incomplete sample at the end of the last block.
     """
 
     def __init__(self, path: Path, unitsize: int, channels: dict[int, str]) -> None:
@@ -300,13 +304,16 @@ class Scan:
             self._compare(_words(memoryview(block)[:whole], self._unitsize))
 
     def cut(self, length: int, rest: bytes) -> None:
-        """Discard all samples from number `length` on. rest: `rest` at that sample. No block may be fed afterwards."""
+        """Discard all samples from number `length` on. No block may be fed afterwards.
+
+        rest: the value of the attribute `rest` when `length` samples had been scanned.
+        """
         self.length, self.rest = length, rest
         for edges in self._edges.values():
             del edges[bisect_left(edges, length) :]
 
     def channels(self) -> tuple[Channel, ...]:
-        """Return all channels in the given order. No block may be fed afterwards."""
+        """Return all channels, in the order of the argument `channels`. No block may be fed afterwards."""
         return tuple(
             Channel(self._names[bit], bit, self._first >> bit & 1, np.frombuffer(edges, np.int64))
             for bit, edges in self._edges.items()
@@ -335,7 +342,7 @@ class Scan:
 def scanned(
     archive: Archive, member: str, scan: Scan, salvage: bool, unpacked: Callable[[bytes], bytes] = bytes
 ) -> Damage | None:
-    """Scan the samples of a member. Return its damage, of which the samples before it are scanned; None if it is whole.
+    """Scan the samples of a member up to the first damaged place. Return this damage; None if the member is intact.
 
     unpacked: a function that converts a block to samples.
 
@@ -361,7 +368,7 @@ def scanned(
 
 
 def _changes(words: Words, last: int) -> NDArray[np.int64]:
-    """Return the places of the words that differ from the word before. last: the word before the first one."""
+    """Return the indices of the words that differ from the previous word. last: the word before the first word."""
     differs = np.empty(len(words), np.bool_)
     differs[0] = int(words[0]) != last
     np.not_equal(words[1:], words[:-1], out=differs[1:])

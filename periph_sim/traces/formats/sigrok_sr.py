@@ -1,11 +1,11 @@
-"""Sessions of sigrok, `.sr`: zip archives of metadata and packed samples. They are written in version 2.
+"""Sessions of sigrok, `.sr`: zip archives of metadata and packed samples. Files are written in version 2.
 
     logic-1 | logic-1-1, -2, ... -10 --> blocks of samples --> edges per channel
     edges per channel --> words --> chunks logic-1-1, -2, ... of 4 MiB
 
-Chosen: if a file names no probes, it has `total probes` of them with the names 0, 1, and so on; if it names some, the
-others were not captured. With salvage, a damaged chunk and all later ones are left out. Of a chunk in which the file
-ends, and of the first chunk, the samples before the damage are kept.
+Chosen: if a file names no probes, the number of probes is `total probes`, and their names are 0, 1, and so on. If a
+file names some probes, the others were not captured. With salvage, a damaged chunk and all later chunks are left out.
+But if the file ends within a chunk, or if the first chunk is damaged, the samples before the damage are kept.
 
 Source: sigrok's file format as its own tools write and read it (libsigrok 0.1 to 0.6 files).
 """
@@ -43,11 +43,16 @@ SALVAGE = "read the intact part with --salvage"
 
 @dataclass(frozen=True)
 class Metadata:
-    """The data about the first device in the member `metadata`."""
+    """The data about the first device in the member `metadata`.
+
+    capturefile: the name of the member with the samples, or the begin of the names of its chunks.
+    unitsize: the number of bytes of a sample.
+    probes: a dictionary from the bit of each probe in a sample to the name of the probe.
+    """
 
     capturefile: str
     unitsize: int
-    probes: dict[int, str]  # names of the probes, indexed by their bits in a sample
+    probes: dict[int, str]
     samplerate: str | None
 
 
@@ -79,7 +84,7 @@ def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Cap
 
 
 def _scanned(archive: Archive, member: str, scan: Scan, salvage: bool, notes: list[str]) -> bool:
-    """Scan the samples of a member. Return True if all are intact."""
+    """Scan the samples of a member. Return True if the member is intact; otherwise add a note."""
     before = scan.length, scan.rest
     damage = scanned(archive, member, scan, salvage)
     if damage is None:
@@ -95,9 +100,10 @@ def _scanned(archive: Archive, member: str, scan: Scan, salvage: bool, notes: li
 
 
 def _sample_members(path: Path, archive: Archive, capturefile: str, notes: list[str] | None) -> list[str]:
-    """Return the members that contain samples: a single one, or chunks in the order of their numbers (10 after 9).
+    """Return the members that contain samples: a single member, or chunks in the order of their numbers (10 after 9).
 
-    If a number is missing, the list ends there, or it is an error if `notes` is None.
+    If a number is missing, the list ends before this number and a note is added. Raise BadCapture instead if `notes` is
+    None or if number 1 is missing.
     """
     chunk = re.compile(re.escape(capturefile) + r"-(\d{1,9})", re.ASCII)
     numbered = {int(match[1]): name for name in archive.members if (match := chunk.fullmatch(name))}
@@ -161,7 +167,7 @@ def _number(path: Path, keys: dict[str, str], key: str, least: int, most: int) -
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...] | None:
-    """Write a capture in version 2. The channels are the bits from 0 on, in order.
+    """Write a capture in version 2. The channels are, in order, the bits of a sample from bit 0 on.
 
     Raise BadCapture if sigrok could not read the file.
     """
@@ -171,7 +177,10 @@ def write(capture: Capture, path: Path) -> tuple[str, ...] | None:
 
 
 def write_to(file: IO[bytes], capture: Capture) -> tuple[str, ...] | None:
-    """Write a capture to an open file. It has up to 64 channels and a whole number of samples per second."""
+    """Write a capture to an open file.
+
+    The capture must have at most 64 channels, and its rate must be a whole number of samples per second or None.
+    """
     channels = capture.channels
     unitsize = next(size for size in (1, 2, 4, 8) if len(channels) <= 8 * size)
     with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -251,7 +260,7 @@ def _described(capture: Capture, unitsize: int) -> str:
 
 
 def _chunks(capture: Capture, unitsize: int) -> Iterator[NDArray[np.unsignedinteger]]:
-    """Yield chunks of samples as words. Each edge inverts the bit of its channel from there on."""
+    """Yield chunks of samples as words. Each edge inverts the bit of its channel in all later samples."""
     samples = CHUNK // unitsize
     word = sum(channel.initial << bit for bit, channel in enumerate(capture.channels))
     for begin in range(0, capture.length, samples):

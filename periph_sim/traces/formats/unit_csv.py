@@ -1,4 +1,4 @@
-"""Reader of CSV files with a unit in the title of each column: returns names, units and float64 columns.
+"""Reader of CSV files in which the title of each column has a name and a unit, and all cells are numbers.
 
     time [s],phi [deg],ax [g]
     0.00,1.5,0.01
@@ -27,7 +27,7 @@ from .csv_rows import numbered_rows
 
 Floats = NDArray[np.float64]
 
-LARGEST = 1 << 30  # maximum size of a file in bytes, which is weeks of a sensor's values
+LARGEST = 1 << 30  # maximum size of a file in bytes, which is enough for weeks of a sensor's values
 TITLE = re.compile(r"\s*(\S[^\[\]]*?)\s*\[\s*([^\[\]]*?)\s*\]\s*")
 WRITTEN = "a title such as 'time [s]' or 'phi [deg]' for every column"
 
@@ -70,9 +70,9 @@ def read(path: Path) -> list[Column]:
 
 
 def line_of_row(path: Path, row: int) -> int:
-    """Return the line number of a row of numbers, which differs from the row's if the file contains blank lines.
+    """Return the line number of a row of numbers.
 
-    row: the number of the row, counted from 0.
+    row: the number of the row, counted from 0. Blank lines do not count as rows.
     """
     return next(line for number, (line, _) in enumerate(_rows(path)) if number == row)
 

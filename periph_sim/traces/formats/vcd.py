@@ -12,9 +12,10 @@ Chosen:
 - Each bit of a vector is a channel, `name[k]`. Reals, strings, events and parameters are ignored.
 - A last `#N` without changes after it is the end, so that the length is N positions. Otherwise the last change is at
   the last position.
-- With salvage, the changes before an error are kept if lines were declared and there was a time.
-- pyvcd writes the files, in the coarsest timescale in which a sample is a whole number of ticks. Rates such as 24 MHz
-  have no such timescale; times are then rounded so finely that a reader that knows the rate gets the same samples.
+- With salvage, the changes before an error are kept if at least one variable and one time precede the error.
+- Files are written by pyvcd, in the coarsest timescale in which a sample period is a whole number of ticks. Rates such
+  as 24 MHz have no such timescale; then times are rounded so finely that a reader that knows the rate gets the same
+  samples.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from ..capture.size_limits import MOST_EDGES
 
 SECONDS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}  # number of decimals of a second for each unit
 MOST_TICKS = 1 << 62
-ROUNDED_TO = 1000  # minimum number of ticks in a sample, if a sample is not a whole number of ticks
+ROUNDED_TO = 1000  # minimum number of ticks in a sample period that is not a whole number of ticks
 LETTERS = "01x"
 OURS, SCOPE = "periph-sim", "capture"  # variables need a scope, which is removed when our own files are read
 
@@ -44,7 +45,7 @@ OURS, SCOPE = "periph-sim", "capture"  # variables need a scope, which is remove
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
     """Write a capture. Return notes on losses.
 
-    Raise BadCapture if positions have no time, or it is too fine or too long.
+    Raise BadCapture if the capture has no rate, has a rate that is too high, or is too long.
     """
     with path.open("w", encoding="utf-8", newline="\n") as file:
         return write_to(file, capture)
@@ -79,7 +80,7 @@ def write_to(file: IO[str], capture: Capture, scope: tuple[str, ...] = (SCOPE,))
 
 
 def timescale_of(capture: Capture) -> tuple[str, Fraction, list[str]]:
-    """Return the timescale, such as `10 ns`, its ticks per second, and a note if samples are not whole ticks."""
+    """Return the timescale, such as `10 ns`, its ticks per second, and a list with a note if times must be rounded."""
     decimals, exact = decimals_for(capture, 0, ROUNDED_TO, ", or a whole number of femtoseconds a sample")
     unit, size = next((unit, size) for unit, size in SECONDS.items() if size >= decimals)
     scale = f"{10 ** (size - decimals)} {unit}"
@@ -91,7 +92,7 @@ def timescale_of(capture: Capture) -> tuple[str, Fraction, list[str]]:
 
 
 def channel_names(capture: Capture) -> list[str]:
-    """Return the names of the channels without blanks and empty parts. Duplicates are made unique."""
+    """Return names that VCD can hold: blanks are replaced, no part between dots is empty, and all names differ."""
     names: list[str] = []
     for channel in capture.channels:
         parts = [re.sub(r"\s+|^\$", "_", part.strip()) for part in channel.name.split(".")]
@@ -122,7 +123,7 @@ def recognises(path: Path, head: bytes) -> bool:
 
 
 def read(path: Path, rate: Fraction | None = None, salvage: bool = False) -> Capture:
-    """Read the capture in ticks of the file's timescale, or samples if `rate` is given.
+    """Read the capture in ticks of the file's timescale, or in samples of `rate` if it is given.
 
     Raise BadCapture with the line of an error.
     """
@@ -142,7 +143,7 @@ class _Reader:
         self._scopes: list[str] = []
         self._ours = False
         self._names: list[tuple[str, Line]] = []
-        self._lines: dict[bytes, list[Line]] = {}  # for each identifier its bits, most significant first
+        self._lines: dict[bytes, list[Line]] = {}  # from each identifier to its bits, the most significant first
         self._now = 0
         self._timed = False  # True if a `#` was read
         self._moved = False  # True if a change was read after the last `#`
@@ -161,7 +162,7 @@ class _Reader:
         return self._capture(rate)
 
     def _parse(self) -> None:
-        changes = 0  # an upper bound
+        changes = 0  # an upper bound of the number of changes so far
         for number, text in self._numbered:
             if len(text) == LONGEST and not text.endswith(b"\n"):
                 self._bad(number, f"a line of more than {LONGEST} bytes", "shorter ones", "write the dump again")
@@ -244,7 +245,7 @@ class _Reader:
             self._bad(number, found, f"# and a number of ticks to {MOST_TICKS}", "write the dump again")
         if self._timed and now < self._now:
             self._bad(number, f"time {now} after {self._now}", "times that rise", "write the dump again")
-        if not self._timed or now > self._now:  # values before the first # are valid from the start
+        if not self._timed or now > self._now:  # values before the first `#` are at tick 0
             self._timed = True
             self._now = now
             self._moved = False

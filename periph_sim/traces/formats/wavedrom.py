@@ -1,6 +1,6 @@
 """Writer of WaveDrom's JSON, for a picture of a short window in a document. Each channel is a line of bricks.
 
-    SCL  11100111...     a brick is the largest step that divides the times of all edges
+    SCL  11100111...     the length of a brick is the greatest common divisor of the times of all edges
 
 All bricks have the same length, so the picture is true to scale. A window that needs too many bricks is an error.
 Source: the WaveDrom schema (github.com/wavedrom/schema), waves `0`, `1`, `x` and `.` for "as before".

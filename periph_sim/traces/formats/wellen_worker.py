@@ -1,7 +1,7 @@
 """Main program of a separate process: reads a waveform file and writes the states of its lines to standard output.
 
     python -m periph_sim.traces.formats.wellen_worker FILE --> head (JSON), a line; then for each signal
-        number of changes, width (8 bytes each, as this machine has them), positions (8 bytes each), states (letters)
+        number of changes, width (8 bytes each, in native byte order), positions (8 bytes each), states (letters)
 
 A damaged file can make the library allocate any amount of memory and abort. This cannot be caught, so it must not
 happen in the user's process. Only this module uses the library. It has few imports, because it is started for each
@@ -26,7 +26,7 @@ NO_LINES = {"Parameter", "Event", "Time"}
 
 
 def limited() -> None:
-    """Limit memory and time, if the system supports it."""
+    """Limit the memory and the processor time of this process, if the system supports limits."""
     try:
         import resource
     except ImportError:  # without POSIX there are no limits, but the process is still a separate one
@@ -96,7 +96,7 @@ class Changes:
 def collected(wave: Any, places: dict[str, int], variables: list[Any]) -> Iterator[Changes]:
     """Yield the changes of each signal.
 
-    Many signals are read at once, because each reading scans the whole FST file.
+    If an FST file has more than FEW signals, all are read at once, because each reading scans the whole file.
     """
     if len(variables) <= FEW or str(wave.file_format) != "FST":
         for variable in variables:

@@ -9,7 +9,6 @@ reports). Snapshots (`core.snapshot`), their comparison and restoring (`core.res
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from enum import Enum
 
 
@@ -53,18 +52,13 @@ def state_of(kind: type) -> State | None:
     """Return the state that a class and its bases declare; None if none of them declares any."""
     if kind not in _states:
         declared = [vars(one)["STATE"] for one in reversed(kind.__mro__) if "STATE" in vars(one)]
-        _states[kind] = _whole(declared) if declared else None
+        whole = State()
+        for one in declared:
+            whole.times |= one.times
+            whole.chains |= one.chains
+            whole.made = one.made
+        _states[kind] = whole if declared else None
     return _states[kind]
 
 
 _states: dict[type, State | None] = {}
-
-
-def _whole(declared: Iterable[State]) -> State:
-    """Return the union of the states that a class and its bases declare. declared: these states, the bases first."""
-    whole = State()
-    for one in declared:
-        whole.times |= one.times
-        whole.chains |= one.chains
-        whole.made = one.made
-    return whole

@@ -12,7 +12,7 @@ from ..core.records import Recorder
 from ..core.time import Timebase, TimeError
 from ..core.wire import Wire
 from .case.model import Case
-from .case.optimizations import is_on
+from .case.optimizations import ALL
 from .case.wiring import Wiring
 
 
@@ -25,7 +25,7 @@ class CaseTicks(Struct, frozen=True):
 
     def optimizes(self, name: str) -> bool:
         """Return True if the optimization `name` (see `case.optimizations`) is on."""
-        return is_on(name, self.case.disable)
+        return ALL not in self.case.disable and name not in self.case.disable
 
     def ticks(self, length: Fraction, ppm: Fraction = Fraction(0)) -> int:
         """Return a length in seconds as the nearest number of ticks.

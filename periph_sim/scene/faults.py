@@ -22,42 +22,32 @@ RESET = ".XRS"  # suffix in the name of the wire at a unit's reset pin
 MODULE_RESET = ".IRS"  # suffix in the name of the wire that represents a unit's bit I2CMDR.IRS
 
 
-class Wires:
-    """The wires that faults can disturb.
+def wire_of(context: SceneContext, known: dict[str, Wire], units: Mapping[str, Dsp], name: str) -> Wire:
+    """Return a wire that faults can disturb. Raise ValueError if there is none of this name.
 
-    These are the wires of the scene, and wires that represent XRS and IRS of a unit. The latter are made on demand.
+    known: the wires of the scene. A wire for XRS or IRS of a unit is made and added to it on demand.
     """
-
-    def __init__(self, context: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> None:
-        self._context = context
-        self._known = dict(known)
-        self._units = units
-
-    def __call__(self, name: str) -> Wire:
-        """Return the wire with this name. Raise ValueError if there is none."""
-        if name not in self._known and name.endswith(RESET):
-            unit = self._unit(name.removesuffix(RESET))
-            self._known[name] = self._context.wire(name)
-            unit.connect_reset(self._known[name])
-        if name not in self._known and name.endswith(MODULE_RESET):
-            unit = self._unit(name.removesuffix(MODULE_RESET))
-            if not unit.has("I2C-A"):
-                raise ValueError(f"unit {unit.plan.name} has no I2C-A that could be reset; add it to its modules")
-            self._known[name] = self._context.wire(name)
-            ModuleReset(self._context.kernel, unit, self._known[name])
-        if name not in self._known:
-            raise ValueError(f"there is no wire {name!r}; {did_you_mean(name, self._known)}")
-        return self._known[name]
-
-    def _unit(self, name: str) -> Dsp:
-        if name not in self._units:
-            raise ValueError(f"there is no unit {name!r}; {did_you_mean(name, self._units)}")
-        return self._units[name]
+    unit_name, _, _ = name.rpartition(".")
+    if name not in known and name.endswith((RESET, MODULE_RESET)):
+        if unit_name not in units:
+            raise ValueError(f"there is no unit {unit_name!r}; {did_you_mean(unit_name, units)}")
+        unit = units[unit_name]
+        if name.endswith(RESET):
+            known[name] = context.wire(name)
+            unit.connect_reset(known[name])
+        elif unit.has("I2C-A"):
+            known[name] = context.wire(name)
+            ModuleReset(context.kernel, unit, known[name])
+        else:
+            raise ValueError(f"unit {unit.plan.name} has no I2C-A that could be reset; add it to its modules")
+    if name not in known:
+        raise ValueError(f"there is no wire {name!r}; {did_you_mean(name, known)}")
+    return known[name]
 
 
 def build_faults(context: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> list[Repeated]:
     """Return an agent for each fault. Raise BadCase, with its line, for an impossible fault."""
-    wires = Wires(context, known, units)
+    wires = partial(wire_of, context, dict(known), units)
     faults: list[Repeated] = []
     for entry, table in enumerate(context.case.fault):
         given = dict(table)

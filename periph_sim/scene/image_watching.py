@@ -26,7 +26,16 @@ def watch_image(case: Case, name: str, unit: Unit, dsp: Dsp, program: ImageProgr
     if recorder.wants(Kind.WAIT):
         program.record_waits(recorder)
     if unit.memory:
-        _preset(case, name, unit, program)
+        variables, presets = Variables(program.image), []
+        for symbol, value in unit.memory.items():
+            try:
+                variable = variables.find(symbol)
+                presets.append((variable, variable.bits_of(value)))
+            except BadVariable as error:
+                raise case.mistake(str(error), "unit", name, "memory", symbol) from None
+        memory = PresetMemory(presets, program.cpu.fill)
+        memory.put()
+        program.add_call_listener(memory)
     wanted = recorder.named(Kind.FLAG)
     place = f"{name}.{MEMORY}."
     named = sorted(subject.removeprefix(place) for subject in wanted if subject.startswith(place))
@@ -47,18 +56,3 @@ def variable_value(dsp: Dsp, name: str) -> int:
     """Return the present value of a variable that a budget names."""
     assert isinstance(dsp.program, ImageProgram) and dsp.program.cpu.watched is not None
     return dsp.program.cpu.watched.values[name]
-
-
-def _preset(case: Case, name: str, unit: Unit, program: ImageProgram) -> None:
-    """Set variables of the image to the values that the key `memory` of the unit gives, before the program begins."""
-    variables = Variables(program.image)
-    presets = []
-    for symbol, value in unit.memory.items():
-        try:
-            variable = variables.find(symbol)
-            presets.append((variable, variable.bits_of(value)))
-        except BadVariable as error:
-            raise case.mistake(str(error), "unit", name, "memory", symbol) from None
-    memory = PresetMemory(presets, program.cpu.fill)
-    memory.put()
-    program.add_call_listener(memory)

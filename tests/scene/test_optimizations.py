@@ -12,7 +12,8 @@ import pytest
 
 from periph_sim.core.records import Kind, Record
 from periph_sim.scene.case.load import load
-from periph_sim.scene.case.optimizations import ALL, BITS, DECODING, OPTIMIZATIONS, POLLS, is_on
+from periph_sim.scene.case.optimizations import ALL, BITS, DECODING, OPTIMIZATIONS, POLLS
+from periph_sim.scene.plan import ScenePlan
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING
@@ -59,6 +60,11 @@ def test_every_case_gives_the_same_records_but_of_reads_without_any_optimization
     assert shown[0] == shown[1]
     assert counts[1] == 0
     assert without_reads(default[1]) == without_reads(plain[1]) and len(plain[1]) > 20
+
+
+def is_on(name: str, disable: tuple[str, ...]) -> bool:
+    case = load(TIMING / "responder.toml").model_copy(update={"disable": disable})
+    return ScenePlan(case).ticks.optimizes(name)
 
 
 def test_each_name_is_known_and_switches_one_off():

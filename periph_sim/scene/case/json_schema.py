@@ -15,7 +15,7 @@ import dataclasses
 import inspect
 import json
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from datetime import datetime
 from fractions import Fraction
 from pathlib import Path
@@ -29,7 +29,7 @@ from ...core.convert import Before, Key, is_table, keys_of
 from ...core.options import allowed
 from ...devices.chips import chip_models
 from ...devices.host_frames import host_frames
-from ...devices.targets import Family, families
+from ...devices.targets import families
 from ...devices.watchers import watchers
 from ...f28335.parts import part_names
 from ...f28335.parts.f28335 import PART
@@ -153,7 +153,12 @@ def case_schema() -> Schema:
     host["encoding"] = schemas["encoding"]
     host["lose"]["items"]["items"][1] = {"type": "integer", "minimum": 0, "maximum": frames.FRAME_BYTES - 1}
     definitions["ChipTable"]["properties"]["model"] = {"enum": [*known(here, "CHIP", chip_models())]}
-    definitions["DeviceTable"] = {"anyOf": [*_devices(definitions["DeviceTable"], devices, schemas)]}
+    device = definitions["DeviceTable"]
+    own = [_with_own_keys(device, schemas[name], "model", [*family.MODELS]) for name, family in devices.items()]
+    of_file = {"type": "string", "pattern": r"\.py$"}  # the keys that a device of a Python file adds are not known
+    definitions["DeviceTable"] = {
+        "anyOf": [*own, {**device, "properties": {**device["properties"], "model": of_file}}],
+    }
     definitions["WatchTable"] = {
         "anyOf": [
             _with_own_keys(definitions["WatchTable"], schemas[name], "kind", [name.partition(" ")[2]])
@@ -168,29 +173,16 @@ def case_schema() -> Schema:
 
 def _one_of(kinds: Mapping[str, object], schemas: Schema) -> Schema:
     """Return the schema of a table whose key `kind` decides which other keys it has."""
-    choices = []
-    for name in kinds:
-        schema = schemas[name]
-        kind = {"kind": {"enum": [name.partition(" ")[2]]}}
-        required = ["kind", *schema.get("required", [])]
-        choices.append({**schema, "properties": kind | schema["properties"], "required": required})
+    common = {"properties": {}, "required": ["kind"]}
+    choices = [_with_own_keys(common, schemas[name], "kind", [name.partition(" ")[2]]) for name in kinds]
     return {"type": "object", "anyOf": choices}
-
-
-def _devices(common: Schema, families: Mapping[str, Family], schemas: Schema) -> Iterator[Schema]:
-    """Yield a schema of device tables for each family of models, and one for devices in Python files.
-
-    The schema for Python files allows any keys, because the keys of a user's device are not known.
-    """
-    for name, family in families.items():
-        yield _with_own_keys(common, schemas[name], "model", [*family.MODELS])
-    yield {**common, "properties": {**common["properties"], "model": {"type": "string", "pattern": r"\.py$"}}}
 
 
 def _with_own_keys(common: Schema, own: Schema, key: str, values: list[str]) -> Schema:
     """Return the schema of a table with the keys of `common` and `own`, in which `key` has one of `values`."""
     properties = {**common["properties"], **own["properties"], key: {"enum": values}}
-    return _closed({**common, "properties": properties, "required": [*common["required"], *own.get("required", [])]})
+    required = [*common["required"], *own.get("required", [])]
+    return _closed({**own, **common, "properties": properties, "required": required})
 
 
 def _closed(schema: Schema) -> Schema:

@@ -53,11 +53,6 @@ Disabled: TypeAlias = Annotated[tuple[str, ...], Before(_checked_names)]
 Fidelity: TypeAlias = Annotated[str, Before(_checked_level)]
 
 
-def is_on(name: str, disabled: Sequence[str]) -> bool:
-    """Return True if an optimization is on. disabled: the value of the key `disable`."""
-    return ALL not in disabled and name not in disabled
-
-
 def obsolete_fidelity(level: str) -> str:
     """Return a note for a case with the key `fidelity`: the key is obsolete."""
     return f'fidelity = "{level}" is obsolete and has no effect: every run is exact; leave it out'

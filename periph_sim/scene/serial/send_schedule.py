@@ -33,10 +33,6 @@ class EventTrigger(EventMeasure):
     def happened(self, place: int, tick: int, value: int) -> None:
         self._happened(tick)
 
-    def never(self) -> str:
-        """Return the reason why the event did not happen, as a phrase."""
-        return self.missing()
-
 
 class TextTrigger:
     """Trigger that calls `happened(tick)` at the end of each occurrence of a text. Occurrences do not overlap."""

@@ -16,7 +16,7 @@ from ...bus.uart.reader import Heard, Line, UartReader
 from ...bus.uart.rs485 import Driver
 from ...core.phrases import did_you_mean
 from ...core.records import Recorder
-from ...timing.language.events import Matcher, matcher
+from ...timing.language.events import matcher
 from ...timing.language.scope import BadEvent, Scope
 from ...timing.measures.expectations import Expected, Reply
 from ...timing.measures.measure import MeasuredScene
@@ -59,8 +59,11 @@ class SerialSide:
         events += [("expect", number, expect.after) for number, expect in enumerate(table.expect)]
         for kind, number, text in events:
             if text is not None:
-                happened = partial(self._happened, kind, number)
-                trigger = EventTrigger(self._event(scope, text, kind, number), happened)
+                try:
+                    event = matcher(text, scope)
+                except BadEvent as error:
+                    raise self._case.mistake(str(error), "serial", kind, number, "after") from None
+                trigger = EventTrigger(event, partial(self._happened, kind, number))
                 trigger.subscribe(recorder)
                 self._triggers[kind, number] = trigger
 
@@ -113,7 +116,7 @@ class SerialSide:
         send = self.sends[name] = Send(name, table, self._context, sender, burst, self._table.value("ppm", table))
         trigger = self._triggers.get(("send", number))
         if trigger is not None:
-            send.why_unasked = trigger.never
+            send.why_unasked = trigger.missing
         wanted = table.after_bytes
         if table.after_text is not None:
             wanted = encoded(self._case, table.after_text, table, *place, "after_text")
@@ -249,7 +252,7 @@ class SerialSide:
         if table.after_send is not None:
             return f"send {table.after_send!r} never went out: {self.sends[table.after_send].why_never()}"
         if ("expect", number) in self._triggers:
-            return self._triggers["expect", number].never()
+            return self._triggers["expect", number].missing()
         return "its time is after the end of the run"
 
     # Lines ------------------------------------------------------------------------
@@ -277,12 +280,6 @@ class SerialSide:
         return self._context.exact_ticks(self._table.bit(entry), self._table.value("ppm", entry)), self._table.form(
             entry
         )
-
-    def _event(self, scope: Scope, text: str, kind: str, number: int) -> Matcher:
-        try:
-            return matcher(text, scope)
-        except BadEvent as error:
-            raise self._case.mistake(str(error), "serial", kind, number, "after") from None
 
 
 def _if_driven(driver: Driver, told: Callable[[Heard], None], heard: Heard) -> None:

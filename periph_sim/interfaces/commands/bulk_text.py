@@ -21,8 +21,8 @@ AT_ONCE = 1 << 15  # number of lines that are formatted at a time; their charact
 BLANK, NONE = b" ", b"\0"
 MAX_TABLE = 1 << 24  # codes up to this value are numbered by a table; larger codes are numbered by sorting
 
-# The four digits of each number below 10,000 as one machine word. Selecting words is ten times as fast as selecting
-# rows of four bytes.
+# The four digits of each number below 10,000, as one machine word.
+# Selecting many machine words from an array is ten times as fast as selecting many rows of four bytes.
 _FOUR = (np.arange(10_000)[:, None] // (1000, 100, 10, 1) % 10 + ord("0")).astype(np.uint8).view(np.uint32)[:, 0]
 
 
@@ -113,8 +113,8 @@ class Sparse:
         into[self._where[begin:end] - lines.start] = page
 
 
-# A column has the same width in every line. The method `fill` writes some lines of the column into an array with the
-# shape (number of these lines, width).
+# A column has the same width in every line.
+# The method `fill` writes some lines of the column into an array with a row for each line and `width` characters.
 Column: TypeAlias = "Literal | Digits | Words | Sparse"
 
 

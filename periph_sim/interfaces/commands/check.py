@@ -73,7 +73,7 @@ def check(
         project = project_of(Path())
         if junit_file is not None or html_file is not None:
             note_inputs(case_files(paths or project.cases()), but_baselines=update)
-        # Output files are opened before the runs, so that it is reported at once if one cannot be written.
+        # Output files are opened before the runs, so that a file that cannot be written is reported at once.
         unfinished, unfinished_html = (
             None if file is None else outputs.enter_context(atomic_write(file)) for file in (junit_file, html_file)
         )

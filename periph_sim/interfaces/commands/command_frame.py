@@ -108,7 +108,7 @@ def _columns() -> int:
     return 0
 
 
-VERSION = 2  # of the JSON output; incremented if a key is removed or changes its meaning, but not if a key is added
+VERSION = 2  # version of the JSON output, which changes if a key is removed or gets another meaning
 
 
 def print_json(command: str, answer: Mapping[str, object]) -> None:
@@ -129,8 +129,7 @@ def print_answer(command: str, answer: Mapping[str, object] | str) -> None:
         print_json(command, answer)
 
 
-# Classes of errors caused by input. They are given by name, so that a command need not import errors that it cannot
-# raise.
+# Classes of errors caused by input. They are given by name, so that a command imports only errors that it can raise.
 MISTAKES = {
     "periph_sim.interfaces.reports.baselines.files.BadCheck",
     "periph_sim.scene.case.model.BadCase",
@@ -175,8 +174,7 @@ def usage_errors_in_one_sentence() -> Iterator[None]:
 
 
 LONG = 5  # in seconds; an interpreted run that takes at least this time gets the advice to compile the core
-# The CPU time of a compiled run as a share of the interpreted run, for the shipped cases. Measured with
-# `python -m tests.bench.forms`.
+# The CPU time of compiled runs as a share of interpreted runs, measured by `python -m tests.bench.forms`.
 SHARE = "a fifth to a fourteenth"
 
 

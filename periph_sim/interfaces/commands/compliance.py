@@ -1,4 +1,4 @@
-"""`periph-sim compliance FILE`: every timing limit of the I2C-bus specification on a trace."""
+"""`periph-sim compliance FILE`: judge a capture by every timing limit of the I2C-bus specification."""
 
 from __future__ import annotations
 

@@ -65,7 +65,7 @@ def convert(
 def _same_file(given: Path, out: Path) -> bool:
     try:
         return out.samefile(given)
-    except OSError:  # a missing file or an invalid name, which reading or writing reports
+    except OSError:  # a file is missing or a name is invalid, which is reported later
         return False
 
 

@@ -32,8 +32,8 @@ SPI_MODES = {  # names and values as in sigrok's decoder; the first value is the
     "cs_polarity": ("active-low", "active-high"),
 }
 MAX_WORD = 32  # maximum number of bits of an SPI word
-# Certainty from which a guess is used. For 34 real lines with a stated rate, all guesses above this certainty were
-# right, and most guesses below this certainty were wrong.
+# The certainty from which a guess of a line's settings is used.
+# In a test with 34 real lines, guesses above this certainty were right, and most guesses below it were wrong.
 SURE = 0.5
 
 

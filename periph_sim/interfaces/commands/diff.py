@@ -1,4 +1,4 @@
-"""`periph-sim diff A B`: two captures compared by their protocol events."""
+"""`periph-sim diff A B`: compare two captures by their protocol events."""
 
 from __future__ import annotations
 

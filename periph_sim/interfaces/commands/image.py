@@ -1,4 +1,4 @@
-"""`periph-sim image FILE`: the contents of a linker's output file for the F28335."""
+"""`periph-sim image FILE`: show the contents of a linker's output file for the F28335."""
 
 from __future__ import annotations
 

@@ -90,7 +90,7 @@ def _moved(tree: Tree, before: Path, after: Path) -> None:
 
 @output_muted()
 def _as_seen(tree: Tree, target: Path) -> list[Tree]:
-    """Return a budget for each of the MEASURES that was measured in the session. Its limit is the session's result."""
+    """Return a budget for each of the MEASURES that the session measured. The limit is the measured value."""
     found: list[Tree] = []
     for measure in MEASURES:
         budget: Tree = {"name": measure, "measure": measure, "max": 0}

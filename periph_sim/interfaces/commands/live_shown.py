@@ -94,7 +94,7 @@ class Shown:
             self._view = LiveView(self._board)
 
     def say(self, sentence: str) -> None:
-        """Display a sentence from a door."""
+        """Display a sentence that the session's port reports, for example about a client."""
         if self._status is not None:
             self._status.say(sentence)
         if self._view is None:

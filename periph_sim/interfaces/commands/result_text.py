@@ -1,4 +1,4 @@
-"""A result as tables for the terminal."""
+"""The result of a run as text and tables for the terminal."""
 
 from __future__ import annotations
 

@@ -162,7 +162,7 @@ def serve(
 
 
 def _given(*names: str) -> list[str]:
-    """Return the options that were given on the command line, such as "--baud". names: the parameters to look for."""
+    """Return the options that were given on the command line, such as "--baud". names: the parameters to check."""
     context = click.get_current_context()
     options = {one.name: one.opts[0] for one in context.command.params}
     return [options[one] for one in names if context.get_parameter_source(one) is ParameterSource.COMMANDLINE]

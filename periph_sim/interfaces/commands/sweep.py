@@ -22,7 +22,7 @@ from .command_frame import JSON, SECONDS, command, print_json, print_table, prog
 from .watch import note_inputs
 
 FIGURES = ("worst", "limit", "margin", "at_s", "count", "verdict")
-MAX_LISTED = 10  # maximum number of runs without a pass that are listed one by one
+MAX_LISTED = 10  # maximum number of runs that do not pass and are listed one by one
 
 
 @command("run", "periph-sim sweep timing/imu_hil.toml --vary 'seed=1, 2, 3' --seconds 0.1")

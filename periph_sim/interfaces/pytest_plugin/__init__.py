@@ -30,7 +30,7 @@ MARKER = (
     "the case that fixture case_run runs, with KEY=VALUE changes as for periph-sim run --set"
 )
 _in_tests: list[pytest.Item] = []  # the running tests; more than one while a test runs a pytest session of its own
-_completion: Completion | None = None  # in the child process of `_begin`: the means to report the end of the session
+_completion: Completion | None = None  # reports the end of the session to the parent process (see `_begin`)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 HEAD = "periph-sim/"
 FIRST = "verdict"  # the first figure of each budget
-UNBROKEN = 10_000  # columns of a table with names of tests; no name is split into lines, so that it can be copied
+UNBROKEN = 10_000  # number of columns of a table with names of tests, so that a long name is on one line
 VALUES = ("worst", "limit", "margin")
 
 Property = tuple[str, object]

@@ -163,7 +163,7 @@ class Run:
         if not names:
             raise ValueError("assert_budgets: give at least one budget; assert_all() judges all budgets of the case")
         for name in names:
-            _ = self.budgets[name]  # raises NoSuchBudget if there is none
+            _ = self.budgets[name]  # raises NoSuchBudget if the case has no such budget
         self._judge([verdict for verdict in self.result.budgets if verdict.name in names], guaranteed)
 
     def assert_all(self, *, guaranteed: bool = False) -> None:
@@ -258,7 +258,7 @@ def failure_text(run: Run, broken: Sequence[Verdict], judged: int) -> str:
 
 
 def _picture(window: Window, chain: Chain | None) -> list[str]:
-    from ..reports.explain.picture import text_picture  # imported here, because only a failure needs it
+    from ..reports.explain.picture import text_picture  # imported here, because only a failure needs this module
 
     verdict = window.verdict
     title = f"{verdict.name}, {figure(verdict.worst, verdict.unit)} at {instant(verdict.at_s)}:"

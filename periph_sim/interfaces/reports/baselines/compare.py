@@ -136,7 +136,9 @@ def _figures(old: Figures, new: Figures) -> tuple[str, ...]:
 
 
 def explain(changes: list[Change], before: Baseline, now: Baseline, first_wrong: str) -> None:
-    """Add the reason to each change of the value that has a chain: the difference from the chain in the baseline.
+    """Set the reason for each changed worst (or least) value whose occurrence has a chain of events.
+
+    The reason is the difference between the chain in the baseline and the chain in the run.
 
     first_wrong: the description of the first wrong byte of the run; "" if there is none.
     """

@@ -31,7 +31,7 @@ from ..explain.chain import place_of
 LONGEST = 32  # maximum number of events of a chain
 AROUND = Fraction(5, 1000)  # in seconds; a START is searched up to this time before an occurrence, a STOP after it
 KINDS = (Kind.BUS, Kind.ACCESS, Kind.IRQ, Kind.SPAN)
-# A dictionary to the tick of each event. The key is the event's text and its number among events with the same text.
+# A dictionary from events to ticks. An event is given by its text and its number among the events with the same text.
 Times = dict[tuple[str, int], int]
 COARSE = ("START", "repeated START", "STOP")
 

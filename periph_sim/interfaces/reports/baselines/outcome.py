@@ -93,7 +93,7 @@ def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) 
     """Run a case again until the last wanted occurrence. Return a dictionary from budgets to chains."""
     try:
         return chains(load(path, list(changes)), wanted)
-    except REFUSED as error:  # the case ran before, so its file or firmware has been changed meanwhile
+    except REFUSED as error:  # the first run was possible, so the case or its firmware has changed
         raise BadCheck(f"{path}: it ran, but not a second time: {error}") from None
 
 

@@ -86,7 +86,7 @@ def timeline(window: Window, unit: str, begin: int, end: int, kinds: Collection[
             stack, at, hole, bottom = [], hole.begin, None, UNKNOWN
         found.append(_top(stack, at, record.tick, bottom))
         if record.value and record.kind is not Kind.IRQ and not stack:
-            bottom = CODE  # outside an activity without an enclosing activity, the firmware executes other code
+            bottom = CODE  # before and after an outermost span or wait, the firmware executes other code
         at = max(at, record.tick)
         _move(stack, record)
     found.append(_top(stack, at, end, bottom))

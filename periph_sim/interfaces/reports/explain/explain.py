@@ -274,7 +274,7 @@ def _share(evidence: Evidence) -> Chain:
     return evidence.chain((evidence.say(span.begin, shares, span.end - 1 - span.begin),), (), blame)
 
 
-REACH = 70  # in bits; a picture is extended to the evidence up to this width, so that bytes remain distinguishable
+REACH = 70  # maximum width, in bits, of a picture that is extended to show evidence; bytes remain distinguishable
 
 
 @dataclass(frozen=True, eq=False)

@@ -52,7 +52,7 @@ def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Recor
         carried = bus_byte(byte)
         value = 0 if carried is None else carried.value
         rises = [] if scl is None else scl.edges[(scl.levels == 1) & (scl.edges > before) & (scl.edges < byte.tick)]
-        begins = int(rises[0]) if len(rises) else byte.tick  # SCL rises for the first bit, which must be driven by then
+        begins = int(rises[0]) if len(rises) else byte.tick  # the tick by which the first bit must be driven
         before = byte.tick
         write = next((w for w in reversed(writes) if w.tick < begins and w.value & 0xFF == value), None)
         said = f"byte {number}: {carried}"
@@ -220,7 +220,7 @@ def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
 
 
 def note_of_device(evidence: Evidence, phase: RecordedPhase) -> tuple[list[Step], Part | None]:
-    """Return a step for the last note before the end of a read in which the device states a broken rule of its manual.
+    """Return a step for the last note, up to the end of a read, about a rule of the device's manual that was broken.
 
     The second result is this note as the cause; None if the note is not the cause.
     """
@@ -245,7 +245,7 @@ def _part(evidence: Evidence, phase: RecordedPhase) -> eeprom.Part | None:
 
 
 def first_word(evidence: Evidence, phase: RecordedPhase) -> int | None:
-    """Return the word address of the first byte of a read; None if the phase before the read did not set it."""
+    """Return the word address of a read's first byte; None if the phase before the read did not set the address."""
     memory = _part(evidence, phase)
     before = max((p for p in evidence.phases if p.end <= phase.begin), key=lambda p: p.begin, default=None)
     if memory is None or before is None or before.read or before.address != phase.address:

@@ -109,15 +109,15 @@ def _at(evidence: Evidence, measure: Measure, tick: int) -> Record | None:
     return min(found, key=lambda r: (sources.index(r.kind), abs(r.tick - tick)), default=None)
 
 
-FIFO = ("SCIFFRX.RXFFINT", "SCIFFRX.RXFFOVF", "SCIRXST.OE")  # flags that request a read, or show that it is late
+FIFO = ("SCIFFRX.RXFFINT", "SCIFFRX.RXFFOVF", "SCIRXST.OE")  # flags that request a read or show a late read
 WORDS = "SCIFFRX.RXFFST"
 
 
 PROMPT = Fraction(1, 10**6)  # in seconds; accesses and changes within this time are shown together
 
 
-# A finding about an instant: steps in any order, and the cause or None. If a cause is known, the explanation blames the
-# cause and not the firmware's activity at the instant.
+# A finding about an instant consists of steps in any order, and of the cause, which is None if it is unknown.
+# An explanation blames this cause or, if it is unknown, the firmware's activity at the instant.
 Finding = tuple[list[Step], Part | None]
 
 
@@ -208,7 +208,7 @@ def _refused(evidence: Evidence, ends: Ends) -> Finding:
 
 
 def _transfer(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the phase that begins at an instant, unless the measure is one of refused transfers (see `_refused`)."""
+    """Find the phase that begins at an instant. Refused transfers are left out, because `_refused` finds them."""
     at = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin == at), None)
     if Kind.TRANSFER not in ends.measure.kinds or phase is None or ends.thing == "refused":

@@ -4,8 +4,8 @@
     recorded run, verdicts ------------------------------------------------------^
 
 Runs are deterministic, so the second run has the same occurrences. It ends after the last range. The records in the
-ranges and shortly before the ranges are kept. Of all earlier records, only the last one with the same `kind`, `where`
-and `what` is kept. These last records are the state at the begin of a range. Therefore, the needed memory does not grow
+ranges and shortly before the ranges are kept. Of all earlier records with the same `kind`, `where` and `what`, only the
+last one is kept. These last records are the state at the begin of a range. Therefore, the needed memory does not grow
 with the length of the run.
 """
 
@@ -33,8 +33,8 @@ from ....traces.capture.capture import Capture, Channel, Span, channel_of
 from ....traces.drawing.capture_lanes import bit_of
 from ....traces.formats.record_table import Columns, RecordTable
 
-AROUND = Fraction(5, 1000)  # seconds that are kept before and after an interval; a transfer or a host's frame fits in
-WIDE = Fraction(25, 1000)  # seconds that are kept before and after an instant; a period of rounds fits in
+AROUND = Fraction(5, 1000)  # seconds that are kept before and after an interval; enough for a transfer or a frame
+WIDE = Fraction(25, 1000)  # seconds that are kept before and after an instant; enough for a period of rounds
 LATE = ("missed", "stuck")  # events whose instant is the end of a wait that is too long
 LONGEST = Fraction(1, 10)  # seconds that are kept after the begin and before the end of a long occurrence
 LEAD = Fraction(25, 1000)  # seconds that are kept before a range, so that a transfer in progress is decoded
@@ -202,7 +202,7 @@ class _Keeper:
         length = round((verdict.worst or 0) * per_second / 1_000_000) if _is_length(verdict) else 0
         if verdict.until_s is not None:
             length = round(verdict.until_s * per_second) - (at - self._start)
-        event = event_of(verdict)  # the instant of an age is the read at which it ends
+        event = event_of(verdict)  # the instant of an age is the read at which the age ends
         of_data = event is not None and event.name == Kind.DATA.value
         begin, end = sorted((at - length, at) if of_data else (at, at + length))
         around = self._timebase.ticks(AROUND if _is_length(verdict) else WIDE, "nearest")
@@ -307,9 +307,9 @@ def _is_length(verdict: Verdict) -> bool:
 
 
 def _with_stretch(window: Window) -> Window:
-    """Return the window. If the verdict is about a stretch, its occurrence is reduced to the longest low time of SCL.
+    """Return a window whose occurrence is the stretch, if the verdict is about a stretch; else the window itself.
 
-    Otherwise, the occurrence of a stretch would be a whole phase.
+    Without this function, the occurrence would be a whole phase. The stretch is the longest low time of SCL in it.
     """
     event = event_of(window.verdict)
     if event is None or event.how != "stretch" or window.begin == window.end:

@@ -67,7 +67,7 @@ def distribution(values: Values, per_ns: int) -> Distribution:
     least, worst = int(data[0]), int(data[-1])
     unit, size, grain = scale_of(values.unit, max(abs(least), abs(worst)), per_ns)
     grains = (worst - least) / grain
-    width = grain * max(1, round(nice_step(grains, MOST - 1))) if grains > 1 else grain  # at most MOST bins
+    width = grain * max(1, round(nice_step(grains, MOST - 1))) if grains > 1 else grain  # results in at most MOST bins
     first = least // width
     places, counts = np.unique(data // width - first, return_counts=True)
     return Distribution(
@@ -188,7 +188,7 @@ def plot(spread: Distribution, least_is_worst: bool = False) -> Plot:
 
 
 class _Scale:
-    """The horizontal scale of the drawing."""
+    """The horizontal scale of the plot, which converts values to positions in the drawing."""
 
     def __init__(self, spread: Distribution) -> None:
         self._spread = spread

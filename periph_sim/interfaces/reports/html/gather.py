@@ -85,7 +85,7 @@ class CaseReport:
 
     name: str
     about: str
-    verdict: str  # "pass" or "fail"
+    verdict: str
     standing: Standing
     simulated_s: float
     wall_s: float
@@ -140,7 +140,7 @@ def case_report(
     failed = {verdict.name for verdict in result.budgets if not verdict.passed}
     broken = {verdict.name for verdict in result.budgets if verdict.broken}
     as_said = bool(case.breaks) and failed == broken == set(case.breaks) and not result.stuck
-    devices = tuple(f"{name}, " for name in (*case.chip, *case.device))  # notes of devices come first; few are shown
+    devices = tuple(f"{name}, " for name in (*case.chip, *case.device))  # notes of devices come first
     return CaseReport(
         name=case.name,
         about=case.about,
@@ -182,7 +182,7 @@ def _others(
     for verdict, over in zip(verdicts, overs, strict=True):
         if over is None or not verdict.broken or verdict.name in case.breaks or verdict.at_s is None:
             continue
-        size = {"us": 1_000_000 / per_second, "LSB": 1e-6}.get(verdict.unit, 1)  # of one step of a value, in the unit
+        size = {"us": 1_000_000 / per_second, "LSB": 1e-6}.get(verdict.unit, 1)  # the factor from values to the unit
         shown = shown_violations(over, _ticks(verdict.at_s, per_second))
         found += [replace(verdict, worst=value * size, at_s=at / per_second) for at, value in shown]
     return found

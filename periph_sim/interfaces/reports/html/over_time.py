@@ -25,7 +25,7 @@ from .distribution import axis_ticks, number, scale_of
 
 COLUMNS = 240
 MOST = 2_000  # maximum number of violations that are kept with their instants
-SHOWN = 6  # number of violations, besides the worst one, that are shown with waves
+SHOWN = 6  # number of violations that are shown with waves in addition to the worst violation
 PARTS = SHOWN - SHOWN // 2
 
 
@@ -85,7 +85,10 @@ def over_time(values: Values, verdict: Verdict, end: int) -> OverTime:
 
 
 def _beyond(data: NDArray[np.int64], verdict: Verdict, limits: Mapping[str, int]) -> NDArray[np.bool_]:
-    """Return an array with True for each value beyond a limit. The limit of a percentile counts only if broken."""
+    """Return an array with True for each value beyond a limit.
+
+    The limit of a percentile counts only if the verdict names this limit as broken.
+    """
     found = np.zeros(len(data), bool)
     for key, limit in limits.items():
         if key == "min":
@@ -112,8 +115,8 @@ def _columns(at: NDArray[np.int64], data: NDArray[np.int64], beyond: NDArray[np.
 def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ...]:
     """Return the violations that are shown with waves in addition to the worst violation, in order of time.
 
-    There are up to SHOWN. The first half are the first violations. For the second half, the remaining violations are
-    divided into PARTS parts, and the worst violation of each part is taken.
+    The first half of these SHOWN violations are the first ones of the run. For the second half, the remaining
+    violations are divided into PARTS parts, and the worst violation of each part is taken.
     """
     others = [one for one in over.violations if one[0] != worst_at]
     first, rest = others[: SHOWN // 2], others[SHOWN // 2 :]

@@ -25,7 +25,7 @@ from .gather import BudgetReport, CaseReport
 from .over_time import shown_unit, time_plot
 
 STYLES = ("report.css", "budget.css", "timeline.css")
-SCRIPTS = (  # in the order of their dependencies
+SCRIPTS = (  # each script is after the scripts that it uses
     "times.js",
     "lanes.js",
     "tooltip.js",
@@ -36,7 +36,7 @@ SCRIPTS = (  # in the order of their dependencies
     "table.js",
     "folds.js",
 )
-STANDINGS = ("bad", "known", "good")  # in the order on the page
+STANDINGS = ("bad", "known", "good")  # the standings of cases, in the order in which the page lists the cases
 MOST_FAILURES = 5  # maximum number of failures that the head of the page shows
 
 
@@ -46,8 +46,8 @@ def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
     title: the title of the page, and of the overview if there are several cases.
     command: the command line that made the page.
     """
-    # A row has the number of the case, the case, the number of the budget and the budget. Budgets with an unexpected
-    # result come first, then budgets that broke as expected.
+    # A row has the number of the case, the case, the number of the budget, and the budget.
+    # Budgets with an unexpected result are first, and budgets that broke as expected are second.
     budgets = [(*case, *one) for case in enumerate(cases, 1) for one in enumerate(case[1].budgets, 1)]
     rows = sorted(budgets, key=lambda row: (row[3].as_it_should_be, row[3].verdict.passed))
     return _template().render(
@@ -104,7 +104,7 @@ def _standing(one: BudgetReport) -> str:
 
 
 def _share(one: BudgetReport) -> float | None:
-    """Return the worst value in percent of a `max` limit; None if there is no such limit."""
+    """Return the worst value in percent of the limit, at most 100; None for a `min` limit or a limit of 0."""
     verdict = one.verdict
     if verdict.worst is None or verdict.which == "min" or verdict.limit <= 0 or verdict.worst < 0:
         return None

@@ -96,7 +96,7 @@ def _frame_rows(window: Window) -> list[Row]:
     return [row for rows in found.values() for row in rows]
 
 
-Box = tuple[int, int, str, str]  # begin and end as positions in the capture, label, text
+Box = tuple[int, int, str, str]  # the begin and the end as positions in the capture, the label, and the text of a box
 
 
 def bytes_of(transfers: Iterable[i2c.Transfer], end: int) -> Iterator[Box]:

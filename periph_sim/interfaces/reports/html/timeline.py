@@ -115,7 +115,7 @@ class Timeline:
 
     def json(self) -> dict[str, Any]:
         return {
-            "origin": str(self.origin),  # as text, since it may exceed the integers that a double represents
+            "origin": str(self.origin),  # as text, since the number may be too large for JavaScript
             "begin": self.begin,
             "end": self.end,
             "perSecond": self.per_second,
@@ -283,7 +283,7 @@ class Lanes:
         return [self._flag(unit, module, what, of) for (module, what), of in changes.items()]
 
     def _flag(self, unit: str, module: str, what: str, changes: list[Record]) -> Lane:
-        register, _, field_name = what.partition(".")  # a variable of an image may have any number of dots
+        register, _, field_name = what.partition(".")  # the name of a variable may have several dots or none
         of = register_of(module, register)
         known = of[field_name] if of is not None and field_name in of else None
         before = self.before.get(changes[0][2:5])

@@ -77,7 +77,7 @@ def _text(key: str, value: Value) -> str:
     """Format a value as TOML. A text is returned unchanged."""
     if isinstance(value, str):
         return value
-    plain = value.item() if hasattr(value, "item") else value  # converts numbers of numpy to those of Python
+    plain = value.item() if hasattr(value, "item") else value  # converts a number of numpy to a number of Python
     if isinstance(plain, bool | int | float | str | list | tuple):
         try:
             return json.dumps(plain)
@@ -119,7 +119,7 @@ def _range(key: str, *texts: str) -> list[str]:
     count = int((last - first) / step) + 1
     if count > MOST:
         raise BadCase(f"--vary {key}={shown}: it has {count} values; give a larger step")
-    digits = Context(prec=100)  # enough for exact decimal numbers, since numbers and units are decimal
+    digits = Context(prec=100)  # precise enough for exact results, since numbers and units are decimal
     values = (first + place * step for place in range(count))
     exact = (digits.divide(Decimal(value.numerator), Decimal(value.denominator)).normalize(digits) for value in values)
     return [f"{value:f} {unit}".strip() for value in exact]

@@ -87,7 +87,7 @@ def _cost(seconds: Sequence[float]) -> Cost:
     return Cost(median, (high - low) / sqrt(len(seconds)), len(seconds))
 
 
-START, TIMED = Fraction(1, 10), Fraction(1)  # simulated seconds that are excluded from CPU time, and included in it
+START, TIMED = Fraction(1, 10), Fraction(1)  # simulated seconds before the measurement of CPU time, and during it
 
 
 @dataclass(frozen=True)
@@ -148,8 +148,8 @@ def trade(
     max_error_s: the maximum error of times in the recommended row.
     on_progress: a function that is called with the completed share, 0 to 1.
 
-    Raise one of the errors in REFUSED if the most accurate row or the case as given cannot be run. Raise BadCase if
-    nothing occurs in the most accurate row that could be compared.
+    Raise one of the errors in REFUSED if the most accurate row or the case as given cannot be run. Raise BadCase if the
+    run of the most accurate row has no verdict, occurrence or data to compare.
     """
     runs = _Runs(make, rows)
     changed: list[str] = []
@@ -190,7 +190,7 @@ class _Runs:
     def errors(self, length: Fraction, may_be_empty: bool = False) -> dict[str, Errors]:
         """Return a dictionary from the names of all rows without a recording to their errors.
 
-        may_be_empty: False to raise BadCase if nothing occurs in the first row that could be compared.
+        may_be_empty: False to raise BadCase if the run of the first row has no verdict, occurrence or data to compare.
         """
         found: dict[str, Errors] = {}
         reference: Observed | None = None

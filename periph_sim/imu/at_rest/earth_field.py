@@ -2,14 +2,15 @@
 
     real mean at rest m, hard iron V --> m = H + d V --> d --> H_rt --> x, y, z at a yaw of 270, 180, 90, 0 degrees
 
-Table 5.1 gives the mean of the real magnetometer, level and pointing north. It does not say whether the hard iron of
-Table 4.1 was nearby: d is 0 or 1. Section 5.2 has two statements that determine d. For the turn about z (Figure 5.1),
-it says that y is about the bias at 0 and 180 degrees, so the field has hardly any y component. It also says that the
-field is nearly horizontal, so it has hardly any z component. Least squares of each statement over d:
+Table 5.1 gives the mean of the real magnetometer, level and pointing north. The table does not say whether the mean
+includes the hard iron of Table 4.1 (d = 1) or not (d = 0). Section 5.2 has two statements that determine d. For the
+turn about z (Figure 5.1), the section says that y is approximately the bias at 0 and 180 degrees, so the field has
+hardly any y component. The section also says that the field is nearly horizontal, so the field has hardly any z
+component. Each statement gives a value of d by least squares:
 
     y: (m_y - d V_y)^2 is least at d = m_y / V_y        z: d = m_z / V_z
 
-Both values are below 0, so d = 0 is nearer: the mean is the undisturbed field.
+Both values are below 0, so d = 0 is nearer than d = 1: the mean is the undisturbed field.
 
 Equation 4.10 agrees: the hard iron is the mean measured near iron minus the undisturbed mean.
 """
@@ -36,8 +37,9 @@ YAWS = (270, 180, 90, 0)  # yaws of the turn in degrees, in the order of Figure 
 
 @dataclass(frozen=True)
 class Fit:
-    """The two interpretations of the mean, and the d of each statement of section 5.2 by least squares.
+    """The two interpretations of the mean of Table 5.1.
 
+    along_y, along_z: the values of d that follow by least squares from the statements about y and about z.
     fields: the field H_rt in gauss if the mean is undisturbed (d = 0), and if it includes the hard iron (d = 1).
     """
 
@@ -47,17 +49,17 @@ class Fit:
 
     @property
     def disturbed(self) -> bool:
-        """True if d = 1 is nearer to both statements."""
+        """True if d = 1 fits both statements together better than d = 0."""
         return self.along_y + self.along_z > 1
 
     @property
     def field(self) -> Vector:
-        """The field of the interpretation that is nearer to both statements."""
+        """The field of the interpretation that fits both statements better."""
         return self.fields[self.disturbed]
 
 
 def off_north(field: Vector) -> float:
-    """Return the angle in degrees from the body's x axis, when this points north, to the horizontal field."""
+    """Return the angle in degrees from the x axis to the horizontal part of a field."""
     return degrees(atan2(field[1], field[0]))
 
 
@@ -69,7 +71,7 @@ def fit(mean: Vector = MEAN, hard_iron: Vector = HARD_IRON) -> Fit:
 
 
 def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
-    """Return the field in gauss that a level body measures at each yaw, without noise or rounding: shape (n, 3)."""
+    """Return the field that a level body measures at each yaw without noise or rounding, in gauss, float64[n, 3]."""
     model = Imu(Float64(), imu)
     fields = []
     for yaw in yaws:
@@ -79,7 +81,7 @@ def turn(imu: ImuParameters, yaws: tuple[int, ...] = YAWS) -> Floats:
 
 
 def text(imu: ImuParameters, found: Fit) -> str:
-    """Format the fit, and the turn of Figure 5.1 with this set of parameters."""
+    """Format a fit, and the turn of Figure 5.1 with the parameters `imu`."""
     x, y, z = found.field
     ys, zs = ([f"{abs(field[axis]):.4f}" for field in found.fields] for axis in (1, 2))
     says = [

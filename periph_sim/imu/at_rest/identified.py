@@ -1,9 +1,9 @@
-"""Build an `Imu` parameter set from identified columns named after sensors and axes.
+"""Parameters of an IMU from identified columns, whose names consist of sensor and axis.
 
     gyroscope_x, _y, _z [deg/s] --> means, S removed --> bias;  densities, rounding removed --> noise_density
 
-The set gives the same means at rest. The part of gravity that cross-axis sensitivity adds to other axes is not counted
-as bias.
+With these parameters, the models have the same means at rest as the recording. The part of gravity that cross-axis
+sensitivity adds to other axes is not counted as bias.
 """
 
 from __future__ import annotations
@@ -21,14 +21,15 @@ from ..models.quantity import BadParameter, Vector
 from ..noise import AXES
 from .rest import SENSORS, UNITS, Sensor
 
-GRAVITY = np.array([0.0, 0.0, -1.0])  # ideal output of a level accelerometer, g; section 4.3.4
+GRAVITY = np.array([0.0, 0.0, -1.0])  # output of an ideal level accelerometer at rest in g (section 4.3.4)
 
 
 def parameters_of_axes(axes: Mapping[str, Axis], hard_iron: bool, start: ImuParameters | None = None) -> ImuParameters:
-    """Return a parameter set that is updated from the columns of a recording.
+    """Return a parameter set that is updated with the identified columns of a recording.
 
-    start: the set to update; None for Table 4.1.
+    axes: a dictionary from the name of a column, such as "gyroscope_x", to what was identified in it.
     hard_iron: True if the bias of the magnetometer is relative to an undisturbed mean.
+    start: the set to update; None for Table 4.1.
 
     Raise BadParameter if a column belongs to no sensor, an axis is missing, or a unit differs from that of the model.
     """

@@ -3,7 +3,8 @@
     Imu --> LSB at rest + S noise --> codes / scale --> samples    random
     Imu --> LSB at rest, Gaussian over the codes --> Expected      exact: rounding and saturation included
 
-Noise is added before the matrix S, which is the last block before the converter, so the models are evaluated once.
+The models add noise just before the matrix S, which is linear. So they are evaluated once without noise, and S times
+the noise is added to the result.
 
 Dissertation section 5.2: level, pointing north, no acceleration, 10 000 samples at 50 Hz.
 """
@@ -39,7 +40,7 @@ ROUNDED: dict[Rounding, Callable[[Floats], Floats]] = {
     "floor": np.floor,
     "toward zero": np.trunc,
 }
-FAR = 12.0  # codes further off than this multiple of sigma are ignored; their probability is below 1e-30
+FAR = 12.0  # codes at more than this multiple of sigma from the mean are ignored; their probability is below 1e-30
 
 
 @dataclass(frozen=True)
@@ -51,16 +52,16 @@ class Expected:
     fourth: float
 
     def mean_error(self, samples: int) -> float:
-        """Return the standard error of the mean of this many samples."""
+        """Return the standard error of the mean of a number of samples."""
         return sqrt(self.variance / samples)
 
     def variance_error(self, samples: int) -> float:
-        """Return the standard error of the variance of this many samples."""
+        """Return the standard error of the variance of a number of samples."""
         return sqrt((self.fourth - self.variance**2 * (samples - 3) / (samples - 1)) / samples)
 
 
 def at_rest(imu: ImuParameters, samples: int, seed: int) -> dict[str, Floats]:
-    """Return the samples of each sensor in its unit, shape (samples, 3)."""
+    """Return a dictionary from the name of a sensor to its samples in its unit, float64[samples, 3]."""
     noise, still = ImuNoise(imu, seed).values(0, samples), lsb_at_rest(imu)
     found = {}
     for name in SENSORS:
@@ -72,7 +73,7 @@ def at_rest(imu: ImuParameters, samples: int, seed: int) -> dict[str, Floats]:
 
 
 def lsb_at_rest(imu: ImuParameters) -> dict[str, Triple[float]]:
-    """Return the LSB of each sensor without noise, before saturation and rounding."""
+    """Return a dictionary from the name of a sensor to its LSB without noise, before saturation and rounding."""
     model = Imu(Float64(), imu)
     zero = model.at_rest.body
     turned, body = model.motion(zero, zero)
@@ -81,9 +82,9 @@ def lsb_at_rest(imu: ImuParameters) -> dict[str, Triple[float]]:
 
 
 def expected_at_rest(imu: ImuParameters) -> dict[str, list[Expected]]:
-    """Return the expectation of each axis with white noise alone.
+    """Return a dictionary from the name of a sensor to the expectations of its three axes.
 
-    Bias instability and random walk have no fixed mean.
+    Only white noise is included, because bias instability and random walk have no fixed mean.
     """
     found = {}
     for name, means in lsb_at_rest(imu).items():
@@ -94,13 +95,16 @@ def expected_at_rest(imu: ImuParameters) -> dict[str, list[Expected]]:
 
 
 def variances_before_rounding(sensor: Sensor, period: float) -> Floats:
-    """Return the variances of the three axes due to white noise after S, in LSB squared."""
+    """Return the variances of the three axes after the matrix S, in LSB squared, as caused by white noise."""
     matrix = np.array(sensor.matrix)
     return matrix**2 @ (np.array(sensor.noise_density) / period)
 
 
 def _of_codes(sensor: Sensor, mean: float, sigma: float) -> Expected:
-    """Return moments, in the sensor's unit, of a Gaussian (in LSB) after rounding and saturation."""
+    """Return the moments, in the sensor's unit, of a Gaussian value after rounding and saturation.
+
+    mean, sigma: the mean and the standard deviation of the Gaussian value in LSB.
+    """
     if isnan(mean):
         return Expected(0.0, 0.0, 0.0)  # NaN has code 0 in float64, with or without noise
     least, most = sensor.limits
@@ -115,7 +119,7 @@ def _of_codes(sensor: Sensor, mean: float, sigma: float) -> Expected:
 
 
 def _upper_end(sensor: Sensor, code: int, least: int, most: int) -> float:
-    """Return the value, in LSB, below which a converter returns at most this code."""
+    """Return the value, in LSB, up to which a converter returns this code or a lower code."""
     if code < least:
         return -inf
     if code >= most:

@@ -1,11 +1,12 @@
 """Reproduction of Table 5.1 of the dissertation: mean, 3 sigma and variance of the sensors at rest.
 
-Published and expected values are shown beside the reproduced ones.
+Published and expected values are shown beside the reproduced values.
 
 ours, published --minus expectation, in standard errors of 10 000 samples--> which differences are explained by chance
 
-A reading is an interpretation of the parameters, whose means are compared with those of the published emulator. Each
-reading adds one effect to the previous one. The last but one is the shipped set `table_5_1`.
+A reading is an interpretation of the dissertation's parameters. The means that follow from it are compared with the
+means of the published emulator. Each reading adds one effect to the previous reading. The last reading but one is the
+shipped set `table_5_1`.
 """
 
 from __future__ import annotations
@@ -25,12 +26,12 @@ from .rest import SENSORS, UNITS, Expected, Floats, expected_at_rest, variances_
 
 Three = tuple[float, float, float]  # values on x, y, z
 
-SAMPLES = 10_000
-RATE = 50  # sample rate in Hz
+SAMPLES = 10_000  # number of samples of the published table
+RATE = 50  # sample rate of the published table in Hz
 
 
 class Row(NamedTuple):
-    """One published row, in g, deg/s or gauss. The variances of the magnetometer are printed as 0.0000."""
+    """Published figures of one sensor in g, deg/s or gauss. The variances of the magnetometer are printed as 0.0000."""
 
     mean: Three
     three_sigma: Three
@@ -49,14 +50,16 @@ EMULATOR = {
 }
 
 
-PRINTED = 1e-4 / sqrt(12)  # standard error of a number printed with four decimals
+PRINTED = 1e-4 / sqrt(12)  # standard error that is caused by printing a number with four decimals
 
 
 @dataclass(frozen=True)
 class Figure:
     """One number of the table, in the unit of the sensor.
 
-    error, published_error: the standard errors of our and of the published values.
+    real, emulator: the published values of the real IMU and of the emulator.
+    ours, expected: the reproduced and the expected value.
+    error, published_error: the standard errors of the reproduced value and of the published values.
     """
 
     real: float
@@ -68,12 +71,12 @@ class Figure:
 
     @property
     def ours_off(self) -> float | None:
-        """The difference of our value from the expected one, in standard errors; None if it is not random."""
+        """The reproduced value minus the expected value, in standard errors; None if the standard error is 0."""
         return (self.ours - self.expected) / self.error if self.error else None
 
     @property
     def emulator_off(self) -> float:
-        """The difference of the published emulator's value from the expected one, in standard errors.
+        """The published value of the emulator minus the expected value, in standard errors.
 
         The standard error includes the rounding of the printed value to four decimals.
         """
@@ -92,7 +95,7 @@ class AxisRow:
 
 
 def static_table(imu: ImuParameters, samples: Mapping[str, Floats]) -> list[AxisRow]:
-    """Return the nine rows of the table for a parameter set and samples from `rest.at_rest` of this set."""
+    """Return the nine rows of the table. samples: the result of `rest.at_rest` for the parameters `imu`."""
     expected = expected_at_rest(imu)
     return [
         _row(sensor, axis, samples[sensor][:, axis], expected[sensor][axis]) for sensor in SENSORS for axis in range(3)
@@ -117,9 +120,11 @@ def _row(sensor: str, axis: int, values: Floats, expected: Expected) -> AxisRow:
 
 @dataclass(frozen=True)
 class Reading:
-    """An interpretation of the parameters.
+    """An interpretation of the dissertation's parameters.
 
-    off: the means of the published emulator minus those of this interpretation, in standard errors.
+    says: the effect that the interpretation adds, as a phrase.
+    off: a dictionary from the name of a sensor to the means of the published emulator minus those of this
+        interpretation, on x, y, z in standard errors.
     """
 
     says: str
@@ -133,8 +138,8 @@ class Reading:
 def readings() -> list[Reading]:
     """Return all readings, each with its differences from the published means.
 
-    `table_5_1` has the biases of Table 4.1, which have two decimals, to four decimals, from the means of the real IMU
-    in Table 5.1. It has no hard iron, since Table 5.1 was measured away from iron (section 5.2).
+    Table 4.1 prints biases with two decimals. The set `table_5_1` has biases with four decimals, which follow from the
+    means of the real IMU in Table 5.1. It has no hard iron, since Table 5.1 was measured away from iron (section 5.2).
     """
     table_4_1, table_5_1 = _each(ImuParameters(), ("magnetometer",), hard_iron=NONE), named("table_5_1")
     sets = {
@@ -150,7 +155,7 @@ def readings() -> list[Reading]:
 def _off(expected: Mapping[str, Sequence[Expected]]) -> dict[str, tuple[float, ...]]:
     return {
         sensor: tuple(
-            # Errors of the mean and of the printed bias.
+            # The standard error has three parts: of the mean, of the printed mean and of the printed bias.
             (found - axis.mean) / hypot(axis.mean_error(SAMPLES), PRINTED, PRINTED)
             for found, axis in zip(EMULATOR[sensor].mean, expected[sensor], strict=True)
         )
@@ -167,7 +172,7 @@ COLUMNS = ("", "real IMU", "emulator", "ours", "expected", "ours off", "emulator
 
 
 def text(imu: ImuParameters, rows: Sequence[AxisRow], found: Sequence[Reading], samples: int, seed: int) -> str:
-    """Format the table of a parameter set with deviations in standard errors (se), and the readings `found`, if any."""
+    """Format the table of a parameter set, with deviations in standard errors, and the readings `found`, if any."""
     lines = [
         f"At rest, {samples} samples, seed {seed}; published (Table 5.1) {SAMPLES} at {RATE} Hz.",
         "off: difference to the expectation, in standard errors, of figures with four",

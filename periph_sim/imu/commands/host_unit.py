@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ..host_frame import Encoding
 
 
-WAITS = 5  # maximum time in seconds for which a port may accept no bytes
+WAITS = 5  # maximum time in seconds that a port may take to accept bytes
 
 
 @command("run", "periph-sim host-unit /tmp/dsp --flight flight.csv")
@@ -84,7 +84,7 @@ def host_unit(
 def _opened(serial: Any, port: str, baud: int) -> Any:
     try:
         return serial.serial_for_url(port, baud, write_timeout=WAITS)
-    except NotImplementedError:  # ports of rfc2217:// do not support such a limit
+    except NotImplementedError:  # Ports of rfc2217:// do not support a time limit for writing.
         return serial.serial_for_url(port, baud)
 
 
@@ -100,7 +100,7 @@ def _encoding(settings: tuple[str, ...]) -> Encoding:
 
 @contextmanager
 def _mistakes(port: str) -> Iterator[None]:
-    """Convert errors of the port, the file or a setting to ClickException with one sentence."""
+    """Convert errors of the port, the file or a setting to a ClickException whose message is one sentence."""
     from serial import SerialException
 
     from ...outside.live.port_door import in_our_words

@@ -96,7 +96,7 @@ def identify(
 def _axes(
     file: Path, rate: str | None, expect: tuple[str, ...], undisturbed: Path | None, slow: bool
 ) -> tuple[list[Axis], float]:
-    """Identify every column except time. Return the columns and the sampling period."""
+    """Identify every column except time. Return what was identified, and the sampling period in seconds."""
     from ..identification.identify import identify as identified
     from ..identification.text_report import Axis
 
@@ -124,7 +124,7 @@ def _axes(
 
 
 def _recording(file: Path, rate: str | None) -> tuple[dict[str, Column], float]:
-    """Return the columns except time, indexed by name, and the sampling period in seconds."""
+    """Return a dictionary from names to columns, without the time column, and the sampling period in seconds."""
     import numpy as np
 
     from ...traces.formats.unit_csv import line_of_row, read

@@ -55,9 +55,9 @@ def moving(
 
 @contextmanager
 def _pictures(folder: Path) -> Iterator[list[Path]]:
-    """Yield temporary paths for both pictures.
+    """Create the folder if it is missing, and yield temporary paths for both pictures.
 
-    Both are moved to the folder, which is created, if the block succeeds.
+    If the block succeeds, the pictures are moved to the folder. Otherwise, a created folder is removed.
     """
     from ...traces.formats import atomic_write
 

@@ -20,7 +20,7 @@ Floats = NDArray[np.float64]
 
 LEAST_SAMPLES = 32  # minimum number of samples; with fewer, an Allan variance has too few degrees of freedom
 LARGEST = 1e100  # maximum magnitude of a sample; with larger ones, the squares of sums overflow
-REPEATED = 4  # a recording is quantized if each of its values occurs this often on average
+REPEATED = 4  # a recording is quantized if each value occurs at least this many times on average
 OFF_GRID = 0.05  # tolerance in LSB for values that were printed with few digits
 
 
@@ -32,7 +32,8 @@ class BadSeries(InputError):
 class Series:
     """A recording with a sample every `period` seconds.
 
-    lsb: the step between values; None if they are not quantized.
+    name: the name of the recording, for messages.
+    lsb: the step between values; None if the values are not quantized.
     """
 
     name: str
@@ -42,7 +43,10 @@ class Series:
 
 
 def series(name: str, samples: ArrayLike, period: float) -> Series:
-    """Check samples and return them as a series. Raise BadSeries if they are too few, not finite, or no vector."""
+    """Check samples and return them as a series.
+
+    Raise BadSeries if there are too few samples or more than one dimension, or if a number is not finite or too large.
+    """
     if not isfinite(period) or period <= 0:
         raise BadSeries(f"{name}: the sampling period is {period} s; expected a finite number above 0")
     values = np.asarray(samples, dtype=np.float64)
@@ -72,7 +76,7 @@ def lsb_of(values: Floats) -> float | None:
     return lsb if (np.abs(apart - steps * lsb) < OFF_GRID * lsb).all() else None
 
 
-AT_ONCE = 1 << 16  # number of differences that are calculated at once, which fit into the cache
+AT_ONCE = 1 << 16  # number of differences that are calculated at once, chosen so that they fit into the CPU's cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,10 +108,10 @@ def octaves(length: int) -> list[int]:
 def allan(samples: Floats, period: float, counts: Sequence[int] | None = None) -> Allan:
     """Calculate the overlapping Allan variance at the averaging time m * period for each m of `counts`.
 
-    The memory that is needed is that of one running sum.
+    The calculation needs memory for one running sum of all samples.
 
     samples: a vector of finite values.
-    counts: the values of m; None for octaves.
+    counts: the values of m; None for 1, 2, 4 ... up to half the number of samples.
 
     Raise BadSeries if an m is less than 1 or more than half the number of samples.
     """

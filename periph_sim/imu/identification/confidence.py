@@ -1,8 +1,9 @@
 """Uncertainty of Allan variances: degrees of freedom and confidence intervals.
 
-An Allan variance has a chi-square distribution with `edf` equivalent degrees of freedom, so its relative variance is
-2 / edf. For error bars at any slope, `edf` uses the approximations of NIST SP 1065, table 5 (overlapping). Points of a
-curve share the same samples. If a value is fitted to several points of white noise, `white_covariance` is exact.
+An Allan variance has a chi-square distribution with `edf` equivalent degrees of freedom, so its relative variance is 2
+/ edf. For error bars at any slope, `edf` uses the approximations of NIST SP 1065, table 5 (overlapping). The points of
+a curve are calculated from the same samples, so they are correlated. For white noise, `white_covariance` returns the
+exact covariances, which a fit to several points needs.
 """
 
 from __future__ import annotations
@@ -27,7 +28,7 @@ def interval(edf: Floats, level: float) -> tuple[Floats, Floats]:
 def slopes(found: Allan) -> NDArray[np.int64]:
     """Return the type of noise at each tau: -1 (white), 0 (flicker) or 1 (random walk).
 
-    It is the integer nearest to the slope of the logarithm of the variance.
+    The type is the integer nearest to the slope of log(variance) over log(tau).
     """
     if len(found.taus) < 2 or not (found.variance > 0).all():
         return np.full(len(found.taus), -1)
@@ -48,10 +49,13 @@ def edf(found: Allan) -> Floats:
 
 
 def white_covariance(counts: NDArray[np.int64], length: int) -> Floats:
-    """Return the exact relative covariance of the overlapping Allan variances of white Gaussian noise.
+    """Return the exact relative covariances of the overlapping Allan variances of white Gaussian noise, float64[n, n].
 
-    The differences of averages are sums of the samples with the weights -1/m and 1/m. So they are Gaussian, and the
-    covariance of two of their squares is twice the square of their covariance.
+    The differences of averages are sums of the samples with the weights -1/m and 1/m. So these differences are
+    Gaussian. The covariance of the squares of two Gaussian values is twice the square of the covariance of both values.
+
+    counts: the number of samples in the averages of each variance, int64[n].
+    length: the number of samples of the recording.
     """
     pairs = [[_covariance(min(m, n), max(m, n), length) * m * n for n in counts.tolist()] for m in counts.tolist()]
     return np.array(pairs)
@@ -71,7 +75,7 @@ def _covariance(m: int, n: int, length: int) -> float:
         together: Floats = np.maximum(pairs, 0.0) * shared**2
         return together
 
-    # Between two corners the term is a cubic in the lag, so three values of it give its sum over whole lags.
+    # Between two corners, the term is a cubic of the lag. So three values of the term give its sum over all whole lags.
     bends = [*corners, 0, places_n - places_m, -places_m, places_n]
     edges = np.unique(np.clip(bends, max(-2 * n, -places_m), min(2 * m, places_n)))
     begin, end = edges[:-1], edges[1:] - 1

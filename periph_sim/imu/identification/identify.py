@@ -5,7 +5,7 @@ without it (4.10). The standard error of a mean is the root of the sum of the sq
 
     white noise       its square is density / length in seconds
     drift             if the curve is above the line of white noise at long tau, averaging does not help any more
-    whole LSB         if the noise is small compared with an LSB, the mean of rounded values has a systematic error
+    quantisation      if the noise is small compared with an LSB, the mean of rounded values has a systematic error
 """
 
 from __future__ import annotations
@@ -22,12 +22,16 @@ from .confidence import edf
 from .noise_terms import Density, SlowTerms, density, slow_terms, white_part
 
 LEAST_EDF = 2.0  # minimum degrees of freedom of the longest tau that is used to detect drift
-UNLIKELY = 1e-3  # drift is detected if the probability of such a variance by white noise alone is below this
+UNLIKELY = 1e-3  # drift is detected if white noise alone causes so large a variance with less than this probability
 
 
 @dataclass(frozen=True)
 class Mean:
-    """A mean in the unit of the samples, and the parts of its standard error: white, drift, quantisation."""
+    """A mean and the parts of its standard error, in the unit of the samples.
+
+    value: the mean.
+    white, drift, quantisation: the parts of the standard error, as in the head of this module.
+    """
 
     value: float
     white: float
@@ -39,7 +43,7 @@ class Mean:
         return sqrt(self.white**2 + self.drift**2 + self.quantisation**2)
 
     def less(self, other: Mean) -> Mean:
-        """Return the difference of two independent means, of which the second is expected, or without a disturbance."""
+        """Return this mean minus an independent mean: the expected mean, or the mean without a disturbance."""
         return Mean(
             self.value - other.value,
             sqrt(self.white**2 + other.white**2),
@@ -60,7 +64,10 @@ def mean(series: Series, found: Allan, noise: Density) -> Mean:
 
 
 def _drift(found: Allan, noise: Density) -> float:
-    """Return the largest deviation that is significantly above the line of white noise at a longer tau; else 0."""
+    """Return the largest Allan deviation at long tau if it is significantly above the line of white noise; else 0.
+
+    Long tau are those beyond the region in which the density of white noise was fitted.
+    """
     freedom = edf(found)
     behind = slice(noise.region.stop, int(np.count_nonzero(freedom >= LEAST_EDF)))
     ratio = found.variance[behind] * found.taus[behind] / noise.value
@@ -70,9 +77,9 @@ def _drift(found: Allan, noise: Density) -> float:
 
 
 def _quantisation(series: Series, noise: Density) -> float:
-    """Return the RMS error of the mean of Gaussian values that are rounded to whole LSB, over all true means.
+    """Return the error of the mean of Gaussian values that are rounded to whole LSB, as RMS over all true means.
 
-    It follows from the first term of the Fourier series of the rounding error, whose amplitude is
+    The RMS error follows from the first term of the Fourier series of the rounding error, whose amplitude is
     LSB / pi * exp(-2 pi**2 (sigma / LSB)**2) (Widrow and Kollar, "Quantization noise", chapter 4).
     """
     if series.lsb is None:
@@ -89,8 +96,9 @@ class Identified:
     """The parameters of one axis.
 
     bias: the mean minus the expected value, or minus the mean without the disturbance.
-    density: the measured density, including that of rounding to LSB. If there are slow terms, it is fitted together
-        with them.
+    density: the measured density of white noise, which includes the density of rounding to LSB. It is fitted together
+        with the slow terms if these are requested.
+    slow: the fit of all terms of the noise; None if the slow terms are not requested.
     notes: warnings for the reader, as sentences.
     """
 
@@ -108,7 +116,7 @@ class Identified:
 
     @property
     def sensor_density(self) -> float:
-        """The density of the sensor's own noise without rounding, for models, which round by themselves."""
+        """The density of the sensor's own noise without rounding. Models use it, because they round themselves."""
         return max(self.density.value - self.quantisation_density, 0.0)
 
 
@@ -124,7 +132,8 @@ def identify(
     """Identify the parameters of one axis, recorded at rest every `period` seconds.
 
     expected: the true mean.
-    undisturbed: samples without the disturbance, whose mean is used in place of `expected` (hard iron).
+    undisturbed: for hard iron, samples without the disturbance; their mean replaces `expected`.
+    slow: True to fit bias instability and random walk, too.
 
     Raise BadSeries if nothing can be identified: too few samples, NaN, or a constant.
     """

@@ -2,8 +2,8 @@
 
     variance(tau) = N**2 / tau + (2 ln 2 / pi) B**2 + K**2 tau / 3        slopes -1/2, 0 and +1/2 of the deviation
 
-Without slow terms, N squared is the density of white noise. It follows from the part of the Allan deviation with slope
--1/2:
+Without slow terms, only N squared is identified, the density of white noise. It follows from the part of the Allan
+deviation with slope -1/2:
 
     tau at or below 1 s --> adjacent points on this slope, on both sides --> weighted mean of variance * tau = density
 
@@ -12,9 +12,9 @@ On this slope, variance * tau is the same at every tau, so all these points give
 smaller error. If the curve leaves this slope before 1 s, the line through its earlier part is extended to 1 s, as in
 IEEE 952.
 
-With slow terms, all three terms (IEEE Std 952 annex C) are fitted together by weighted least squares, with none below
-0, because the parts of slope 0 and +1/2 seldom occur alone. Points share samples; their correlation is assumed to be
-that of white noise.
+With slow terms, all three terms (IEEE Std 952 annex C) are fitted together, because the parts of slope 0 and +1/2
+seldom occur alone. The fit uses weighted least squares, and no term is below 0. The points of the curve are calculated
+from the same samples, so they are correlated. The correlation is assumed to be the same as for white noise.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ from .allan import Allan, BadSeries, Floats
 from .confidence import edf, interval, white_covariance
 
 READ_AT = 1.0  # tau in seconds at which the density is read
-LEAST_EDF_OF_SLOPE = 8.0  # with fewer degrees of freedom, a variance is too uncertain to determine a slope
-LEAST_POINTS = 3  # number of points that are needed for a line
-AGREE = 3.0  # number of standard errors within which a point is on the line
+LEAST_EDF_OF_SLOPE = 8.0  # minimum degrees of freedom of a variance from which a slope is determined
+LEAST_POINTS = 3  # minimum number of points for a line
+AGREE = 3.0  # a point is on a line if it differs from the line by less than this number of standard errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,15 +39,16 @@ class Density:
     """The density of white noise, N squared, in unit**2 s.
 
     value, error: the density and its standard error.
-    edf: the degrees of freedom of its chi-square distribution.
-    region: the indices of the points to which it was fitted.
+    edf: the degrees of freedom of the chi-square distribution of `value`.
+    region: the indices of the points of the curve from which the density was calculated.
+    at_one_second: the square of the Allan deviation at the tau nearest to 1 s, times this tau.
     """
 
     value: float
     error: float
     edf: float
     region: slice
-    at_one_second: float  # the square of the deviation at the tau nearest to 1 s, times this tau
+    at_one_second: float
 
     def bounds(self, level: float) -> tuple[float, float]:
         """Return the interval that contains the true density with the probability `level`."""
@@ -56,7 +57,10 @@ class Density:
 
 
 def density(name: str, found: Allan) -> Density:
-    """Return the density of white noise in a curve of octaves. Raise BadSeries if the slope near 1 s is not -1/2."""
+    """Return the density of white noise from Allan variances at octaves.
+
+    Raise BadSeries if there is no noise, or the slope at 1 s and below is not -1/2.
+    """
     relative = white_covariance(found.counts, found.length)
     known = int(np.count_nonzero(2 / np.diag(relative) >= LEAST_EDF_OF_SLOPE))
     relative = relative[:known, :known]
@@ -92,9 +96,10 @@ def _region(scaled_variance: Floats, relative: Floats, centre: int) -> slice:
 
 
 def _weights(relative: Floats, region: slice) -> Floats:
-    """Return the weights of the points, which follow from the uncertainty of each point alone.
+    """Return the weights of the points of a region. Each weight follows from the uncertainty of its point alone.
 
-    Weights that are optimal for white noise would be worse for a sensor whose noise is not exactly white.
+    Weights that also use the correlation would be optimal for white noise, but worse for noise that is not exactly
+    white.
     """
     weights = 1 / np.diag(relative)[region]
     scaled: Floats = weights / weights.sum()
@@ -102,7 +107,10 @@ def _weights(relative: Floats, region: slice) -> Floats:
 
 
 def _agrees(scaled_variance: Floats, relative: Floats, begin: int, end: int, candidate: int) -> bool:
-    """Return True if a point is on the line of the region so far, within the scatter of white noise."""
+    """Return True if the point `candidate` is on the line of the points from `begin` to `end` - 1.
+
+    The tolerance is AGREE standard errors of white noise.
+    """
     region = slice(begin, end)
     weights = _weights(relative, region)
     mean = weights @ scaled_variance[region]
@@ -114,14 +122,18 @@ def _agrees(scaled_variance: Floats, relative: Floats, begin: int, end: int, can
     return bool(abs(scaled_variance[candidate] / mean - 1) < AGREE * variance**0.5)
 
 
-ROUNDS = 4  # number of fits; weights follow from the previous fit and converge after a few rounds
-LEAST_EDF = 2.0
-FLOOR = 2 * log(2) / pi  # variance of the flat part, in B squared: a deviation of 0.664 B
+ROUNDS = 4  # number of fits; the weights follow from the previous fit and converge after a few rounds
+LEAST_EDF = 2.0  # minimum degrees of freedom of a variance that is used in the fit
+FLOOR = 2 * log(2) / pi  # the variance of the flat part divided by B squared, so its deviation is 0.664 B
 
 
 @dataclass(frozen=True)
 class Term:
-    """A coefficient in its unit, and its square with its standard error."""
+    """A fitted coefficient.
+
+    squared: the square of the coefficient.
+    squared_error: the standard error of this square.
+    """
 
     squared: float
     squared_error: float
@@ -136,14 +148,17 @@ class Term:
         return self.squared > 2 * self.squared_error
 
     def bounds(self, errors: float) -> tuple[float, float]:
-        """Return the coefficients whose squares are `errors` standard errors below and above."""
+        """Return the lower and the upper bound of the coefficient.
+
+        The squares of the bounds are `errors` standard errors below and above the square of the coefficient.
+        """
         aside = errors * self.squared_error
         return sqrt(max(self.squared - aside, 0.0)), sqrt(self.squared + aside)
 
 
 @dataclass(frozen=True)
 class SlowTerms:
-    """The fitted terms.
+    """The three terms of the noise, fitted together.
 
     white: N in unit * sqrt(s).
     bias_instability: B in unit.
@@ -156,7 +171,7 @@ class SlowTerms:
 
 
 def white_part(found: Allan, terms: SlowTerms) -> Density:
-    """Return the fitted density of white noise. Its region is where white noise is most of the variance."""
+    """Return the fitted density of white noise. Its region has the points with more white noise than other noise."""
     most = int(np.count_nonzero(terms.white.squared / found.taus > found.variance / 2))
     about = int(np.abs(np.log(found.taus / READ_AT)).argmin())
     freedom = 2 * (terms.white.squared / terms.white.squared_error) ** 2
@@ -165,7 +180,7 @@ def white_part(found: Allan, terms: SlowTerms) -> Density:
 
 
 def slow_terms(found: Allan) -> SlowTerms:
-    """Fit N, B and K to a curve of octaves."""
+    """Fit N, B and K to Allan variances at octaves."""
     used = edf(found) >= LEAST_EDF
     taus, variance, freedom = found.taus[used], found.variance[used], edf(found)[used]
     parts = np.stack([1 / taus, np.full_like(taus, FLOOR), taus / 3], axis=1)

@@ -1,7 +1,8 @@
 """The Allan plot: a log-log picture of identified axes with error bars and fitted lines, as a file.
 
-There is one panel per unit. Each point has the interval that contains the true deviation with a probability of 68 %.
-The line of slope -1/2 is thick where it was fitted and thin where it is extended to 1 s. A ring marks where it is read.
+There is one panel per unit. The error bar of each point contains the true deviation with a probability of 68 %. The
+line of slope -1/2 is thick where it was fitted and thin where it is extended to 1 s. A ring marks its value at 1 s,
+from which the density follows.
 """
 
 from __future__ import annotations
@@ -19,7 +20,7 @@ from .confidence import LEVELS, edf, interval
 from .noise_terms import FLOOR, READ_AT
 from .text_report import Axis
 
-# Colours that can be distinguished with colour blindness.
+# People with colour blindness can distinguish these colours.
 COLOURS = ("#0060a8", "#c04a00", "#3a7d34", "#7a3b9a", "#777777")
 MARKS = "osd^v"
 STYLE: dict[Any, Any] = {"svg.hashsalt": "periph-sim", "svg.fonttype": "none", "font.size": 9.0, "axes.axisbelow": True}

@@ -24,7 +24,7 @@ class Axis:
 
 
 def table(title: str, axes: Sequence[Axis]) -> str:
-    """Format a table with a title, the parameters and errors of each column, requested slow terms, and notes."""
+    """Format a title, the parameters and errors of each column, the slow terms if they were requested, and notes."""
     lines = [title, "", *text_table(FOUND, [_found(axis) for axis in axes])]
     lines += ["", *text_table(KNOWN, [_known(axis) for axis in axes])]
     lines += ["", "Densities in the column's unit, squared, per Hz. Errors are standard errors."]
@@ -41,7 +41,7 @@ def as_json(axes: Sequence[Axis]) -> list[dict[str, object]]:
 
 
 def with_error(value: float, error: float) -> str:
-    """Format a value with its standard error, both to the second digit of the error."""
+    """Format a value with its standard error, both rounded to the second digit of the error."""
     if error <= 0:
         return f"{value:g}"
     decimals = max(1 - floor(log10(error)), 0)
@@ -49,7 +49,7 @@ def with_error(value: float, error: float) -> str:
 
 
 def scaled(value: float, error: float) -> str:
-    """Format a value with its standard error and a power of ten."""
+    """Format a value with its standard error and a common power of ten."""
     power = floor(log10(value)) if value > 0 else 0
     return f"({with_error(value / 10**power, error / 10**power)})e{power:+03d}"
 

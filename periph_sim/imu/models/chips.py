@@ -12,7 +12,7 @@ from .parameters import SensorParameters, Wrap
 
 T = TypeVar("T")
 
-COARSEST = 0.01  # maximum relative error of 1/Ts, which is also that of every rate
+COARSEST = 0.01  # maximum relative error of 1/Ts; every rate has the same relative error
 
 
 class Angles(NamedTuple, Generic[T]):
@@ -41,10 +41,12 @@ class Derivative(Generic[T]):
     both). "as built" uses plain differences, so that a yaw which continues from +180 to -180 degrees is a step of
     nearly -360. "unwrapped" adds or subtracts one turn if a step of roll or yaw is longer than half a turn.
 
-    1/Ts is a constant, as in a block with a fixed sample time. Ts = 0 has no derivative; such parameters are rejected,
-    so no arithmetic ever divides by Ts.
+    1/Ts is a constant, as in a block with a fixed sample time. Ts = 0 has no derivative; parameters with Ts = 0 are
+    rejected, so no arithmetic ever divides by Ts.
 
-    period: Ts in seconds. Raise DoesNotFit if 1/Ts is more than 1 % off in a Q format.
+    period: Ts in seconds.
+
+    Raise DoesNotFit if 1/Ts is more than 1 % off in a Q format.
     """
 
     def __init__(self, a: Arithmetic[T], period: float, wrap: Wrap = "as built") -> None:
@@ -91,12 +93,12 @@ class SensorEquations(Generic[T]):
         self._rounding = sensor.rounding
 
     def converted(self, lsb: Triple[T]) -> Triple[T]:
-        """Return codes: LSB that are limited to the converter's codes, and rounded."""
+        """Convert LSB to codes: limit them to the range of the converter, and round them to whole numbers."""
         return self._v.whole(lsb, self._low, self._high, self._rounding)
 
 
 def triple(a: Arithmetic[T], values: tuple[float, float, float]) -> Triple[T]:
-    """Return three constants."""
+    """Return three values as constants of an arithmetic."""
     return a.constant(values[0]), a.constant(values[1]), a.constant(values[2])
 
 
@@ -121,7 +123,7 @@ class Gyroscope(SensorEquations[T]):
         self._g_sens = a.constant(sensor.g_sens)
 
     def body_rates(self, rates: Triple[T], angles: Angles[T]) -> Triple[T]:
-        """Return p, q, r in rad/s, as built or corrected."""
+        """Return p, q, r in rad/s, as built or corrected. rates: phi', theta', psi' in rad/s."""
         return body_rates(self._a, rates, angles) if self._corrected else rates
 
     def lsb(self, body: Triple[T], acceleration: Triple[T], noise: Triple[T]) -> Triple[T]:
@@ -136,7 +138,7 @@ class Gyroscope(SensorEquations[T]):
 
 
 def body_rates(a: Arithmetic[T], rates: Triple[T], angles: Angles[T]) -> Triple[T]:
-    """Return p, q, r of appendix B, in the unit of the rates phi', theta', psi'."""
+    """Return p, q, r of appendix B from the rates phi', theta', psi', in the same unit."""
     add, sub, mul = a.add, a.sub, a.mul
     roll, pitch, yaw = rates
     return (
@@ -153,9 +155,9 @@ class Accelerometer(SensorEquations[T]):
         A_med = A_sys + w x (w x d) + w' x d                              cos(theta) cos(phi)]  in g
         code  = S (A_med + bias + noise)
 
-    Source: equations 4.1 to 4.4. At rest and level: 0, 0, -1 g. The products with w in rad/s and d in m are in m/s^2
-    and are divided by g = 9.81 m/s^2 at the end. Dividing d instead would save three products, but would leave a lever
-    arm of centimetres too few bits in Q16.
+    Source: equations 4.1 to 4.4. w is p, q, r in rad/s, w' its derivative, and d the lever arm in m. A level chip at
+    rest reads 0, 0, -1 g. The products of w and d are in m/s^2 and are divided by g = 9.81 m/s^2 at the end. Dividing d
+    by g first would save three products, but a lever arm of centimetres would have too few bits in Q16.
     """
 
     def __init__(self, a: Arithmetic[T], sensor: parameters.AccelerometerParameters) -> None:
@@ -209,8 +211,8 @@ class Magnetometer(SensorEquations[T]):
         rho cos(elevation + e) = r cos e - Hz sin e        rho sin(elevation + e) = Hz cos e + r sin e
         r cos(azimuth + a) = Hx cos a - Hy sin a           r sin(azimuth + a) = Hy cos a + Hx sin a
 
-    It gives the same as "four-quadrant" except on the z axis itself (r = 0), where atan2(0, 0) = 0 puts the vector on
-    the side of x: there "rotation" uses that side too.
+    "rotation" gives the same values as "four-quadrant". On the z axis (r = 0), the azimuth is 0 in both, because
+    atan2(0, 0) = 0.
     """
 
     def __init__(self, a: Arithmetic[T], sensor: parameters.MagnetometerParameters) -> None:
@@ -264,7 +266,7 @@ class Magnetometer(SensorEquations[T]):
         )
 
     def _lengths(self, field: Triple[T]) -> tuple[T, T]:
-        """Return sqrt(Hx^2 + Hy^2) and rho."""
+        """Return r and rho of a field (see the class)."""
         a, mul, (x, y, z) = self._a, self._a.mul, field
         if self._norm == "mag":
             level = a.mag(x, y)

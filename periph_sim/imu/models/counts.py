@@ -1,7 +1,7 @@
 """Numbers of operations for a sample in each part of the models: {"gyroscope": {"mul": 15, ...}, ...}.
 
-Parameters that select a method (corrected rates, unwrapped angles, the rotation of the field) change the counts. Values
-do not change them, because the equations have no branches.
+Parameters that select a method (corrected rates, unwrapped angles, the rotation of the field) change the counts. The
+values of a sample do not change the counts, because the equations have no branches.
 """
 
 from __future__ import annotations
@@ -20,13 +20,12 @@ COSTLESS = ("constant", "value")  # operations that a program does not execute a
 
 
 class Counting:
-    """An arithmetic that calculates like another one and counts the operations.
+    """An arithmetic that calculates like the arithmetic `a` and counts the operations.
 
     equations --> Counting(Q(16)) --> the numbers of Q(16), and {"mul": 113, "add": 101, "sincos": 5, ...}
 
-    counts: the number of operations of each kind since the last `pop_counts`. The models have no branches that depend
-        on values, so the counts are those of every sample. Vector operations are counted number by number, even if `a`
-        has its own.
+    counts: the number of operations of each kind since the last `pop_counts`. A vector operation is counted as its
+        operations on single numbers, even if `a` implements vector operations itself.
     """
 
     def __init__(self, a: Arithmetic[Any]) -> None:
@@ -60,7 +59,10 @@ FRAME = 6  # number of values of a host frame that are scaled
 
 
 def counts_of(imu: parameters.ImuParameters) -> dict[str, Counter[str]]:
-    """Count the operations of one sample in each part. The part `frame` is the scaling of a host frame's six values."""
+    """Return a dictionary from each part of the models to the number of operations of each kind for one sample.
+
+    The part `frame` is the scaling of a host frame's six values.
+    """
     return {part: Counter(counts) for part, counts in _counted(imu).items()}
 
 

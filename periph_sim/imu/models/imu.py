@@ -41,7 +41,7 @@ T = TypeVar("T")
 
 
 class Noise(NamedTuple, Generic[T]):
-    """Noise added before the scale S: deg/s, g and gauss on x, y, z."""
+    """Noise of the three chips on x, y, z, in deg/s, g and gauss. The models add the noise before the matrix S."""
 
     gyroscope: Triple[T]
     accelerometer: Triple[T]
@@ -53,7 +53,8 @@ class Inputs(NamedTuple, Generic[T]):
 
     turned: the sines and cosines of the attitude.
     acceleration: the linear acceleration in g.
-    body, body_before: p, q, r in rad/s of this sample and of the sample before.
+    body: p, q, r of this sample in rad/s.
+    body_before: p, q, r of the previous sample in rad/s.
     """
 
     turned: Angles[T]
@@ -64,7 +65,7 @@ class Inputs(NamedTuple, Generic[T]):
 
 
 class Codes(NamedTuple, Generic[T]):
-    """Codes of each chip on x, y and z, in LSB: whole numbers."""
+    """Codes of each chip on x, y and z, which are whole numbers of LSB."""
 
     gyroscope: Triple[T]
     accelerometer: Triple[T]
@@ -72,7 +73,11 @@ class Codes(NamedTuple, Generic[T]):
 
 
 class State(NamedTuple, Generic[T]):
-    """State from one sample to the next: attitude in rad, body rates in rad/s."""
+    """What the models need to know of the previous sample.
+
+    attitude: roll, pitch, yaw in rad.
+    body: the body rates p, q, r in rad/s.
+    """
 
     attitude: Triple[T]
     body: Triple[T]
@@ -87,7 +92,7 @@ def _named(part: str, build: Callable[[], R]) -> R:
 
 
 class Imu(Generic[T]):
-    """The models of the three sensors. They are stateless: `step` receives a state and returns the next one."""
+    """The models of the three sensors. They are stateless: `step` receives a state and returns the next state."""
 
     def __init__(self, a: Arithmetic[T], imu: parameters.ImuParameters) -> None:
         """Raise DoesNotFit, with the part's name, if a Q format cannot hold a constant."""
@@ -103,7 +108,7 @@ class Imu(Generic[T]):
 
     @property
     def overflows(self) -> int:
-        """The number of results so far that did not fit a Q format."""
+        """The number of results so far that did not fit the Q format; 0 in another arithmetic."""
         return self.a.overflows if isinstance(self.a, Q) else 0
 
     def check(self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T]) -> None:
@@ -114,20 +119,20 @@ class Imu(Generic[T]):
                     raise NotFinite(axis, float(cast(float, value)))
 
     def motion(self, attitude: Triple[T], before: Triple[T]) -> tuple[Angles[T], Triple[T]]:
-        """Return the sines and cosines of an attitude, and p, q, r in rad/s from this attitude and the one before.
+        """Return the sines and cosines of an attitude, and p, q, r in rad/s.
 
-        Attitudes are in rad.
+        attitude, before: the attitude of this sample and of the previous sample in rad.
         """
         turned = angles(self.a, attitude)
         return turned, self.gyroscope.body_rates(self.derivative.rates(attitude, before), turned)
 
     def codes_of(self, chip: str, inputs: Inputs[T]) -> Triple[T]:
-        """Return the codes of the chip with a name in Codes."""
+        """Return the codes of a chip. chip: the name of a field of Codes."""
         equations: SensorEquations[T] = getattr(self, chip)
         return equations.converted(self.lsb_of(chip, inputs))
 
     def lsb_of(self, chip: str, inputs: Inputs[T]) -> Triple[T]:
-        """Return the LSB of the chip with a name in Codes, before saturation and rounding."""
+        """Return the LSB of a chip before saturation and rounding. chip: the name of a field of Codes."""
         turned, acceleration, body, body_before, noise = inputs
         if chip == "gyroscope":
             return self.gyroscope.lsb(body, acceleration, noise.gyroscope)

@@ -1,7 +1,7 @@
 """Parameters of the sensor models: named numbers with unit, range and source (see quantity.py).
 
-The defaults are those of Table 4.1 of the dissertation. If it gives no value, the source says so and gives the reason
-for the value that was chosen.
+The defaults are those of Table 4.1 of the dissertation. If the dissertation gives no value, the source of the parameter
+says so and gives the reason for the chosen value.
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ class SensorParameters(Checked, frozen=True):
 
 
 class AccelerometerParameters(SensorParameters, frozen=True):
-    """ADXL345 (equations 4.1 to 4.4). lever_arm: d of equation 4.3."""
+    """Parameters of the ADXL345 (equations 4.1 to 4.4). lever_arm: d of equation 4.3."""
 
     bias: Annotated[Vector, Quantity("g", -16, 16, TABLE)] = (-0.02, 0.02, -0.00)
     noise_density: Annotated[Vector, Quantity("g^2/Hz", 0, 1, TABLE)] = (0.16e-4, 0.16e-4, 0.15e-4)
@@ -74,9 +74,10 @@ class AccelerometerParameters(SensorParameters, frozen=True):
 
 
 class GyroscopeParameters(SensorParameters, frozen=True):
-    """ITG-3200 (equation 4.5, appendix B).
+    """Parameters of the ITG-3200 (equation 4.5, appendix B).
 
-    mounting: for each axis of the chip, the body axis along it with its sign; 1 is x.
+    mounting: for each axis of the chip, the number of the parallel body axis: 1 for x, 2 for y, 3 for z. The number is
+        negative if the two axes point in opposite directions.
     rates: "as built" for the derivatives of the three angles, or "corrected" for the body rates of appendix B.
     """
 
@@ -101,11 +102,15 @@ class GyroscopeParameters(SensorParameters, frozen=True):
 
 
 class MagnetometerParameters(SensorParameters, frozen=True):
-    """HMC5883L (equations 4.6 to 4.8). hard_iron: V; earth_field: H_rt; board: Incl_PCB.
+    """Parameters of the HMC5883L (equations 4.6 to 4.8).
 
+    hard_iron: V.
+    earth_field: H_rt.
+    board_azimuth, board_elevation: the inclination of the board, Incl_PCB.
     spherical: the method for H_rp. "four-quadrant": by azimuth and elevation with atan2, as intended. "plain": with the
         arctangents as written. "rotation": the values of "four-quadrant" without angles (see `chips.Magnetometer`).
-    norm: "squares" for the roots as written; "mag" for two magnitudes of two numbers each, without large squares.
+    norm: the method for lengths. "squares": roots of sums of squares, as written. "mag": magnitudes of two numbers at a
+        time, without large squares.
     """
 
     hard_iron: Annotated[Vector, Quantity("gauss", -8, 8, TABLE)] = (-0.16, 0.17, -0.02)
@@ -127,8 +132,9 @@ class MagnetometerParameters(SensorParameters, frozen=True):
 class ImuParameters(Checked, frozen=True):
     """Parameters of all three sensors and of their common derivative.
 
-    period: Ts.
-    wrap: "as built": a step of nearly 360 degrees is used as it is. "unwrapped": roll and yaw use the shorter way.
+    period: Ts, the time between two samples.
+    wrap: the treatment of a step of nearly 360 degrees. "as built": the step is used as it is. "unwrapped": a step of
+        roll or yaw is taken the shorter way round.
     """
 
     accelerometer: AccelerometerParameters = AccelerometerParameters()
@@ -140,8 +146,10 @@ class ImuParameters(Checked, frozen=True):
     def check_period(self, runs: Fraction, what: str) -> None:
         """Raise BadParameter unless the models' period is `runs` seconds, within 0.1 %.
 
-        If the models run at another period than `period`, every rate is wrong by the ratio, and nothing shows this.
+        If the models run at another period, every rate is wrong by the ratio of the periods, and nothing else shows
+        this error.
 
+        runs: the period in seconds at which the models run.
         what: the occasion at which the models run, for the message, such as "once a round".
         """
         period = Fraction(self.period)

@@ -2,7 +2,8 @@
 
     bias: Annotated[Vector, Quantity("g", -16, 16, "Table 4.1")] = (-0.02, 0.02, 0.0)
 
-A set checks itself at construction. It raises BadParameter with the parameter, the value and the range.
+A set of parameters checks its values at construction. If a value is invalid, it raises BadParameter with the parameter,
+the value and the range.
 """
 
 from __future__ import annotations
@@ -52,9 +53,10 @@ class Choice(Struct, frozen=True):
 
 
 class Parameter(Struct, frozen=True):
-    """One entry of a set, as its annotation declares it.
+    """One entry of a set of parameters, as declared by its annotation.
 
-    kind: Vector, float, int, a Literal, or a set of parameters.
+    kind: the type: Vector, float, int, a Literal, or a set of parameters.
+    says: the rest of the annotation; None if the entry is a set of parameters.
     """
 
     name: str
@@ -64,7 +66,7 @@ class Parameter(Struct, frozen=True):
 
 @cache  # reading annotations takes longer than all checks
 def parameters_of(kind: type[Checked]) -> tuple[Parameter, ...]:
-    """Return every parameter of a set, in order."""
+    """Return all parameters of a set, in the order of their definition."""
     hints = get_type_hints(kind, include_extras=True)
     found = []
     for name in kind.__struct_fields__:

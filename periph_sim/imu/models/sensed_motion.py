@@ -2,9 +2,9 @@
 
     motion.truth --attitude, rates, acceleration at t--> models in float64 --> LSB, saturated, not rounded
 
-Rates are those of the motion at the instant and not differences of two samples. They are always body rates (appendix
-B), because a gyroscope that is fixed to the body measures these, even if an emulator calculates others. At a corner of
-the motion, the values after it count.
+Rates are derivatives of the motion at the instant, and not differences of two samples. They are always converted to
+body rates (appendix B), because a gyroscope that is fixed to the body measures body rates, even if an emulator
+calculates other rates. At a corner of the motion, the rates after the corner are used.
 """
 
 from __future__ import annotations
@@ -34,11 +34,14 @@ class SensedMotion:
         self._model = Imu(Float64(), replace(imu, gyroscope=replace(imu.gyroscope, rates="corrected")))
 
     def at(self, seconds: float, noise: Noise[float] | None = None) -> dict[str, tuple[float, ...]]:
-        """Return x, y, z of each chip in LSB. noise: the noise at this instant, from `noise`."""
+        """Return a dictionary from the name of a chip to its x, y, z in LSB.
+
+        noise: the noise of the sensors at this instant; None for no noise.
+        """
         turned, body = self._turning(seconds)
         *_, x, y, z = self._motion.at(seconds)
         _, later = self._turning(seconds + STEP)
-        # The models calculate the change of the rates from two samples.
+        # The models calculate the change of the rates from two samples, so earlier rates with this change are given.
         part = self._imu.period / STEP
         p, q, r = (now - (then - now) * part for now, then in zip(body, later, strict=True))
         inputs = Inputs(turned, (x, y, z), body, (p, q, r), noise or self._model.silence)

@@ -1,11 +1,11 @@
 """Motions of the host: attitude and acceleration as functions of time.
 
-Each file in this folder that has a function `motion` is a kind of motion; it needs no registration. It defines
+Each file in this folder that has a function `motion` is a kind of motion, without any registration. The file defines
 
     Settings             a dataclass of the keys of [host.motion], with units (`quantities`)
-    motion(settings)     the `Motion`; BadMotion for invalid settings
+    motion(settings)     returns the `Motion`; raises BadMotion for invalid settings
 
-Angles are the usual ones of aerospace with z down: roll phi, pitch theta and yaw psi, in rad. Accelerations are linear
+Angles are roll phi, pitch theta and yaw psi as usual in aerospace, with z down, in rad. Accelerations are linear
 accelerations of the body in g, without gravity (dissertation sections 3.4 and 4.3.1).
 """
 
@@ -44,7 +44,7 @@ class Motion:
 
     @property
     def truth(self) -> Motion:
-        """The true motion of the body. It is another motion if the reported attitude is coarser than the true one."""
+        """The true motion of the body, which differs from this motion if this motion reports coarser attitudes."""
         return self
 
     def at(self, seconds: float) -> Sequence[float]:
@@ -52,19 +52,19 @@ class Motion:
         raise NotImplementedError
 
     def rates_at(self, seconds: float) -> Sequence[float]:
-        """Return the true rates of phi, theta, psi in rad/s. At a corner, they are those after it."""
+        """Return the true rates of phi, theta, psi in rad/s; at a corner of the motion, the rates after the corner."""
         raise NotImplementedError
 
     def attitude(self, times: Floats) -> Floats:
-        """Return phi, theta, psi in rad at times of shape (n,), shape (n, 3)."""
+        """Return phi, theta, psi in rad at each of n times in seconds, float64[n, 3]."""
         return _rows([self.at(seconds)[:3] for seconds in times.tolist()])
 
     def rates(self, times: Floats) -> Floats:
-        """Return `rates_at` at times of shape (n,), shape (n, 3)."""
+        """Return the result of `rates_at` at each of n times in seconds, float64[n, 3]."""
         return _rows([self.rates_at(seconds) for seconds in times.tolist()])
 
     def acceleration(self, times: Floats) -> Floats:
-        """Return ax, ay, az in g at times of shape (n,), shape (n, 3)."""
+        """Return ax, ay, az in g at each of n times in seconds, float64[n, 3]."""
         return _rows([self.at(seconds)[3:] for seconds in times.tolist()])
 
 
@@ -84,22 +84,22 @@ class MotionKind(Protocol):
 
 @cache
 def kinds() -> dict[str, MotionKind]:
-    """Return every kind of motion, indexed by the name of its file."""
+    """Return a dictionary from the name of each kind of motion, which is the name of its file, to the kind."""
     return {name: cast(MotionKind, module) for name, module in modules_with("motion", __name__, __path__).items()}
 
 
 @cache
 def kind_named(name: str) -> MotionKind | None:
-    """Return the kind of motion of that name; None if there is none."""
+    """Return the kind of motion with this name; None if there is no such kind."""
     return cast("MotionKind | None", module_with("motion", __name__, __path__, name))
 
 
 def sampled(motion: Motion, seconds: float) -> Sequence[float]:
-    """Return the six values at a time in rad and g. Raise BadMotion if a value is out of range."""
+    """Return the six values of a motion at a time, in rad and g. Raise BadMotion if a value is out of range."""
     values = motion.at(seconds)
     for name, value in zip(VALUES, values, strict=True):
         limit, unit = (ANGLE_RANGE, "rad") if name in ANGLES else (ACCELERATION_RANGE, "g")
-        if not abs(value) <= limit:  # this form also finds NaN
+        if not abs(value) <= limit:  # `abs(value) > limit` would be false for NaN
             expected = shown(limit, unit)
             raise BadMotion(f"motion: {name} is {value:.6g} {unit} at {seconds:.6g} s; expected {expected}")
     return values

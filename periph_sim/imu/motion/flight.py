@@ -1,10 +1,10 @@
-"""A recorded flight from a CSV file, interpolated linearly between its rows. Angles are interpolated the shorter way.
+"""A recorded flight from a CSV file, interpolated linearly between rows. Angles are interpolated the shorter way round.
 
     time [s],phi [deg],theta [deg],psi [deg],ax [g],ay [g],az [m/s^2]
 
 Angles are in rad, deg or mrad, and accelerations in g, mg or m/s^2. The columns may be in any order, and other columns
 are ignored. Roll and yaw are returned from -180 (not included) to 180 degrees, even if the file uses another range.
-Time 0 of the run is the first row. After the last row, its values remain.
+The first row is at time 0 of the motion. After the last row, the values of the last row remain.
 """
 
 from __future__ import annotations
@@ -81,4 +81,4 @@ def _bad(path: Path, row: int, found: str, expected: str) -> BadMotion:
     return BadMotion(f"{path}, line {line_of_row(path, row)}: {found}; expected {expected}")
 
 
-assert VALUES == ANGLES + ACCELERATIONS  # the rows above have the order of a host frame
+assert VALUES == ANGLES + ACCELERATIONS  # `motion` builds rows in this order, which must be that of a host frame

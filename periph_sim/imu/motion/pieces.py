@@ -1,6 +1,7 @@
 """Piecewise motion: six values at increasing times, between which they are constant or interpolated linearly.
 
-Before the first and after the last time, the values are constant. `flight`, `servo`, `static` and `steps` use this.
+Before the first and after the last time, the values are constant. The motions `flight`, `servo`, `static` and `steps`
+use these classes.
 """
 
 from __future__ import annotations
@@ -16,7 +17,7 @@ Rows = Sequence[Sequence[float]]
 class Held(Motion):
     """A motion that is constant between given times.
 
-    times: increasing, one or more.
+    times: one or more times in seconds, increasing.
     rows: the six values from each time on.
     """
 
@@ -36,7 +37,7 @@ class Held(Motion):
 class Straight(Held):
     """A motion that is linear between given times.
 
-    times: strictly increasing, one or more.
+    times: one or more times in seconds, strictly increasing.
     rows: the six values at each time.
     """
 

@@ -25,7 +25,7 @@ ACCELERATION_UNITS = {"g": 1.0, "mg": 1e-3, "m/s^2": 1 / GRAVITY}
 TIME_UNITS = {unit: float(length) for unit, length in TIMES.items()}
 FREQUENCY_UNITS = {"Hz": 1.0, "mHz": 1e-3, "kHz": 1e3}
 
-ANGLE_RANGE = 2 * pi  # maximum angle: recordings use -180 to 180 degrees, or 0 to 360
+ANGLE_RANGE = 2 * pi  # maximum angle in rad, since recordings use -180 to 180 degrees, or 0 to 360 degrees
 ACCELERATION_RANGE = 100.0  # maximum acceleration in g; far beyond the sensors' ranges and an airframe's strength
 RATE_RANGE = 1000.0  # maximum rate in rad/s
 
@@ -33,10 +33,13 @@ RATE_RANGE = 1000.0  # maximum rate in rad/s
 def quantity(units: Mapping[str, float], least: float, most: float, value: object) -> float:
     """Parse a text such as "52.2 rpm" and convert it to the unit whose factor is 1.
 
-    Raise ValueError, with a remedy, if it is invalid.
+    units: a dictionary from each accepted unit to its factor.
+    least, most: the limits of the converted number.
+
+    Raise ValueError, whose message says what is expected, if the text is invalid.
     """
     example = " or ".join(units)
-    if isinstance(value, float):  # a default, or from Settings built in Python
+    if isinstance(value, float):  # a default value, or a value from Settings that were built in Python
         number = value
     elif not isinstance(value, str):
         raise ValueError(f"{value!r} has no unit; write a number, a blank and {example}")
@@ -55,7 +58,7 @@ def quantity(units: Mapping[str, float], least: float, most: float, value: objec
 
 
 def shown(most: float, unit: str, least: float | None = None) -> str:
-    """Format a range. It begins at -most if `least` is None."""
+    """Format the range from `least` to `most`, or from -most to `most` if `least` is None."""
     low = -most if least is None else least
     if most == inf:
         return f"{low:g} {unit} or more"
@@ -75,7 +78,7 @@ Hertz = Annotated[float, _validator(FREQUENCY_UNITS, 0.0, 1e6)]
 
 @dataclass(frozen=True)
 class Pose:
-    """Attitude in rad, linear acceleration in g."""
+    """The six values of a motion at one time: attitude in rad, linear acceleration in g."""
 
     phi: Angle = 0.0
     theta: Angle = 0.0

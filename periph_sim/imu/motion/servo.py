@@ -1,11 +1,11 @@
-"""The moving experiment: three servos move one after the other, are read slowly and coarsely, and interpolated.
+"""Motion of the moving experiment: three servos move one after the other. Their positions are read and interpolated.
 
     0 --fast--> +swing, hold, --slow--> -swing, hold, and so on, --fast--> 0, hold: pitch, then yaw, then roll
 
-Dissertation section 5.3: 52.2 and 2.9 rpm, 50, 50 and 80 degrees, servos AX-18A with a resolution of 0.29 degrees.
-Their positions were read over a slow serial line and interpolated before they were sent to the emulator. Chosen,
-because the dissertation does not state them: the duration of a hold, the number of swings and the reading interval. A
-servo reaches its speed at once.
+Dissertation section 5.3: 52.2 and 2.9 rpm, 50, 50 and 80 degrees, servos AX-18A with a resolution of 0.29 degrees. The
+positions of the servos were read over a slow serial line, and interpolated before they were sent to the emulator. The
+dissertation does not state the duration of a hold, the number of swings and the reading interval, so their defaults are
+our choice. A modelled servo reaches its speed at once.
 """
 
 from __future__ import annotations
@@ -30,8 +30,14 @@ MOST_READS = 1_000_000  # maximum number of positions that are held in memory
 class Settings:
     """The settings of the servos.
 
-    resolution: 0 for exact positions.
-    read_every: 0 if positions are read continuously, so that nothing is interpolated.
+    pitch, yaw, roll: the largest angle of each servo, to both sides of 0.
+    fast: the rate of each motion to the positive side, and back to 0.
+    slow: the rate of each motion to the negative side.
+    hold: the duration of a hold after each motion.
+    swings: the number of swings of each servo.
+    resolution: the resolution of the positions; 0 for exact positions.
+    read_every: the time between two readings; 0 if positions are read continuously, so that nothing is interpolated.
+    interpolate: the interpolation between readings: "straight" for a line, "hold" for the value of the last reading.
     """
 
     pitch: Angle = 50 * DEGREE
@@ -47,7 +53,7 @@ class Settings:
 
 
 def path(settings: Settings) -> Straight:
-    """Return the true positions of the servos."""
+    """Return the true motion of the servos."""
     times, poses = [0.0], [[0.0] * 6]
 
     def go(angle: str, to: float, rate: float) -> None:
@@ -70,7 +76,7 @@ def path(settings: Settings) -> Straight:
 
 
 class Servo(Motion):
-    """The motion of the servos. Its attitude is the one that is read; its rates are the true ones.
+    """The motion of the servos: the attitude that is read from the servos, and their true rates.
 
     The servos rotate the sensors about the sensors' own position, so there is no acceleration.
     """
@@ -94,7 +100,7 @@ class Servo(Motion):
 
     @property
     def truth(self) -> Straight:
-        """The true positions of the servos."""
+        """The true motion of the servos, which is neither rounded nor interpolated."""
         return self._path
 
     def at(self, seconds: float) -> Sequence[float]:
@@ -110,7 +116,7 @@ class Servo(Motion):
 
 
 def motion(settings: Settings) -> Servo:
-    """Build the motion. Raise BadMotion if the resolution is negative, or positions would be read too often."""
+    """Build the motion. Raise BadMotion if the resolution is negative, or if positions would be read too often."""
     if settings.resolution < 0:
         raise BadMotion(f"resolution: it is {settings.resolution:g} rad; expected 0 rad or more")
     return Servo(settings)

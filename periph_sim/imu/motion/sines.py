@@ -27,7 +27,7 @@ class AngleWave(Table, frozen=True):
 
 
 class AccelerationWave(Table, frozen=True):
-    """A sine wave that is added to the acceleration `of`."""
+    """A sine wave, amplitude * sin(2 pi frequency t + phase), that is added to the acceleration `of`."""
 
     of: Literal["ax", "ay", "az"]
     amplitude: Acceleration
@@ -45,7 +45,7 @@ class Settings:
 
 
 class Sines(Motion):
-    """Sums of waves about a mean."""
+    """A motion whose values are the sum of a mean and sine waves."""
 
     ends = inf
 

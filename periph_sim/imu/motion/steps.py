@@ -15,7 +15,7 @@ from .quantities import LEVEL, Acceleration, Angle, Pose, Seconds, row
 
 @dataclass(frozen=True)
 class Step:
-    """A change of the given values at a time. Other values do not change."""
+    """A step at the time `at`. Each value that is not None is the new value; a value that is None does not change."""
 
     at: Seconds
     phi: Angle | None = None

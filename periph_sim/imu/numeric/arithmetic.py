@@ -1,9 +1,9 @@
-"""The interface of arithmetics, with which models compute, on single numbers and on vectors of three.
+"""The interface of the arithmetics in which models calculate: operations on numbers and on vectors of three numbers.
 
     equations --add, mul, sin ...--> Arithmetic[T] --> float64, float32, Q16, arrays of them, or counts
 
-A model is written once, with the operations of this protocol. T is an arithmetic's representation of numbers: a float,
-an int that means value * 2**16, or an array of these. Angles are in radians.
+A model is written once, with the operations of this interface. T is an arithmetic's representation of numbers: a float,
+an int that means value * 2**16, or an array of floats or ints. Angles are in radians.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ Rounding = Literal["nearest", "floor", "toward zero"]
 class Arithmetic(Protocol[T]):
     """A kind of numbers and the operations on them.
 
-    No operation raises an exception for any value; each kind documents the results.
+    No operation raises an exception for any value. Each arithmetic documents its results for special values.
 
-    name: the name in tables.
-    constant: converts a constant of the compiled program, which takes no time when the program runs.
+    name: the name of the arithmetic in tables.
+    constant: the conversion of a constant, which happens when a program is compiled and takes no time when it runs.
     """
 
     name: str
@@ -31,10 +31,10 @@ class Arithmetic(Protocol[T]):
         """Return the number nearest to `value`."""
 
     def value(self, x: T) -> Any:
-        """Return the value of a number of this kind as a float, or as float64[n]."""
+        """Return the value of a number of this kind as a float, or as float64[n] if T is an array."""
 
     def scaled(self, count: T, lsb: float) -> T:
-        """Convert a whole number of steps of `lsb`, such as an int16 of a host frame."""
+        """Return count * lsb for a whole number, such as an int16 of a host frame."""
 
     def add(self, x: T, y: T) -> T: ...
     def sub(self, x: T, y: T) -> T: ...
@@ -61,13 +61,14 @@ class Arithmetic(Protocol[T]):
         """Return x limited to the range from low to high."""
 
     def to_integer(self, x: T, rounding: Rounding) -> T:
-        """Round x to a whole number, which is a count of LSB and no longer a number of this kind."""
+        """Round x to a whole number. The result is a count of LSB and no longer a number of this kind."""
 
 
 class Vectors(Generic[T]):
     """Operations on vectors of three numbers x, y, z.
 
-    Each consists of operations of the arithmetic. Their order affects the result, because they round and overflow.
+    Each vector operation consists of operations on numbers. The order of these affects the result, because they round
+    and overflow.
     """
 
     def __init__(self, a: Arithmetic[T]) -> None:
@@ -84,12 +85,12 @@ class Vectors(Generic[T]):
         return sub(u[0], v[0]), sub(u[1], v[1]), sub(u[2], v[2])
 
     def times(self, u: Triple[T], k: T) -> Triple[T]:
-        """Return u times a number."""
+        """Return u times the number k."""
         mul = self._a.mul
         return mul(u[0], k), mul(u[1], k), mul(u[2], k)
 
     def transformed(self, rows: tuple[Triple[T], ...], u: Triple[T]) -> Triple[T]:
-        """Return the product of a matrix, given by three rows, and u."""
+        """Return the product of a matrix with u. rows: the three rows of the matrix."""
         first, second, third = rows
         return self._dot(first, u), self._dot(second, u), self._dot(third, u)
 
@@ -118,7 +119,7 @@ class Vectors(Generic[T]):
 def vectors_of(a: Arithmetic[T]) -> Vectors[T]:
     """Return the vector operations of an arithmetic.
 
-    Q implements them itself, with one call for a vector instead of one for each number.
+    `Q` implements these operations itself, with one call per vector instead of one call per number.
     """
     vectors: Any = a if hasattr(a, "plus") else Vectors(a)
     found: Vectors[T] = vectors

@@ -1,7 +1,7 @@
 """Names of arithmetics: "float64", "float32", "q16", "q12 saturating", "q16 rounded".
 
 name --> scalar(name)   one number at a time, as firmware does
-     --> library(name)  the costs of its operations
+     --> library(name)  the costs of the operations on the F28335
 """
 
 from __future__ import annotations
@@ -26,14 +26,14 @@ class NoSuchArithmetic(InputError):
 
 
 def scalar(name: str) -> Arithmetic[Any]:
-    """Return the arithmetic with a name.
+    """Return the arithmetic with this name.
 
-    Raise NoSuchArithmetic if there is none, and DoesNotFit if the number of bits is impossible.
+    Raise NoSuchArithmetic if no arithmetic has this name, and DoesNotFit if the number of bits is impossible.
     """
     if name == "float64":
         return Float64()
     if name == "float32":
-        from .float32 import Float32  # imported here, because it uses numpy even for one number
+        from .float32 import Float32  # The import is here, because float32 uses numpy even for single numbers.
 
         return Float32()
     found = re.fullmatch(r"q(\d{1,3})( saturating| rounded)?", name)
@@ -42,11 +42,11 @@ def scalar(name: str) -> Arithmetic[Any]:
     bits = int(found[1])
     if found[2] is None:
         return Q(bits)
-    return RoundedQ(bits, "wrap" if found[2] == " rounded" else "saturate")  # IQrsmpy rounds, too
+    return RoundedQ(bits, "wrap" if found[2] == " rounded" else "saturate")  # IQrsmpy also rounds.
 
 
 def library(name: str) -> Library:
-    """Return the implementation on the F28335: IQmath, the FPU with fastRTS, or software."""
+    """Return the library that implements an arithmetic on the F28335: IQmath, the FPU with fastRTS, or software."""
     from .estimate import DOUBLE, FASTRTS, IQMATH, ROUNDED, SATURATED
 
     if name == "float32":

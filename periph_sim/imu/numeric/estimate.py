@@ -2,13 +2,15 @@
 
     {"gyroscope": {"mul": 15, ...}, ...} x costs --> Estimate --> total, per part, per kind, rest of a measured time
 
-The estimate includes the operations of the equations, and loads and stores of their operands. These are assumed to take
-one cycle per number, in memory without wait states and without numbers in registers. It does not include the rest of
-the program, such as noise, conversions between blocks, function prologues and interrupts.
+The estimate includes the operations of the equations, and loads and stores of their operands. A load or store is
+assumed to take one cycle per number, in memory without wait states; no number is assumed to stay in a register. The
+estimate does not include the rest of the program, such as noise, conversions between blocks, function prologues and
+interrupts.
 
-A cost is a range. A published figure is both of its ends. Without a published figure, the ends are a stated guess or
-are derived from published figures of instructions. Figures are for code and data in memory without wait states. The
-tables of a library may be in the boot ROM, which has one wait state; the cost of this is listed separately.
+A cost is a range. If there is a published figure, both ends of the range are this figure. Otherwise, the ends are a
+guess, which is marked as a guess, or are derived from published figures of instructions. Figures are for code and data
+in memory without wait states. The tables of a library may be in the boot ROM, which has one wait state; the additional
+cost is listed separately.
 """
 
 from __future__ import annotations
@@ -22,7 +24,7 @@ from msgspec import Struct, field
 
 Tables = Literal["RAM", "boot ROM"]
 
-# The numbers of operands and results of each operation.
+# A dictionary from each operation to its number of operands and results.
 OPERANDS = {
     "scaled": 2,
     "add": 3,
@@ -46,7 +48,8 @@ OPERANDS = {
 class Cost(Struct, frozen=True):
     """A cost in SYSCLKOUT cycles, from low to high.
 
-    guessed: True if it is based on experience and not on a published figure.
+    source: the document from which the cost is taken, or how it was derived.
+    guessed: True if the cost is based on experience and not on a published figure.
     """
 
     low: int
@@ -62,8 +65,9 @@ def exactly(cycles: int, source: str) -> Cost:
 class Library(Struct, frozen=True):
     """The costs of the operations of a library.
 
-    rom: the additional cycles of each operation if its tables are in the boot ROM.
-    with_operands: the operations whose figure includes loads and stores.
+    costs: a dictionary from an operation to its cost.
+    rom: a dictionary from an operation to its additional cycles if the tables of the library are in the boot ROM.
+    with_operands: the operations whose cost includes loads and stores.
     """
 
     name: str
@@ -102,7 +106,7 @@ FASTRTS = Library(
         "atan": exactly(49, FASTRTS_GUIDE),
         "atan2": exactly(50, FASTRTS_GUIDE),
     },
-    rom={"sincos": 2, "atan": 3, "atan2": 3},  # a cycle for each number that is read from a table
+    rom={"sincos": 2, "atan": 3, "atan2": 3},  # one cycle for each number that is read from a table
 )
 
 RTS = Library(
@@ -184,14 +188,15 @@ DOUBLE = Library(
 
 
 SYSCLK = 150_000_000  # SYSCLKOUT of the dissertation's board in Hz
-MEASURED = Fraction(250, 1_000_000)  # seconds that section 5.4 measured from GPIO high to low, with code in RAM
+MEASURED = Fraction(250, 1_000_000)  # time in seconds that section 5.4 measured on a GPIO pin, with code in RAM
 
 
 class Estimate(Struct, frozen=True):
-    """The cycles of a model.
+    """The estimated cycles of a model.
 
-    parts: the cycles of each part, as (low, high).
-    counts: the number of operations of each kind in all parts together.
+    tables: the memory that contains the tables of the library.
+    parts: a dictionary from each part of the model to its cycles, as (low, high).
+    counts: a dictionary from each kind of operation to its number in all parts together.
     """
 
     library: Library
@@ -201,7 +206,7 @@ class Estimate(Struct, frozen=True):
 
     @property
     def low(self) -> int:
-        """The cycles of all operations with their operands, with the lower ends of the ranges."""
+        """The cycles of all operations and their loads and stores, if each cost is at the lower end of its range."""
         return sum(low for low, _ in self.parts.values())
 
     @property
@@ -214,7 +219,7 @@ class Estimate(Struct, frozen=True):
         return any(self.library.costs[kind].guessed for kind in self.counts)
 
     def seconds(self) -> Fraction:
-        """Return the time in the middle of the range, for uses that need a single number."""
+        """Return the time of a run in seconds, as the middle of the range."""
         return Fraction(self.low + self.high, 2) / SYSCLK
 
     def left_of(self, measured: Fraction = MEASURED) -> tuple[int, int]:
@@ -224,7 +229,10 @@ class Estimate(Struct, frozen=True):
 
 
 def estimate(counts: Mapping[str, Mapping[str, int]], library: Library, tables: Tables = "RAM") -> Estimate:
-    """Estimate the cycles. counts: for each part the number of operations of each kind."""
+    """Estimate the cycles of a model.
+
+    counts: a dictionary from each part of the model to the number of operations of each kind.
+    """
     parts: dict[str, tuple[int, int]] = {}
     total: Counter[str] = Counter()
     for part, kinds in counts.items():

@@ -4,12 +4,13 @@
             --> fastRTS tables (sin, cos, atan2), Newton (divide, sqrt) --> float32
 
 Results are rounded to nearest even, because TI's start-up code and interrupt entries set RNDF32; after reset, rounding
-is toward zero. Denormal results become 0. Comparisons, and so `clamp`, treat a NaN as an infinity with its sign
-(SPRUEO2A, CMPF32, MAXF32, MINF32). The sign of an arithmetic NaN is not documented; that of IEEE is used.
+is toward zero. Denormal results become 0. Comparisons, and so `clamp`, treat a NaN as an infinity with the sign of the
+NaN (SPRUEO2A, CMPF32, MAXF32, MINF32). The sign of a NaN that a calculation produces is not documented; here it is the
+sign that numpy produces.
 
-The guide states no errors of the software functions. In the tests, the errors are as follows: sin and cos 4e-7 up to
-2 pi (the argument is reduced in float32, so the error grows with the angle: 1e-4 rad at 1000 rad); atan and atan2 4e-7;
-divide and sqrt two units in the last place. atan2(0, 0) divides 0 by 0 in fastRTS and is NaN here.
+The fastRTS guide states no errors of the software functions. In our tests, the errors are as follows: sin and cos 4e-7
+up to 2 pi (the argument is reduced in float32, so the error grows with the angle: 1e-4 rad at 1000 rad); atan and atan2
+4e-7; divide and sqrt two units in the last place. atan2(0, 0) divides 0 by 0 in fastRTS and is NaN here.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ A0, A1, A2 = (np.array([a[i] for a in ARCTANGENT], dtype=np.float32) for i in ra
 
 
 class Float32:
-    """The arithmetic of float32. T is float32[n], or 0-dimensional. The caller turns off warnings of numpy."""
+    """The arithmetic of float32. T is an array, float32[n] or 0-dimensional. The caller turns numpy's warnings off."""
 
     name = "float32"
 
@@ -67,18 +68,18 @@ class Float32:
         return -x
 
     def sqrt(self, x: Singles) -> Singles:
-        """Return x times the reciprocal of its root. The reciprocal and the product are rounded."""
+        """Return x times the reciprocal of the root of x. The reciprocal and the product are rounded."""
         return np.where(x == 0, np.float32(0), _flushed(x * _flushed(np.reciprocal(np.sqrt(x)))))
 
     def mag(self, x: Singles, y: Singles) -> Singles:
         """Return the root of the sum of the squares.
 
-        The sum can overflow, since there is no library function for this.
+        The sum can overflow, since the library has no function that avoids the overflow.
         """
         return self.sqrt(self.add(self.mul(x, x), self.mul(y, y)))
 
     def sincos(self, x: Singles) -> tuple[Singles, Singles]:
-        """Return the sine and the cosine. Each is calculated with a cubic of its own, as in sinf and cosf."""
+        """Return the sine and the cosine. Sine and cosine have a cubic each, as in sinf and cosf."""
         k, over = _step(x)
         s, c, sixth = SINE[k], COSINE[k], _flushed(SIXTH * over)
         bend_s = _flushed(_flushed(HALF * s) + _flushed(sixth * c))
@@ -122,12 +123,12 @@ def _comparable(x: Singles) -> Singles:
 
 
 def _step(angle: Singles) -> tuple[Any, Singles]:
-    """Return the step of the table for an angle, 0 to 511, and the rest of the angle in radians."""
+    """Return the step of the sine table for an angle, 0 to 511, and the rest of the angle beyond it in radians."""
     exact = _flushed(angle * STEPS_PER_RADIAN)
     whole = np.trunc(exact)
     return _whole(np.remainder(whole, np.float32(TURN)), TURN - 1), _flushed(_flushed(exact - whole) * RADIANS_PER_STEP)
 
 
 def _whole(x: Singles, most: int) -> Any:
-    """Convert a number to an index of a table, 0 to `most`. NaN becomes 0; the result is NaN anyway."""
+    """Convert a number to an index of a table, 0 to `most`. For a NaN, the index does not matter and is 0."""
     return np.nan_to_num(np.clip(x, 0, most), nan=0.0).astype(np.intp)

@@ -1,7 +1,8 @@
 """float64 for single numbers, the reference for the other arithmetics.
 
-It follows IEEE 754: x/0 is infinite, and 0/0 and the like are NaN, without exceptions. A NaN cannot be rounded to a
-whole number. It becomes 0, so a model must check for NaN before its last block, which rounds.
+Operations follow IEEE 754: x/0 is infinite, and 0/0 and similar operations give NaN, without exceptions. A NaN cannot
+be rounded to a whole number, so `to_integer` returns 0 for a NaN. A model must therefore check for NaN before it
+rounds.
 """
 
 from __future__ import annotations

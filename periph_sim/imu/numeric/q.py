@@ -13,8 +13,8 @@ IQdiv, IQsqrt and IQmag always saturate. x/0 is the largest number, also for 0/0
     root           rounded to nearest; of a negative number 0                (IQNsqrt.asm)
 
 Source: comments in the sources of IQmath V1.4 for the C28x. There, division and root are two Newton steps from a table,
-which the comments call 32-bit accurate; here, they are exact before rounding. Everything else follows the sources step
-by step, so the format has the same losses. `bits` is the number of fraction bits, 1 to 29.
+and the comments call the results 32-bit accurate. Here, division and root are exact before rounding. Everything else
+follows the sources step by step, so results have the same errors. `bits` is the number of fraction bits, 1 to 29.
 """
 
 # core: compiled
@@ -38,14 +38,14 @@ SIXTH = 0x2AAA  # 1/6 in Q16
 SINE = [round(value * Q30) for value in SINES]
 COSINE = [round(value * Q30) for value in COSINES]
 A0, A1, A2 = ([round(a[i] * Q30) for a in ARCTANGENT] for i in range(3))
-A0[0] = max(A0[0], 0)  # the angle is truncated to Q as an unsigned number
+A0[0] = max(A0[0], 0)  # The sources truncate the angle to Q as an unsigned number.
 
 
 def sine_and_cosine(angle: BigInt, bits: int) -> tuple[BigInt, BigInt]:
-    """Return the sine and the cosine of an angle.
+    """Return the sine and the cosine of an angle in rad. All three numbers have `bits` fraction bits.
 
-    If x is the rest of the angle beyond a step of the table, and s and c are the values of the tables there, they are
-    s + x (c + x (-s/2 - x c/6)) and c + x (-s + x (-c/2 + x s/6)), all in Q30.
+    The angle is a step of the table plus a rest x. With the sine s and the cosine c of the step, the sine of the angle
+    is s + x (c + x (-s/2 - x c/6)), and the cosine is c + x (-s + x (-c/2 + x s/6)).
     """
     exact: BigInt = abs(angle) * STEPS_PER_RADIAN  # Q(bits + 24)
     exact = exact >> (bits - 8) if bits >= 8 else exact << (8 - bits)  # Q32
@@ -64,7 +64,7 @@ def quarter_turn(bits: int) -> int:
 
 
 def atan2_of(y: int, x: int, bits: int) -> int:
-    """Return the angle of the point (x, y); 0 for the origin."""
+    """Return the angle of the point (x, y) in rad; 0 for the origin. All numbers have `bits` fraction bits."""
     wide, high = abs(x), abs(y)
     steep: bool = wide < high
     over, under = (wide, high) if steep else (high, wide)
@@ -80,7 +80,7 @@ def atan2_of(y: int, x: int, bits: int) -> int:
 
 
 def root_of(square: BigInt) -> int:
-    """Return the root of a whole number, rounded to nearest; 0 for a negative one."""
+    """Return the root of a whole number, rounded to nearest; 0 for a negative number."""
     if square <= 0:
         return 0
     low = isqrt(square)
@@ -113,22 +113,24 @@ def nearest_in(value: float, bits: BigInt) -> BigInt:
     return raw
 
 
-constant_in = lru_cache(maxsize=4096)(nearest_in)  # a cache, because scenes of one case use the same constants
+constant_in = lru_cache(maxsize=4096)(nearest_in)  # Scenes of one case use the same constants.
 
 
 def factor_of(lsb: float, bits: int) -> tuple[int, int]:
-    """Return a factor of 30 bits, and the shift that converts its product with a count to Q.
+    """Return a factor of 30 bits and a shift: (count * factor) >> shift is count * lsb with `bits` fraction bits.
 
-    A constant in the format itself is too coarse: 1e-4 rad is 6.55 / 2**16, which Q16 rounds to 7 / 2**16.
+    A factor with `bits` fraction bits would be too coarse: 1e-4 rad is 6.55 / 2**16, which Q16 rounds to 7 / 2**16.
     """
     shift = 30 - frexp(lsb)[1]
     return round(ldexp(lsb, shift)), shift - bits
 
 
 class Q:
-    """The arithmetic of a Q format for single numbers. T = int: value * 2**bits.
+    """The arithmetic of a Q format for single numbers. T is int and means value * 2**bits.
 
-    Hot code contains limits as literals, because names would take a tenth of its time.
+    Methods that run often contain the limits as literals, because names would take a tenth of their time.
+
+    overflows: the number of results so far that did not fit the format.
     """
 
     name: str
@@ -150,7 +152,7 @@ class Q:
         return constant_in(value, self.bits)
 
     def nearest(self, value: float) -> BigInt:
-        """Return the same as `constant` without a cache, for values that seldom occur again."""
+        """Return the same number as `constant`, but do not cache it. This is for values that seldom occur again."""
         return nearest_in(value, self.bits)
 
     def value(self, x: int) -> float:

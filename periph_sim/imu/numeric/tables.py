@@ -1,9 +1,9 @@
 """Tables of TI's mathematics libraries, calculated from their description.
 
-Both IQmath and fastRTS use a table of 512 sines per turn and a cubic, and approximate the arctangent of 0 to 1 by 64
-parabolas. Comments in the sources describe these methods, but not the coefficients of the parabolas. So the parabolas
-are fitted: each passes through the arctangent at the three Chebyshev points of its interval, with an error below 4e-8
-rad.
+Both IQmath and fastRTS calculate sines from a table of 512 sines per turn and a cubic, and approximate the arctangent
+of 0 to 1 by 64 parabolas. Comments in the sources of the libraries describe these methods, but not the coefficients of
+the parabolas. So the parabolas are fitted here: each parabola passes through the arctangent at the three Chebyshev
+points of its interval. The error is below 4e-8 rad.
 
 Source: comments of IQNsin, IQNcos, IQNatan2 (IQmath V1.4, C28x) and of FastRTS_sin, FastRTS_atan2 (FPU fastRTS V2).
 """
@@ -13,7 +13,7 @@ from __future__ import annotations
 from math import atan, cos, pi, sin
 
 TURN = 512  # number of sines in a turn
-PARABOLAS = 64
+PARABOLAS = 64  # number of parabolas for the arctangent of 0 to 1
 
 SINES: tuple[float, ...] = tuple(sin(2 * pi * k / TURN) for k in range(TURN))
 COSINES: tuple[float, ...] = tuple(cos(2 * pi * k / TURN) for k in range(TURN))

@@ -32,7 +32,7 @@ MOST_NAMED = 12  # maximum number of channels that a message names
 MOST_LISTED = 3  # maximum number of spans that a note lists
 UNKNOWN = 2  # the state of a line whose level is unknown; the other states are 0 and 1
 UNITS = {"": 1, "hz": 1, "khz": 10**3, "mhz": 10**6, "ghz": 10**9}
-FASTEST = 10**15  # highest rate that is accepted, in samples per second
+FASTEST = 10**15  # maximum rate that is accepted, in samples per second
 RATE = re.compile(rf"\s*(\d{{1,{MOST_DIGITS}}}(?:\.\d{{0,{MOST_DIGITS}}})?(?:[eE]\+?\d\d?)?)\s*([A-Za-z]*)\s*")
 
 
@@ -187,7 +187,7 @@ def listed(channels: Sequence[Channel]) -> str:
 
 
 def channel_of(name: str, index: int, at: Iterable[int], levels: Iterable[int | None], length: int) -> Channel:
-    """Build a Channel from positions and the level from each position on, which is None if the level is unknown.
+    """Build a Channel from positions and the level from each position on. An unknown level is None.
 
     The rules are those of `channel_of_states`.
     """

@@ -26,8 +26,8 @@ from ...core.phrases import shorten
 from .capture import MOST_DIGITS, BadCapture, Capture, Channel, Positions, Span
 
 MOST_POSITION = 1 << 62
-FASTEST_ANALYSER = 10**10  # samples per second; no logic analyser is faster
-LONGEST_PAUSE = 1 << 26  # a longer pause, in samples, may be an error in a time stamp: 0.7 s at 100 MHz
+FASTEST_ANALYSER = 10**10  # a rate in samples per second that no logic analyser exceeds
+LONGEST_PAUSE = 1 << 26  # maximum length of a pause in samples (0.7 s at 100 MHz) that is accepted without a check
 
 
 def resampled(capture: Capture, rate: Fraction) -> Capture:
@@ -41,7 +41,7 @@ def resampled(capture: Capture, rate: Fraction) -> Capture:
         )
     ratio = rate / capture.rate
     last = max((int(channel.edges[-1]) for channel in capture.channels if len(channel.edges)), default=0)
-    length = max(ceil(capture.length * ratio), ceil(last * ratio) + 1)  # so that no edge is after the last sample
+    length = max(ceil(capture.length * ratio), ceil(last * ratio) + 1)  # so long that no edge is after the last sample
     if length > MOST_POSITION:
         raise BadCapture(capture.path, "its length", f"{length} samples", f"at most {MOST_POSITION}", "use less --rate")
     moved = [_moved(channel, ratio, length) for channel in capture.channels]
@@ -117,7 +117,7 @@ def stamp_notes(capture: Capture) -> list[str]:
 
 
 def on_samples(capture: Capture) -> Capture:
-    """Return the capture in samples of the slowest rate that loses no edge. A note states the rate if it is a new one.
+    """Return the capture in samples of the slowest rate that loses no edge. A note states a changed rate.
 
     A capture of samples, or without a rate, is returned unchanged.
 
@@ -185,7 +185,7 @@ def exact_time(text: str) -> tuple[int, int]:
     """
     whole, _, part = text.partition(".")
     if part.isdecimal() and whole.isdecimal() and text.isascii() and len(text) <= MOST_DIGITS:
-        return int(whole + part), len(part)  # a quicker way for the most frequent form
+        return int(whole + part), len(part)  # a quicker way to parse the most frequent form of a time
     if match := DECIMAL.fullmatch(text):
         part = match[3] or ""
         decimals = len(part) - int(match[4] or 0)

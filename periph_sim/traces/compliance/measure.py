@@ -116,7 +116,7 @@ def measured(
 ) -> Measured:
     """Return the times from `begins` to `ends`.
 
-    By default, the controller causes all times, and no time is excused or doubtful.
+    By default, the controller causes all times, and no time is marked as excused or doubtful (see `Measured`).
     """
     nothing = np.zeros(len(begins), np.bool_)
     who = np.full(len(begins), party, np.uint8) if isinstance(party, int) else party
@@ -182,7 +182,7 @@ class _Part:
         edges = edges_of(scl, sda)
         self.rises, self.conditions, self.is_start = edges.rises, edges.conditions, edges.starts
         self.falls = scl.edges[scl.levels == 0]
-        self.shortest_phase = np.diff(scl.edges).min(initial=np.iinfo(np.int64).max)  # of SCL, in positions
+        self.shortest_phase = np.diff(scl.edges).min(initial=np.iinfo(np.int64).max)  # phase of SCL, in positions
         self._edges, self._levels = sda.edges, sda.levels
         self.starts = self.conditions[self.is_start]
         # For each rise of SCL, the positions of the falls before and after it; -1 if the span has no such fall.

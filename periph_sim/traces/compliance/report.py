@@ -29,7 +29,7 @@ class Verdict(Enum):
     FAIL = "fail"
     UNDECIDABLE = "undecidable at this sample rate"
     NOT_SEEN = "does not occur"
-    NOT_JUDGED = "not judged: nothing was measured"  # only for a whole capture
+    NOT_JUDGED = "not judged: nothing was measured"  # a verdict on a whole capture, not on one limit
     NO_LIMIT = "no limit in this mode"
     NOT_IN_CAPTURE = "not in a logic capture"
 
@@ -101,7 +101,7 @@ def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolutio
         within = lengths <= resolution.surely_at_most(bounds.most)
         excused = int((found.excused & ~within).sum())
         kept &= within | found.excused
-        if not (hidden or coarse):  # a time may seem too long because edges within it were missed
+        if not (hidden or coarse):  # otherwise edges may be missed, and two short times may be measured as a long one
             broken |= (lengths >= resolution.surely_above(bounds.most)) & ~found.excused
     unsure = int((broken & found.doubtful).sum())
     broken &= ~found.doubtful

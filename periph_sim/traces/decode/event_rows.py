@@ -34,7 +34,10 @@ PURPOSES = (
 
 
 def purpose_of(byte: int) -> str:
-    """Return the purpose of a reserved address; "" for the address of a device. byte: the address with its R/W bit."""
+    """Return the purpose of a reserved address; "" for the address of a device.
+
+    byte: the address byte, including the R/W bit.
+    """
     high = byte >> 1
     if high == 0:
         return "START byte" if byte & 1 else "general call"
@@ -47,8 +50,7 @@ def purpose_of(byte: int) -> str:
     return "10-bit" if high >= 0x78 else ""
 
 
-# EVENTS has the names of events; the column `event` of a row is an index into EVENTS. OF_I2C is in the order of
-# `I2cRowKind`.
+# EVENTS has the names of events. OF_I2C is in the order of `I2cRowKind`.
 OF_I2C = ("start", "repeated start", "address", "address low", "data", "ack", "nack", "stop", "cut")
 OF_SPI = ("select", "word", "deselect")
 EVENTS = (*OF_I2C, "frame", "break", "rejected start", *OF_SPI)
@@ -72,7 +74,7 @@ class Rows(NamedTuple):
     bus      uint8   number of the bus in the list of buses to decode
     event    uint8   index into EVENTS
     value    int32   address, byte or bits; -1 if there is no value. The type is int64 for an SPI line
-    bits     uint8   number of bits of `value` on the wire; 10 for the address that begins a read from a 10-bit address
+    bits     uint8   number of bits on the wire; 10 for the first byte of a 10-bit address after a repeated START
     detail   uint8   index into DETAILS
     """
 
@@ -105,7 +107,7 @@ def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
     addresses = np.flatnonzero(table.kind == ADDRESS)
     byte = value[addresses] << 1 | table.read[addresses]
     detail[addresses] = OF_ADDRESS[byte]
-    again = addresses[byte & 0xF9 == 0xF1]  # 11110xx and R/W = 1
+    again = addresses[byte & 0xF9 == 0xF1]  # address bytes 11110xx with R/W = 1
     if len(again):
         lows, starts = np.flatnonzero(table.kind == ADDRESS_LOW), np.flatnonzero(table.kind == START)
         known = np.searchsorted(lows, again)  # number of lower address bytes before each of these addresses

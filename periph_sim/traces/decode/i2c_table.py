@@ -156,7 +156,7 @@ def edges_of(clock: Channel, data: Channel) -> I2cEdges:
     # For each edge of SDA: its place among the edges of SCL, and the levels of both lines before and after it.
     edges = data.edges
     passed = np.searchsorted(clock.edges, edges)  # number of SCL's edges before each edge of SDA
-    seen = (passed + 1 - clock.initial) >> 1  # number of rises among these edges
+    seen = (passed + 1 - clock.initial) >> 1  # number of rises of SCL before each edge of SDA
     high = ((passed & 1) != clock.initial).view(np.uint8)
     together = clock.edges[np.minimum(passed, len(clock.edges) - 1)] == edges if len(clock.edges) else np.False_
     before, after = high | (data.levels ^ 1) << 1, high ^ together | data.levels << 1
@@ -232,7 +232,7 @@ def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
 
     kind = np.where(whole, np.uint8(I2cRowKind.DATA), np.uint8(I2cRowKind.CUT))
     kind[head] = I2cRowKind.ADDRESS
-    tens = np.flatnonzero(head & (value & 0xF9 == 0xF0) & acked)  # 11110xx and R/W = 0
+    tens = np.flatnonzero(head & (value & 0xF9 == 0xF0) & acked)  # address bytes 11110xx with R/W = 0
     tens = tens[np.append(kind, I2cRowKind.CUT)[tens + 1] == I2cRowKind.DATA]
     tens = tens[values[begin[tens] + 8] == 0]
     kind[tens + 1] = I2cRowKind.ADDRESS_LOW

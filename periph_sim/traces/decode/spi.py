@@ -59,8 +59,8 @@ class Event(NamedTuple):
     kind: "select" or "deselect" if the chip select became active or inactive; "word"; "cut" for an incomplete word.
     at, end: the first and the last latching edge of a word. For "select" and "deselect", both are the edge of the chip
         select.
-    mosi, miso: the word on the line. For "cut", the received bits with the last bit least significant. None if the line
-        is not used, and for "select" and "deselect".
+    mosi, miso: the word on the line. For "cut", the received bits with the last bit least significant. None for
+        "select" and "deselect", and if the line is not used.
     bits: the number of received bits.
     """
 

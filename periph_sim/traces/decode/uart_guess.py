@@ -35,8 +35,8 @@ USUAL = (
     *(375_000, 460_800, 500_000, 576_000, 625_000, 750_000, 921_600, 1_000_000, 1_250_000, 1_500_000, 1_843_200),
     *(2_000_000, 2_500_000, 3_000_000, 3_500_000, 4_000_000, 6_000_000, 8_000_000, 12_000_000),
 )
-# A measured rate is rounded to a usual baud rate if the relative difference is at most NEAR. Receivers tolerate 2.5 %,
-# and the error of a short capture is 1 %.
+# A measured rate is rounded to a usual baud rate if the relative difference is at most NEAR.
+# Receivers tolerate a difference of 2.5 %. The error of a short capture is 1 %.
 NEAR = 0.035
 
 # Shapes in order of preference. The first shape that decodes without errors, and with enough values, is chosen.

@@ -210,7 +210,7 @@ def _moved(
     right = equal_from_start(items[end : end + behind[2]], items[end + gap : end + gap + behind[2]])
     if not left and not right:
         return 0
-    # If possible, one more item on each side is included, whose lateness does not depend on the place of the gap.
+    # If possible, one more item is included on each side. Its lateness does not depend on the place of the gap.
     first, last = min(left + 1, before[2]), min(right + 1, behind[2])
     place = np.arange(-first, last)
     short = time_short[before[1 - long] + before[2] + place]

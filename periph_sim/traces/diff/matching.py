@@ -131,7 +131,7 @@ def similar_runs(a: Sequence[Group], b: Sequence[Group]) -> list[Run]:
 def is_similar(a: Group, b: Group) -> float:
     """Return the similarity of two groups, from 0 for no common word to 1 for the same words in any order.
 
-    It is at least ENOUGH if the sequences of addresses, or of classes of events, are equal.
+    The similarity is at least ENOUGH if the sequences of addresses, or of classes of events, are equal.
     """
     common = Counter(event.word for event in a) & Counter(event.word for event in b)
     share = 2 * common.total() / (len(a) + len(b))

@@ -27,7 +27,7 @@ LANE, WAVE, GAP = 30, 18, 14  # heights of a lane, of its wave, and of the gap b
 TITLE, LABELS, AXIS = 34, 18, 44
 FONT, MONO = "Helvetica, Arial, sans-serif", "DejaVu Sans Mono, Menlo, Consolas, monospace"
 UNITS = ((1e-9, "ns"), (1e-6, "us"), (1e-3, "ms"), (1.0, "s"))
-CHARACTER = 6.3  # width of a character in the labels
+CHARACTER = 6.3  # approximate width of a character in the labels, in pixels
 
 
 @dataclass(frozen=True)
@@ -176,7 +176,7 @@ class _Diagram:
             self.page.append(band)
 
     def _draw_marks(self, marks: Sequence[Mark]) -> None:
-        free = [float("-inf"), float("-inf")]  # for each of the two rows of labels, the x at which its last label ends
+        free = [float("-inf"), float("-inf")]  # for each of the two rows of labels, the x at the end of the last label
         for mark in sorted(marks, key=lambda one: one.at):
             if not self._seen(mark.at):
                 continue

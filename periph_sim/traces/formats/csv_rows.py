@@ -69,12 +69,12 @@ class Rows:
         self._states = states
         self._expected, self._way_out = expected, way_out
         self._separator, self._timed = separator, timed
-        self._kinds: dict[str, int] = {}  # from the text of a combination of levels to the number of this combination
-        self._levels: list[bytes] = []  # for each combination its states, one byte each
-        # Times of the kept rows, counted from the first row. This is a list if a time exceeds 64 bits.
+        self._kinds: dict[str, int] = {}  # a dictionary from the text of a combination of levels to its number
+        self._levels: list[bytes] = []  # for each combination of levels the states, one byte per line
+        # The times of rows with a change of a level, counted from the first row; a list if a time exceeds 64 bits.
         self._times: array[int] | list[int] = array("q")
-        self._kept = array("I")  # for each kept row the number of its combination
-        self._lines = array("q")  # for each kept row its line number
+        self._kept = array("I")  # for each row with a change of a level, the number of its combination
+        self._lines = array("q")  # for each row with a change of a level, its line number
         self.last_line = 0
         self._first = self._last = 0
 
@@ -120,12 +120,15 @@ class Rows:
         self._times = times if self._last > MOST_INT64 else array("q", times)
 
     def times(self) -> Positions:
-        """Return the times of the kept rows and of the last row, as int64 or as an array of Python's integers."""
+        """Return the times of the rows with a change of a level and of the last row.
+
+        The result is an array of int64 or, if a time exceeds 64 bits, of Python's integers.
+        """
         times = [*self._times, self._last]
         return np.array(times, object if self._last > MOST_INT64 else np.int64)
 
     def states(self, index: int) -> Levels:
-        """Return the state of one channel in each kept row."""
+        """Return the state of one channel in each row in which the level of any channel changes."""
         return np.array([levels[index] for levels in self._levels], np.uint8)[np.frombuffer(self._kept, np.uint32)]
 
     def line_of(self, which: int) -> int:

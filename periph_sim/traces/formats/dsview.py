@@ -87,7 +87,7 @@ def _samples(block: bytes) -> bytes:
 
 
 def _channel(name: str, probe: int, scan: Scan, length: int) -> Channel:
-    """Return the channel of a scan up to `length` samples. After the last sample of the scan, its level is unknown."""
+    """Return the channel of a scan up to `length` samples. After the last sample of the scan, the level is unknown."""
     (found,) = scan.channels()
     known = min(scan.length, length)
     unknown = (Span(known, length),) if known < length else ()

@@ -38,11 +38,11 @@ NAME = "FST or GHW waveform"
 SUFFIXES = (".fst", ".ghw")
 WRITTEN = (".fst",)
 
-FST_HEAD = struct.Struct(">BQQQ")  # block type 0, its length, first and last time
+FST_HEAD = struct.Struct(">BQQQ")  # type of the first block, which is 0, its length, and the first and the last time
 FST_LENGTH = 329
 GHW_MARK = b"GHDLwave\n"
 READER = Path(__file__).with_name("wellen_worker.py")
-PATIENCE = 900  # seconds; usually the reading process ends earlier, at its own limit of processor time
+PATIENCE = 900  # maximum time in seconds; usually the reading process ends earlier, at its own limit
 MOST_TICKS = 1 << 62
 ERROR = re.compile(r"^(?:[\w.]*(?:Error|Exception)): (.+)$", re.MULTILINE)
 NO_END = "the format does not say where the run ends, so the last change is used"
@@ -95,8 +95,8 @@ def _fst_end(head: bytes) -> int | None:
 def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any], np.ndarray[Any, Any]]]]:
     """Read a file in a separate process.
 
-    Return the head with names and timescale, and for each signal the positions of changes and the letters from each
-    position on.
+    Return a head with names and timescale, and for each signal the positions of changes and the states after them. A
+    state consists of one letter per bit.
     """
     command = [sys.executable, "-P", str(READER), str(path.absolute())]
     try:
@@ -204,7 +204,7 @@ def fst_bytes(per_second: Fraction, variables: Sequence[Variable], end: int) -> 
 def _write(lib: Any, null: Any, path: Path, per_second: Fraction, variables: Sequence[Variable], end: int) -> None:
     file = lib.fstWriterCreate(str(path).encode(), 1)
     lib.fstWriterSetTimescale(file, 1 - len(str(int(per_second))))
-    lib.fstWriterSetDate(file, b"")  # no date, so that equal runs give equal files
+    lib.fstWriterSetDate(file, b"")  # the date is empty, so that equal runs give equal files
     lib.fstWriterSetVersion(file, OURS.encode())
     handles = _declared(lib, null, file, [(one.name, one.width) for one in variables])
     events = [(time, number, value.encode()) for number, one in enumerate(variables) for time, value in one.changes]

@@ -12,11 +12,10 @@ from __future__ import annotations
 
 from struct import pack
 
-# Link type of I2C messages. A packet has a bus number, flags as in struct i2c_msg of Linux, and the bytes on the wire,
-# including the address.
+# Link type of I2C messages. A packet has a bus number, flags as in struct i2c_msg of Linux, and the bytes on the wire.
 I2C_LINUX = 209
 USER0 = 147  # link type whose content is defined by its users; here, a packet has the bytes of a serial line
-READ, TEN_BITS = 0x0001, 0x0010  # flags of an I2C message
+READ, TEN_BITS = 0x0001, 0x0010  # flags of an I2C message: R/W = 1, and a 10-bit address
 
 COMMENT, IF_NAME, IF_TSRESOL, END = 1, 2, 9, 0
 

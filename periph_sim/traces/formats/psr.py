@@ -143,7 +143,7 @@ def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | N
             values = arrays.get(name)
             if values is None:
                 values = _stored_as(name, topics.row if name == "topic" else table.columns[name])
-            member = zipfile.ZipInfo(f"{name}.npy")  # without a date, so that equal runs give equal files
+            member = zipfile.ZipInfo(f"{name}.npy")  # a member without a date, so that equal runs give equal files
             member.create_system = 3
             content = io.BytesIO()
             np.lib.format.write_array(content, values, allow_pickle=False)
@@ -153,7 +153,7 @@ def write_table(table: RecordTable, file: IO[bytes], capture: dict[str, Any] | N
 
 def _stored_as(name: str, values: NDArray[Any]) -> NDArray[Any]:
     if name in DIFFERENCES:
-        values = np.diff(values, prepend=values.dtype.type(0))  # modulo 2**64, as is the sum when the file is read
+        values = np.diff(values, prepend=values.dtype.type(0))  # modulo 2**64, like the sums when the file is read
     least, most = (int(values.min()), int(values.max())) if len(values) else (0, 0)
     narrow = next(width for width in WIDTHS if np.iinfo(width).min <= least and most <= np.iinfo(width).max)
     return values.astype(narrow)

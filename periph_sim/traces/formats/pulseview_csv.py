@@ -190,7 +190,7 @@ def _header(path: Path, head: Head, number: int, line: str) -> bool:
 
 
 def _positions(path: Path, head: Head, rows: Rows) -> tuple[Positions, Fraction | None]:
-    """Return the positions of the kept rows and of the last row, and the number of positions per second.
+    """Return the positions of the rows with a change and of the last row, and the number of positions per second.
 
     Raise OverflowError if a position exceeds 64 bits.
     """

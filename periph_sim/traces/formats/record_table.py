@@ -29,8 +29,8 @@ Clocks = Mapping[str, Sequence[tuple[int, Fraction]]]
 KINDS = RECORDED
 NUMBER_OF = {kind: number for number, kind in enumerate(KINDS)}
 
-# A dictionary from each column to its type code in `array` and its type in numpy. The five columns of strings contain
-# indices into `names`.
+# A dictionary from each column to its type code in `array` and its type in numpy.
+# The columns kind, where, what, text and field contain indices into `names`.
 COLUMNS: dict[str, tuple[str, str]] = {
     "number": ("q", "<i8"),
     "tick": ("q", "<i8"),
@@ -43,8 +43,8 @@ COLUMNS: dict[str, tuple[str, str]] = {
     "field": ("I", "<u4"),
 }
 BLOCK = 2048  # number of records of a block
-# A dictionary from each collected column to its type code in `array` and its number of bytes. The column `topic` has
-# the numbers of topics.
+# A dictionary from each column of collected records to its type code in `array` and its number of bytes.
+# The column `topic` has the numbers of topics; a topic is a combination of kind, where and what.
 COLLECTED = {"topic": ("I", 4), "number": ("q", 8), "tick": ("q", 8), "value": ("q", 8)}
 COLLECTED |= {"cause": ("q", 8), "text": ("I", 4), "field": ("I", 4)}
 EMPTY = {name: array(code, bytes(BLOCK * size)) for name, (code, size) in COLLECTED.items()}
@@ -250,7 +250,10 @@ class Columns(RecordSink):
         return RecordTable(in_order, names, per_second, end, modules, topics)
 
     def _topics_in_use(self) -> tuple[dict[str, tuple[str, ...]], Topics]:
-        """Return the strings and the topics that the records use, both in the order of their first use."""
+        """Return the strings of the columns kind, where and what, and the topics of the collected records.
+
+        Topics are in the order in which the records first use them.
+        """
         tags = self._column("topic", "<u4")
         wheres: dict[str, int] = {}
         whats: dict[str, int] = {}

@@ -122,7 +122,7 @@ class _Grid:
         return round(float(self._exact(path, np.array([time]))[0]))
 
     def _exact(self, path: Path, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        with np.errstate(over="ignore"):  # values that do not fit are rejected below
+        with np.errstate(over="ignore"):  # values of more than 64 bits are rejected below
             exact = (times - self._begin) * self._rate
         if not np.all(np.abs(exact) < MOST_POSITIONS):
             raise BadCapture(path, "its times", "a time beyond 64 bits", "seconds", "export it again")

@@ -36,11 +36,11 @@ from ..capture import size_limits as limits
 from ..capture.capture import BadCapture, Channel, rate_of
 
 STORED, DEFLATED = 0, 8
-ENCRYPTED, SIZES_BEHIND = 1 << 0, 1 << 3  # flag bits of a header; SIZES_BEHIND: the sizes follow the data
+ENCRYPTED, SIZES_BEHIND = 1 << 0, 1 << 3  # flags of a header; SIZES_BEHIND is set if the sizes follow the data
 LOCAL = struct.Struct("<4s5H3I2H")
 LOCAL_MARK, END_MARK = b"PK\3\4", b"PK\5\6"
 END_REACH = 22 + 65535  # maximum length of the end record and the comment after it
-WIDE = 0xFFFFFFFF  # in place of a size, if the size has 64 bits and is stored elsewhere
+WIDE = 0xFFFFFFFF  # the value of a size field if the size has 64 bits and is stored elsewhere
 PIECE = 1 << 16  # number of packed bytes that are read at once
 # The cast is needed, because the stub declares this class as an instance.
 BrokenStream = cast(type[Exception], zlib_ng.error)

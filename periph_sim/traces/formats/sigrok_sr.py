@@ -35,7 +35,7 @@ SUFFIXES = (".sr",)
 SAMPLES_ONLY = True
 
 WHAT = "sigrok session"
-CHUNK = 1 << 22  # bytes of a chunk, the same as for sigrok's own writer
+CHUNK = 1 << 22  # number of bytes of a chunk, as in files of sigrok's own writer
 MOST_WIDE = 64  # maximum number of channels, which is 8 bytes per sample
 LONG_AGO = (1980, 1, 1, 0, 0, 0)  # a fixed date, so that equal captures give equal files
 SALVAGE = "read the intact part with --salvage"

@@ -39,7 +39,7 @@ SECONDS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}  # number of d
 MOST_TICKS = 1 << 62
 ROUNDED_TO = 1000  # minimum number of ticks in a sample period that is not a whole number of ticks
 LETTERS = "01x"
-OURS, SCOPE = "periph-sim", "capture"  # variables need a scope, which is removed when our own files are read
+OURS, SCOPE = "periph-sim", "capture"  # variables need a scope; SCOPE is removed when our own files are read
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...]:
@@ -143,7 +143,7 @@ class _Reader:
         self._scopes: list[str] = []
         self._ours = False
         self._names: list[tuple[str, Line]] = []
-        self._lines: dict[bytes, list[Line]] = {}  # from each identifier to its bits, the most significant first
+        self._lines: dict[bytes, list[Line]] = {}  # from each identifier to its bits, most significant bit first
         self._now = 0
         self._timed = False  # True if a `#` was read
         self._moved = False  # True if a change was read after the last `#`

@@ -49,9 +49,9 @@ def main(path: str) -> None:
     limited()
     out = alone()
     wave = pywellen.Waveform(path, multi_threaded=False, remove_scopes_with_empty_name=True)
-    named: list[tuple[str, int, int]] = []  # name, width and index of the signal of each variable
+    named: list[tuple[str, int, int]] = []  # for each variable its name, its width and the index of its signal
     places: dict[str, int] = {}
-    variables: list[Any] = []  # one variable of each signal
+    variables: list[Any] = []  # for each signal one of its variables
     for variable in wave.all_vars():
         width = variable.bitwidth
         if variable.is_real or variable.is_string or str(variable.var_type) in NO_LINES or not width or width > WIDEST:
@@ -80,7 +80,10 @@ def main(path: str) -> None:
 
 
 class Changes:
-    """The changes of one signal: their times and states. A state is a letter for each bit, most significant first."""
+    """The times of the changes of one signal, and the states after them.
+
+    A state has one letter for each bit, the most significant bit first.
+    """
 
     def __init__(self, width: int) -> None:
         self.width = width

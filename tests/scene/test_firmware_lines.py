@@ -19,9 +19,8 @@ from types import CodeType, FrameType
 from typing import Any
 
 from periph_sim import form
-from periph_sim.interfaces.reports.profile import covered_files
+from periph_sim.interfaces.reports.profile import covered_files, profiled
 from periph_sim.scene.case.load import load
-from periph_sim.scene.profiled import profiled
 from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING
 

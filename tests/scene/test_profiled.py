@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.interfaces.reports.profile import profiled
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
-from periph_sim.scene.profiled import profiled
 
 SOURCE = """\
  .sect ".text", 0x9000

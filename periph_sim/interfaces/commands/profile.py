@@ -35,7 +35,6 @@ def profile(
     The file of --speedscope is a flame graph for speedscope.app and for Perfetto; that of --lcov is for genhtml and
     editors. Exit status 0, regardless of budgets: `run` judges them.
     """
-    from ...scene.profiled import profiled
     from ...traces.formats import atomic_write
     from ..reports import profile as report
 
@@ -44,7 +43,7 @@ def profile(
         flames = None if speedscope is None else outputs.enter_context(atomic_write(speedscope))
         lines = None if lcov is None else outputs.enter_context(atomic_write(lcov))
         with progress(case.stem) as on_progress:
-            run = profiled(load(case, list(changes)), length, on_progress, lines is not None)
+            run = report.profiled(load(case, list(changes)), length, on_progress, lines is not None)
         if flames is not None:
             stacks = report.speedscope(run.profiles, run.ticks_per_second, run.name, run.place_of)
             flames.write_text(json.dumps(stacks), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""The profile of an image's program as text, as JSON, as a flame graph for speedscope, and as line coverage (lcov).
+"""The profile of a run of images: as text, as JSON, as a flame graph for speedscope, and as line coverage (lcov).
 
     address --line--> DA: execution count         BRDA: not taken, taken counts
     function -------> FN, FNDA: execution count of its first instruction
@@ -11,13 +11,19 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from fractions import Fraction
+
+from msgspec import Struct
 
 from ...core.text_table import paragraph, text_table
 from ...processor.c28x.decoder import Instruction, sweep
 from ...processor.image.observers import Coverage, Profile
+from ...processor.image.program import ImageProgram
 from ...processor.image_files.debug_info import FunctionMap
 from ...processor.image_files.load import Image
 from ...processor.source_location import parsed
+from ...scene.case.model import Case
+from ...scene.scene import Scene
 
 LONGEST_TEXT = 20  # number of functions that are shown without -v
 FINE = 1000  # in us; times below this value are shown with three decimals
@@ -213,3 +219,47 @@ def _record(file: str, of_file: FileCoverage, name: str) -> Iterator[str]:
     yield f"LF:{len(of_file.lines)}"
     yield f"LH:{sum(count > 0 for count in of_file.lines.values())}"
     yield "end_of_record"
+
+
+class Profiled(Struct, frozen=True):
+    """Dictionaries from a unit to its program, its profile and its coverage. `coverage` is empty if not requested."""
+
+    name: str
+    ticks_per_second: int
+    programs: dict[str, ImageProgram]
+    profiles: dict[str, Profile]
+    coverage: dict[str, Coverage]
+
+    def place_of(self, unit: str, function: str) -> str:
+        """Return the source location at which a function of a unit's image begins."""
+        return self.programs[unit].place_of(function)
+
+
+def profiled(
+    case: Case, length: Fraction | None = None, told: Callable[[float], None] | None = None, coverage: bool = False
+) -> Profiled:
+    """Run a case and return its profile. told: a callback that receives the fraction of the run that is done.
+
+    Raise BadCase if no unit runs an image, or if an image lacks the line information that coverage needs.
+    """
+    scene = Scene(case)
+    programs = {name: unit.program for name, unit in scene.units.items() if isinstance(unit.program, ImageProgram)}
+    if not programs:
+        raise case.mistake("no unit runs an image, and a profile is of images; give a unit image = ...", "unit")
+    found = Profiled(case.name, scene.timebase.per_second, programs, {}, {})
+    for name, program in programs.items():
+        if coverage and not program.functions.debug.lines:
+            what = "it tells no lines of its source, so there is nothing to cover; compile it with -g"
+            raise case.mistake(what, "unit", name, "image")
+        found.profiles[name] = Profile()
+        program.add_call_listener(found.profiles[name])
+        if coverage:
+            found.coverage[name] = Coverage()
+            program.watch_instructions(found.coverage[name])
+    scene.run(length, told)
+    for name, profile in found.profiles.items():
+        since = programs[name].asleep_since
+        if since is not None:
+            profile.slept(scene.kernel.now - since)
+        profile.count_to(scene.kernel.now)
+    return found

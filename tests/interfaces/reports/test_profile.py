@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import json
+from fractions import Fraction
 from pathlib import Path
 
 import pytest
 
+from periph_sim.interfaces.reports.profile import profiled
 from periph_sim.processor.image_files.assemble import assemble_file
-from tests.interfaces.commands.conftest import Run, periph_sim  # noqa: F401
+from periph_sim.scene.case.load import load
+from periph_sim.scene.case.model import BadCase
+from tests.interfaces.commands.conftest import Run
 
 # 1 ms at 7.5 MHz behind reset: 7500 cycles. _work has 104: RPT 1, NOP 99, LRETR 4, to an even
 # address.
@@ -48,13 +52,13 @@ def case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return Path("own.toml")
 
 
-def profile(periph_sim: Run, *more: str) -> dict[str, dict[str, float]]:  # noqa: F811
+def profile(periph_sim: Run, *more: str) -> dict[str, dict[str, float]]:
     came = periph_sim("profile", "own.toml", "--json", *more)
     assert came.status == 0, came.err
     return {one["function"]: one for one in json.loads(came.out)["units"]["dsp"]}
 
 
-def test_time_goes_to_the_function_that_executes_and_sleep_is_told_apart(periph_sim: Run, case: Path):  # noqa: F811
+def test_time_goes_to_the_function_that_executes_and_sleep_is_told_apart(periph_sim: Run, case: Path):
     found = profile(periph_sim)
     assert set(found) == {"_c_int00", "_work"}
     work, boot = found["_work"], found["_c_int00"]
@@ -68,7 +72,7 @@ def test_time_goes_to_the_function_that_executes_and_sleep_is_told_apart(periph_
     assert "own.asm:19" in came.out and max(map(len, came.out.splitlines())) <= 80
 
 
-def test_stacks_for_speedscope(periph_sim: Run, case: Path):  # noqa: F811
+def test_stacks_for_speedscope(periph_sim: Run, case: Path):
     profile(periph_sim, "--speedscope", "own.json")
     made = json.loads(Path("own.json").read_text())
     names = [frame["name"] for frame in made["shared"]["frames"]]
@@ -85,7 +89,7 @@ def test_stacks_for_speedscope(periph_sim: Run, case: Path):  # noqa: F811
     assert (shown["type"], shown["unit"], shown["startValue"]) == ("sampled", "seconds", 0)
 
 
-def test_lines_functions_and_branches_as_lcov(periph_sim: Run, case: Path):  # noqa: F811
+def test_lines_functions_and_branches_as_lcov(periph_sim: Run, case: Path):
     profile(periph_sim, "--lcov", "own.info")
     told = Path("own.info").read_text().splitlines()
     lines = {number: text.split()[0] for number, text in enumerate(SOURCE.splitlines(), 1) if text.startswith(" ")}
@@ -108,14 +112,14 @@ def test_lines_functions_and_branches_as_lcov(periph_sim: Run, case: Path):  # n
     assert "BRF:4" in told and "BRH:3" in told
 
 
-def test_a_unit_in_python_has_no_profile(periph_sim: Run, case: Path):  # noqa: F811
+def test_a_unit_in_python_has_no_profile(periph_sim: Run, case: Path):
     case.write_text(CASE.replace('image = "own.out"', 'firmware = "responder"').replace('"GPIO"', '"I2C-A"'))
     came = periph_sim("profile", "own.toml")
     assert (came.status, came.out) == (2, "")
     assert "no unit runs an image, and a profile is of images" in came.err and came.err.count("\n") == 1
 
 
-def test_an_image_without_lines_is_not_covered_and_leaves_no_file(periph_sim: Run, case: Path):  # noqa: F811
+def test_an_image_without_lines_is_not_covered_and_leaves_no_file(periph_sim: Run, case: Path):
     from periph_sim.processor.image_files.assemble import assemble
     from periph_sim.processor.image_files.coff2 import write
 
@@ -142,7 +146,7 @@ pass: TBIT @0x6FC0,#4
 
 @pytest.mark.parametrize("more", [(), ("--lcov", "own.info")])
 def test_polls_that_are_skipped_are_waits_while_lines_are_counted_too(
-    periph_sim: Run,  # noqa: F811
+    periph_sim: Run,
     case: Path,
     more: tuple[str, ...],
 ):
@@ -167,9 +171,63 @@ lock: TBIT @0x7011,#0
 """
 
 
-def test_a_wait_is_as_long_as_it_was_though_the_clock_is_another_one_behind_it(periph_sim: Run, case: Path):  # noqa: F811
+def test_a_wait_is_as_long_as_it_was_though_the_clock_is_another_one_behind_it(periph_sim: Run, case: Path):
     """The PLL locks after 131072 cycles of 30 MHz, 4.369 ms; SYSCLKOUT is ten times as fast then."""
     Path("own.asm").write_text(LOCKS)
     Path("own.out").write_bytes(assemble_file(Path("own.asm"))[1])
     found = profile(periph_sim, "--seconds", "0.005")["_c_int00"]
     assert 4.3e-3 < found["waits_s"] < 131_072 / 30e6
+
+
+RUN_SOURCE = """\
+ .sect ".text", 0x9000
+ .global _c_int00, _work
+_c_int00:
+ LCR _work
+ LCR _work
+ IDLE
+_work:
+ RPT #99
+ || NOP
+ LRETR
+"""
+RUN_CASE = """\
+name = "own"
+duration = "1 ms"
+[unit.dsp]
+image = "own.asm"
+modules = []
+"""
+
+
+@pytest.fixture
+def case_file(tmp_path: Path) -> Path:
+    (tmp_path / "own.asm").write_text(RUN_SOURCE)
+    (tmp_path / "own.toml").write_text(RUN_CASE)
+    return tmp_path / "own.toml"
+
+
+def test_time_goes_to_functions_and_to_sleep(case_file: Path):
+    told: list[float] = []
+    found = profiled(load(case_file), Fraction(1, 10_000), told.append)
+    assert (found.name, found.coverage, told[-1]) == ("own", {}, 1.0)
+    main, work = found.profiles["dsp"].functions()
+    cycle = found.ticks_per_second * 4 // 30_000_000  # OSCCLK by 4, as after a reset
+    assert [(one.name, one.calls) for one in (main, work)] == [("_c_int00", 1), ("_work", 2)]
+    assert main.total == found.ticks_per_second // 10_000
+    assert 2 * 100 * cycle <= work.own == work.total < 2 * 130 * cycle and work.waits == 0
+    assert main.waits > 0.9 * main.own
+    assert found.place_of("dsp", "_work") == "_work (own.asm:8, 0x009005)"
+
+
+def test_each_instruction_is_counted_where_that_is_asked_for(case_file: Path):
+    found = profiled(load(case_file), Fraction(1, 10_000), coverage=True)
+    assert set(found.coverage) == {"dsp"} and [*found.coverage["dsp"].executed_at.values()] == [1, 2, 2, 2, 1, 1]
+
+
+def test_a_case_without_an_image_has_no_profile(tmp_path: Path):
+    (tmp_path / "x.toml").write_text(
+        RUN_CASE.replace('image = "own.asm"', 'firmware = "responder"').replace("[]", '["I2C-A"]')
+    )
+    with pytest.raises(BadCase, match="no unit runs an image, and a profile is of images; give a unit image = "):
+        profiled(load(tmp_path / "x.toml"))

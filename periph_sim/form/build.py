@@ -327,9 +327,10 @@ def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL) -> None:
 
 def main(options: Sequence[str] = ()) -> int:
     """Build the core. Return the exit status: 0, or 1 if the core was not compiled."""
-    hard = "--hard" in options
     try:
-        build(PACKAGE, HARD_BUILT if hard else BUILT, jobs(), HARD if hard else NORMAL)
+        if unknown := [one for one in options if one != "--hard"]:
+            raise NoBuild(f"unknown argument {unknown[0]!r}; expected --hard or nothing")
+        build(PACKAGE, HARD_BUILT if options else BUILT, jobs(), HARD if options else NORMAL)
     except (
         NoBuild,
         BadDeclaration,

@@ -70,6 +70,12 @@ def test_a_number_of_jobs_that_is_none_is_told(monkeypatch, capsys, said: str):
     )
 
 
+def test_an_unknown_argument_is_told(capsys):
+    assert build.main(["--hrad"]) == 1
+    said = "the core stays interpreted: unknown argument '--hrad'; expected --hard or nothing\n"
+    assert capsys.readouterr().err == said
+
+
 def test_a_folder_that_cannot_be_written_is_told(monkeypatch, capsys):
     def unwritable(*given: object) -> None:
         raise PermissionError(13, "Permission denied", "/site-packages/periph_sim/compiled")

@@ -206,7 +206,7 @@ class I2cMasterLines:
         self.pulls |= SDA
         self._starting = True
         self._high_phase = False
-        state.wanted = state.trx()
+        state.wanted = state.mdr & MDR_TRX > 0
         state.clear(now, STR_ARDY)
         self._at(now + self.high(), STARTED)
 

@@ -28,7 +28,6 @@ from .register_map import (
     MDR_NACKMOD,
     MDR_STP,
     MDR_STT,
-    MDR_TRX,
     STR_NACK,
     STR_RRDY,
     STR_RSFULL,
@@ -281,9 +280,6 @@ class I2cRegisters(I2cRequests):
     def bits(self) -> int:
         """Return the number of bits of the next data byte."""
         return self.mdr & MDR_BC or 8
-
-    def trx(self) -> bool:
-        return bool(self.mdr & MDR_TRX)
 
     def setup(self) -> int:
         """Return the cycles from a bit on SDA to the release of SCL: at least 1, since SDA must change first."""

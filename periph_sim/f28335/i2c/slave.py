@@ -28,6 +28,7 @@ from .register_map import (
     MDR_FDF,
     MDR_MST,
     MDR_NACKMOD,
+    MDR_TRX,
     MDR_XA,
     SCL,
     SDA,
@@ -141,7 +142,7 @@ class I2cSlave(I2cSlaveData):
         if state.mdr & MDR_FDF and not state.mdr & MDR_MST:
             self.own_transfer = True
             self._n = state.bits()
-            self.phase = TRANSMIT if state.trx() else RECEIVE
+            self.phase = TRANSMIT if state.mdr & MDR_TRX else RECEIVE
 
     def stop(self, now: int) -> None:
         state, options = self.state, self.state.options
@@ -165,8 +166,12 @@ class I2cSlave(I2cSlaveData):
         if bit <= n:
             if phase != TRANSMIT:
                 self._shift = self._shift << 1 | sda
-                if bit == n:
-                    self._last_rise(now)
+                if bit == n:  # NACKMOD is sampled here, and with aas_sdir_point = rise8 the address is compared
+                    self._nack_armed = bool(self.state.mdr & MDR_NACKMOD)
+                    # The use of this option is recorded at fall 8.
+                    compared = phase != RECEIVE and self.state.options.aas_sdir_point.unrecorded() == "rise8"
+                    if compared and not self.muted and self._is_ours():
+                        self._address_flags(now)
         elif phase == TRANSMIT:
             self._answered(now, sda)
         elif self._ack:
@@ -228,19 +233,6 @@ class I2cSlave(I2cSlaveData):
                 return False
             return self._selected or not self._read
         return byte >> 1 == own & 0x7F
-
-    def _last_rise(self, now: int) -> None:
-        """Process rise 8: sample NACKMOD and, with aas_sdir_point = rise8, compare the address."""
-        state = self.state
-        self._nack_armed = bool(state.mdr & MDR_NACKMOD)
-        if self.phase == RECEIVE:
-            return
-        if (
-            state.options.aas_sdir_point.unrecorded() == "rise8"  # the use of this option is recorded at fall 8
-            and not self.muted
-            and self._is_ours()
-        ):
-            self._address_flags(now)
 
     def _address_complete(self, now: int) -> None:
         state, options = self.state, self.state.options

@@ -20,7 +20,19 @@ from __future__ import annotations
 from ...core.chip import NEVER
 from ...core.options import TextOption
 from ...core.state import State
-from .register_map import MDR_FDF, MDR_IRS, MDR_MST, SCL, SDA, STR_AAS, STR_NACK, STR_RSFULL, STR_XRDY, STR_XSMT
+from .register_map import (
+    MDR_FDF,
+    MDR_IRS,
+    MDR_MST,
+    MDR_TRX,
+    SCL,
+    SDA,
+    STR_AAS,
+    STR_NACK,
+    STR_RSFULL,
+    STR_XRDY,
+    STR_XSMT,
+)
 from .registers import I2cRegisters
 
 OFF, IGNORE, ADDRESS, ADDRESS_LOW, RECEIVE, TRANSMIT = range(6)
@@ -76,7 +88,7 @@ class I2cSlaveData:
     def _copies_at_once(self) -> bool:
         point = self._copy_point.assume(self.state.touched)
         if point == "eager_if_trx":
-            return self.state.trx()
+            return self.state.mdr & MDR_TRX > 0
         return point == "eager" or point == "eager_reloaded_at_address"
 
     def _eager(self, now: int) -> None:

@@ -21,7 +21,7 @@ _read: set[tuple[int, int]] | None = None  # device and inode of each file; None
 
 @contextmanager
 def inputs_of_one_command() -> Iterator[None]:
-    """Remember the files that are noted in this block, and forget them at the end of the outermost such block."""
+    """Remember the files that are noted in this block. The files are forgotten when the outermost block ends."""
     global _read
     outermost = _read is None
     if outermost:

@@ -268,8 +268,8 @@ class Recorder:
         """Subscribe `party` to the records of these kinds.
 
         A listener or a sink receives only the topics for which its `tag_of` returns a tag.
-        only: the subjects that the party needs, by kind: wires for EDGE and FRAME; registers for FLAG and ACCESS, with
-            unit and module ("dsp.I2C-A.I2CSTR"). The party may also receive subjects that other subscribers need.
+        only: a dictionary from a kind to the needed subjects: wires for EDGE and FRAME; registers for FLAG and ACCESS,
+            with unit and module ("dsp.I2C-A.I2CSTR"). The party may also receive subjects that others need.
         things: the pairs of kind and thing that the party needs; `tag_of` is not called for others.
         """
         for kind in kinds:

@@ -14,7 +14,7 @@ HOMES = {
     "firmware model": "periph_sim.imu.firmware_model",  # implements `scene.unit.FirmwareModel`
     "host frames": "periph_sim.imu.host_frames",  # implements `devices.host_frames.HostFrames`
     "plugins": "periph_sim.scene.plugins",  # defines `known_formats`, the capture formats of plugins
-    "sensors": "periph_sim.imu.sensors",  # defines `SENSORS`, the sensors that the key `order` may list, by name
+    "sensors": "periph_sim.imu.sensors",  # defines `SENSORS`, a dictionary from a name in the key `order` to a sensor
 }
 
 
@@ -27,7 +27,7 @@ def lazy_names(package: str, homes: Mapping[str, tuple[str, ...]]) -> Callable[[
     """Return the `__getattr__` of a package. homes: for each module, the names that it defines."""
     places = {name: module for module, names in homes.items() for name in names}
 
-    imported: dict[str, ModuleType] = {}  # imported modules, indexed by attribute name
+    imported: dict[str, ModuleType] = {}  # maps a name that the package offers to the imported module of this name
 
     def found(name: str) -> object:
         module = imported.get(name)

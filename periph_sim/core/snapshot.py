@@ -105,7 +105,7 @@ class Foreign(NamedTuple):
 
 
 class Absent(NamedTuple):
-    """Placeholder for a value that only the other snapshot has."""
+    """Placeholder, in the comparison of two snapshots, for a value that one of the snapshots does not have."""
 
 
 class Snapshot(NamedTuple):
@@ -129,7 +129,7 @@ class Snapshot(NamedTuple):
     base: Snapshot | None = None
 
     def differences(self, other: Snapshot) -> dict[str, tuple[object, object]]:
-        """Return the values that differ from those of the other snapshot, as pairs (this, other), indexed by name."""
+        """Return a dictionary from the names of values that differ to pairs (value here, value in `other`)."""
         found: dict[str, tuple[object, object]] = {}
         for name in {**self.values, **other.values}:
             here, there = (one.values.get(name, Absent()) for one in (self, other))
@@ -167,7 +167,7 @@ def absolute(value: Any, now: int) -> Any:
 
 
 class _Collector:
-    """Visits modules recursively and collects their state. values: the state collected so far, by name."""
+    """Visits modules recursively and collects their state. values: a dictionary from names to the collected values."""
 
     def __init__(self, modules: Mapping[str, Module], tick: int, number: int) -> None:
         self.values: dict[str, Any] = {}

@@ -351,7 +351,7 @@ class Socket(Agent):
             self._plan(self._clock.cycle_at(self._kernel.now))
 
     def connect(self, index: int, pins: list[Pin]) -> None:
-        """Make output `index` drive exactly `pins`, and release the other pins that it drove before."""
+        """Make output `index` drive exactly `pins`. Other pins that this output drove before are released."""
         for pin in self.pins[index]:
             if pin not in pins:
                 pin.drive(1)

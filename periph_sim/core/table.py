@@ -54,7 +54,7 @@ class Table(Struct, frozen=True, kw_only=True):
         return new
 
     def model_dump(self) -> dict[str, Any]:
-        """Return the values indexed by the names of their fields, without fields whose names begin with _."""
+        """Return a dictionary from the name of a field to its value, without fields whose names begin with _."""
         return {name: getattr(self, name) for name in self.__struct_fields__ if name[0] != "_"}
 
 

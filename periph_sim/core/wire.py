@@ -58,7 +58,7 @@ class Wire(Settleable):
         self._pulling = 0  # like `pulling`, with the changes that have not settled yet
         self._pulling_recorded = 0  # the value of `_pulling` at the last record of this wire
         self._parties: list[str] = []
-        self._names_of: dict[int, str] = {}  # names of the pulling parties, for records; indexed by their mask
+        self._names_of: dict[int, str] = {}  # maps a mask of pulling parties to the names of these parties, for records
         self._named = 0  # mask of the pulling parties in the last record; `_names` has the names of these parties
         self._names = ""
         self._watches: _Watch | None = None  # the first entry in the linked list of subscribers to the level

@@ -86,7 +86,7 @@ class Source:
 
     @cached_property
     def classes(self) -> dict[str, Class]:
-        """The compiled classes of the module, by name."""
+        """A dictionary from a name to the compiled class of the module."""
         found: dict[str, Class] = {}
         self.__dict__["classes"] = found  # set while incomplete, because a class may have a base in this module
         for node in self.tree.body if self.is_compiled else ():

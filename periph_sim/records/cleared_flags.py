@@ -151,7 +151,7 @@ class Looks:
                 look.number = number
                 return
         for look in self._of:
-            if look.field == field:  # equal, but not the same string object
+            if look.field == field:  # equal names may be different string objects
                 look.field, look.number = field, number
                 return
         look = Look()
@@ -159,7 +159,7 @@ class Looks:
         self._of.append(look)
 
     def last(self, field: str) -> int:
-        """Return the record number of the last read that showed a field; NEVER_YET if there is none."""
+        """Return the record number of the last read that returned a field; NEVER_YET if there is none."""
         return max((look.number for look in self._of if look.field in ("", field)), default=NEVER_YET)
 
 
@@ -223,7 +223,7 @@ class ClearedRegister:
         return None
 
     def looked_at(self, flag: Flag, place: Text) -> int:
-        """Return the record number of the last read that showed this flag.
+        """Return the record number of the last read that returned this flag.
 
         Reads that belong to read-modify-writes at `place` do not count.
         """

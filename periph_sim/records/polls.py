@@ -33,7 +33,7 @@ class Polls(NamedTuple):
     before: for each change, the tick of the last poll before the change; -1 if this poll was recorded.
     after: for each change, the tick of the first poll at or after the change; -1 if this poll was recorded.
     changes: the rows of these changes.
-    unplaced: indices of reads. The polls between such a read and the next read were skipped and not reconstructed.
+    unplaced: the indices of the reads after which polls were skipped that could not be reconstructed.
     """
 
     before: Rows

@@ -127,7 +127,7 @@ def build_head(
 
 
 def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:
-    """Return the requests in [rounds], which are those of a master that periph_sim does not simulate as an agent.
+    """Return the requests in [rounds]. The master that makes them is not simulated as an agent.
 
     Raise BadCase, with its line, for a wrong request.
     """

@@ -32,16 +32,17 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 
-OFF = ("IER = 0", "INTM = 1")  # reason why interrupts are off, indexed by INTM
+OFF = ("IER = 0", "INTM = 1")  # the reasons why interrupts are off: item 0 if INTM = 0, item 1 if INTM = 1
 ENABLE = "enable interrupts before the wait (CLRC INTM, bits of IER)"
-RESTARTED = 2  # a wait of this many watchdog periods shows that a service routine restarts the watchdog
+RESTARTED = 2  # if a wait lasts for this number of watchdog periods, a service routine must restart the watchdog
 
 
 def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]) -> str:
     """Return a clause that says why the wait of `dsp` cannot end; "" if it can end, or if there is no wait.
 
-    may_move: takes a wire and its parties outside the unit; returns True if one of them may still change the wire.
-    instant: formats a tick.
+    may_move: a function of a wire and its parties outside the unit. It returns True if any of these parties may still
+        change the wire.
+    instant: a function that returns a tick as text.
     """
     wait = dsp.program.unanswered_wait()
     if wait is not None:

@@ -72,7 +72,7 @@ def module_of_file(path: Path) -> ModuleType:
     _make_package(package, [path.parent, SHIPPED])
     spec = _spec(f"{package}.{path.stem.replace('.', '_')}", path)
     module = module_from_spec(spec)
-    sys.modules[spec.name] = module  # dataclasses look their module up by name
+    sys.modules[spec.name] = module  # `dataclass` finds the module of a class by its name in `sys.modules`
     assert spec.loader is not None
     spec.loader.exec_module(module)
     return module
@@ -233,7 +233,7 @@ def _replay_settings(name: str, module: ModuleType) -> tuple[str, ...]:
 
 
 def run_main(firmware: Firmware, dsp: Dsp, settings: object) -> None:
-    """Call the main function. Raise Misuse if it returns a value, because such a value has no meaning."""
+    """Call the main function. Raise Misuse if it returns a value, because the returned value would have no meaning."""
     came = firmware.main(dsp, settings)  # type: ignore[func-returns-value]
     if came is not None:
         raise Misuse(f"main, {defined_at(firmware.main)}, returned {came!r}; firmware returns nothing")

@@ -63,7 +63,7 @@ class Instant(NamedTuple):
 
 
 class LogReader:
-    """Reader of a session's log. Raise BadLog if the file is not such a log, or is damaged."""
+    """Reader of a session's log. Raise BadLog if the file is not the log of a session, or is damaged."""
 
     def __init__(self, path: Path) -> None:
         self._path = path

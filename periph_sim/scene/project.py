@@ -58,7 +58,7 @@ class Project(Struct, frozen=True):
     settings: Settings = NOTHING
 
     def cases(self) -> list[Path]:
-        """Return the folders and files whose cases `check` runs. Raise BadCase if one of them does not exist."""
+        """Return the folders and files whose cases `check` runs. Raise BadCase if any of them does not exist."""
         if not self.settings.cases:
             usual = self.folder / "timing"
             return [_near(usual if usual.is_dir() else self.folder)]
@@ -102,7 +102,7 @@ def project_of(folder: Path) -> Project:
 
 
 def _settings(file: Path) -> Settings | None:
-    """Return the settings in a file. None if there is no such file, or if it has no table for periph-sim."""
+    """Return the settings in a file; None if the file does not exist or has no table for periph-sim."""
     try:
         data = read_input(file)
     except OSError:

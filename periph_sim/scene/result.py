@@ -30,7 +30,7 @@ class Result:
     bytes_skipped: number of I2C bytes whose first seven bits were simulated in one step.
     sci_bytes: number of characters that other parties sent to SCIs of units.
     sci_bytes_sent: number of characters that SCIs of units sent.
-    estimated: names of the units whose cycles between accesses are estimated: those that run C sources.
+    estimated: names of the units that run C sources. The cycles between the accesses of these units are estimated.
     """
 
     case: str

@@ -46,7 +46,7 @@ class UartSide:
         self._recorder = context.recorder
         self._wires = wires
         self._pairs: Pairs | None = None
-        self._lines: dict[str, Line] = {}  # rate and format of the characters, by wire
+        self._lines: dict[str, Line] = {}  # from a wire to the function that returns its rate and format
         self._counters: dict[str, UartCounter] = {}
         self._counted: dict[str, int] = {}  # from a wire to the number of characters that came from outside
         self._sent: dict[str, int] = {}

@@ -41,7 +41,7 @@ class Limited(Table, frozen=True, kw_only=True):
             raise ValueError(f"a budget needs a limit: {', '.join(keys[:-1])} or {keys[-1]}")
 
     def limits(self) -> dict[str, str | int]:
-        """Return the limits that are given, indexed by key."""
+        """Return a dictionary from the key of each limit that is given to the limit."""
         given: dict[str, str | int | None] = {key: getattr(self, key, None) for key in LIMITS}
         return {key: limit for key, limit in given.items() if limit is not None}
 

@@ -46,7 +46,7 @@ class Values(Struct, frozen=True, eq=False):
 
     values: int64[n], in ticks if `unit` is "time", in millionths if it is "LSB", else counts.
     at: int64[n], the tick of each value, counted from the begin of the run.
-    limits: the limits of the budget in the same unit, indexed by key.
+    limits: a dictionary from a key to the limit of the budget, in the same unit as the values.
     """
 
     unit: str

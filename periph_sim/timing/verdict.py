@@ -83,7 +83,7 @@ class Verdict:
 
     @property
     def counted(self) -> str:
-        """`count` as text; "3 of 500" where occasions were missed."""
+        """`count` as text. If values should have been measured at more events, the text is such as "3 of 500"."""
         if self.occasions is None or self.measured >= self.occasions:
             return str(self.count)
         return f"{self.measured} of {self.occasions}"

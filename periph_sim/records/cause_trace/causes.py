@@ -33,8 +33,8 @@ from ..register_maps import register_of
 from ..run import Rows, Run
 
 RECORDED, INFERRED = "recorded", "inferred"
-MOST_LOOKS = 8  # the search before a write ends after this number of looks at different places or fields
-MOST_ACCESSES = 10_000  # the search for looks before a write covers at most this number of accesses of the routine
+MOST_LOOKS = 8  # the search before a write ends after this number of reads at different places or of different fields
+MOST_ACCESSES = 10_000  # the search for reads before a write covers at most this number of accesses of the routine
 MOST_ROUTINES = 3  # maximum number of service routines shown as delays of the firmware; the longest are chosen
 SEEN = "the last change of what it read"
 NEWEST = "the read before it that saw the newest change"

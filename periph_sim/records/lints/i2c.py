@@ -96,9 +96,9 @@ def xrdy_alone(run: Run, options: Options) -> Iterator[Fault]:
     mode. Firmware that checks SDIR would not have written. Only reads of XRDY or of the whole register since the
     previous write of I2CDXR count.
 
-    A byte that is loaded without such a read is no fault of this kind. Nor is a write after which the firmware becomes
-    master (its next write of I2CMDR has MST = 1). If the firmware itself cleared SDIR since the module was addressed,
-    that is reported instead.
+    A write without an earlier read of XRDY is no fault of this kind. A write is also no fault if the firmware then
+    becomes master (its next write of I2CMDR has MST = 1). If the firmware itself cleared SDIR after the module was
+    addressed, the finding names the place that cleared SDIR.
     """
     for group in accesses(run, "W", I2CDXR):
         reads = run.accesses_of(group.unit, "R", group.module, I2CSTR.name)

@@ -68,7 +68,7 @@ class Signal:
             self._values.append(value)
 
     def put_all(self, at: Numbers, values: Numbers) -> None:
-        """Append changes in order of time, all of them later than the existing ones."""
+        """Append changes in order of time. All of them must be later than the existing changes."""
         self._at.extend(at.tolist())
         self._values.extend(values.tolist())
 

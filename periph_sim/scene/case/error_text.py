@@ -70,7 +70,7 @@ def own_settings(case: Case, kind: type[Table], table: DeviceTable | WatchTable,
 
 
 def checked_options(case: Case, kind: type[T], given: dict[str, Value], *place: str) -> T:
-    """Return the answers to open questions. Each is checked separately, so that a mistake is reported with its line."""
+    """Return the answers to open questions. Each answer is checked alone, so that a mistake is shown with its line."""
     for name, value in given.items():
         try:
             options_from(kind, {name: value})

@@ -41,7 +41,7 @@ class Origin(NamedTuple):
 
     frame: the number of the frame, the youngest if several fit; None if the bytes are the values of no frame.
     ended: the tick at which the last stop bit of that frame ended.
-    wanted: the bytes that would have been right; of several possibilities, the one most similar to the bytes read.
+    wanted: the bytes that would have been right; of several possibilities, the bytes most similar to the bytes read.
     judged: False if it is not known whether the bytes are right, because not all possible frames were compared.
     """
 
@@ -264,7 +264,7 @@ class ModelOrigins(Origins):
         if not fitting and _fitting(self._before, address, got):
             return _nearest(
                 got, [(chain.sent, chain.shown.data(address)) for chain in self._before]
-            )  # the read began before the last model run was complete, so it shows the values of the run before
+            )  # the read began before the last run was complete, so it returned values of the run before the last run
         if not fitting:
             fitting = _fitting(self._anew(), address, got)
         if fitting:
@@ -273,7 +273,7 @@ class ModelOrigins(Origins):
         return nearest._replace(judged=False) if self._left_out else nearest
 
     def _longer(self, run: Run) -> list[Chain]:
-        """Return all chains, each extended by one run. If there are too many, return those with the youngest frames."""
+        """Return all chains, each extended by `run`; only the chains with the youngest frames if there are too many."""
         count: int = 0
         chain: Chain
         for chain in self._chains:

@@ -117,7 +117,7 @@ class Matcher(Struct, frozen=True, dict=True):
 
     @cached_property
     def each(self) -> tuple[Matcher, ...]:
-        """This matcher and those in `others`."""
+        """A tuple of this matcher and the matchers in `others`."""
         return (self, *self.others)
 
     def fits(self, record: Record) -> bool:
@@ -208,7 +208,7 @@ def matcher(event: Event | str, scope: Scope) -> Matcher:
 
 
 def group_of(event: Event, scope: Scope) -> Group:
-    """Return the group in which an event is counted. Raise BadEvent if the scene has no such group."""
+    """Return the group in which an event is counted. Raise BadEvent if the scene does not have this group."""
     if event.group not in ("burst", "interrupt"):
         return stretch_of(event.group, scope, f"{event.text!r}: a {event.group}")
     what, ends = f"interrupt {event.routine}", ("enter", "leave")

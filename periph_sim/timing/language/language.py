@@ -253,7 +253,7 @@ def _span(words: Words) -> str:
 
 
 def _state(words: Words) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
-    """Return the events that begin the state and those that end it."""
+    """Return the events that begin the state, and the events that end it."""
     kind = words.next
     if words.took("bus"):
         begins, ends = (event_of("bus START"),), (event_of("bus STOP"), event_of("bus arbitration lost"))

@@ -249,7 +249,7 @@ class EventMeasure(Measure):
             self._unfinished.append((value, tick))
 
     def measured_at(self, tick: int, number: int) -> None:
-        """Count `number` occasions as measured."""
+        """Count `number` more events as measured: a value was measured at each of them."""
         if self.weighs:
             self.count += number
         elif tick >= self.not_before:
@@ -385,7 +385,7 @@ def subjects_of(matchers: Sequence[Matcher]) -> dict[Kind, frozenset[str]]:
 
 
 def span_hint(name: str, spans: set[str]) -> str:
-    """Return a phrase that names the spans that a run had, or only those with similar names."""
+    """Return a phrase with the names of spans in a run: similar names if there are any, otherwise all names."""
     if not spans:
         return "the run had no span"
     hint = did_you_mean(name, sorted(spans))

@@ -166,7 +166,7 @@ class Measure(Listener):
 
     @property
     def measured(self) -> int:
-        """The number of occasions that were measured."""
+        """The number of events at which a value was measured."""
         return self.count
 
     @property
@@ -263,7 +263,7 @@ class Measure(Listener):
         """Drop all stored values except those at these indices."""
         values, at = (column[places].tolist() for column in self.all_kept())
         self.count = self.cut_off = 0
-        self.occasions = None  # the measure to which this one is joined counts the occasions
+        self.occasions = None  # the occasions are counted by the measure to which this measure is joined
         self.keep()
         if self._tally is not None:
             self.tally()
@@ -316,7 +316,7 @@ class Measure(Listener):
 
 
 class MeasuredScene(Protocol):
-    """Interface of a scene for measures. It provides what records do not show."""
+    """Interface of a scene for measures. It provides information that records do not contain."""
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
         """Subscribe `reply`. Return the expected reply, and a function that returns why it was never requested."""

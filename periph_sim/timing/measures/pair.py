@@ -33,7 +33,7 @@ class _Waiting:
     """First events whose second event has not come yet: the tick of each, and the number of events counted before it.
 
     oldest, oldest_counted: tick and number of the event that has waited longest; `oldest` is NO_TIME if none waits.
-    since, counted_at: ticks and numbers of the other waiting events, in order.
+    since, counted_at: the ticks and the numbers of all waiting events except the oldest event, in order.
     counted: the number of third events since the last time at which no event waited.
     """
 

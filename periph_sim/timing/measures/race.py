@@ -106,7 +106,7 @@ def races(table: RecordTable, name: str, sysclk: Fraction | None = None) -> Dist
 
     name: such as "I2C-A.I2CSTR" or "imu:I2C-A.I2CSTR.XRDY". sysclk: in Hz; None for the clock in the records.
 
-    Raise BadEvent if the run can contain no such register, and NotInRun if the firmware never accessed it.
+    Raise BadEvent if the run cannot contain this register, and NotInRun if the firmware never accessed it.
     """
     from ...records.races import distances
 

@@ -144,7 +144,7 @@ class TimeIn(EventMeasure):
             self.looks_back = "the whole run"
         self._nests = bool(state.nests)
         self._is_idle: bool = state.is_idle
-        self._under_way: list[int] = []  # waits and service routines, the inner ones last
+        self._under_way: list[int] = []  # the waits and service routines in progress, the innermost of them last
         self._enters = len(state.enters)  # number of events that begin the state; `matchers` begins with these events
         self._since = NO_TIME
         self._whole = False  # True if the state began during the run, not before it

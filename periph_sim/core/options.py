@@ -148,7 +148,7 @@ def _defaults(kind: Any) -> object:
 
 
 def options_from(kind: type[T], given: dict[str, Value]) -> T:
-    """Return an instance of `kind` with the given values. Raise ValueError, which lists valid values, for a wrong one."""
+    """Return an instance of `kind` with the given values. Raise ValueError, with the valid values, for other values."""
     if not given:
         return cast(T, _defaults(cast(Hashable, kind)))
     known = {f.name: f for f in dataclasses.fields(kind)}  # type: ignore[arg-type]

@@ -17,7 +17,7 @@ from .phrases import did_you_mean
 
 
 class RegisterMapError(Exception):
-    """A register description contradicts itself."""
+    """Error: the description of a register contradicts itself."""
 
 
 class Cpu(Enum):

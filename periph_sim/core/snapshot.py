@@ -244,8 +244,8 @@ class _Collector:
     def _object(self, name: str, value: Any, time: Time) -> None:
         """Collect an object that has just been named.
 
-        An object without declared state is stored as `Foreign` and loses its name. The same is done with an object in a
-        linked list whose declared state is not complete, because its place in the list may change.
+        An object without declared state is stored as `Foreign` and loses its name. An object in a linked list is stored
+        in the same way if its declared state is not complete, because the place of an object in the list may change.
         """
         kind = type(value)
         state = state_of(kind)

@@ -194,7 +194,10 @@ class Socket(Agent):
         return self.chip.peek(seen, offset) if self.on_peek is None else self.on_peek(seen, offset)
 
     def see(self, cycle: int, offset: int) -> int:
-        """Return the value that the CPU reads from a register whose read has no side effect; nothing changes."""
+        """Return the value that a CPU read of a register returns, without changing the chip.
+
+        It is only for registers whose read has no side effect.
+        """
         if self.before is not None:
             self.before(cycle)
         return self.chip.see(cycle, offset)

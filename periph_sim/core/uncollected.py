@@ -1,6 +1,6 @@
 """A block without garbage collection, for code that makes many lasting objects.
 
-Otherwise a collection would start after every 700 new objects, and search them in vain for garbage.
+With garbage collection, Python would search for garbage after every 700 new objects, and find none.
 """
 
 from __future__ import annotations

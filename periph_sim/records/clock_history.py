@@ -29,8 +29,9 @@ class ClockHistory(NamedTuple):
         return self.periods[max(bisect_right(self.begins, tick) - 1, 0)]
 
     def cycles(self, begin: int, end: int) -> int:
-        """Return the number of cycles between two ticks, rounded to the nearest integer; it is negative if `end` is
-        earlier.
+        """Return the number of cycles from tick `begin` to tick `end`, rounded to the nearest integer.
+
+        The number is negative if `end` is earlier than `begin`.
         """
         if end < begin:
             return -self.cycles(end, begin)

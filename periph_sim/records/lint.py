@@ -119,7 +119,7 @@ def held(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bo
 
 
 def text(run: Run, findings: list[Finding]) -> str:
-    """Return the findings as text, each with its place, source, lint and first time. The last line has their number."""
+    """Return the findings as text, each with its place, source, lint and first time. The last line has the total."""
     lines = []
     for f in findings:
         times = "once" if f.count == 1 else f"{f.count} times, first"

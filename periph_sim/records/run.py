@@ -69,7 +69,7 @@ class Cycles(NamedTuple):
 class Run:
     """An open recording of a run.
 
-    `read` raises NotInRun for a file that is no recorded run, and BadCapture for one that cannot be decoded.
+    `read` raises NotInRun for a file that is no recorded run, and BadCapture for a file that cannot be decoded.
     sysclk: SYSCLKOUT in Hz; None to use the frequency that the recording shows, or 150 MHz if it shows none.
     """
 

@@ -83,7 +83,7 @@ def _without(party: str, lines: str, case: Case, driven: Case) -> Case:
         "_all_budgets": case._all_budgets or case.budget,
         "_replaced": case._replaced | {party: sentence},
     }
-    if driven.host is None:  # there are no frames to compare with
+    if driven.host is None:  # without a host, there are no frames to compare bytes with
         for key, table in (("controller", driven.controller), ("rounds", driven.rounds)):
             if table is not None and table.check == "host":
                 update[key] = table.model_copy(update={"check": "expect"})

@@ -139,7 +139,7 @@ def _sensors(plugin: Plugin) -> Mapping[str, ChipData]:
 
 
 def _project_plugins(folder: Path) -> list[Plugin]:
-    """Return the plugins in `[tool.periph-sim]`. Raise BadCase if one cannot be loaded."""
+    """Return the plugins in `[tool.periph-sim]`. Raise BadCase if any of them cannot be loaded."""
     project = project_of(folder)
     found = []
 
@@ -168,7 +168,7 @@ def _module(path: Path, changed: int, size: int) -> ModuleType:
 
 @cache
 def _installed_plugins() -> tuple[Plugin, ...]:
-    """Return the plugins of installed distributions. Raise BadCase if one cannot be loaded."""
+    """Return the plugins of installed distributions. Raise BadCase if any of them cannot be loaded."""
     from importlib.metadata import entry_points
 
     found = []

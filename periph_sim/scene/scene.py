@@ -203,7 +203,7 @@ class Scene:
     # Building ------------------------------------------------------------------
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """Raise BadCase for a budget on a part that this scene does not have, since it would always hold."""
+        """Raise BadCase for a budget on a part that this scene does not have, because the budget would always hold."""
         needs = limit.measure.needs
         if not self._there[needs]:
             measure = limit.budget.measure
@@ -239,7 +239,7 @@ class Scene:
                 log.on_note = partial(_raise_in_firmware, self.units, name)
 
     def note_logs(self) -> dict[str, NoteLog]:
-        """Return the log of notes of each chip and device, by its name."""
+        """Return a dictionary from the name of a chip or device to the log of its notes."""
         chips = {name: chip.log for name, chip in self.chips.items()}
         return chips | {name: device.log for name, device in self.devices.items()}
 
@@ -332,7 +332,7 @@ class Scene:
     def close(self) -> None:
         """Terminate the firmware and remove all subscribers. The scene can then be read, but not run.
 
-        A scene that is deleted is closed automatically, unless one of its own subscribers refers to it.
+        A scene that is deleted is closed automatically, unless any of its subscribers refers to the scene.
         """
         self._close()
 

@@ -75,7 +75,7 @@ def restore_scene(scene: Scene, snapshot: Snapshot) -> None:
 def modules_of(scene: Scene) -> dict[str, Module]:
     """Return a dictionary from names to the parts of a scene that declare a state.
 
-    The order is that in which their states are collected and restored.
+    The states of the parts are collected and restored in the order of the dictionary.
     """
     samplers = _samplers(scene)
     keys: dict[type, Keyed] = {Sampler: Keyed(lambda sampler: (sampler.rank,), samplers.__getitem__)}
@@ -111,7 +111,7 @@ def _unit_modules(name: str, dsp: Dsp, cycle: int, keys: Mapping[type, Keyed]) -
 
 
 def _samplers(scene: Scene) -> dict[int, Sampler]:
-    """Return all samplers by rank, which is the order in which the scene made them."""
+    """Return a dictionary from a rank to the sampler with this rank. The scene made the samplers in order of rank."""
     found = [listener for wire in scene.wires.values() for listener in wire.listeners()]
     for dsp in scene.units.values():
         found += [socket.inputs for socket in dsp.sockets.values()]

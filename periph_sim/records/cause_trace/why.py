@@ -99,7 +99,10 @@ def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
 
 
 def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> int | None:
-    """Return the signal's value from `row` on; before its first change, the reset value or the wire's first level."""
+    """Return the value that the signal has from the change in `row` on.
+
+    If `row` is None, return the value before the first change: the reset value, or the level of the wire.
+    """
     if row is not None:
         return int(run.table.value[row])
     if subject.field is not None:
@@ -175,7 +178,7 @@ def as_json(answer: Answer) -> dict[str, object]:
 
 
 def said(run: Run, step: Link) -> str:
-    """Return a record as text. For a flag it ends with the section of the manual that describes the register."""
+    """Return a record as text. For a flag, the text ends with the section of the manual that describes the register."""
     record = step.record
     words = happened_where(record)
     if record.kind is Kind.EDGE and record.value:

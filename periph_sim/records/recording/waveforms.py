@@ -75,7 +75,7 @@ class Signal:
     def changes(self) -> tuple[Numbers, Numbers]:
         """Return (ticks, values). The ticks increase strictly from 0, and each value holds from its tick on.
 
-        The value at 0 is `initial`, unless a change at 0 replaces it. No value equals the one before it.
+        The value at tick 0 is `initial`, unless a change at tick 0 replaces it. Successive values are different.
         """
         at = np.concatenate([np.zeros(1, np.int64), np.frombuffer(self._at, np.int64)])
         values = np.concatenate([np.full(1, self.initial, np.int64), np.frombuffer(self._values, np.int64)])

@@ -310,7 +310,7 @@ class Case(Table, frozen=True, kw_only=True):
 
     @property
     def file(self) -> Path | None:
-        """The path of the case's file; None if it was not read from a file."""
+        """The path of the case's file; None if the case was not read from a file."""
         return None if self._source is None else self._source.path
 
     def files(self) -> Iterator[Path]:
@@ -366,7 +366,7 @@ class Case(Table, frozen=True, kw_only=True):
         return BadCase(f"{where}: {key}: {what}")
 
     def line(self, *place: str | int) -> int:
-        """Return the line of a key, or of its table, in the case's file; 0 if there is no file or no key of this name."""
+        """Return the line of a key, or of its table, in the case's file; 0 if there is no file or no such key."""
         return 0 if self._source is None else line_of(self._source.text, self._written(place))
 
     def _named(self) -> dict[str, Any]:

@@ -28,7 +28,7 @@ class Code(Table, frozen=True, kw_only=True):
 
 
 class StubTable(Table, frozen=True, kw_only=True):
-    """The value that a register without a model returns from the time `after` on. register: its name or address."""
+    """The value that a register without a model returns from the time `after` on. register: the name or the address."""
 
     register_: str | int = field(name="register")
     value: Annotated[int, Meta(ge=0, le=0xFFFF)]

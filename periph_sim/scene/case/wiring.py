@@ -140,7 +140,7 @@ def _pins_of(modules: tuple[str, ...]) -> Mapping[int, tuple[str, str]]:
 
 
 def node_of(case: Case, text: str, *place: str | int) -> Node:
-    """Return the pin or wire that the end of a cable names. Raise BadCase, with its line, if there is none."""
+    """Return the pin or wire that the end of a cable names. Raise BadCase, with its line, if it names neither."""
     unit, _, rest = text.partition(".")
     if unit not in case.unit:
         if text in _wire_names(case):

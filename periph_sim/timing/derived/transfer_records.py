@@ -90,9 +90,10 @@ class RoundRecords:
 
     thing     tick                      value
     due       due time of a round       0; recorded for each round, once it is known whether the round began
-    missed    due time of a round       0; if the round began but a request is missing: at the START made in its place
+    missed    due time of a round       0; recorded if the round did not begin
+    missed    START of a transfer       0; recorded if this transfer came in place of a request of the round
     begin     begin of the round        0; recorded for each complete round, at its end
-    end       its last STOP             0
+    end       last STOP of the round    0; recorded for each complete round
     next      due time of the next one  0; recorded for each complete round, even if it ended after this time
     refused   due time of the round     number of its requests whose address was not acknowledged; no record for 0
 

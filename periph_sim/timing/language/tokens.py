@@ -69,7 +69,7 @@ class Words:
         return True
 
     def name(self, expected: str) -> tuple[str, str]:
-        """Read a name and return (unit, name); the unit is empty if it is not given."""
+        """Read a name and return (unit, name). The unit is "" if the text does not contain one."""
         word = self.take(expected)
         unit, colon, name = word.partition(":")
         if word[0] in "\"'":

@@ -5,8 +5,8 @@
                    '---> "last ... of transfer": known when that is over -+--in order--> happened(place, tick, value)
                                                                           '--> occasions, things that cannot be judged
 
-Events are counted in the order of their records. Of two events with the same tick, the one that was recorded first is
-the earlier one.
+Events are counted in the order of their records. Of two events with the same tick, the event that was recorded first
+counts as the earlier event.
 """
 
 # core: compiled

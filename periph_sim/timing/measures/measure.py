@@ -183,7 +183,7 @@ class Measure(Listener):
     def why_silent(self) -> str:  # core: python
         """Return the reason why no value was taken; "" if no reason is known.
 
-        `missing` calls it, unless the measure is a jitter with only one value.
+        `missing` calls this method, unless the measure is a jitter with only one value.
         """
         return ""
 
@@ -198,8 +198,8 @@ class Measure(Listener):
     def close(self, now: int) -> str:
         """Take the values of unfinished occurrences that exceed all complete values.
 
-        Return a phrase about these occurrences, or "". Their values would have grown in a longer run, so they never
-        count as the smallest value.
+        Return a phrase about these occurrences, or "". In a longer run, the values of these occurrences would have
+        grown, so they never count as the smallest value.
         """
         if self.is_jitter:
             return ""

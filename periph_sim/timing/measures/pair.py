@@ -26,7 +26,7 @@ from .event import NO_CLAUSES, Clauses, EventMeasure
 from .groups import Groups
 from .measure import MeasuredScene
 
-FIRST, SECOND, START, STOP = range(4)  # indices in `matchers`: a pair's events, and begin and end of its group
+FIRST, SECOND, START, STOP = range(4)  # indices in `matchers`: the events of a pair, the begin and end of a group
 
 
 class _Waiting:
@@ -82,7 +82,7 @@ class Between(EventMeasure):
     by_unit: True if both events of a pair must be of the same unit.
     again: without a pairing, the ticks of two first events that waited at the same time; None if there were none.
     group: the transfer or round that must contain both events of a pair; None if they may be anywhere. A transfer lasts
-        from its START to the next one's START, so that the firmware's reaction to a STOP belongs to it.
+        from its START to the START of the next transfer, so that it contains the firmware's reaction to its STOP.
     """
 
     STATE = State("_rule _stopped _begun _paired _of_unit", ticks="_begun_at")

@@ -71,7 +71,7 @@ class BusiestWindow:
     """Finds the window of a given length in which a state lasts longest.
 
     This window begins when the state begins, or it ends when the state ends, so no other windows are evaluated.
-    most: the share of the state in this window, in millionths; -1 before a window was over.
+    most: the share of the state in this window, in millionths; -1 until the first window is over.
     """
 
     STATE = State(ticks="_since _stretches _begins")
@@ -192,7 +192,7 @@ class TimeIn(EventMeasure):
             self._ends(tick)
 
     def _waits(self, place: int, value: int) -> bool:
-        """Return True if the CPU waits after the begin or the end of a wait or service routine."""
+        """Note the begin (1) or the end (0) of a wait or service routine. Return True if the CPU waits after this."""
         under_way = self._under_way
         if value:
             under_way.append(place)

@@ -40,7 +40,7 @@ class Literal:
 class Digits:
     """A column of non-negative integers, right-aligned. The last `decimals` digits are after a decimal point.
 
-    pad: the character before the first digit: BLANK or NONE.
+    pad: the character that fills the column before the first digit: BLANK or NONE.
     width: the minimum width of the column.
     """
 
@@ -79,7 +79,7 @@ class Words:
 
     codes: the code of each line, an integer from 0.
     text_of: a function that returns the text of a code.
-    pad: the character after the last character of a text: BLANK or NONE.
+    pad: the character that fills the column after a text: BLANK or NONE.
     width: the minimum width of the column.
     """
 

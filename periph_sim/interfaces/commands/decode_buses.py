@@ -32,8 +32,8 @@ SPI_MODES = {  # names and values as in sigrok's decoder; the first value is the
     "cs_polarity": ("active-low", "active-high"),
 }
 MAX_WORD = 32  # maximum number of bits of an SPI word
-# The certainty from which a guess of a line's settings is used.
-# In a test with 34 real lines, guesses above this certainty were right, and most guesses below it were wrong.
+# A guess of a line's settings is used if its certainty is at least SURE.
+# In a test with 34 real lines, guesses with a certainty above SURE were right, and most other guesses were wrong.
 SURE = 0.5
 
 

@@ -254,7 +254,7 @@ def _stretches(rows: Rows, bus: int, lows: LongLows, clock: Clock | None) -> dic
     A low phase is the begin of a JSON object. The caller adds the number of the byte in the message.
     """
     own = np.flatnonzero((rows.bus == bus) & (rows.value >= 0))
-    starts = np.searchsorted(lows.rises, rows.at[own])  # the index of the rise of each byte's first bit
+    starts = np.searchsorted(lows.rises, rows.at[own])  # for each byte, the index of the rise of its first bit
     place = np.searchsorted(starts, lows.which, side="right") - 1
     bits = lows.which - np.append(starts, 0)[place] + 1
     within = (place >= 0) & (bits <= 9)

@@ -273,9 +273,9 @@ def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start
 def _chains(
     outcome: Outcome, baseline: Baseline | None, start: Start, every: bool
 ) -> Callable[[], dict[str, EventLine]] | None:
-    """Start a run that finds the chains of the budgets of the baseline. Return a function that waits for the chains.
+    """Start a run that finds the chains of all budgets in the baseline. Return a function that waits for the chains.
 
-    Return None if no run is needed. If the run must have the same chains as the baseline, store these in the outcome.
+    Return None if no run is needed. If the chains must be equal to those in the baseline, store them in the outcome.
 
     every: True to find the chains of all budgets of the case.
     """

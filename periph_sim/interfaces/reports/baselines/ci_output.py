@@ -104,7 +104,13 @@ def _suite(root: xml.Element, check: CaseCheck) -> None:
 
 
 def _test(suite: xml.Element, check: CaseCheck, budget: str | None, line: int, said: dict[str, str]) -> None:
-    """Add a test case. All findings about it are lines of one failure."""
+    """Add a test case for a budget, or for the whole case if `budget` is None.
+
+    All findings about the budget, or about the whole case, are lines of one failure.
+
+    line: the line in the case file; 0 if unknown.
+    said: a dictionary from the names of the test case's properties to their values.
+    """
     where = _safe(check.outcome.path.as_posix())
     name = WHOLE if budget is None else _safe(budget)
     case = _safe(check.outcome.figures.case)

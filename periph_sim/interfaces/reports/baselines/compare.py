@@ -32,7 +32,7 @@ class Change:
 
     budget: the name of the budget; None for a figure of the whole case.
     figure: the name of the figure.
-    before, now: its values in the baseline and in the run; None if there is no value.
+    before, now: the value of the figure in the baseline and in the run; None if there is no value.
     text: a description of the change.
     why: the reason for the change; "" if it is unknown.
     note: True if the change is only shown and does not make the check fail.
@@ -81,9 +81,9 @@ def _settings(prefix: str, budget: str | None, before: Table, now: Table, keys: 
 
 
 def _bus_bytes(before: list[str], now: list[str]) -> list[Change]:
-    """Return a change for the first PART bytes on the bus whose values or ACKs differ from the baseline.
+    """Compare the bytes on the bus. Return a change for the first digest that differs from the baseline.
 
-    before, now: the digests, one after every PART bytes.
+    before, now: the digests in the baseline and of the run, one after every PART bytes.
     """
     if before == now:
         return []
@@ -136,7 +136,7 @@ def _figures(old: Figures, new: Figures) -> tuple[str, ...]:
 
 
 def explain(changes: list[Change], before: Baseline, now: Baseline, first_wrong: str) -> None:
-    """Set the reason for each changed worst (or least) value whose occurrence has a chain of events.
+    """Set the reason of each change of a worst or least value for which there is a chain of events.
 
     The reason is the difference between the chain in the baseline and the chain in the run.
 

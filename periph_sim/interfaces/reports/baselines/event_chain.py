@@ -8,8 +8,8 @@
 Runs with the same digest of events have equal chains, so no second run is needed to find the chains. Each digest of
 bytes covers all bytes up to its end, so the first digest that differs shows where two runs begin to differ.
 
-Reads are left out, because it does not matter how often a flag is polled. Values are left out, because a worst case
-that moves to another round has other data.
+Chains have no reads, because it does not matter how often a flag is polled. Chains have no values of accesses, because
+a worst case that moves to another round has other data.
 """
 
 from __future__ import annotations

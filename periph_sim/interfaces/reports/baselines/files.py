@@ -34,11 +34,12 @@ class Figures(Table, frozen=True, kw_only=True):
     """The figures of one budget.
 
     unit: "time" for ticks, or the name of what is counted.
+    count: the number of occurrences.
     worst, least: the largest and the smallest value; None if nothing was measured.
     worst_at, least_at: the instants of these values in ticks; None if a value has no instant.
-    chain_of: which of the two values the chain belongs to.
-    chain: the events around this value's occurrence as lines "TICKS EVENT" (see `event_chain`). TICKS are counted from
-        the beginning of the occurrence.
+    chain_of: "worst" or "least": the value whose occurrence `chain` describes.
+    chain: the events around this occurrence as lines "TICKS EVENT" (see `event_chain`). TICKS are counted from the
+        beginning of the occurrence.
     """
 
     measure: str

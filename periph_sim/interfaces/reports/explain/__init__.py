@@ -14,8 +14,9 @@ explain     steps: events in order of time, with the causes of both ends
 chain       the explanation as data, as text and as JSON                            (`Chain`)
 picture, reports/html    pictures of the occurrence
 
-No module here depends on the kinds of budgets: a new measure is explained by the records that it uses. Two expectations
-come from the case and not from a record: the text of a reply and the edges of a watched wire.
+An explanation is made from the records that a measure uses. Therefore, new measures of the same kinds of records need
+no code here. Two expectations come from the case and not from a record: the text of a reply and the edges of a watched
+wire.
 """
 
 from __future__ import annotations

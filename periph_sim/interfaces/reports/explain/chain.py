@@ -1,6 +1,6 @@
-"""The explanation of a worst occurrence: Steps in order of time, and Parts that add up to its length.
+"""The explanation of a worst occurrence: Steps in order of time, and Parts into which its time is divided.
 
-Window --explain--> Chain(steps, parts, more) --text--> lines, --as_json--> plain numbers in microseconds and cycles
+Window --explain--> Chain(steps, parts, more) --text--> lines; --as_json--> plain data with times in microseconds
 
     stretch 97.953 us, at most 50.000 us allowed, at 0.105195 s
         -190.000 us              repeated START, gyroscope (0x68 R)
@@ -46,7 +46,7 @@ class FirmwarePlace:
 
     @property
     def spot(self) -> str:
-        """The file and the line, "imu_hil.py:106". If the file is not known, its name is replaced by the function."""
+        """The file and the line, "imu_hil.py:106"; the function and the line if the file is unknown."""
         name = self.file.name if self.file else self.function
         return f"{name}:{self.line}" if self.line else name
 

@@ -25,10 +25,12 @@ IN_FIRMWARE = (Kind.ACCESS, *DOING)  # kinds of records of the firmware's action
 
 @dataclass(frozen=True)
 class Stretch:
-    """An activity from tick `begin` to tick `end`: a whole service routine, span or wait, or a part of one.
+    """A time from tick `begin` to tick `end` with one activity.
 
-    A part is a time in which no other activity is nested in the activity.
+    The activity is a service routine, a span, a wait, other code, traffic on the bus, or the work of hardware. A
+    Stretch is either a whole activity, or a part of an activity during which no nested activity is in progress.
 
+    doing, what: the kind and the name of the activity.
     end: the end of the window if the activity has not ended.
     where: the place in the firmware; "" if unknown.
     since: the tick at which the activity began, which is `begin` or an earlier tick.

@@ -1,4 +1,4 @@
-"""Queries of a Window that all explanations use: events on the bus, actions of a unit's firmware, and its flags.
+"""Queries of a Window that all explanations use: events on the bus, actions of a unit's firmware, and flags of a unit.
 
 Window, case --> Evidence: phases on the bus, low phases of SCL, accesses, changes of flags, and Steps for these
 """
@@ -81,7 +81,7 @@ class Evidence:
     def _between_accesses(self, one: Stretch) -> list[Stretch]:
         """Divide a stretch of code without a name at each record of the firmware.
 
-        A part that is longer than LONG is named after the activity that follows, or after the last activity.
+        A part that is longer than LONG is named after the next record, or after the last record if no other follows.
         """
         if one.doing != CODE or one.where:
             return [one]
@@ -132,7 +132,7 @@ class Evidence:
         return None if top is None else Part(DOING[top.kind], top.what, tick - top.tick, 1, place_of(top.text))
 
     def accesses(self, begin: int, end: int, what: str) -> list[Record]:
-        """Return the accesses `what`, such as "R I2C-A.I2CDRR", from tick `begin` to tick `end`.
+        """Return the accesses with the text `what`, such as "R I2C-A.I2CDRR", from tick `begin` to tick `end`.
 
         The last such access before the window is included if it is in this range.
         """
@@ -145,7 +145,7 @@ class Evidence:
         return [r for r in changes if r.where == f"{self.unit}.{SCI}" and r.what in fields]
 
     def last_access(self, tick: int, what: str) -> Record | None:
-        """Return the last access `what`, such as "R I2C-A.I2CDRR", up to a tick; None if there is none."""
+        """Return the last access `what`, such as "R I2C-A.I2CDRR", up to a tick; None if there is no such access."""
         return self.last(tick, Kind.ACCESS, self.unit, what)
 
     def last_change(self, tick: int, field: str, module: str = I2C) -> tuple[Record, Record] | None:
@@ -167,7 +167,7 @@ class Evidence:
     def last(self, tick: int, kind: Kind, where: str, what: str | None = None) -> Record | None:
         """Return the last record up to a tick with these values of `kind`, `where` and `what`; None if there is none.
 
-        The record may be from before the window. If `what` is None, its `what` is not compared.
+        The record may be from before the window. If `what` is None, only `kind` and `where` must match.
         """
         run = self.window.run
         row = run.last(run.rows(kind, where, what), tick)
@@ -222,7 +222,8 @@ class Evidence:
     def holder_at(self, tick: int) -> str:
         """Return the unit or device that holds SCL low at a tick.
 
-        If the records do not name it, return the device that is addressed, or the unit if no device is addressed.
+        If the records do not name the holder, return the device that the transfer addresses. Without a transfer, or if
+        the address is not that of a device, return the unit.
         """
         run = self.window.run
         row = run.last(wire_rows(run, "SCL"), tick)
@@ -273,7 +274,7 @@ class Evidence:
         return self._lows("SCL")
 
     def low_since(self, wire: str, tick: int) -> int | None:
-        """Return the last falling edge of a wire that is low at a tick; None if the wire is high or does not exist."""
+        """Return the tick of the last fall of a wire that is low at `tick`; None if it is high or does not exist."""
         return next((fall for fall, rise in self._lows(wire) if fall <= tick < rise), None)
 
     def channel(self, name: str) -> Channel | None:
@@ -320,7 +321,11 @@ class Evidence:
         )
 
     def step(self, record: Record, what: str = "", length: int | None = None) -> Step:
-        """Convert a record to a Step."""
+        """Convert a record to a Step.
+
+        what: the text of the step; "" for the text of the record.
+        length: the duration in ticks; None for an instant.
+        """
         place = place_of(record.text) if record.kind in (*IN_FIRMWARE, Kind.FLAG) else None
         return self.say(record.tick, what or happened(record), length, place)
 
@@ -339,7 +344,7 @@ class Evidence:
         return self.window.timebase.per_second // 10**10 + 1
 
     def episode_step(self, one: Stretch, end: int) -> Step:
-        """Convert a service routine, span or wait to a Step. If it has not ended at tick `end`, the text says so."""
+        """Convert a service routine, span or wait to a Step. If it goes on after tick `end`, the Step says so."""
         what = f"{one.what} entered" if one.doing == "interrupt" else str(one)
         if one.doing == "interrupt" and one.within:
             below = one.within[-1]

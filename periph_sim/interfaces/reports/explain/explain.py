@@ -203,10 +203,7 @@ def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
 
 
 def _stopped(evidence: Evidence, end: int) -> list[Step]:
-    """Return steps for a wait that does not end, and for the firmware's last access before the wait.
-
-    The causes of the access are included.
-    """
+    """Return steps for a wait that does not end, for the firmware's last access before the wait, and for its causes."""
     wait = waited_for(evidence, end)
     since = evidence.window.begin + wait[0].at if wait else end
     accesses = [r for r in evidence.window.records if r.kind is Kind.ACCESS and r.where == evidence.unit]
@@ -317,9 +314,10 @@ def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
 
 
 def _reaching(window: Window, chain: Chain) -> Window:
-    """Return the window with the texts of the steps, and with a picture that also contains near evidence.
+    """Return the window with the texts of the steps of its explanation, and with a larger picture.
 
-    For an instant, these are the steps that are near enough; for a reply, it is the first step.
+    The picture of an instant is extended to all steps that are near enough. The picture of a reply is extended to the
+    first step.
     """
     begin, end = window.drawn
     if window.verdict.measure.startswith(REPLY) and chain.steps:

@@ -4,10 +4,10 @@ byte on the bus --> the write of I2CDXR from which it came, possibly for another
 NACK of an address --> the write of I2COAR, IRS = 0, or the missing write; NACK of a byte --> NACKMOD = 1
 wait that ended at once in a transfer, by a flag that was set before the transfer --> the rise of the flag
 RSFULL --> I2CDRR was not read
-read of a memory --> the word address of each byte, and the last write to it among the recorded transfers
-notes of a device on broken duties --> the last note before the end of the read; this note is the cause if it
-                                       names a word of the read, or if the words are unknown
-reply on the serial line --> its request, and the writes of characters that differ from the expected ones
+read of a memory --> the word address of each byte, and the last write to this address among the recorded transfers
+notes of a device on broken rules --> the last note before the end of the read; this note is the cause if it
+                                      names a word of the read, or if the words are unknown
+reply on the serial line --> the request, and the writes of characters that differ from the expected characters
                              (the expected text comes from the case and not from a record)
 """
 
@@ -119,7 +119,7 @@ def refusing(evidence: Evidence, tick: int) -> list[Step]:
 
 
 def is_master(evidence: Evidence, tick: int) -> bool:
-    """Return True if the unit's module is the master at a tick. A NACK then comes from another party."""
+    """Return True if the unit's module is the master at a tick. In this case, another party sends the NACKs."""
     return evidence.last_set(tick, "I2CMDR.MST") is not None
 
 
@@ -179,7 +179,7 @@ def sender(evidence: Evidence, phase: RecordedPhase) -> str:
 
 
 def answering(evidence: Evidence, phase: RecordedPhase) -> Evidence:
-    """Return the evidence about the unit that answers a read; `evidence` itself if no other unit does."""
+    """Return the evidence about the unit that answers a read; `evidence` itself if no other unit answers."""
     return next(_answers(evidence, phase), evidence)
 
 
@@ -294,7 +294,8 @@ def wrong_characters(evidence: Evidence) -> tuple[list[Step], list[Step]]:
 def _asked(evidence: Evidence) -> list[Record]:
     """Return the beginnings of the frames up to the end of the request, on the line of the request.
 
-    The request ends with the frame whose end is the begin of the occurrence. Return an empty list if there is none.
+    The request ends with the frame whose end is the begin of the occurrence. Return an empty list if there is no such
+    frame.
     """
     window = evidence.window
     slip = window.timebase.per_second // 10**7
@@ -306,9 +307,10 @@ def _asked(evidence: Evidence) -> list[Record]:
 
 
 def _wrong(evidence: Evidence, asked: list[Record]) -> list[Step]:
-    """Return steps for the writes of characters that differ from the characters expected at their positions.
+    """Return steps for the writes of wrong characters in a reply.
 
-    Return an empty list if the positions of the characters in the reply are unknown.
+    A character is wrong if it differs from the expected character at the same position of the reply. Return an empty
+    list if the positions are unknown.
     """
     serial = evidence.case.serial
     assert serial is not None

@@ -189,7 +189,8 @@ def awaited(evidence: Evidence, access: Record, let_go: int) -> Step:
 def _refused(evidence: Evidence, ends: Ends) -> Finding:
     """Find the address that was not acknowledged at an instant.
 
-    If the measure counts refused transfers or rounds, find the first such address after the instant.
+    If the measure counts refused transfers or rounds, find the first address after the instant that was not
+    acknowledged.
     """
     at = evidence.window.begin
     if not ends.measure.kinds & {Kind.BUS, Kind.TRANSFER, Kind.ROUND} or ends.thing in LATE:
@@ -240,8 +241,8 @@ def _bytes(evidence: Evidence, ends: Ends) -> Finding:
     """Find the origin of each byte of a read.
 
     If a unit sent the byte, the origin is the write of I2CDXR, which the firmware may have made for another read. If a
-    device sent the byte, the origin is inside the device. If every byte was written in time, the firmware calculated a
-    wrong value earlier, so the spans and service routines before the read are listed, too.
+    device sent the byte, the origin is the device and, in a memory, the word. If the firmware wrote every byte in time,
+    it calculated a wrong value earlier, so the spans and service routines before the read are listed, too.
     """
     at = evidence.window.begin
     phase = next((p for p in evidence.phases if p.begin >= at), None)

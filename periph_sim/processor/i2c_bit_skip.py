@@ -1,10 +1,12 @@
-"""An F28335's I2C module as a party of bit skipping, as slave and as master of the bus.
+"""The I2C module of an F28335 as a party of bit skipping, as slave and as master of the bus.
 
-    out SCL  __|~~|__|~~|_ ... _|~~|_          cycles of SYSCLKOUT
+Bit skipping simulates several bits of a byte in one step, if no party can observe the edges between them.
+
+    out SCL  __|~~|__|~~|_ ... _|~~|_          output of the module, in cycles of SYSCLKOUT
     wire     ___|~~|__|~~|_ ... _|~~|_         later by the delay from output to pin
-               ^ the master tries to skip here
+               ^ here a master tries to skip bits
 
-`bus.i2c.bit_skip` decides when bits are skipped; `f28335.i2c.master` has the master's states.
+`bus.i2c.bit_skip` decides when bits are skipped; `f28335.i2c.master` has the states of the master.
 """
 
 # core: compiled
@@ -22,30 +24,31 @@ from ..core.wire import Pin
 from ..f28335.i2c.module import I2c
 from ..f28335.i2c.register_map import SCL
 
-MARGIN = 2  # cycles added to each distance, since an edge between two cycles is sampled at the later one
-SCL_INDEX = 0  # among the module's outputs
+MARGIN = 2  # cycles added to each required distance, since an edge between two cycles is sampled at the later cycle
+SCL_INDEX = 0  # index of SCL among the outputs of the module
 
 
 @final
 class I2cModuleParty(BitParty):
-    """The I2C module of a unit as a party whose bits can be skipped. socket: the module's. clock: SYSCLKOUT."""
+    """The I2C module of a unit as a party whose bits can be skipped."""
 
     def __init__(self, socket: Socket, chip: I2c, clock: Clock) -> None:
+        """socket: that of the module. clock: SYSCLKOUT of the unit."""
         self._socket = socket
         self._chip = chip
         self._clock = clock
-        self._calm = False
-        self._calm_for = -1  # key of the values that `_calm` depends on,
-        self._hz: Fraction = clock.hz  # and the clock rate
-        self._asking = False  # the module, as the master, is about to skip bits
+        self._calm = False  # the last result of the timing check in `ready`
+        self._calm_for = -1  # a number that differs for different inputs of that check
+        self._hz: Fraction = clock.hz  # the clock frequency at that check
+        self._asking = False  # True while the module, as the master, tries to skip bits
         self._release_cause = 0  # the record that caused the release of SCL for the first skipped bit
 
     def act(self, tag: int) -> None:
-        """Release SCL for the first bit again; the byte now passes edge by edge."""
+        """End the skip: release SCL for the first bit again. The byte is then transferred edge by edge."""
         self._socket.reclock()
         self._socket.repeat_output(SCL_INDEX, self._release_cause)
 
-    # As any party ---------------------------------------------------------------
+    # Methods of a party -----------------------------------------------------------
 
     def pulls(self, line: int) -> int:
         mask: int = 0
@@ -67,7 +70,10 @@ class I2cModuleParty(BitParty):
         return self._clock.tick(cycle + chip.filter_width + self._socket.out_delay)
 
     def separates(self, fall: int, moved: int) -> bool:
-        """Return True if the edges are separate events: at least a module clock apart (option `unequal_arrival`)."""
+        """Return True if the edges are separate events, at least a module clock apart (option `unequal_arrival`).
+
+        fall: tick of the falling edge of SCL. moved: tick of the next change of SDA.
+        """
         return self._clock.cycle_at(moved) - self._clock.cycle_at(fall) >= self._chip.state.tm
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
@@ -77,7 +83,8 @@ class I2cModuleParty(BitParty):
         figures = each + 2 * low + 3 * high + 5 * hold + 7 * chip.filter_width + 11 * chip.state.tm
         if figures != self._calm_for or self._clock.hz is not self._hz:
             self._calm_for, self._hz = figures, self._clock.hz
-            # Each level must outlast the noise filter, and SDA, also as driven here, change apart from SCL.
+            # Each level must last longer than the noise filter. SDA must not change at the same time as SCL, neither
+            # by another party nor by this module.
             width, module_clock = chip.filter_width, chip.state.tm
             apart = max(width, module_clock) + MARGIN
             low, high, hold = self._cycles(low), self._cycles(high), self._cycles(hold)
@@ -87,17 +94,17 @@ class I2cModuleParty(BitParty):
         return self._calm
 
     def _cycles(self, ticks: int) -> int:
-        """Return the number of whole cycles in a number of ticks."""
+        """Return the number of whole cycles in a time in ticks."""
         return self._clock.cycle_at(self._clock.tick(0) + ticks) - 1
 
     def set_bit_position(self, shown: int, bit: int, fell: int) -> None:
         self._chip.set_bit_position(shown, bit)
         self._socket.accept_output()
 
-    # As the master ----------------------------------------------------------------
+    # Methods of a master ------------------------------------------------------------
 
     def skips(self, bit_skip: BitSkip, times: CycleTimes) -> bool:
-        """Skip the bits of the byte for which SCL has just been released, if they are unobservable."""
+        """Skip the bits of the byte for which SCL has just been released. Return False if they are observable."""
         master, delay = self._chip.master, self._socket.out_delay
         master.begin_skip(delay)
         release = master.skip_release
@@ -108,13 +115,13 @@ class I2cModuleParty(BitParty):
         skips = bit_skip.skips_for(self, times, self._clock.tick(master.skip_fell + delay), ends)
         self._asking = False
         if skips:
-            self._socket.publish(release, PINS_CHANGED)  # plans the wake-up for the eighth bit
+            self._socket.publish(release, PINS_CHANGED)  # schedules the wake-up for the eighth bit
         return skips
 
 
 @final
 class I2cMasterGate(PinReleaseGate):
-    """Gate that holds SCL's pin low while bits that the module clocks are skipped."""
+    """Gate that holds the SCL pin low while bits that the module clocks are skipped."""
 
     def __init__(self, party: I2cModuleParty, chip: I2c, clock: Clock, bit_skip: BitSkip) -> None:
         self._party = party
@@ -130,7 +137,7 @@ class I2cMasterGate(PinReleaseGate):
 
 
 def party_of(socket: Socket, clock: Clock, bit_skip: BitSkip, clocks: bool) -> I2cModuleParty:  # core: python
-    """Return an I2C module as a party. clocks: as master it skips bits of the bytes that it clocks."""
+    """Return an I2C module as a party. clocks: True if, as a master, it skips bits of the bytes that it clocks."""
     chip = socket.chip
     assert isinstance(chip, I2c)
     party = I2cModuleParty(socket, chip, clock)

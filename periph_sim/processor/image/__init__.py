@@ -1,1 +1,1 @@
-"""Firmware images as programs of a processor: an image goes in; its instructions run in the cycles of the chip."""
+"""Firmware images as programs of a processor: instructions are executed in the cycles that the chip would need."""

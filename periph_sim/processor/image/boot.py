@@ -1,10 +1,10 @@
-"""Boot modes of an image, and stubs of registers.
+"""Boot modes of an image, and stubs: values that reads of unmodelled registers return.
 
-    entry   at the linker's entry, with the clock of a reset, as a debugger starts it
-    flash   at 0x33FFF6, where the boot ROM goes with GPIO87 to 84 high; it leaves SYSCLKOUT = OSCCLK / 2
-    ram     at 0, its "M0 SARAM" mode
+    entry   The program begins at the linker's entry with the clock of a reset, as a debugger starts it.
+    flash   It begins at 0x33FFF6, where the boot ROM jumps if GPIO87 to GPIO84 are high; SYSCLKOUT is OSCCLK / 2.
+    ram     It begins at 0, where the boot ROM jumps in the mode "M0 SARAM"; SYSCLKOUT is OSCCLK / 2.
 
-The ROM's run time, and the words that its stack leaves in M0, are not modelled. Source: SPRU963A.
+The run time of the boot ROM, and the words that its stack leaves in M0, are not modelled. Source: SPRU963A.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ BEGINS: dict[Boot, int] = {"flash": 0x33_FFF6, "ram": 0}
 
 
 class Stub(Struct, frozen=True):
-    """A value that reads of the address return from this tick on."""
+    """A value that reads of an address return from a tick on."""
 
     tick: int
     address: int
@@ -30,11 +30,11 @@ class Stub(Struct, frozen=True):
 
 
 class BadStub(ValueError):
-    """A stub for an address that cannot have one, in one sentence."""
+    """An address cannot have a stub; the message is one sentence."""
 
 
 def entry_of(image: Image, boot: Boot) -> int:
-    """Return the first PC. Raise BadImage if nothing is loaded there."""
+    """Return the address of the first instruction. Raise BadImage if nothing is loaded there."""
     if boot == "entry":
         return image.entry
     address = BEGINS[boot]
@@ -46,7 +46,10 @@ def entry_of(image: Image, boot: Boot) -> int:
 
 
 def stubbed(register: str | int, memory: AddressMap) -> int:
-    """Return the address of a register that is not modelled. Raise BadStub otherwise."""
+    """Return the address of an unmodelled register. Raise BadStub if it is modelled, or is no register.
+
+    register: a name, such as ADC.ADCST, or an address.
+    """
     address = register if isinstance(register, int) else address_of(register)
     if address is None:
         raise BadStub(

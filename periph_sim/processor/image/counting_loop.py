@@ -1,13 +1,16 @@
-"""Counting loops: how many passes after a traced one differ only in their counters.
+"""Counting loops: the number of passes that differ from a traced pass only in their counters.
 
-    pass --executed--> trace; words that differ before and after it --> counters, each with its step
-    trace --repeated with counters in place of values--> number of passes in which nothing else differs
+    executed pass --> trace; the words that the pass has changed --> counters, each with its step
+    trace --repeated with counters instead of values--> number of passes in which nothing else differs
 
-A counter is a word of 16 bits, of ACC, an XARn or plain RAM, that changes by the same step in each pass. An instruction
-either reads no counter, so that it has the same effect in each pass, or it is a `Sum`: its result is a counter, too,
-and its flags keep their values until an operand, or the exact result, reaches a multiple of half its range. If each
-counter ends one step further, and all other registers and the pipeline are as before, the passes up to that bound take
-the same cycles and branches, and make the same accesses.
+A counter is a 16-bit word in ACC, in an XARn or in plain RAM that changes by the same step in each pass. An instruction
+that reads no counter has the same effect in each pass. An instruction that reads a counter must be a `Sum`. Its result
+is then a counter, too, and its flags are the same in each pass until an operand, or the exact result, reaches a
+multiple of half its range.
+
+At the end of the repeated pass, each counter must have changed by its step, and all other registers and the pipeline
+must be as before. Then the passes up to the first such multiple take the same cycles and branches, and make the same
+accesses.
 """
 
 from __future__ import annotations
@@ -30,17 +33,17 @@ from .memory import L0_AGAIN, L4_AGAIN, MIRROR, in_plain_ram
 from .observers import InstructionWatch
 
 MOST_TRACED = 256  # maximum number of instructions in a traced pass
-COUNTERS = 9  # first entries of a state: ACC and XAR0 to XAR7
+COUNTERS = 9  # the first entries of `ImageCpu.state`, in which a counter can be: ACC and XAR0 to XAR7
 WORD, HALF = 1 << 16, 1 << 15
 
-Place = str | int  # a word: register name or memory address
+Place = str | int  # a 16-bit word: the name of a half of a register, or a memory address
 
 XAR = tuple((f"AR{n}", f"AR{n}H") for n in range(8))
-# By register, the words in which a counter can be, low one first.
+# From the name of a register to its words, the low word first.
 WORDS: dict[str, tuple[Place, ...]] = {"AL": ("AL",), "AH": ("AH",), "ACC": ("AL", "AH")}
 WORDS |= {f"XAR{n}": XAR[n] for n in range(8)} | {f"AR{n}": XAR[n][:1] for n in range(8)}
-OPERAND = ("loc", *LOCATIONS)  # names of the words at an instruction's operand field
-# Names in the columns `reads` and `writes`, except the stack, whose effects are known here.
+OPERAND = ("loc", *LOCATIONS)  # names, in `encodings.toml`, of the operand of field l
+# The names in the columns `reads` and `writes` that this module can handle; "stack" is handled separately.
 KNOWN = re.compile(
     r"(loc|mem)(16|32)|ACC|AL|AX|X?AR.*|P|PH|PL|T|TL|XT|OVC|ST0|ST1|STF|R[0-7a-f]H|R0H-R7H|SP|DP|PC|RPC|RPTC|RB|IER"
     r"|address"
@@ -56,15 +59,18 @@ def register_words(acc: int, xar: Sequence[int]) -> dict[Place, int]:
 
 
 class NotCounting(Exception):
-    """The pass does more than count, so further passes may differ."""
+    """The pass does more than count, so further passes may have other results."""
 
 
 class Traced(NamedTuple):
-    """An instruction of a pass.
+    """An instruction of a traced pass.
 
-    at: the cycle in which it was executed. operand: the words that its operand field names, low one first; empty if no
-    counter can be there. pointers: mask of the address registers that form the operand's address. needs: mask of those
-    that it needs in D2. sp: before and after it. values: of words, after it.
+    at: the cycle in which the instruction was executed.
+    operand: the words of the operand of field l, the low word first; empty if no counter can be there.
+    pointers: mask of the registers that form the address of the operand.
+    needs: mask of the registers that the instruction needs in phase D2.
+    sp: SP before and after the instruction.
+    values: a dictionary from a word to its value after the instruction.
     """
 
     f: Operation
@@ -76,18 +82,18 @@ class Traced(NamedTuple):
     values: Mapping[Place, int]
 
 
-Store = tuple[int, int, int, int]  # a word that an instruction writes: cycle, address, value, change in the next pass
+Store = tuple[int, int, int, int]  # a write to memory: cycle, address, value, and the change of the value in each pass
 
 
 class Number(NamedTuple):
-    """A value in this pass, and its change in the next pass."""
+    """A number in the traced pass. step: its change from each pass to the next."""
 
     value: int
     step: int
 
 
 def passes_within(number: Number, unit: int) -> int:
-    """Return for how many passes the number stays strictly between two multiples of `unit`."""
+    """Return the number of further passes in which a number stays strictly between the same multiples of `unit`."""
     value, step = number
     if not step:
         return NEVER
@@ -109,9 +115,12 @@ COMPARISON = re.compile(
 
 
 class Sum(NamedTuple):
-    """result = left + sign * right; a copy adds 0.
+    """What an instruction computes: result = left + sign * right. A copy adds 0.
 
-    result: a place, or "" if only the flags are written. right: a place or a number. sign: 1 or -1.
+    result: the name of the place that is written; "" if only the flags are written.
+    left: the name of a place.
+    sign: 1 or -1.
+    right: the name of a place, or a number, "1" or "simm16".
     """
 
     result: str
@@ -120,7 +129,10 @@ class Sum(NamedTuple):
     right: str
 
     def number(self, c: int) -> int | None:
-        """Return the right side if it is a number, in 16 bits if it is signed; None for a place. c: field c."""
+        """Return the value of `right`; None if it is a place. A signed immediate is returned as its low 16 bits.
+
+        c: the value of field c, which contains the immediate.
+        """
         if self.right.isdigit():
             return int(self.right)
         kind, immediate, bits = self.right.partition("imm")
@@ -132,7 +144,7 @@ class Sum(NamedTuple):
 
 @cache
 def sum_of(encoding: Encoding) -> Sum | None:
-    """Return what a form computes; None if it is more than one sum, copy or comparison."""
+    """Return what an instruction of this form computes; None if it is not exactly one sum, copy or comparison."""
     op = encoding.op
     if found := COPY.fullmatch(op):
         return Sum(found[1], found[2], 1, "0")
@@ -144,7 +156,7 @@ def sum_of(encoding: Encoding) -> Sum | None:
 
 
 def places_of(name: str, traced: Traced) -> tuple[Place, ...]:
-    """Return the words of an operand, low one first; none for a number, or where no counter can be."""
+    """Return the words of a named operand, the low word first; an empty tuple where no counter can be."""
     if name in OPERAND:
         return traced.operand
     f = traced.f
@@ -153,15 +165,18 @@ def places_of(name: str, traced: Traced) -> tuple[Place, ...]:
 
 
 def reads(traced: Traced) -> Iterable[Place]:
-    """Return the possible counters that an instruction reads. Raise NotCounting if the table does not list them."""
+    """Return the words with possible counters that an instruction reads. Raise NotCounting if they are unknown."""
     return _used(traced.f.encoding.reads, traced, range(traced.sp[1], traced.sp[0]), traced.needs)
 
 
 def writes(traced: Traced) -> Iterable[Place]:
-    """Return the possible counters that it writes. Raise NotCounting if they are not listed, or may stay unwritten."""
+    """Return the words with possible counters that an instruction writes.
+
+    Raise NotCounting if they are unknown, or if the instruction writes only a byte, or only under a condition.
+    """
     encoding = traced.f.encoding
     if "LSB" in encoding.id or "MSB" in encoding.id or ("_COND" in encoding.id and "PC" not in encoding.writes):
-        raise NotCounting  # it writes a byte, or under a condition
+        raise NotCounting
     return _used(encoding.writes, traced, range(traced.sp[0], traced.sp[1]), traced.f.makes)
 
 
@@ -180,10 +195,11 @@ def _address_registers(mask: int) -> Iterable[Place]:
 
 
 class RepeatedPass:
-    """Repetition of a traced pass with counters in place of values.
+    """Repetition of a traced pass with counters instead of values.
 
-    counters: words that count, with their values at this point of the pass. passes: upper bound of the further passes
-    for which all of it is true. stores: to memory.
+    counters: a dictionary from each word that is a counter to its number at the present instruction of the pass.
+    passes: the number of further passes in which the results so far are valid.
+    stores: the writes to memory so far.
     """
 
     def __init__(self, counters: Mapping[Place, Number]) -> None:
@@ -192,7 +208,7 @@ class RepeatedPass:
         self.stores: list[Store] = []
 
     def step(self, traced: Traced) -> None:
-        """Repeat the next instruction. Raise NotCounting if it uses a counter and is no `Sum`."""
+        """Repeat the next instruction. Raise NotCounting if the instruction reads a counter and is no `Sum`."""
         if any(place in self.counters for place in _address_registers(traced.pointers)):
             raise NotCounting
         done = sum_of(traced.f.encoding)
@@ -207,7 +223,7 @@ class RepeatedPass:
                 self.stores.append((traced.at, place, traced.values[place], number.step if number else 0))
 
     def _counts(self, traced: Traced, done: Sum) -> bool:
-        """Compute the result of a sum, which is a counter, too. Return False if no operand is a counter."""
+        """Compute the result of a sum as a counter. Return False if no operand of the sum is a counter."""
         left, right, target = (places_of(name, traced) for name in (done.left, done.right, done.result))
         if not any(place in self.counters for place in (*left, *right)):
             return False
@@ -216,7 +232,7 @@ class RepeatedPass:
         bound = 1 << 16 * max(len(target), len(left), len(right)) - 1
         constant = done.number(traced.f.c)
         if any(place in target for place in right):
-            raise NotCounting  # its earlier value was not traced
+            raise NotCounting  # the trace has only the value after the instruction
         added = self._number(right, _value(right, traced)) if constant is None else Number(constant, 0)
         earlier = _value(target, traced) - done.sign * added.value if target else _value(left, traced)
         before = self._number(left, earlier & 2 * bound - 1)
@@ -225,7 +241,7 @@ class RepeatedPass:
             self._bound(number, bound)
         if target:
             low = Number(exact.value & M16, exact.step)
-            if len(target) > 1:  # its upper word must not change, so the lower one must not overflow
+            if len(target) > 1:  # the upper word must not change, so the lower word must not overflow
                 self._bound(low, WORD)
             for place in target:
                 self.counters.pop(place, None)
@@ -234,7 +250,7 @@ class RepeatedPass:
         return True
 
     def _number(self, words: Sequence[Place], value: int) -> Number:
-        """Return the value of these words as a number with the step of the low one."""
+        """Return a number with this value and the step of the low word. Raise NotCounting if the upper word counts."""
         if not words or any(place in self.counters for place in words[1:]):
             raise NotCounting
         low = self.counters.get(words[0])
@@ -252,7 +268,10 @@ def _value(words: Sequence[Place], traced: Traced) -> int:
 
 
 class CountingLoop(InstructionWatch):
-    """Trace of the pass of a loop that begins now. does_more: it does more than count, and so will later passes."""
+    """Trace of one pass of a loop. The pass begins when the trace is made.
+
+    does_more: True if the pass does more than count, as later passes will do, too.
+    """
 
     STATE = State(
         "does_more _moved _stores _state _arp _sp _trace _steps _time _cpu _memory _over",
@@ -261,19 +280,19 @@ class CountingLoop(InstructionWatch):
     )
 
     def __init__(self, cpu: ImageCpu, time: CpuTime, memory: Ram, over: Callable[[InstructionWatch], None]) -> None:
-        """over: called when the trace is no longer needed."""
+        """over: called with this object when the trace is no longer needed."""
         self.does_more = False
         self._time = time
         self._began = time.cycle
-        self._moved = 0  # passes that were skipped
+        self._moved = 0  # number of skipped passes
         self._stores: list[Store] = []
         self._cpu = cpu
         self._memory = memory
         self._over = over
         self._state = cpu.state()
-        self._arp, self._sp = cpu.arp, cpu.sp  # before the next instruction
+        self._arp, self._sp = cpu.arp, cpu.sp  # their values before the next instruction
         self._trace: list[Traced] = []
-        self._steps: dict[Place, int] = {}  # by word: what a pass adds to it
+        self._steps: dict[Place, int] = {}  # from each counter to its step
 
     def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
         if not self._cpu.polls.counting:
@@ -312,7 +331,10 @@ class CountingLoop(InstructionWatch):
     # Effects of further passes -----------------------------------------------------------
 
     def passes(self, changed: Mapping[int, int]) -> int:
-        """Return how many passes after this one only count. changed: words that it changed, with earlier values."""
+        """Return the number of passes after the traced pass that only count.
+
+        changed: a dictionary from each memory word that the traced pass has changed to its earlier value.
+        """
         before, after = self._state, self._cpu.state()
         self.does_more = before[COUNTERS:] != after[COUNTERS:]
         if self.does_more:
@@ -333,7 +355,7 @@ class CountingLoop(InstructionWatch):
         return repeated.passes if repeated.counters == further else 0
 
     def _counters(self, changed: Mapping[int, int]) -> dict[Place, Number]:
-        """Return the words that this pass has changed, with their values before it."""
+        """Return a dictionary from each word that the traced pass has changed to its number before the pass."""
         before = register_words(self._state[0], self._state[1:COUNTERS]) | dict(changed)
         words = {address: self._memory.word(address) for address in changed}
         after = register_words(self._cpu.acc, self._cpu.xar) | words
@@ -341,13 +363,16 @@ class CountingLoop(InstructionWatch):
         return {place: Number(before[place], step) for place, step in steps.items() if step}
 
     def cut_off(self, cycles: int) -> None:
-        """Make the stores of the next pass up to a reset, which occurs this number of cycles after its begin."""
+        """Make those stores of the pass in progress that come before a reset.
+
+        cycles: the number of cycles from the begin of that pass to the reset.
+        """
         for at, address, value, step in self._stores:
             if at - self._began < cycles:
                 self._memory.put(address, value + step * (self._moved + 1) & M16)
 
     def move(self, passes: int) -> None:
-        """Advance the counters by this number of passes."""
+        """Advance the counters by a number of passes, which are skipped."""
         self._moved = passes
         cpu = self._cpu
         words = register_words(cpu.acc, cpu.xar)

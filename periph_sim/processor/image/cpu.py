@@ -3,7 +3,7 @@
     ImageMemory --loads, stores--> Ram | Bus | UnmappedMemory
     ImageCpu    --ST1, IER, IFR--> CpuInterrupts
 
-Accesses are made in the present cycle; `access_at` returns beforehand the cycle for an operand.
+Accesses are made in the present cycle. Before an access, `access_at` returns the cycle in which it can be made.
 """
 
 # core: compiled
@@ -27,8 +27,8 @@ from ..c28x.pipeline import QUEUE_PACKED, STORES_PACKED
 from ..processor import Processor
 from .memory import L0_AGAIN, L4_AGAIN, MIRROR, ImageMemory, in_plain_ram
 
-TIMING = 38  # index in a state at which the pipeline's part begins
-PACKED = TIMING + STORES_PACKED + QUEUE_PACKED
+TIMING = 38  # index, in a state, of the first entry of the pipeline
+PACKED = TIMING + STORES_PACKED + QUEUE_PACKED  # number of entries of a state
 
 
 @final
@@ -36,7 +36,8 @@ class ImageCpu(ImageMemory):
     """The CPU that executes an image.
 
     ended: True if ESTOP0 was reached.
-    returning, idling: True if IRET or IDLE was executed and the program has not completed it yet.
+    returning: True if IRET was executed and `ImageProgram` has not completed the return yet.
+    idling: True if IDLE was executed and no interrupt has ended it yet.
     """
 
     STATE = State("ended returning idling _kept")
@@ -82,7 +83,7 @@ class ImageCpu(ImageMemory):
         return made
 
     def _prepare(self, made: Operation, first: int, second: int) -> None:
-        """Complete a decoded instruction of these words for execution."""
+        """Set the properties of a decoded instruction that its execution needs. first, second: its words."""
         self.timing.prepare(made)
         if made.encoding.kind == "fpu":
             found = decode_at(made.address, first, second)
@@ -92,7 +93,7 @@ class ImageCpu(ImageMemory):
             delay(made)
 
     def operation_of(self, address: int, first: int, second: int) -> Operation:
-        """Return the instruction of these words at this address as `fetch` does; nothing is noted or kept."""
+        """Return the operation of these words at this address, ready to execute, without notes or other effects."""
         found = decode_at(address, first, second)
         assert found is not None
         made = operation(found)
@@ -100,13 +101,13 @@ class ImageCpu(ImageMemory):
         return made
 
     def _look_at_slots(self, f: Operation) -> None:
-        """Note each FPU result that the program does not wait for."""
+        """Note each read of a late FPU result in the delay slot of this instruction."""
         if f.address in self._slots_seen:
             return
         self._slots_seen.add(f.address)
         found = decode_at(f.address, self.word_at(f.address), self.word_at(f.address + 1))
         assert found is not None
-        memory: Any = self  # of a typed object, C would pass on its function and call it with one argument less
+        memory: Any = self  # from a typed object, compiled code would pass an unbound method
         for text in not_kept(found, memory.word_at):
             self._options.fpu_delay_slot.assume(self._core.touched)
             self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRUEO2A section 3.2"))
@@ -120,9 +121,9 @@ class ImageCpu(ImageMemory):
             self._processor.notes.note(self._time.cycle, Note("duty", text, "SPRU430F RPT"))
 
     def access_at(self, f: Operation, cycle: int) -> int:
-        """Return the first cycle, not before `cycle`, in which all accesses of the operation can be made.
+        """Return the first cycle, not before `cycle`, in which all accesses of an operation can be made.
 
-        They are the access to its operand and, for instructions with *(0:16), the one to that address.
+        These are the access to the operand of field l, and that to the operand *(0:16) if there is one.
         """
         if self.ea != REGISTER and f.accesses and not in_plain_ram(self.ea):
             self._tested = f.tested
@@ -193,15 +194,16 @@ class ImageCpu(ImageMemory):
             core.st1 &= ~(mask & ~INTM)
 
     def state(self) -> tuple[int, ...]:
-        """Return all that a next instruction depends on, except memory and the chip: ACC, XAR0 to XAR7, others.
+        """Return all that later instructions depend on, except memory and modules.
 
-        From TIMING on: pending entries of the pipeline and the fetch queue.
+        The first entries are ACC and XAR0 to XAR7. The entries from TIMING on are the state of the pipeline and of the
+        fetch queue.
         """
         self._pack()
         return tuple(self._packed)
 
     def is_as_before(self) -> bool:
-        """Return True if the state is that of the last call."""
+        """Return True if the state is equal to that at the last call of this method."""
         self._pack()
         same: bool = True
         for place in range(PACKED):
@@ -230,7 +232,7 @@ class ImageCpu(ImageMemory):
     # Control ------------------------------------------------------------------------
 
     def enter(self, vector: int) -> None:
-        """Execute TRAP or INTR regardless of masks, with the context at SP."""
+        """Execute TRAP or INTR: save the context at SP, and enter the service routine, regardless of masks."""
         routine = self._processor.fetch_for_trap(self._time.cycle, vector)
         self.hand_over()
         context = self.context()
@@ -260,7 +262,7 @@ class ImageCpu(ImageMemory):
         self._core.st1 = self.whole_st1()
 
     def context(self) -> list[int]:
-        """Return the 14 words that an entry stores."""
+        """Return the 14 words that an interrupt saves on the stack."""
         xar, st1, ier = self.xar, self.whole_st1(), self._core.ier
         return [
             self.st0(), self.t(), self.acc & 0xFFFF, self.acc >> 16, self.p & 0xFFFF, self.p >> 16, xar[0] & 0xFFFF,
@@ -268,7 +270,7 @@ class ImageCpu(ImageMemory):
         ]  # fmt: skip
 
     def begin_routine(self, address: int) -> None:
-        """Enter the service routine; RPTB's RA is saved in RAS."""
+        """Enter the service routine at an address. The bit RA of RB moves to RAS."""
         self.timing.drain()
         self.polls.soil()
         self.polls.routines += 1
@@ -281,7 +283,7 @@ class ImageCpu(ImageMemory):
         self.pc = address
 
     def restore(self, words: list[int]) -> None:
-        """Restore the context from the words that IRET read."""
+        """Restore the context from the 14 words that IRET has read from the stack."""
         self.polls.soil()
         if self.polls.routines:
             self.polls.routines -= 1

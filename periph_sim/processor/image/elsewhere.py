@@ -1,11 +1,12 @@
-"""Memory and frames outside of the modelled modules, as the chip has them.
+"""Memory, and register frames, outside of the modelled modules.
 
-    flash, OTP       words of the image, else erased
-    ADC_cal, PARTID  as on the chip; ADC_cal, which only sets trims of the ADC, returns at once
-    boot ROM         reads 0, with a note; use of its math tables, its routines or TI's flash API's check ends the run
-    XINTF zones      memory with one wait state, the minimum, regardless of XTIMING, with a note
-    frames           those of modules that are not modelled, or not in the unit, keep written values; one note each
-    stubs            values that reads of a word return, regardless of writes
+    flash, OTP       contain the words of the image; all other words are erased
+    PARTID           contains the number of the part
+    ADC_cal          returns at once; on the chip, this routine only sets trims of the ADC
+    boot ROM         reads as 0, with a note; a use of its math tables, its routines or its version ends the run
+    XINTF zones      are memory with one wait state, the minimum, regardless of XTIMING, with a note
+    frames           of modules that are not modelled, or not in the unit, keep what is written, with a note
+    stubs            are values that reads of a word return, regardless of writes
 
 Source: SPRS439M Figure 3-2, Tables 3-5 and 3-8 to 3-11; SPRUFB0D Tables 86 to 96 (EALLOW); SPRUI07 Table 2-19.
 """
@@ -29,30 +30,32 @@ from ..firmware_notes import FirmwareNotes
 
 ERASED = 0xFFFF
 FRAME_READ_WAITS, ROM_WAITS, EXTERNAL_WAITS, PASSWORD_WAITS = 2, 1, 1, 16
-L4_WAITS = 1  # L4 to L7, as program memory
+L4_WAITS = 1  # wait states of L4 to L7 as program memory
 L4_TO_L7 = range(0xC000, 0x1_0000)
 FLASH_BEGIN, FLASH_END = FLASH.start, FLASH.stop
 PASSWORD = range(0x33_FFF8, 0x34_0000)
 FOPT, FBANKWAIT, FOTPWAIT = 0x0A80, 0x0A86, 0x0A87
-ENPIPE = 1  # of FOPT
-PAGEWAIT = 8  # bit of FBANKWAIT; RANDWAIT is at bit 0
-ADC_CAL, LRETR = 0x38_0080, 0x0006  # start-up code calls it
+ENPIPE = 1  # mask of this bit in FOPT
+PAGEWAIT = 8  # lowest bit of this field in FBANKWAIT; RANDWAIT begins at bit 0
+ADC_CAL, LRETR = 0x38_0080, 0x0006  # the address of the routine, and the instruction that it begins with here
 PARTID, CLASSID, FLOATING_POINT = 0x38_0090, 0x0882, 0x00EF
 FRAME_RESET = {0x0A84: 0x01FF, 0x0A85: 0x01FF, FBANKWAIT: 0x0F0F, FOTPWAIT: 0x001F, CLASSID: FLOATING_POINT}
-FLASH_COMMANDS = range(0x0A88, 0x0AE0)  # after the documented ones of SPRUFB0D: only TI's flash API writes there
+FLASH_COMMANDS = range(0x0A88, 0x0AE0)  # undocumented flash registers, which only TI's flash API writes
 MATH_TABLES = range(0x3F_E000, 0x3F_F27C)
 BOOT_ROM = range(0x3F_E000, 0x40_0000)
-FLASH_API_CHECK = 0x3F_FFB9  # TI's flash API compares the silicon revision there
-FRAMES_END = 0x8000  # all frames, and XINTF zone 0, lie below
-SEEN, STUBBED, PROTECTED, REGISTER = 1, 2, 4, 8  # bits of `_states`
+FLASH_API_CHECK = 0x3F_FFB9  # TI's flash API checks the silicon revision at this address
+FRAMES_END = 0x8000  # all frames, and XINTF zone 0, are below this address
+# Bits of `_states`. SEEN: a further access needs no note and no lookup. PROTECTED: by EALLOW.
+SEEN, STUBBED, PROTECTED, REGISTER = 1, 2, 4, 8
 NO_FLASH_API = "erasing and programming flash, as TI's flash API does, is not modelled"
 
 
 class UnmappedMemory:
-    """Words outside of the modelled modules. A stub is a fixed value that reads of such a word return.
+    """Words outside of the modelled modules. A stub is a value that reads of such a word return.
 
-    changed: called when a stub is added or changed. stubs: the values that stubs return now, by address.
-    to_come: addresses that a stub answers later.
+    changed: called when a stub is added or changed; None to call nothing.
+    stubs: a dictionary from an address to the value that reads of it return now.
+    to_come: the addresses for which a stub will be added later in the run.
     """
 
     STATE = State("_frames _states _stored _noted stubs to_come _flash")
@@ -65,15 +68,14 @@ class UnmappedMemory:
         self._core = core
         self._notes = notes
         self._frames: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END  # words of frames and of XINTF zone 0
-        # Their properties; SEEN: an access affects the word alone.
-        self._states: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END
-        self._stored = {ADC_CAL: LRETR}  # words at higher addresses
+        self._states: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END  # properties of these words
+        self._stored = {ADC_CAL: LRETR}  # from a higher address to its word
         for address, value in FRAME_RESET.items():
             self._frames[address] = value
         self._noted: set[str] = set()
         self.stubs: dict[int, int] = {}
         self.to_come: list[int] = []
-        self._flash = self._fetches(Content.FLASH)  # needed at each jump there
+        self._flash = self._fetches(Content.FLASH)  # kept, because it is needed at each jump in flash
         self.set_part(PART)
 
     def set_part(self, part: Part) -> None:
@@ -90,7 +92,7 @@ class UnmappedMemory:
             self._stored[address] = value
 
     def answer(self, address: int, value: int) -> None:
-        """Let each later read of this word return this value."""
+        """Add a stub, or change its value: each later read of the word at this address returns `value`."""
         self.stubs[address] = value
         if address < FRAMES_END:
             self._states[address] |= STUBBED
@@ -100,7 +102,7 @@ class UnmappedMemory:
             self.changed()
 
     def read(self, cycle: int, address: int) -> int:
-        """Return a word. Raise IllegalOperation if the chip has nothing there, or the contents are unknown."""
+        """Return the word at an address. Raise IllegalOperation if the chip has nothing there, or it is unknown."""
         if address < FRAMES_END and self._states[address] & (SEEN | STUBBED) == SEEN:
             return self._frames[address]
         if self._flash_begin <= address < FLASH_END:
@@ -120,11 +122,11 @@ class UnmappedMemory:
         return self._stored.get(address, ERASED if area.content in (Content.FLASH, Content.OTP) else 0)
 
     def peek(self, address: int) -> int:
-        """Return a word without effects."""
+        """Return the word at an address without notes or other effects."""
         return self._frames[address] if address < FRAMES_END else self._stored.get(address, ERASED)
 
     def write(self, cycle: int, address: int, value: int) -> bool:
-        """Write a word. Return True if it is kept."""
+        """Write a word. Return True if its memory keeps the value, False if the write is ignored."""
         known: int = self._states[address] if address < FRAMES_END else 0
         if known & SEEN and (self._core.eallow or not known & PROTECTED):
             self._frames[address] = value
@@ -149,14 +151,14 @@ class UnmappedMemory:
         return True
 
     def _mark(self, address: int, area: Area) -> None:
-        """Keep the properties of a word that has been noted, so that its next access needs no lookup."""
+        """Keep the properties of a word after its first access, so that the next access needs no lookup."""
         if address < FRAMES_END and address not in (FOPT, FBANKWAIT) and address not in FLASH_COMMANDS:
             registers = area.content is Content.REGISTERS
             known = SEEN | PROTECTED * is_protected(address) | REGISTER * registers
             self._states[address] |= known
 
     def read_waits(self, address: int) -> int:
-        """Return the wait states of a data read."""
+        """Return the wait states of a data read of an address."""
         if address < FRAMES_END and self._states[address] & REGISTER:
             return FRAME_READ_WAITS
         if address in PASSWORD:
@@ -173,7 +175,10 @@ class UnmappedMemory:
         return self._waits(area.content)[0]
 
     def fetches(self, address: int) -> tuple[int, int, int]:
-        """Return of program memory the address bits of a fetch, and its wait states after a jump and otherwise."""
+        """Return (bits, first, later) of program memory at an address.
+
+        bits: a fetch reads 2 ** bits words. first, later: the wait states of a fetch after a jump, and of other ones.
+        """
         if self._flash_begin <= address < FLASH_END:
             return self._flash
         area = area_at(address)
@@ -188,7 +193,7 @@ class UnmappedMemory:
         return 2 if wide else 1, first, later
 
     def _waits(self, content: Content) -> tuple[int, int]:
-        """Return the wait states of a first access, and of subsequent ones."""
+        """Return the wait states of a first access, and those of subsequent accesses."""
         if content is Content.FLASH:
             waits = self._frames[FBANKWAIT]
             return max(waits & 0xF, 1), max(waits >> PAGEWAIT & 0xF, 1)

@@ -1,8 +1,8 @@
-"""Cycles that instructions of an image take in addition to the manual's table.
+"""Cycles that instructions of an image take in addition to those of the manual's table.
 
-    stall    in D2, for registers, and for instructions from memory with wait states
-    late     for words that were just written, and for data reads of program memory
-    landing  for a jump to an instruction that needs two fetches
+    stall    before execution, in phase D2: waits for registers, and for fetches from memory with wait states
+    late     during execution: waits for words that were just written, and wait states of data in program memory
+    landing  after a jump: the second fetch of a 32-bit instruction at an odd address
 
 Rules whose numbers TI does not document are options. Source: SPRU430F 4.3, 4.4; SPRS439M Table 3-5; SPRUFB0D 2.2.
 """
@@ -27,18 +27,18 @@ if TYPE_CHECKING:
     from ...core.options import BoolOption
 
 BRANCHES = RELATIVE | {"LB", "XB", "XBANZ"}
-PREFETCHED = 2  # address bits of a fetch from flash with FOPT.ENPIPE
-WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000))  # M0, M1, L0 to L3
+PREFETCHED = 2  # flash with FOPT.ENPIPE = 1 is fetched in units of 2 ** PREFETCHED words
+WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000))  # M0, M1, L0 to L3, their mirror
 
 
 @final
 class InstructionTiming:
     """The additional cycles of the instructions of an image.
 
-    pipeline: the stalls between instructions.
-    queue: the fetched instructions.
+    pipeline: computes stalls between instructions.
+    queue: computes waits for fetches from memory with wait states.
     late: the additional cycles of the present instruction.
-    conflicts: True if `conflict` is called for accesses to the block of memory from which the program is fetched.
+    conflicts: False once it is known that a data access to the block of the program takes no additional cycles.
     """
 
     STATE = State("pipeline queue conflicts late")
@@ -58,12 +58,12 @@ class InstructionTiming:
             options.stalls.assume(core.touched)  # without stalls it is unknown whether one would have occurred
 
     def drain(self) -> None:
-        """Empty the pipeline and the queue at an interrupt or a return from one."""
+        """Empty the pipeline and the queue, as an interrupt or a return from an interrupt does."""
         self.pipeline.drain()
         self.queue.expected = -1
 
     def prepare(self, f: Operation) -> None:
-        """Set the properties of a decoded instruction: those of its time, and the bits that it tests."""
+        """Set the properties of a decoded instruction that concern its timing, and the bits that it tests."""
         encoding = f.encoding
         f.needs, f.makes = hazards(encoding, f.l, f.n, f.m)
         f.jumps = "PC" in encoding.writes
@@ -78,7 +78,7 @@ class InstructionTiming:
             f.cycles = self._options.push_acc_cycles.assume(self._core.touched)
 
     def stall(self, f: Operation, cpu: Cpu, cycle: int) -> int:
-        """Return the cycles before the instruction can leave D2. Further passes of RPT do not wait: N + 1 cycles."""
+        """Let an instruction wait in D2, and return the cycles. Passes of RPT after the first do not wait."""
         if cpu.passes:
             return 0
         waits: int = 0
@@ -100,35 +100,39 @@ class InstructionTiming:
         return waits
 
     def wait_for_word(self, address: int, words: int) -> None:
-        """Delay a read of these words of memory, which an earlier instruction may not have written yet."""
+        """Delay a read of these memory words until earlier instructions have written them."""
         waits = self.pipeline.read(address, words)
         if waits:
             self._options.stalls.assume(self._core.touched)
             self.late += waits
 
     def conflict(self) -> None:
-        """Delay an access to the block of memory from which the instruction was fetched."""
+        """Delay a data access to the memory block from which the instruction was fetched."""
         more = self._options.saram_conflict.assume(self._core.touched)
         self.late += more
         self.conflicts = more > 0
 
     def landing(self, f: Operation) -> int:
-        """Return the additional cycles of a jump to this instruction; 0 in memory with wait states, counted there."""
+        """Return the additional cycles of a jump to this instruction; 0 in memory with wait states.
+
+        In memory with wait states, the fetch queue counts these cycles.
+        """
         if f.address & 1 and f.next - f.address == 2 and not f.waited:
             return self._options.odd_32bit_target.assume(self._core.touched)
         return 0
 
     def read(self, code: int, address: int, cycle: int, waits: int) -> int:
-        """Return the cycles that a data read by the instruction at `code` waits for fetches.
+        """Return the cycles that a data read of `address` by the instruction at `code` waits for fetches.
 
-        Only in flash, where fetches continue meanwhile.
+        They are 0 unless both are in flash, where fetches continue during the instruction. waits: the wait states of
+        the read itself.
         """
         if address in FLASH and code in FLASH and self._shared.assume(self._core.touched):
             return self.queue.read(cycle, waits)
         return 0
 
     def repeats(self, count: int) -> int:
-        """Return the effective count of RPT for a count from a location."""
+        """Return the repeat count that RPT uses for a count in memory or a register, which may exceed RPTC."""
         if count <= 0xFF:
             return count
         return count & (1 << self._options.rptc_width.assume(self._core.touched)) - 1

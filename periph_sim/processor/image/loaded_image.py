@@ -1,8 +1,8 @@
-"""An image in the memory of its CPU: source lines, errors and waits as text, and observers.
+"""An image in the memory of its CPU: source lines, texts about errors and waits, and observers.
 
-A wait is described by the registers and bits that its loop reads. The bits are those of the loop's first bit test or
-mask; without one, all bits of a register. A loop that reads no register, and has an exit, waits for memory: its words
-are named by the symbols before them.
+A wait is described by the registers, and their bits, that its loop reads. The bits are those of the first bit test or
+AND mask in the loop; if there is none, all bits. A loop that reads no register and has an exit waits for memory. Each
+word that it reads is named by the last symbol at or before its address.
 """
 
 # core: compiled
@@ -29,23 +29,23 @@ from ..source_location import SourceLocation, instruction_location
 from .cpu import ImageCpu
 from .observers import CallListener, CallStack, InstructionWatch
 
-LAST_JUMPS = 8  # named in an error; a power of two
-LONGEST = 64  # words of a loop that is examined
+LAST_JUMPS = 8  # number of jumps that an error message lists; a power of two
+LONGEST = 64  # most words of a loop whose code is examined
 ALL = 0xFFFF
-MEMORY = "memory"  # unknown words
+MEMORY = "memory"  # what a loop waits for if the words that it reads are unknown
 LCR_WORDS = 2
 IDLE = "IDLE"
-ENDLESS = "endless loop"  # one that reads no register
+ENDLESS = "endless loop"  # what a loop waits for if it reads nothing
 
 
 class UnmodelledWait(NamedTuple):
-    """A wait for unmodelled registers, which continues across interrupts.
+    """A wait for unmodelled registers. It continues while service routines interrupt it.
 
-    since: the cycle at which it began.
-    loop: the addresses of its first and last instructions.
+    since: the cycle at which the wait began.
+    loop: the addresses of the first and the last instruction of its loop.
     sp: the stack pointer in the loop.
-    routines: number of service routines active there.
-    addresses: the unmodelled words that it reads.
+    routines: the number of service routines that are active in the loop.
+    addresses: the addresses of the unmodelled words that the loop reads.
     """
 
     since: int
@@ -55,9 +55,9 @@ class UnmodelledWait(NamedTuple):
     addresses: list[int]
 
     def goes_on(self, cpu: ImageCpu) -> bool:
-        """Return True if the program is in the loop, in a function that it calls, or in a routine that interrupts it.
+        """Return True if the program is in the loop, in a function called by it, or in a routine that interrupts it.
 
-        Call it at each entry of a service routine, too, and drop a wait that is over there.
+        The caller must also call this at each entry of a service routine, and drop the wait if the result is False.
         """
         routines = cpu.polls.routines
         if routines != self.routines:
@@ -80,21 +80,21 @@ class LoadedImage(Program):
         self.image = image
         self._processor = processor
         self._clock = clock
-        self._jumps: Annotated[list[int], LAST_JUMPS] = [0] * LAST_JUMPS  # a ring
-        self._jumped = 0
-        self._places: dict[int, SourceLocation] = {}
+        self._jumps: Annotated[list[int], LAST_JUMPS] = [0] * LAST_JUMPS  # ring of the addresses of the last jumps
+        self._jumped = 0  # number of jumps so far
+        self._places: dict[int, SourceLocation] = {}  # results of `place`
         self._functions: FunctionMap | None = None
-        self._calls: CallStack | None = None  # if calls are observed
-        self._recorder: Recorder | None = None  # if waits are recorded
-        self._waits_for = ""  # as in the record of the last wait
+        self._calls: CallStack | None = None  # None if no listener observes calls
+        self._recorder: Recorder | None = None  # None if waits are not recorded
+        self._waits_for = ""  # the text about the last wait in its record
         self._watches: list[InstructionWatch] = []  # observers of instructions
         self._entry = entry
-        self._at = entry  # the present instruction, or the last one
-        self._unwritten: set[str] = set()  # functions that have read unwritten memory
+        self._at = entry  # the address of the present instruction, or of the last one that was executed
+        self._unwritten: set[str] = set()  # names of the functions that have read unwritten memory
         self.cpu.reads_unwritten = self.read_unwritten
 
     def load(self) -> None:
-        """Put the image into memory."""
+        """Store the contents of the image in memory."""
         loaded = [(section.address, section.words) for section in self.image.loaded]
         for address, words in (*loaded, *self.image.initial):
             for offset, word in enumerate(words):
@@ -110,7 +110,7 @@ class LoadedImage(Program):
         return self._functions
 
     def place(self) -> SourceLocation | None:
-        """Return the present instruction, or the last one, as function, file and line."""
+        """Return the function, file and line of the present instruction, or of the last one that was executed."""
         known = self._places.get(self._at)
         if known is None:
             known = self._places[self._at] = self.place_at(self._at)
@@ -140,7 +140,7 @@ class LoadedImage(Program):
             )
 
     def error_text(self, why: str) -> str:
-        """Return an error message with pc, function, last jumps and registers."""
+        """Return an error message with the place, the last jumps and the registers. why: the reason of the error."""
         cpu = self.cpu
         last = [self._jumps[n & LAST_JUMPS - 1] for n in range(max(0, self._jumped - LAST_JUMPS), self._jumped)]
         jumps = ", ".join(f"{self.functions.name_at(address)} {address:#08x}" for address in last)
@@ -156,7 +156,11 @@ class LoadedImage(Program):
     # Waits -----------------------------------------------------------------------------
 
     def _awaited(self, loop: tuple[int, int], operands: Sequence[Operand], elsewhere: Sequence[int]) -> Awaited:
-        """Return what a loop waits for that reads these registers of modules, and these unmodelled words."""
+        """Return a description of the wait in a loop.
+
+        loop: the addresses of its first instruction and of its branch. operands: the registers of modules that it
+        reads. elsewhere: the addresses of the unmodelled words that it reads.
+        """
         cpu, (first, branch) = self.cpu, loop
         words: tuple[int, ...] = ()
         if branch - first < LONGEST:
@@ -176,7 +180,7 @@ class LoadedImage(Program):
         return Awaited(" and ".join(names or [MEMORY]), "", True)
 
     def _unanswered(self, addresses: Sequence[int]) -> str:
-        """Return why these words keep their values, and what to add to the case; "" if a stub will answer later."""
+        """Return why these unmodelled words do not change, and what to add to the case; "" if a stub comes later."""
         memory, table = self.cpu.elsewhere, f"[[unit.{self._processor.name}.stub]]"
         if any(address in memory.to_come for address in addresses):
             return ""
@@ -189,7 +193,7 @@ class LoadedImage(Program):
         return f'it is not modelled; answer it by {table} with register = "{full_name(addresses[0])}" and a value'
 
     def _word_name(self, address: int) -> str:
-        """Return the name of a word by the symbol at or before it in its section; else its address."""
+        """Return the name of a memory word, "symbol+offset"; its address if no symbol is before it in its section."""
         section = next((one for one in self.image.sections if one.runs_at(address)), None)
         before = [at for at in self.image.symbol_at if section is not None and section.run <= at <= address]
         if not before:
@@ -200,18 +204,18 @@ class LoadedImage(Program):
     # Observers -------------------------------------------------------------------------
 
     def add_call_listener(self, listener: CallListener) -> None:
-        """Add a listener to calls of functions. Call this method before the first instruction."""
+        """Add a listener to calls of functions. Call this method before the first instruction is executed."""
         if self._calls is None:
             self._calls = CallStack(self.functions, self._clock)
             self._calls.began(self.cpu.pc, self._processor.time.cycle)
         self._calls.add_listener(listener)
 
     def record_waits(self, recorder: Recorder) -> None:
-        """Record the begin and the end of each wait, in the same form as those of Python firmware."""
+        """Record the begin and the end of each wait, in the same form as for waits of Python firmware."""
         self._recorder = recorder
 
     def _record_wait(self, cycle: int, begins: int) -> None:
-        """Record that a wait begins (1) or ends (0), if waits are recorded."""
+        """Record the begin (begins = 1) or the end (0) of a wait, if waits are recorded."""
         if self._recorder is not None:
             place = ""
             if begins:
@@ -225,12 +229,12 @@ class LoadedImage(Program):
         self._watches = [watch, *self._watches]
 
     def unwatch_instructions(self, watch: InstructionWatch) -> None:
-        """Remove an observer, if it is there; it may be the one that is receiving an instruction."""
+        """Remove an observer if it was added. An observer may remove itself while it receives an instruction."""
         self._watches = [one for one in self._watches if one is not watch]
 
 
 def fields_of(register: Register, mask: int) -> str:
-    """Return the fields of a register that have bits of the mask; "all" for a full mask or no field."""
+    """Return the names of the fields with bits of a mask, joined by "+"; "all" for a full mask or without a field."""
     if mask == ALL:
         return "all"
     return "+".join(field.name for field in register.fields if field.mask & mask) or "all"
@@ -238,7 +242,7 @@ def fields_of(register: Register, mask: int) -> str:
 
 @lru_cache(maxsize=256)
 def mask_of(first: int, words: tuple[int, ...]) -> int:
-    """Return the bits that a loop of these words tests. first: its first address."""
+    """Return the mask of the bits that a loop tests. first: the address of the loop. words: its code."""
     for one in _instructions(first, words):
         mnemonic, values = one.encoding.mnemonic, one.values
         if mnemonic == "TBIT" and "b" in values:
@@ -249,7 +253,7 @@ def mask_of(first: int, words: tuple[int, ...]) -> int:
 
 
 def _instructions(first: int, words: tuple[int, ...]) -> Iterator[Instruction]:
-    """Yield the instructions in these words; the last word only completes an instruction."""
+    """Yield the instructions that begin in these words, except in the last word, which only completes the last one."""
     for found in sweep(first, words):
         if isinstance(found, int) or found.address >= first + len(words) - 1:
             return
@@ -257,7 +261,10 @@ def _instructions(first: int, words: tuple[int, ...]) -> Iterator[Instruction]:
 
 
 def _is_exit(one: Instruction, first: int, branch: int) -> bool:
-    """Return True if the loop can end here; a loop without an exit is the end of a program."""
+    """Return True if the program can leave a loop by this instruction. A loop without an exit never ends.
+
+    first, branch: the addresses of the first instruction and of the branch that closes the loop.
+    """
     goal = one.target
     if goal is None or one.is_call or not one.goes_on:
         return False

@@ -1,6 +1,8 @@
-"""Memory of an image's CPU: loads, stores and fetches of code, each made in the present cycle.
+"""Memory of the CPU of an image: loads, stores and fetches of code, each made in the present cycle.
 
-load16, store16 --> Ram | Bus | UnmappedMemory: flash, and frames that are not modelled
+load16, store16 --> Ram
+                --> Bus: registers of modules
+                --> UnmappedMemory: flash, and frames that are not modelled
 """
 
 # core: compiled
@@ -25,13 +27,13 @@ from .observers import VariableRecords
 from .polls import PollSkipper
 
 WATCHDOG_KEY = clocks_map.BASE + clocks_map.WDKEY.offset
-RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # without waits, as M0 and M1 below
-LOW_RAM = 0x800
-STACK_FIELDS, BEHIND_STACK_FIELDS = 0x40, 0x80  # operand fields *-SP[n]
-PUSHES, POPS = 0xBD, 0xBE  # *SP++, *--SP
-WAITED_FROM = 0xC000  # L4 to L7, as program memory
-L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # second addresses of L0 to L3
-MIRROR = L0_AGAIN - 0x8000
+RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # addresses of L0 to L7
+LOW_RAM = 0x800  # M0 and M1 are below this address
+STACK_FIELDS, BEHIND_STACK_FIELDS = 0x40, 0x80  # values of field l for *-SP[n], from the first to before the second
+PUSHES, POPS = 0xBD, 0xBE  # values of field l for *SP++ and *--SP
+WAITED_FROM = 0xC000  # L4 to L7, which begin here, have wait states as program memory
+L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # L0 to L3 appear a second time between these addresses
+MIRROR = L0_AGAIN - 0x8000  # distance of the second address of a word from the first
 
 
 def in_plain_ram(address: int) -> bool:  # core: noexcept
@@ -41,8 +43,11 @@ def in_plain_ram(address: int) -> bool:  # core: noexcept
 class ImageMemory(Engine):
     """The memory that an image accesses: RAM, registers on the bus, and the words of `elsewhere`.
 
-    watched: the observer of writes to some words of memory, or None.
-    reads_unwritten: called at the first read of each unwritten word.
+    elsewhere: the words outside of RAM and of the modelled modules.
+    timing: the additional cycles of instructions.
+    polls: detects waits of the program.
+    watched: the observer of writes to certain words of memory; None if there is none.
+    reads_unwritten: called with an address at the first read of a word that was not written before; None for no call.
     """
 
     STATE = State("elsewhere timing polls watched _tested _written _slots_seen")
@@ -58,8 +63,8 @@ class ImageMemory(Engine):
         self.timing = InstructionTiming(self._core, options, self.elsewhere)
         self._pipeline = self.timing.pipeline
         self._decoding = False
-        self._tested = 0  # bits that the present instruction tests in its operand
-        self._written: Annotated[list[UInt16], RAM_TO] = [0] * RAM_TO  # 1 for a word that was written
+        self._tested = 0  # mask of the bits of its operand that the present instruction tests
+        self._written: Annotated[list[UInt16], RAM_TO] = [0] * RAM_TO  # 1 for a word that was written, or was noted
         self.watched: VariableRecords | None = None
         self.polls = PollSkipper(self._time, self._core, skip_polls)
         self.reads_unwritten: Callable[[int], None] | None = None
@@ -107,7 +112,7 @@ class ImageMemory(Engine):
                 return self.load16(address - MIRROR) if width == 16 else self.load32(address - MIRROR)
         if polls.replaying and polls.answer(cycle):
             return polls.answered()
-        if operand is None:  # flash, ROM, frames that are not modelled
+        if operand is None:  # flash, boot ROM, or a frame that is not modelled
             value: int = self.elsewhere.read(cycle, address)
             if width == 32:
                 value |= self.elsewhere.read(cycle, address + 1) << 16
@@ -153,7 +158,10 @@ class ImageMemory(Engine):
             self._store(address, value, 32)
 
     def _even(self, address: int, how: str) -> int:
-        """Return the even address of a 32-bit access [SPRU430F 5.11]. Raise IllegalOperation except on the stack."""
+        """Return the even address that a 32-bit access to an odd address uses [SPRU430F 5.11].
+
+        Raise IllegalOperation unless the address belongs to the stack. how: the words "read from" or "written to".
+        """
         on_stack = STACK_FIELDS <= self.field < BEHIND_STACK_FIELDS or self.field in (PUSHES, POPS)
         if self.ea == address and not on_stack:
             raise IllegalOperation(
@@ -191,7 +199,7 @@ class ImageMemory(Engine):
         Engine.written(self, address)
         self._slots_seen.difference_update((address - 1, address))
         if self.polls.counting:
-            self.polls.soil()  # it may be an instruction of the loop
+            self.polls.soil()  # the word may be an instruction of the loop
         if L0_AGAIN <= address + MIRROR < L4_AGAIN:
             Engine.written(self, address + MIRROR)
             self._slots_seen.difference_update((address + MIRROR - 1, address + MIRROR))
@@ -215,7 +223,7 @@ class ImageMemory(Engine):
         return self.elsewhere.read(self._time.cycle, address)
 
     def word_at(self, address: int) -> int:
-        """Return a word of code, without cost."""
+        """Return a word of code, without cycles or other effects."""
         if L0_AGAIN <= address < L4_AGAIN:
             address -= MIRROR
         return self._ram.word(address) if in_plain_ram(address) else self.elsewhere.peek(address)

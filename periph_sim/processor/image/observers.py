@@ -1,11 +1,10 @@
-"""Observers of an image: of each executed instruction, and of calls of functions.
+"""Observers of an image: of executed instructions, of calls of functions, and of writes to variables.
 
     ImageProgram --executed--> InstructionWatch: Coverage, StackDepth
-    ImageProgram --jumped, push--> CallStack --called, returned--> CallListener: FunctionSpans, Profile
-                                          '-- frames: the innermost last
-    written words --> VariableRecords
+    ImageProgram --jumped, push--> CallStack --called, returned--> CallListener: FunctionSpans, Profile, PresetMemory
+    ImageMemory --written--> VariableRecords
 
-An observer receives the registers and the time; `PresetMemory` alone changes the image, as main begins.
+Observers do not change the state of the program, except `PresetMemory`, which writes variables when main begins.
 """
 
 from __future__ import annotations
@@ -34,14 +33,18 @@ class InstructionWatch:
     STATE = State()
 
     def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
-        """Receive an executed instruction, or a pass of a repeated one. cycle: begin of the next one."""
+        """Receive an executed instruction, or one pass of a repeated instruction.
+
+        cycle: the cycle at which the next instruction or pass begins.
+        """
         raise NotImplementedError
 
 
 class Coverage(InstructionWatch):
     """Coverage of an image: executions of each instruction, and taken jumps.
 
-    executed_at: executions by address. jumped_at: executions after which the next address did not follow.
+    executed_at: a dictionary from the address of an instruction to the number of its executions.
+    jumped_at: a dictionary from the address of an instruction to the number of its executions that have jumped.
     """
 
     def __init__(self) -> None:
@@ -49,22 +52,22 @@ class Coverage(InstructionWatch):
         self.jumped_at: Counter[int] = Counter()
 
     def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
-        if not cpu.passes:  # not a further pass of RPT
+        if not cpu.passes:  # further passes of RPT do not count
             self.executed_at[f.address] += 1
             if cpu.pc != f.next:
                 self.jumped_at[f.address] += 1
 
 
 SECTION = ".stack"
-STACK = "stack"  # instead of a register's name
-CPU = "CPU"  # instead of a module's name
+STACK = "stack"  # in records, in place of the name of a register
+CPU = "CPU"  # in records, in place of the name of a module
 
 
 class StackDepth(InstructionWatch):
     """Stack depth of an image: a record of each new maximum, in words.
 
-    The stack is the section `.stack`; SP elsewhere is the stack of a task, which does not count. The 14 words that an
-    interrupt saves count from its first instruction on.
+    Only the stack in the section `.stack` counts. If SP is outside of this section, it is the stack of a task. The 14
+    words that an interrupt saves count when the first instruction of its service routine has been executed.
     """
 
     STATE = State("_deepest")
@@ -72,7 +75,7 @@ class StackDepth(InstructionWatch):
     def __init__(
         self, section: Section, recorder: Recorder, clock: Clock, unit: str, place: Callable[[], str | None]
     ) -> None:
-        """place: returns the place of the executed instruction."""
+        """section: the section `.stack`. unit: the name of the unit. place: returns the present statement."""
         self._place = place
         self._begin, self._end = section.run, section.run + section.size
         self._deepest = section.run
@@ -87,13 +90,15 @@ class StackDepth(InstructionWatch):
 
 # Calls -----------------------------------------------------------------------------
 
-NOWHERE = -1  # instead of a return address: it does not return
+NOWHERE = -1  # the return address of the first function, which does not return
 
 
 class Frame:
-    """An active function. return_to: the address after its call. first, end: the range of its addresses.
+    """An active function.
 
-    since: the tick at which it began.
+    first, end: the range of its addresses; `end` is the address after its last word.
+    return_to: the address after its call.
+    since: the tick at which the function began.
     """
 
     STATE = State("name first end return_to", ticks="since", made=True)
@@ -107,7 +112,7 @@ class Frame:
 
 
 class CallListener:
-    """A listener to calls. tick: begin of the first instruction after the call or return."""
+    """A listener to calls of functions. tick: that at which the first instruction after a call or return begins."""
 
     def called(self, name: str, tick: int) -> None:
         """Receive the begin of a function."""
@@ -116,15 +121,17 @@ class CallListener:
         """Receive the end of the innermost active function."""
 
     def slept(self, ticks: int) -> None:
-        """Receive the time for which the innermost function has executed no instruction."""
+        """Receive a time in which the innermost function has slept and executed no instruction."""
 
 
 class CallStack:
-    """Call stack of an image, derived from its jumps. frames: the active functions, the innermost last.
+    """Call stack of an image, derived from its jumps.
 
-    A call pushes a frame with its return address; a jump to that address ends the frame and all inner ones. A jump to
-    another function is a tail call: that function takes the frame over. So the stack is right for the running function
-    even with an RTOS, which returns through frames that it made, and with `exit`, which never returns.
+    A call pushes a frame with its return address. A jump to that address ends the frame and all frames inside it. A
+    jump to another function is a tail call: that function replaces the innermost function. So the innermost frame is
+    right even with an RTOS, which returns through frames that it has made, and with `exit`, which never returns.
+
+    frames: the active functions, the innermost last.
     """
 
     STATE = State("frames _listeners")
@@ -136,18 +143,18 @@ class CallStack:
         self._listeners: list[CallListener] = []
 
     def add_listener(self, listener: CallListener) -> None:
-        """Add a listener, and pass the active functions to it."""
+        """Add a listener, and call its `called` for each active function."""
         self._listeners.append(listener)
         for frame in self.frames:
             listener.called(frame.name, frame.since)
 
     def began(self, pc: int, cycle: int) -> None:
-        """Begin the program at `pc`."""
+        """Receive the begin of the program at `pc`; all frames end."""
         self._drop(0, cycle)
         self.push(pc, NOWHERE, cycle)
 
     def jumped(self, f: Operation, pc: int, cycle: int) -> None:
-        """Apply a jump of an instruction to `pc`."""
+        """Update the frames after instruction `f` has jumped to `pc`."""
         mnemonic = f.encoding.mnemonic
         if mnemonic in CALLS or mnemonic in INTERRUPTS:
             self.push(pc, f.next, cycle)
@@ -158,8 +165,10 @@ class CallStack:
         self.on_return(pc, cycle)
 
     def on_return(self, pc: int, cycle: int) -> None:
-        """Return to `pc`. If no frame has this return address, the innermost frame is replaced
-        unless `pc` is in its function."""
+        """Update the frames after a return, or a jump out of the innermost function, to `pc`.
+
+        If a frame has this return address, it ends. Otherwise the innermost function is replaced by that at `pc`.
+        """
         for place in range(len(self.frames) - 1, -1, -1):
             if self.frames[place].return_to == pc:
                 self._drop(place, cycle)
@@ -170,12 +179,12 @@ class CallStack:
             self.push(pc, frame.return_to, cycle)
 
     def slept(self, ticks: int) -> None:
-        """Pass on a time without instructions: IDLE, or a wait whose passes were skipped."""
+        """Pass to the listeners a time without instructions: in IDLE, or in a wait whose passes were skipped."""
         for listener in self._listeners:
             listener.slept(ticks)
 
     def push(self, pc: int, return_to: int, cycle: int) -> None:
-        """Enter the function or service routine at `pc`."""
+        """Add a frame for the function or service routine that begins at `pc`."""
         inside = self._functions.at(pc)
         name, first = (inside.name, inside.address) if inside else (f"{pc:#08x}", pc)
         tick = self._clock.tick(cycle)
@@ -184,7 +193,7 @@ class CallStack:
             listener.called(name, tick)
 
     def _drop(self, place: int, cycle: int) -> None:
-        """End the frames from this one on."""
+        """End the frames from index `place` on."""
         tick = self._clock.tick(cycle)
         while len(self.frames) > place:
             name = self.frames.pop().name
@@ -195,13 +204,13 @@ class CallStack:
 class FunctionSpans(CallListener):
     """SPAN records of the begins and ends of functions.
 
-    A function that calls itself is one span, from its first call to its last return. place: returns the place of the
-    first instruction of a named function.
+    A function that calls itself is one span, from its first call to its last return.
     """
 
     STATE = State("_depth")
 
     def __init__(self, recorder: Recorder, unit: str, place: Callable[[str], str]) -> None:
+        """place: returns the place of the first instruction of the function with a name."""
         self._recorder = recorder
         self._unit = unit
         self._place = place
@@ -226,9 +235,12 @@ Stack = tuple[str, ...]
 
 
 class FunctionTime(Struct, frozen=True):
-    """Time of a function, in ticks. own: in its own code. total: with called functions and interrupts.
+    """Time of a function. All times are in ticks.
 
-    waits: part of `own` asleep in IDLE or in a wait whose passes were skipped. calls: number of calls.
+    calls: the number of calls.
+    own: the time in the code of the function itself.
+    total: `own` and the time in functions that it called and in service routines that interrupted it.
+    waits: the part of `own` in which it slept, in IDLE or in a wait whose passes were skipped.
     """
 
     name: str
@@ -239,9 +251,11 @@ class FunctionTime(Struct, frozen=True):
 
 
 class Profile(CallListener):
-    """Profile of an image: time by stack of functions.
+    """Profile of an image: the time in each stack of functions, (outermost, ..., innermost).
 
-    stacks: ticks by stack, (outermost, ..., innermost). waits: part of them asleep. calls: number by function.
+    stacks: a dictionary from a stack to its time in ticks.
+    waits: a dictionary from a stack to the part of that time without instructions, in ticks.
+    calls: a dictionary from the name of a function to the number of its calls.
     """
 
     def __init__(self) -> None:
@@ -261,11 +275,11 @@ class Profile(CallListener):
         self._stack = self._stack[:-1]
 
     def slept(self, ticks: int) -> None:
-        """Count a time without instructions."""
+        """Add a time without instructions to `waits`."""
         self.waits[self._stack] += ticks
 
     def count_to(self, tick: int) -> None:
-        """Count the time up to this tick."""
+        """Add the time up to this tick to that of the present stack."""
         if tick > self._since:
             self.stacks[self._stack] += tick - self._since
             self._since = tick
@@ -288,7 +302,8 @@ class Profile(CallListener):
 class VariableRecords:
     """FLAG records of `UNIT.memory` for each change of a variable.
 
-    addresses: variables by the address of each of their words. values: by name, as last recorded.
+    addresses: a dictionary from an address to the variables that have a word there.
+    values: a dictionary from the name of a variable to its last recorded value.
     """
 
     STATE = State("values")
@@ -302,7 +317,7 @@ class VariableRecords:
         unit: str,
         place: Callable[[], str | None],
     ) -> None:
-        """Read the initial values from the memory of a loaded image. place: returns the place that writes."""
+        """Read the initial values from memory, in which the image is loaded. place: returns the present statement."""
         self._place = place
         self.addresses: dict[int, list[Variable]] = {}
         self._ram, self._recorder, self._clock = ram, recorder, clock
@@ -314,7 +329,7 @@ class VariableRecords:
                 self.addresses.setdefault(address, []).append(variable)
 
     def written(self, address: int, cycle: int) -> None:
-        """Record the variables in a word at one of `addresses` that have changed."""
+        """Record each variable with a changed value after a write of a word. address: one of `addresses`."""
         for variable in self.addresses[address]:
             value = self._value(variable)
             if value != self.values[variable.name]:
@@ -333,11 +348,12 @@ MAIN = ("main", "_main")
 
 
 class PresetMemory(CallListener):
-    """Initial values that a case sets for variables. They are stored before the start and again as main begins."""
+    """Initial values that a case sets for variables. They are stored before the start, and again when main begins."""
 
     STATE = State()
 
     def __init__(self, presets: Iterable[tuple[Variable, int]], put: Callable[[int, int], None]) -> None:
+        """presets: variables with the bits of their values. put: stores a word at an address."""
         self._presets = tuple(presets)
         self._put = put
 

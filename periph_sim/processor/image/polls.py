@@ -1,15 +1,15 @@
-"""Detection of waits of an image: loops whose further passes all have the same result, and for how long.
+"""Detection of waits of an image: loops whose further passes have the same result, and for how long they have it.
 
-    repeated backward branch --> state at two of them equal --> Lease of the registers read --> sleep
-          ^--- replay of the pass in progress from its start; reads in the past return the earlier values <-- woken
+    backward branch is repeated --> state of the CPU as before --> Lease: a watch on the registers that were read
+    --> sleep --> woken: the pass in progress is replayed from its start; reads in the past return the earlier values
 
 A pass is *clean* if it changed no word of memory, wrote no register, read no register that counts or that a read
 changes, did not access interrupt masks and flags, and was not interrupted. If the registers, the pipeline and the fetch
-queue are equal before and after two clean passes of the same cycles, the next pass has the same result as long as the
-registers of the chip that it read keep their values. So skipping changes no cycle and no bit.
+queue are equal before and after two clean passes of equal length, the next pass has the same result as long as the
+module registers that the pass reads keep their values. So skipping a pass does not change any cycle or bit.
 
-A pass that counts, in a register or in memory, may be followed by others that only count (`counting_loop`). They are
-skipped in the same way, and the counters advanced.
+After a pass that changes a counter, in a register or in memory, further passes may change only the counters
+(`counting_loop`). Such passes are skipped in the same way, and the counters are advanced.
 """
 
 # core: compiled
@@ -25,28 +25,28 @@ from ..cpu_time import CpuTime
 from ..operand import Operand
 from ..polling import Lease, Spin
 
-FIRST_EXAMINED = 2  # passes of a loop before the first one is examined
-LONGEST = 1024  # most passes between two examined ones of a loop that is no wait
-COUNTS_FROM = 64  # passes of a loop before it is analysed as one that counts, at the cost of some hundred passes
-FEWEST = 8  # fewest passes that are worth skipping
-TRIES = 3  # failed analyses before a loop counts as one that does more than count
+FIRST_EXAMINED = 2  # number of passes of a loop before a pass is examined
+LONGEST = 1024  # most passes between two examined passes of a loop that is no wait
+COUNTS_FROM = 64  # number of passes of a loop before it is analysed as a counting loop; an analysis is slow
+FEWEST = 8  # a smaller number of counting passes is not skipped
+TRIES = 3  # number of failed analyses after which a loop is no longer analysed
 
 
 @final
 class PollSkipper:
-    """Detects passes of a loop that further passes would repeat, and skips these.
+    """Detects a pass of a loop that all further passes would repeat, and skips these further passes.
 
     tracking: True if the present pass is examined.
-    clean: True if each further pass would repeat all that the examined pass did.
-    counting: True if the pass may also change words of memory.
-    changed: the words that it changed, with their earlier values.
-    skips: True if equal passes are skipped. Otherwise they are executed, and only the times are recorded at which the
-        program would have begun to sleep and would have been woken.
-    asleep: True between these times.
-    replaying: True if reads before the cycle `live_from` return the earlier values.
-    elsewhere: the addresses of unmodelled words that were read.
+    clean: True if the examined pass has been clean so far (see the module's description).
+    counting: True if the examined pass is analysed for counters, so it may change words of memory.
+    changed: a dictionary from the address of each memory word that this pass has changed to its earlier value.
+    skips: True if equal passes are skipped. If False, they are executed, and only the cycles at which a sleeping
+        program would begin to sleep and would be woken are recorded.
+    asleep: True between these two cycles.
+    replaying: True while reads before the cycle `live_from` return the earlier values.
+    elsewhere: the addresses of the unmodelled words that the examined pass has read.
     routines: the number of active service routines.
-    restarts: True if the pass restarts the watchdog, so that no further pass is skipped.
+    restarts: True if the examined pass has restarted the watchdog, so further passes must not be skipped.
     began: the cycle at which the examined pass began.
     since: the cycle at which the first pass of the loop ended.
     """
@@ -65,14 +65,14 @@ class PollSkipper:
         self.elsewhere: list[int] = []
         self._values: list[int] = []
         self.changed: dict[int, int] = {}
-        self._failed: dict[int, int] = {}  # by branch: how often its loop did more than count
-        self._compared = False  # the state was saved at the begin of the last pass
+        self._failed: dict[int, int] = {}  # from the branch of a loop to the number of failed analyses
+        self._compared = False  # True if the state at the begin of the last pass is known
         self._branch = -1
         self._spin = Spin(0)
         self.forget()
 
     def forget(self) -> None:
-        """Reset: the program begins again, or has ended."""
+        """Reset the detection, since the program begins again or has ended."""
         self._lease.end()
         self.asleep = self.tracking = self.clean = self.counting = self.replaying = False
         self.restarts = False
@@ -86,10 +86,10 @@ class PollSkipper:
     # Passes ------------------------------------------------------------------------
 
     def again(self, branch: int, cycle: int) -> bool:
-        """Count a backward branch that is taken. Return True if the loop is due to be examined."""
+        """Count a taken backward branch at an address. Return True if the next pass of its loop should be examined."""
         if branch != self._branch:
             self._branch, self._passes, self.since = branch, 0, cycle
-            if not self.routines:  # loops of service routines do not end the loop that they interrupt
+            if not self.routines:  # a loop in a service routine does not end the loop that it interrupts
                 if branch == self._outer_branch:
                     self.since = self._outer_since
                 self._outer_branch, self._outer_since = branch, self.since
@@ -100,7 +100,10 @@ class PollSkipper:
         return self._passes >= self._examine_at
 
     def is_repeatable(self) -> bool:
-        """Return True, at the begin of a pass, if the previous one was examined and clean: states are then compared."""
+        """Return True, at the begin of a pass, if the previous pass was examined and clean.
+
+        The caller then compares the states and calls `repeats`.
+        """
         if self.tracking and self.clean:
             return True
         if self.tracking:
@@ -111,15 +114,15 @@ class PollSkipper:
         return False
 
     def examine_later(self) -> None:
-        """Examine the loop again after more passes, twice as many each time."""
+        """Examine the loop again after a number of passes that is doubled each time, up to LONGEST."""
         self._step = min(2 * self._step, LONGEST)
         self._examine_at = self._passes + self._step
         self.tracking = False
 
     def repeats(self, as_before: bool) -> bool:
-        """Return True, at the begin of a pass, if the state was this one before and after the last two clean passes.
+        """Return True, at the begin of a pass, if two clean passes of equal length have left the state unchanged.
 
-        Call it if `is_repeatable` is True. as_before: the state equals that of the last call.
+        Call this method if `is_repeatable` is True. as_before: True if the state equals that at the last call.
         """
         cycle = self._time.cycle
         equal: bool
@@ -136,7 +139,10 @@ class PollSkipper:
     # Passes that count -------------------------------------------------------------
 
     def may_count(self) -> bool:
-        """Return True, at the begin of a pass whose predecessor was not repeatable, if this one should be analysed."""
+        """Return True, at the begin of a pass, if it should be analysed for counters.
+
+        Call this method if the previous pass was not repeatable.
+        """
         if self.tracking or self._passes < COUNTS_FROM or self._failed.get(self._branch, 0) >= TRIES:
             return False
         cycle = self._time.cycle
@@ -148,7 +154,7 @@ class PollSkipper:
         return True
 
     def counted(self) -> bool:
-        """Return True, at the begin of a pass, if the analysed one before it was clean and of the usual length."""
+        """Return True, at the end of the analysed pass, if it was clean and as long as the pass before it."""
         cycle = self._time.cycle
         alike: bool = self.clean and cycle - self.began == self._period
         self.began = cycle
@@ -157,28 +163,28 @@ class PollSkipper:
         return alike
 
     def count_failure(self) -> None:
-        """Count a failed analysis: the loop does more than count."""
+        """Count a failed analysis, in which the loop did more than count."""
         self._failed[self._branch] = self._failed.get(self._branch, 0) + 1
 
     @property
     def reads_modules(self) -> bool:
-        """True if the pass reads a register of a module."""
+        """True if the examined pass reads a register of a module."""
         return self._spin.made > 0
 
     @property
     def reads(self) -> bool:
-        """True if the pass reads values that may change, so that the loop is a wait."""
+        """True if the examined pass reads values that may change, so that the loop is a wait."""
         return self.reads_modules or len(self.elsewhere) > 0
 
     def changes(self, address: int, before: int) -> None:
-        """Note that the pass changes a word of memory."""
+        """Note that the examined pass changes a word of memory. before: the earlier value of the word."""
         if not self.counting:
             self.clean = False
         elif address not in self.changed:
             self.changed[address] = before
 
     def _begin(self) -> None:
-        """Examine the pass that begins now."""
+        """Begin to examine the pass that begins now."""
         self.tracking = self.clean = True
         self.restarts = False
         self.elsewhere.clear()
@@ -186,7 +192,7 @@ class PollSkipper:
         self._spin.begin_pass(self._time.cycle)
 
     def note(self, operand: Operand, value: int) -> None:
-        """Note a read of a register of the chip."""
+        """Note a read of a register of a module."""
         self._spin.note(operand, value << operand.shift, None)
         self._values.append(value)
         if not operand.steady:
@@ -198,19 +204,22 @@ class PollSkipper:
         self._values.append(value)
 
     def restart(self) -> None:
-        """Note a write of a key of the watchdog."""
+        """Note a write to the key register of the watchdog."""
         self.restarts = True
         if self.counting:
             self.clean = False
 
     def soil(self) -> None:
-        """Note an action that the next pass may not repeat."""
+        """Note an action for which the pass is not clean."""
         self.clean = False
 
     # Sleep -------------------------------------------------------------------------
 
     def sleep(self, most: int = NEVER) -> Spin | None:
-        """Sleep until a pass may differ, for at most `most` passes. Return None if the next one may differ."""
+        """Sleep until a pass may have another result, for at most `most` passes, and return the wait.
+
+        Return None, without a sleep, if the next pass may have another result.
+        """
         time, lease, spin = self._time, self._lease, self._spin
         if time.lands < NEVER or self._core.earliest() < NEVER:
             return None
@@ -232,9 +241,10 @@ class PollSkipper:
         return spin
 
     def woken(self, now: int) -> int:
-        """End the sleep, since a pass may differ from this cycle on. Return the number of equal passes before it.
+        """End the sleep at cycle `now`, from which on the result of a pass may differ.
 
-        If these were skipped, it is replayed from its start; reads in the past return the earlier values.
+        Return the number of complete passes since the sleep began. If these were skipped, the pass in progress is
+        replayed from its start, and its reads before `now` return the earlier values.
         """
         time = self._time
         self._lease.end()
@@ -251,16 +261,16 @@ class PollSkipper:
         return passes
 
     def begins_at(self, passes: int) -> int:
-        """Return the cycle at which a pass begins. passes: counted from the examined one."""
+        """Return the cycle at which a pass begins. passes: its number, counted from the pass that began at `began`."""
         return self.began + passes * self._period
 
     def resume(self, cycle: int) -> None:
-        """Wake a sleeping program: a stub has changed its value."""
+        """Wake a sleeping program, since a stub has changed its value."""
         if self.asleep:
             self._time.resume_by(max(cycle, self.began))
 
     def answer(self, cycle: int) -> bool:
-        """Return True if the read in this cycle returns its earlier value (`answered`); else end the replay."""
+        """Return True if a read in this cycle must return its earlier value (`answered`). If not, end the replay."""
         self.replaying = cycle < self.live_from and self._next < len(self._values)
         return self.replaying
 

@@ -1,10 +1,10 @@
-"""A firmware image as a program: it runs until it must wait, sleeps or ends.
+"""A firmware image as a program, which runs until it must wait, sleeps or ends.
 
-    Processor --run--> ImageProgram --begin--> operand found --reach--> its cycle --finish--> next instruction
-                          ^--- stops wherever time has to pass; the pending instruction is in `_ready`
+    Processor --run--> ImageProgram: begin (operand found) --reach (cycle of the access)--> finish --> next instruction
+                          ^--- stops if something else may act before that cycle; the instruction is kept in `_ready`
 
-Costs are the cycles of the manual's table, those that `instruction_timing` adds, wait states of registers and the
-write-to-read protection of the bus.
+An instruction takes the cycles of the manual's table, those that `instruction_timing` adds, the wait states of
+registers, and the waits for earlier writes on the bus.
 
 Source: SPRU430F chapters 3 and 4.
 """
@@ -58,18 +58,19 @@ class ImageProgram(LoadedImage):
     ) -> None:
         """entry: the address at which execution begins.
 
-        skip_polls: passes of a wait that repeat the previous pass are skipped. keeps_decoded: see `Engine`.
+        skip_polls: True if passes of a wait that repeat the previous pass are skipped. keeps_decoded: see `Engine`.
         """
         super().__init__(processor, clock, image, entry, ImageCpu(processor, options, skip_polls, keeps_decoded))
         self.instructions = 0
         self._ready: Operation | None = None  # the pending instruction, whose operand address is known
-        self._executed = False  # an instruction, since the last check for interrupts
+        self._executed = False  # True if an instruction was executed since the last change of the context
         self._idle_began = False
-        self._asleep_at = 0  # the tick since which no instruction was executed
-        self._loop_due = False  # a loop is at its begin again, and due to be examined
-        self._back = -1  # the branch that closed the last executed pass of a wait
-        self._counted = self._pass = 0  # instructions up to that begin, and of a pass
-        self._unmodelled: UnmodelledWait | None = None  # the last wait that read unmodelled words only
+        self._asleep_at = 0  # the tick at which the last sleep began
+        self._loop_due = False  # True if a pass of a loop begins that should be examined
+        self._back = -1  # the branch that closed the last executed pass of a wait; -1 for none
+        self._counted = 0  # the number of instructions up to the begin of the present pass
+        self._pass = 0  # the number of instructions of a pass
+        self._unmodelled: UnmodelledWait | None = None  # the last wait that has read unmodelled words only
         self._counting: CountingLoop | None = None  # set while a pass is traced, or counting passes are skipped
         self._stack_begin, self._stack_end = image.stack
         self._sp = 0  # SP after the last instruction
@@ -88,7 +89,7 @@ class ImageProgram(LoadedImage):
             self._calls.began(self._entry, self._processor.time.cycle)
 
     def kill(self, how: type[BaseException]) -> None:
-        """See `Program.kill`. A sleep ends first, so that a reset of the registers that it read does not wake it."""
+        """See `Program.kill`. A sleep ends before, so that a reset of watched registers does not wake the program."""
         LoadedImage.kill(self, how)
         time = self._processor.time
         now = self._clock.cycle_at(time.instant()[1])
@@ -108,7 +109,7 @@ class ImageProgram(LoadedImage):
         try:
             return self._run()
         except (IllegalOperation, InterruptFault) as error:
-            self._processor.time.meet()  # the run ends now
+            self._processor.time.meet()  # sets the kernel's time to the instant at which the run ends
             raise FirmwareLost(self.error_text(str(error).removeprefix(f"{self._processor.name}: "))) from None
 
     def _run(self) -> Stop:
@@ -206,7 +207,7 @@ class ImageProgram(LoadedImage):
     # Waits --------------------------------------------------------------------------
 
     def _sleeps(self) -> bool:
-        """Sleep, at the begin of a pass of a loop, if it must repeat the previous ones. Return True if asleep."""
+        """Sleep, at the begin of a pass of a loop, if the pass must repeat the previous ones. Return True if asleep."""
         polls, passed = self.cpu.polls, self.instructions - self._counted
         self._counted = self.instructions
         if polls.counting:
@@ -229,7 +230,7 @@ class ImageProgram(LoadedImage):
             return False
         self._pass = passed
         if self._counting is not None and not polls.reads:
-            return True  # it is no wait: nothing ends it earlier
+            return True  # the loop reads nothing that changes, so it is no wait and is not recorded
         self.spin = spin
         self._unmodelled = None
         if self._counting is None:
@@ -239,14 +240,17 @@ class ImageProgram(LoadedImage):
         return True
 
     def _keep_unmodelled(self, since: int) -> None:
-        """Keep the loop of equal passes if they read unmodelled words only."""
+        """Keep the loop as a wait for unmodelled registers if its passes read no other registers.
+
+        since: the cycle at which the wait began.
+        """
         polls, cpu = self.cpu.polls, self.cpu
         if polls.elsewhere and not polls.reads_modules:
             loop = (cpu.pc, self._at)
             self._unmodelled = UnmodelledWait(since, loop, cpu.sp, polls.routines, list(polls.elsewhere))
 
     def _sleeps_counting(self) -> Spin | None:
-        """Sleep, at the end of a traced pass, through the passes that only count, if there are enough."""
+        """Sleep, at the end of a traced pass, through the passes that only count. Return None if they are too few."""
         polls, loop = self.cpu.polls, self._counting
         assert loop is not None
         self.unwatch_instructions(loop)
@@ -261,17 +265,17 @@ class ImageProgram(LoadedImage):
         return None
 
     def _follow_wait(self) -> None:
-        """End, at a boundary, a wait whose passes are executed, if a sleeping program would have been woken."""
+        """End a wait whose passes are executed, if a sleeping program would have been woken by now."""
         time, back = self._processor.time, self._back
         self._back = -1
         if time.wakes <= time.cycle:
             woken = time.wakes
             self._woken(woken)
-            if back >= 0 and woken < time.cycle:  # in the pass that has just ended
+            if back >= 0 and woken < time.cycle:  # woken in the pass that has just ended
                 self._loop_due = self.cpu.polls.again(back, time.cycle)
 
     def _woken(self, cycle: int) -> None:
-        """End a wait, since a pass may differ from this cycle on; see `PollSkipper.woken`."""
+        """End a wait at this cycle, from which on the result of a pass may differ; see `PollSkipper.woken`."""
         polls, counting = self.cpu.polls, self._counting
         passes = polls.woken(cycle)
         self.spin = self._counting = None
@@ -288,7 +292,7 @@ class ImageProgram(LoadedImage):
 
     @property
     def asleep_since(self) -> int | None:
-        """The tick since which no instruction is executed, in a wait or in IDLE; None while it runs."""
+        """The tick at which the present sleep, in a wait or in IDLE, began; None while instructions are executed."""
         return self._asleep_at if self.spin is not None or self._idle_began else None
 
     def awaited(self) -> Awaited:
@@ -361,5 +365,8 @@ class ImageProgram(LoadedImage):
             self._calls.on_return(self.cpu.pc, self._processor.time.cycle + cpu_costs.IRET)
 
     def _left_stack(self, f: Operation) -> bool:
-        """Return True if SP was in its section: it may be set to another stack, but not leave step by step."""
+        """Return True if SP, which is now outside of `.stack`, has left it by a push or pop of instruction `f`.
+
+        Firmware may set SP to another stack by a write to SP.
+        """
         return self._stack_begin <= self._sp <= self._stack_end and not (f.l == SP_FIELD and f.accesses & WRITES)

@@ -1,4 +1,4 @@
-"""Firmware images: sections, symbols, source lines and code of a linker's output file.
+"""Firmware images: the sections, symbols, source lines and code in the output file of a linker.
 
-`load.load` reads a file of either format; `inspection.inspect` summarises its contents.
+`load.load` reads a file in TI COFF or ELF; `inspection.inspect` summarises its contents.
 """

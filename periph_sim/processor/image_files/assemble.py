@@ -1,18 +1,19 @@
 """An assembler for C28x source text; the source gives the address of each section.
 
-            .sect   ".text", 0x8000      ; name, address; a third number: where it is loaded, if not there
+            .sect   ".text", 0x8000      ; name and run address; a third number is the load address, if that differs
     _main:  MOVW    DP, #0x7900 >> 6
-            MOV     @0x7909, #0x4600     ; of an address the operand uses the offset in the data page
+            MOV     @0x7909, #0x4600     ; the operand contains the offset of the address in its data page
     wait:   TBIT    @0x7902, #4
             SB      wait, NTC
             RPT     #9 || NOP
             LRETR
             .reserve ".stack", 0x400, 0x300
 
-.word and .long store numbers, .string characters, .space zero words; NAME .set EXPRESSION names a number; .align 2
-aligns to an even address; .entry NAME sets the entry point, else `_c_int00`. .global NAME makes a label a function or a
-variable; other labels are local to their function. .include "FILE" inserts the lines of a file in the same folder
-or of a shipped one. The first pass assigns addresses, the second emits words.
+.word and .long store numbers, .string stores characters, .space stores zero words, .reserve reserves words. NAME .set
+EXPRESSION names a number. .align 2 aligns to an even address. .entry NAME sets the entry point, which is `_c_int00` by
+default. .global NAME makes a label a function or a variable; other labels are local to their function. .include "FILE"
+inserts the lines of a file in the same folder, or of a shipped file. The first pass assigns addresses, the second emits
+words.
 """
 
 from __future__ import annotations
@@ -34,18 +35,18 @@ from .load import BadImage, Image, Section, Symbol
 from .load import parse as parse_image
 
 ENTRY = "_c_int00"
-MOST_INCLUDES = 8  # nesting depth
+MOST_INCLUDES = 8  # largest nesting depth of .include
 LABEL = re.compile(r"([A-Za-z_$][\w.$]*)\s*:\s*(.*)")
 SETS = re.compile(r"([A-Za-z_$][\w.$]*)\s+\.set\s+(.+)", re.IGNORECASE)
 INCLUDES = re.compile(r'\s*\.include\s+"([^"]+)"', re.IGNORECASE)
 COMMENT = re.compile(r'((?:"[^"]*"|\'.\'|[^;"])*);.*')
 SHIPPED = EXAMPLES / "firmware" / "c28x"
 NOP = 0x7700
-MOST_WORDS = 0x40_0000  # per section: the size of program space
+MOST_WORDS = 0x40_0000  # most words of a section: the size of program space
 
 
 class _Place(NamedTuple):
-    """A source line. included: the file's name in .include, "" for the main source. path: the file's path."""
+    """A source line. path: the path of its file. included: the name of its file in .include; "" for the main source."""
 
     path: str
     line: int
@@ -60,7 +61,13 @@ NOWHERE = _Place("", 0, "")
 
 @dataclass
 class _Block:
-    """A section being assembled. pieces: functions that emit words at an address, with their source lines."""
+    """A section that is being assembled.
+
+    address, load: its run address and its load address.
+    at: the run address after the pieces so far.
+    pieces: (source line, address, function) of each piece of the section. The function returns the words of the piece
+        for the address and the symbols.
+    """
 
     name: str
     address: int
@@ -71,18 +78,22 @@ class _Block:
 
 
 class _Source:
-    """The first pass: collect sections with their pieces, and symbols, from source lines.
+    """The first pass, which collects sections with their pieces, and symbols, from source lines.
 
-    globals: the line of each .global name. entry_line: the line of .entry, NOWHERE if there is none.
+    blocks, reserved: the sections with contents, and those that only reserve memory.
+    symbols: a dictionary from a symbol to its value.
+    sections: a dictionary from a symbol to the name of its section; "" for the name of a number.
+    globals: a dictionary from a .global name to its line.
+    entry, entry_line: the name of the entry point, and the line of .entry; NOWHERE if there is no .entry.
     """
 
     def __init__(self, folder: Path) -> None:
-        self._folders = [folder]  # of the files being read, the innermost last
+        self._folders = [folder]  # the folders of the files that are being read, that of the innermost .include last
         self._place = NOWHERE
         self.blocks: list[_Block] = []
         self.reserved: list[Section] = []
         self.symbols: dict[str, int] = {}
-        self.sections: dict[str, str] = {}  # section of each symbol, "" for numbers
+        self.sections: dict[str, str] = {}
         self.globals: dict[str, _Place] = {}
         self.entry = ENTRY
         self.entry_line = NOWHERE
@@ -103,7 +114,7 @@ class _Source:
         return evaluate(text, self.symbols, self.blocks[-1].at if self.blocks else 0)
 
     def text(self, text: str, path: str, included: str = "") -> None:
-        """Process all lines of a file. included: its name in the .include of another file."""
+        """Process all lines of a file. included: the name of the file in .include; "" for the main source."""
         for number, line in enumerate(text.splitlines(), 1):
             outer, self._place = self._place, _Place(path, number, included)
             with _errors_at(self._place):
@@ -213,9 +224,10 @@ def _operands(text: str) -> list[str]:
 
 
 def assemble(text: str, path: Path | None = None) -> Image:
-    """Assemble a program. Raise BadImage with the source line if it is invalid.
+    """Return the image of a program. text: the source. Raise BadImage with the source line if it is invalid.
 
-    path: of the source, named in debug data; included files are searched beside it. None: no debug data.
+    path: the path of the source. It is in the debug data, and included files are searched in its folder. None: there
+        are no debug data.
     """
     source = _Source(Path() if path is None else path.parent)
     source.text(text, str(path))
@@ -247,7 +259,7 @@ def assemble(text: str, path: Path | None = None) -> Image:
 
 
 def sources_of(path: Path) -> list[Path]:
-    """List a source file and all files it includes. Raise BadImage if one is missing."""
+    """Return a source file and all files that it includes. Raise BadImage if a file is missing."""
     found = [path]
     for source in found:
         names = (match[1] for match in map(INCLUDES.match, text_of(source).splitlines()) if match)
@@ -257,7 +269,7 @@ def sources_of(path: Path) -> list[Path]:
 
 @contextmanager
 def _errors_at(place: _Place) -> Iterator[None]:
-    """Add the source line to errors."""
+    """Raise an error within the block as BadImage with this source line."""
     try:
         yield
     except BadInstruction as error:
@@ -265,7 +277,7 @@ def _errors_at(place: _Place) -> Iterator[None]:
 
 
 def included(name: str, folder: Path) -> Path:
-    """Return the path that .include names: in the source's folder, else a shipped file."""
+    """Return the path of the file that .include names: in the folder of the source, or, if it is not there, shipped."""
     shipped = SHIPPED / name
     return shipped if not (folder / name).exists() and shipped.is_file() else folder / name
 
@@ -280,7 +292,7 @@ def text_of(path: Path) -> str:
 
 
 def assemble_file(path: Path) -> tuple[Image, bytes]:
-    """Return the image of a source file and the bytes of its .out. Raise BadImage naming the file if it is invalid."""
+    """Return the image of a source file, and the bytes of its .out file. Raise BadImage with the path for an error."""
     text = text_of(path)
     try:
         data = write(assemble(text, path))
@@ -289,7 +301,7 @@ def assemble_file(path: Path) -> tuple[Image, bytes]:
         raise BadImage(f"{path}: {error}") from None
 
 
-# Source lines as DWARF debug data, readable by `debug_info`.
+# Source lines are written as DWARF debug data, which `debug_info` reads.
 # Source: DWARF 2, sections 6.2 (line program), 7.5 (abbreviations and entries).
 
 VERSION = 2
@@ -297,16 +309,20 @@ ADDRESS_BYTES = 4
 COMPILE_UNIT = 0x11
 NAME, STMT_LIST, LANGUAGE, PRODUCER = 0x03, 0x10, 0x13, 0x25  # DW_AT
 STRING, DATA2, DATA4 = 0x08, 0x05, 0x06  # DW_FORM
-ASSEMBLER = 0x8001  # DW_LANG_Mips_Assembler, which other assemblers write, too
+ASSEMBLER = 0x8001  # DW_LANG_Mips_Assembler, which assemblers for other processors write, too
 COPY, ADVANCE_PC, ADVANCE_LINE, SET_FILE = 1, 2, 3, 4  # DW_LNS
 END_SEQUENCE, SET_ADDRESS = 1, 2  # DW_LNE
-OPERANDS = bytes((0, 1, 1, 1, 1, 0, 0, 0, 1))  # of the standard opcodes 1 to 9
+OPERANDS = bytes((0, 1, 1, 1, 1, 0, 0, 0, 1))  # number of operands of each of the standard opcodes 1 to 9
 
-Row = tuple[int, str, int]  # address, file, line
+Row = tuple[int, str, int]  # address, file and line of an instruction
 
 
 def debug_sections(file: str, sequences: Sequence[tuple[Sequence[Row], int]]) -> dict[str, bytes]:
-    """Return the sections by name. file: of the unit. sequences: ascending rows, and the address after the last one."""
+    """Return a dictionary from the name of a DWARF section to its contents.
+
+    file: the path of the main source.
+    sequences: for each section of code, its rows in ascending order of addresses, and the address after its end.
+    """
     abbreviation = bytes(
         (1, COMPILE_UNIT, 0, NAME, STRING, STMT_LIST, DATA4, LANGUAGE, DATA2, PRODUCER, STRING, 0, 0, 0)
     )
@@ -323,7 +339,7 @@ def debug_sections(file: str, sequences: Sequence[tuple[Sequence[Row], int]]) ->
             program += bytes((ADVANCE_LINE,)) + _leb(number - line) + bytes((COPY,))
             at, line = address, number
         program += _advance(end - at) + bytes((0, 1, END_SEQUENCE))
-    names = b"".join(_text(name) + b"\0\0\0" for name in numbers)  # folder, time and length are left 0
+    names = b"".join(_text(name) + b"\0\0\0" for name in numbers)  # folder, time and length are 0
     files = b"\0" + names + b"\0"
     rest = struct.pack("<BBbBB", 1, 1, -5, 14, len(OPERANDS) + 1) + OPERANDS + files
     return {
@@ -346,7 +362,10 @@ def _text(text: str) -> bytes:
 
 
 def _leb(number: int) -> bytes:
-    """Encode a signed LEB128, which is an unsigned one, too: seven bits per byte, bit 6 of the last is the sign."""
+    """Return a number as signed LEB128: seven bits in each byte, and bit 6 of the last byte is the sign.
+
+    For numbers from 0 on, the result is valid as unsigned LEB128, too.
+    """
     coded = bytearray()
     while True:
         number, low = number >> 7, number & 0x7F

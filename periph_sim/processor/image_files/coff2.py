@@ -2,10 +2,10 @@
 
     file header 22 | optional header 28 | section headers 48 each | raw data | symbols 18 each | strings
 
-A section header's *virtual* address is the load address, its *physical* one the run address.
+The *virtual* address in a section header is the load address, the *physical* address is the run address.
 
-Source: SPRAAO8. From linked images: which sections are loaded, and that COPY sections other than text and data have
-their size in bytes.
+Source: SPRAAO8. Two facts are known only from linked images: which sections are loaded, and that the size of a COPY
+section counts bytes unless it is a text or data section.
 """
 
 from __future__ import annotations
@@ -43,7 +43,13 @@ SYMBOL_CLASSES = (EXTERNAL, STATIC, LABEL)
 
 
 class SectionHeader(NamedTuple):
-    """Header of a section. run, load: the header's fields for the physical and the virtual address."""
+    """Header of a section.
+
+    run, load: the fields for the physical and the virtual address.
+    size: the number of words; of bytes for COPY sections other than text and data.
+    raw: the offset of the contents in the file; 0 if there are none.
+    relocations: their number.
+    """
 
     name: str
     run: int
@@ -55,12 +61,12 @@ class SectionHeader(NamedTuple):
 
 
 def is_coff(data: bytes) -> bool:
-    """Return True for any version of TI COFF, for any target."""
+    """Return True if the data are TI COFF of any version, for any processor."""
     return len(data) >= 2 and struct.unpack_from("<H", data)[0] in VERSIONS
 
 
 def read(data: bytes) -> Image:
-    """Return the image in a C28x COFF2 file. Raise BadImage if it is not one."""
+    """Return the image in the data of a COFF2 file for the C28x. Raise BadImage if the data are none."""
     version, section_count, _, symbols_at, symbol_count, optional, flags, target = _unpack(
         FILE_HEADER, data, 0, "header"
     )
@@ -97,7 +103,7 @@ def _unpack(layout: struct.Struct, data: bytes, at: int, what: str) -> tuple[Any
 
 
 class _Strings:
-    """The string table: names longer than 8 characters. It begins with its own size."""
+    """The string table of a file, with the names longer than 8 characters. The table begins with its own size."""
 
     def __init__(self, data: bytes, at: int) -> None:
         self._table = b""
@@ -106,7 +112,7 @@ class _Strings:
             self._table = data[at : at + size]
 
     def name(self, field: bytes) -> str:
-        """Return the name in a field: up to 8 characters, or zero and the offset of a longer one."""
+        """Return the name in a field of 8 bytes: the name itself, or zero and the offset of a longer name."""
         zero, offset = struct.unpack("<II", field)
         if zero or not offset:
             return field.rstrip(b"\0").decode("latin-1")
@@ -151,9 +157,10 @@ def _section(header: SectionHeader, data: bytes) -> Section:
 
 
 def _initial(headers: list[SectionHeader], data: bytes) -> Iterator[tuple[int, tuple[int, ...]]]:
-    """Yield the .cinit records that the loader applies (--ram_model): (address, words).
+    """Yield (address, words) of each .cinit record that a loader applies, in programs linked with --ram_model.
 
-    A count n: one address word, then n words; -n: two address words, low one first; 0 ends the list.
+    A record begins with a count: n is followed by one word of address and n words; -n by two words of address, the low
+    word first, and n words; 0 ends the list.
     """
     for header in headers:
         if header.name != ".cinit" or not header.size or header.flags & (COPY | DATA) != COPY | DATA:
@@ -184,7 +191,7 @@ def _symbols(data: bytes, at: int, count: int, headers: list[SectionHeader], str
         where = headers[section - 1].name if section > 0 else ""
         text = strings.name(name)
         if text == where or text.startswith(f"{where}:"):
-            continue  # the section itself, or one object file's part of it
+            continue  # the name of the section itself, or of the part of it that comes from one object file
         found.append(Symbol(text, value, where, kind == EXTERNAL, kind == LABEL))
     return found
 
@@ -196,7 +203,7 @@ SHORT_NAME = 8
 
 
 def write(image: Image) -> bytes:
-    """Return the file's bytes. Debug sections are COPY sections, whose size counts bytes."""
+    """Return the bytes of a file with this image. Debug sections become COPY sections, whose size counts bytes."""
     strings = _NewStrings()
     debug = list(image.debug.items())
     count = len(image.sections) + len(debug)
@@ -226,13 +233,13 @@ def write(image: Image) -> bytes:
 
 
 class _NewStrings:
-    """The string table, for names longer than 8 characters."""
+    """The string table of a new file, for names longer than 8 characters."""
 
     def __init__(self) -> None:
         self._names = b""
 
     def field(self, name: str) -> bytes:
-        """Return the 8 bytes of a name field: the name, or zero and its offset in the table."""
+        """Return the 8 bytes of a name field: the name, or zero and the offset of a longer name in the table."""
         raw = name.encode("latin-1")
         if len(raw) <= SHORT_NAME:
             return raw.ljust(SHORT_NAME, b"\0")

@@ -1,11 +1,11 @@
-"""Memory accesses of code whose addresses are constants.
+"""Memory accesses of code that have constant addresses.
 
     MOVW DP,#0x1C5        DP = 0x1C5
     MOVL XAR4,#0x0085F0   XAR4 = 0x0085F0
     MOVL @0x2,XAR4        write of 0x0085F0 to 0x1C5 << 6 | 2
 
-DP, SP and XAR0 to XAR7 are tracked within a function and over its forward branches, as compilers use them; what comes
-from memory, an argument or arithmetic is not known, and accesses by it are not listed.
+The values of DP, SP and XAR0 to XAR7 are tracked within a function and over its forward branches, as compilers use
+them. A value from memory, from an argument or from most arithmetic is unknown, and accesses by it are not listed.
 
 Source: SPRU430F chapter 5 (addresses).
 """
@@ -21,7 +21,7 @@ from ..c28x.encodings import DIRECT, INDEXED, STACK, WIDE, places
 from ..c28x.pipeline import POPS, PUSHES
 
 PAGE = 6  # bits of an address within a data page
-FPU_REGISTERS = range(0x0F00, 0x0F30)  # addresses in moves that mean FPU registers, not memory
+FPU_REGISTERS = range(0x0F00, 0x0F30)  # a move with an address in this range accesses an FPU register
 XAR = re.compile(r"X?AR([0-7n])")
 CONSTANT = re.compile(r"(MOVL|MOVB|ADDB|SUBB) (X?AR)[0-7n],#\d+")
 
@@ -29,7 +29,9 @@ CONSTANT = re.compile(r"(MOVL|MOVB|ADDB|SUBB) (X?AR)[0-7n],#\d+")
 class Access(NamedTuple):
     """Access to memory at a constant address.
 
-    how: "r", "w" or "rw". value: the value written if it is a known address register, else None.
+    width: 16 or 32 bits.
+    how: "r" for a read, "w" for a write, "rw" for both.
+    value: the written value if it comes from an address register with a known value; otherwise None.
     """
 
     address: int
@@ -40,7 +42,7 @@ class Access(NamedTuple):
 
 
 class Known:
-    """Known values of registers; None if a value is unknown."""
+    """Known values of registers. A value is None if it is unknown."""
 
     def __init__(self, dp: int | None = None, xar: Iterable[int | None] = (None,) * 8, sp: int | None = None) -> None:
         self.dp = dp
@@ -54,12 +56,14 @@ class Known:
 def accesses(
     instructions: Iterable[Instruction | int], functions: frozenset[int], begin: Known | None = None
 ) -> Iterator[Access]:
-    """Yield every access with a known address.
+    """Yield every access that has a known address.
 
-    functions: start addresses, where nothing is known. begin: the values at the first instruction.
+    instructions: as `sweep` yields them.
+    functions: the addresses at which functions begin; no register value is known there.
+    begin: the register values before the first instruction.
     """
     known = begin or Known()
-    waiting: dict[int, Known] = {}  # known values at targets of forward branches
+    waiting: dict[int, Known] = {}  # from the target of a forward branch to the values known there
     reached = True
     for instruction in instructions:
         if isinstance(instruction, int) or instruction.address in functions:
@@ -98,7 +102,7 @@ def _width(instruction: Instruction) -> int:
 
 
 def _address(field: int, known: Known, width: int) -> int | None:
-    """Return the address of an operand field; None if it is a register or unknown."""
+    """Return the address that field l encodes; None if the operand is a register, or the address is unknown."""
     if field in DIRECT:
         return None if known.dp is None else known.dp << PAGE | field
     if field in STACK:
@@ -142,7 +146,10 @@ def _follow(instruction: Instruction, known: Known) -> None:
 
 
 def _constant(instruction: Instruction, before: int | None) -> int | None:
-    """Return the value of the address register that an instruction writes. before: its earlier value."""
+    """Return the value that an instruction writes to an address register; None if it is unknown.
+
+    before: the earlier value of the register.
+    """
     found, c = CONSTANT.fullmatch(instruction.encoding.syntax), instruction.values.get("c", 0)
     if found is None:
         return None

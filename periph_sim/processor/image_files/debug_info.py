@@ -1,6 +1,7 @@
-"""Functions and source lines of an image by address: from its DWARF data, functions elsewhere from its symbols.
+"""Functions and source lines of an image by address, from its debug data (DWARF).
 
-TI's compilers write version 2 or 3; addresses are run addresses in words. Unreadable data are left out.
+Functions that the debug data do not describe are taken from the symbols. TI's compilers write DWARF 2 or 3. Addresses
+are run addresses in words. Unreadable debug data are left out.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ T = TypeVar("T")
 
 
 class SourceLine(NamedTuple):
-    """Line of a source file. file: the path as given to the compiler."""
+    """Line of a source file. file: the path that was given to the compiler."""
 
     file: str
     line: int
@@ -33,7 +34,7 @@ class SourceLine(NamedTuple):
 
 
 class FunctionRange(NamedTuple):
-    """Addresses of a function. name: as in C. end: the address after its last word."""
+    """Addresses of a function. name: its name in C. end: the address after its last word."""
 
     name: str
     address: int
@@ -41,7 +42,7 @@ class FunctionRange(NamedTuple):
 
 
 class DebugInfo:
-    """Debug data of an image. damaged: why they could not be read completely; "" if they were."""
+    """Debug data of an image. damaged: the reason why they could not be read completely; "" if there is none."""
 
     def __init__(self, image: Image) -> None:
         self.damaged = ""
@@ -49,12 +50,15 @@ class DebugInfo:
 
     @cached_property
     def functions(self) -> tuple[FunctionRange, ...]:
-        """All functions in the debug data, by address."""
+        """All functions in the debug data, in ascending order of addresses."""
         return tuple(sorted(set(self.each(_functions)), key=lambda function: (function.address, function.end)))
 
     @cached_property
     def lines(self) -> tuple[tuple[int, SourceLine | None], ...]:
-        """Start addresses of source lines, ascending; None if an address range has no line."""
+        """(address, source line) for each address at which a line begins, in ascending order.
+
+        The line is None where a range of addresses without a line begins.
+        """
         found: dict[int, SourceLine | None] = {}
         for address, line in self.each(_lines):
             if line is not None or address not in found:
@@ -62,12 +66,12 @@ class DebugInfo:
         return tuple(sorted(found.items()))
 
     def line_at(self, address: int) -> SourceLine | None:
-        """Return the source line of the instruction at a run address."""
+        """Return the source line of the instruction at a run address; None if it has no line."""
         at = bisect_right(self.lines, address, key=lambda line: line[0]) - 1
         return self.lines[at][1] if at >= 0 else None
 
     def each(self, parse: Callable[[DWARFInfo, CompileUnit], Iterator[T]]) -> list[T]:
-        """Return what `parse` yields for each compilation unit, up to damaged data."""
+        """Return all that `parse` yields for the compilation units, up to the first damaged data."""
         found: list[T] = []
         if self._dwarf is None:
             return found
@@ -83,7 +87,7 @@ def _dwarf(image: Image) -> DWARFInfo | None:
     if ".debug_info" not in image.debug or ".debug_abbrev" not in image.debug:
         return None
     sections: dict[str, DebugSectionDescriptor | None] = {}
-    for parameter in list(inspect.signature(DWARFInfo).parameters)[1:]:  # after the configuration
+    for parameter in list(inspect.signature(DWARFInfo).parameters)[1:]:  # the first parameter is the configuration
         name = f".{parameter.removesuffix('_sec')}"
         data = image.debug.get(name)
         described = None if data is None else DebugSectionDescriptor(io.BytesIO(data), name, 0, len(data), 0)
@@ -123,7 +127,13 @@ def text_of(raw: bytes | str) -> str:
 
 
 class Function(NamedTuple):
-    """Function of an image. address: its run address. size: in words. source: its first line; None if it is unknown."""
+    """Function of an image.
+
+    address: its run address.
+    size: its number of words.
+    section: the name of its section.
+    source: its first source line; None if it is unknown.
+    """
 
     name: str
     address: int
@@ -133,7 +143,7 @@ class Function(NamedTuple):
 
 
 class FunctionMap:
-    """Functions of an image. functions: from debug data, and elsewhere from symbols; ordered by section and address."""
+    """Functions of an image. debug: its debug data. functions: all functions, ordered by section and address."""
 
     def __init__(self, image: Image) -> None:
         self.debug = DebugInfo(image)
@@ -154,7 +164,7 @@ class FunctionMap:
         return inside.name if inside else f"{address:#08x}"
 
     def named(self, name: str) -> Function | None:
-        """Return the function of a name; the first one by address if several have it."""
+        """Return the function of a name, at the lowest address if several have it; None if there is none."""
         return next((function for function in self._by_address if function.name == name), None)
 
 

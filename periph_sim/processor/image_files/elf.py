@@ -1,6 +1,7 @@
 """Reader for C28x ELF files as the linker writes them for EABI.
 
-Addresses count words, sizes bytes. A segment's physical address is the load address, its virtual one the run address.
+Addresses count words, sizes count bytes. The physical address of a segment is the load address, the virtual address is
+the run address.
 
 Source: SPRAC71B chapters 4 and 13. Tested with our own files only: no public F28335 image of this format is known.
 """
@@ -22,7 +23,7 @@ C2000 = "EM_TI_C2000"
 
 
 def read(data: bytes) -> Image:
-    """Return the image in a C28x ELF file. Raise BadImage if it is not one."""
+    """Return the image in the data of an ELF file for the C28x. Raise BadImage if the data are none."""
     try:
         elf = ELFFile(io.BytesIO(data))
         machine = elf["e_machine"]
@@ -75,7 +76,7 @@ def _section(section: ElfSection, elf: ELFFile) -> Section:
 
 
 def _load_address(section: ElfSection, elf: ELFFile) -> int:
-    """Return the load address of a section's contents; raise BadImage if no segment holds them."""
+    """Return the load address of the contents of a section. Raise BadImage if no segment contains them."""
     begin, end = section["sh_offset"], section["sh_offset"] + section["sh_size"]
     for segment in elf.iter_segments("PT_LOAD"):
         if segment["p_offset"] <= begin and end <= segment["p_offset"] + segment["p_filesz"]:

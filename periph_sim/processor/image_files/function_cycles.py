@@ -1,8 +1,9 @@
-"""Cycles of each instruction of a function with reasons, and their text and JSON.
+"""Cycles of each instruction of a function with their reasons, as text and as JSON.
 
-Instructions are taken in address order, no conditional branch taken; the cost of a taken branch is shown beside it.
-Counted are stalls that the registers and words of earlier instructions cause; data behind pointers, registers of the
-chip and wait states of memory are known only in a run.
+Instructions are counted in the order of addresses, and no conditional branch is taken; the cycles of a taken branch are
+shown beside those of the branch that is not taken. Stalls are counted if earlier instructions write a register or a
+word that the instruction needs. Accesses through pointers, registers of modules, and wait states of memory are not
+counted, because they are known only in a run.
 """
 
 from __future__ import annotations
@@ -19,17 +20,19 @@ from ..c28x.pipeline import DP, SP, Pipeline, hazards
 from .debug_info import Function, FunctionMap
 from .load import BadImage, Image
 
-WAITED = range(0xC000, 0x1_0000)  # L4 to L7: a fetch of 32 bits takes 2 cycles
-OPEN = {"MOVL *SP++,ACC": "push_acc_cycles"}
+WAITED = range(0xC000, 0x1_0000)  # L4 to L7, where a fetch of 32 bits takes 2 cycles
+OPEN = {"MOVL *SP++,ACC": "push_acc_cycles"}  # from an instruction to the option that decides its cycles
 UNC_BRANCH = "B_off16_COND"
 
 
 class Row(NamedTuple):
     """The cycles of one instruction.
 
-    published: the cycles in the table; "7/4" is taken/not taken.
-    stall: the additional cycles, by rule.
-    why: the reasons for them, and the options on which they depend.
+    text: the instruction in assembler syntax.
+    published: the cycles in the manual's table; "7/4" means 7 cycles if taken, 4 if not.
+    stall: the additional cycles of the pipeline.
+    why: the reasons of the stall, wait states, and the options on which the cycles depend.
+    line: the source line; "" if it is unknown.
     """
 
     address: int
@@ -41,7 +44,7 @@ class Row(NamedTuple):
 
 
 class FunctionCycles(NamedTuple):
-    """Cycles of a function. least: the total of all rows if no condition is true."""
+    """Cycles of a function. least: the total of all rows if no conditional branch is taken."""
 
     function: Function
     rows: tuple[Row, ...]
@@ -56,7 +59,7 @@ def function_cycles(image: Image, name: str) -> FunctionCycles:
         raise BadImage(f"there is no function {name!r}; {did_you_mean(name, functions)}")
     function = functions[name]
     code = {section.run + offset: word for section in image.code for offset, word in enumerate(section.words)}
-    pages = {DP: 0, SP: 0}  # how often each changed; between changes an operand is the same word
+    pages = {DP: 0, SP: 0}  # the number of changes of DP and SP; between two changes, equal operands are equal words
     pipeline, rows, least = Pipeline(), [], 0
     address = function.address
     while address < function.address + function.size:
@@ -103,7 +106,10 @@ def function_cycles(image: Image, name: str) -> FunctionCycles:
 
 
 def _word(found: Instruction, wide: bool, pages: Mapping[int, int]) -> tuple[int, int] | None:
-    """Return (key, words) of an operand relative to DP or SP; None for others. Equal keys are equal addresses."""
+    """Return (key, number of words) of an operand that is addressed by DP or SP; None for other operands.
+
+    Equal keys mean equal addresses. wide: True if the operand has 32 bits. pages: the changes of DP and SP so far.
+    """
     field = found.values.get("l", 0xFF)
     if field >= 0x80:
         return None
@@ -113,14 +119,14 @@ def _word(found: Instruction, wide: bool, pages: Mapping[int, int]) -> tuple[int
 
 
 def _written_early(found: Instruction) -> int:
-    """Return DP and SP as bits, if the instruction writes them in D2."""
+    """Return the mask of DP and SP, as far as the instruction writes them."""
     writes = places(found.encoding.writes)
     moved = SP if found.values.get("l", 0) in (0xBD, 0xBE) else 0
     return (DP if "DP" in writes else 0) | (SP if "SP" in writes else 0) | moved
 
 
 def cycles_text(found: FunctionCycles) -> str:
-    """Format one line per instruction, then the total."""
+    """Return a table with one line for each instruction, and the total below it."""
     rows = [
         (f"{row.address:#08x}", row.text, row.published, str(row.stall or ""), row.why, row.line) for row in found.rows
     ]

@@ -1,7 +1,7 @@
-"""Summary of an image, with its text and JSON: sections, vectors, registers, unknown words and functions.
+"""Summary of an image, as text and as JSON: sections, vectors, registers, unknown words and functions.
 
-Found by reading the code, not by running it: registers reached through a pointer in memory and vectors copied in a loop
-from a table are missing.
+The code is read, not executed. So registers that are accessed through a pointer in memory, and vectors that a loop
+copies from a table, are not found.
 """
 
 from __future__ import annotations
@@ -22,7 +22,12 @@ VECTOR_NAMES = {address: name for name, address in VECTORS.items()}
 
 
 class Vector(NamedTuple):
-    """A store into the PIE vector table. handler: the function's name, or its address."""
+    """A write of a vector to the PIE vector table.
+
+    name, address: those of the vector.
+    handler: the name of the service routine; its address if it has no name.
+    stored_in: the name of the function that writes the vector.
+    """
 
     name: str
     address: int
@@ -31,7 +36,7 @@ class Vector(NamedTuple):
 
 
 class Unknown(NamedTuple):
-    """A word of code that is not an instruction of this CPU."""
+    """A word of code that is no instruction of this CPU. function: the name of the function that contains it."""
 
     address: int
     word: int
@@ -39,7 +44,11 @@ class Unknown(NamedTuple):
 
 
 class Register(NamedTuple):
-    """A register that code accesses by its address. reads, writes: counts. functions: which access it."""
+    """A register that code accesses at a constant address.
+
+    reads, writes: the number of instructions that read and write it.
+    functions: the names of the functions that access it.
+    """
 
     module: str
     name: str
@@ -53,8 +62,9 @@ class Register(NamedTuple):
 class Inspection:
     """The contents of an image, as `inspect` summarises them.
 
-    entry_name: the symbol or function at the entry; its address if it has no name.
-    instructions, words: their numbers in the code sections.
+    entry_name: the symbol or function at the entry; the address of the entry if there is none.
+    instructions, words: the numbers of instructions and words in the code sections.
+    debug_damaged: the reason why the debug data could not be read completely; "" if there is none.
     """
 
     image: Image
@@ -126,7 +136,7 @@ def _registers(named: list[tuple[Access, str]]) -> Iterator[Register]:
 
 
 def contents_of(section: Section) -> str:
-    """Return the kind of a section: code, data, registers, reserved or ""."""
+    """Return what a section contains: "code", "data", "registers" or "reserved"; "" if it occupies no memory."""
     if section.loaded:
         return "code" if section.code else "data"
     if not section.allocated:
@@ -135,11 +145,11 @@ def contents_of(section: Section) -> str:
     return "registers" if area is not None and area.content is Content.REGISTERS else "reserved"
 
 
-LONGEST_TEXT = 10  # number of functions shown without -v
+LONGEST_TEXT = 10  # number of functions that the text lists without -v
 
 
 def text(found: Inspection, every: bool = False) -> str:
-    """Format the summary in 80 columns. every: all functions, and which ones access each register."""
+    """Return the summary as text of 80 columns. every: True to list all functions, and those that use each register."""
     image = found.image
     version = f", linker {image.tool_version}" if image.tool_version else ""
     count = len(found.unknown)

@@ -1,10 +1,11 @@
-"""A linker's output file as an image that fits the F28335: sections, symbols, entry, debug data.
+"""Images: the contents of a linker's output file, checked for the F28335.
 
-Addresses count words of 16 bits. Contents are loaded at `Section.address`; code copied at start-up runs at
-`Section.run`; symbols and lines use run addresses.
+Addresses count words of 16 bits. The contents of a section are loaded at `Section.address`. Start-up code may copy them
+to `Section.run`, where they are used. Symbols and source lines have run addresses.
 
-Checked: no two loaded sections overlap, each is in loadable memory, the entry is in loaded code. Reserved memory, or
-the run addresses of copied code, may overlap on purpose (UNION in the linker's command file).
+`parse` checks that no two loaded sections overlap, that each is in loadable memory, and that the entry is in loaded
+code. Reserved memory, and the run addresses of copied code, may overlap on purpose, by UNION in the linker's command
+file.
 """
 
 from __future__ import annotations
@@ -21,24 +22,24 @@ from ...f28335.descriptor import Part
 from ...f28335.memory.address_space import Content, area_at, not_loadable
 from ...f28335.parts.f28335 import PART
 
-OTHER_PART = "a part with a CLA (F2803x, F2806x or F2837x)"  # whose sections begin with Cla1
+OTHER_PART = "a part with a CLA (F2803x, F2806x or F2837x)"  # such an image has sections with names in Cla1...
 ELF_MAGIC = b"\x7fELF"
 WAY_OUT = "give the linker's .out file, or assembly (.asm)"
-LARGEST = 1 << 28  # bytes of a file; most are debug symbols
+LARGEST = 1 << 28  # most bytes of a file; most of them would be debug data
 SOURCE = ".asm"
 
 
 def program_in(path: Path) -> Image:
-    """Load or assemble the image in a file. Raise BadImage naming the file if it is not an F28335 image."""
+    """Load an image from a file, or assemble a source. Raise BadImage, with the path, if there is no F28335 image."""
     if path.suffix != SOURCE:
         return load(path)
-    from .assemble import assemble_file  # slow import, needed for sources only
+    from .assemble import assemble_file  # imported only for sources, because the import is slow
 
     return assemble_file(path)[0]
 
 
 def load(path: Path) -> Image:
-    """Load an image from a file. Raise BadImage naming the file if it is not an F28335 image."""
+    """Load an image from a file. Raise BadImage, with the path, if it is not an F28335 image."""
     try:
         data = read_input(path, LARGEST)
     except OSError as error:
@@ -50,13 +51,13 @@ def load(path: Path) -> Image:
 
 
 def parse(data: bytes) -> Image:
-    """Parse an image from a file's bytes. Raise BadImage if it is not an F28335 image."""
-    from . import coff2  # which imports this module
+    """Return the image in the bytes of a file. Raise BadImage if it is not an F28335 image."""
+    from . import coff2  # imported here, because it imports this module
 
     if coff2.is_coff(data):
         image = coff2.read(data)
     elif data.startswith(ELF_MAGIC):
-        from . import elf  # its library is imported for files of that format only
+        from . import elf  # imported only for ELF files, because it imports a library
 
         image = elf.read(data)
     else:
@@ -80,7 +81,7 @@ def parse(data: bytes) -> Image:
 
 
 def require_loadable(image: Image, part: Part) -> None:
-    """Raise BadImage if the image needs memory that this part does not have, or that cannot be loaded."""
+    """Raise BadImage if a section is in memory that this part does not have, or that cannot be loaded."""
     named = [(f"section {quoted(one.name)} lies", one) for one in image.loaded]
     placed = [(what, address, one.size) for what, one in named for address in (one.address, one.run)]
     placed += [(f".cinit initialises {len(words)} words", address, len(words)) for address, words in image.initial]
@@ -91,7 +92,7 @@ def require_loadable(image: Image, part: Part) -> None:
 
 
 def shared_memory(image: Image) -> list[str]:
-    """Return a sentence for each pair of sections that overlap in RAM."""
+    """Return a sentence about each pair of sections that overlap in RAM."""
     placed = [section for section in image.sections if section.allocated and section.size]
     in_ram = [one for one in placed if (area := area_at(one.run)) is not None and area.content is Content.RAM]
     notes = []
@@ -105,14 +106,14 @@ def shared_memory(image: Image) -> list[str]:
     return notes
 
 
-LEAST_STACK = 15  # words that an interrupt pushes
+LEAST_STACK = 15  # smallest number of words of a stack; an interrupt needs that many
 
 
 LONGEST_NAME = 60
 
 
 def quoted(name: str) -> str:
-    """Quote and shorten a name from a file for messages; in a damaged file it may have any bytes and length."""
+    """Return a name from a file, quoted and shortened for a message. In a damaged file it may be of any length."""
     return f"{shorten(name, LONGEST_NAME)!r}"
 
 
@@ -124,10 +125,11 @@ class BadImage(ValueError):
 class Section:
     """A section of an image.
 
-    size: in words.
-    words: the loaded contents; empty if memory is only reserved, or unused.
+    address, run: its load address and its run address.
+    size: its number of words.
+    words: the loaded contents; empty if the section only reserves memory, or is not in memory.
     allocated: True if the section occupies memory of the chip.
-    code: True if it is marked as instructions.
+    code: True if the section contains instructions.
     """
 
     name: str
@@ -148,7 +150,7 @@ class Section:
 
     @property
     def copied(self) -> bool:
-        """True if start-up code copies it to its run address."""
+        """True if start-up code copies the section to its run address."""
         return self.address != self.run
 
     def runs_at(self, address: int) -> bool:
@@ -157,7 +159,13 @@ class Section:
 
 @dataclass(frozen=True)
 class Symbol:
-    """Symbol of an image. label: True for a label inside a function that the compiler generated."""
+    """Symbol of an image.
+
+    address: its run address, or the value of a number.
+    section: the name of its section; "" for a number.
+    external: True if the symbol is visible in other source files.
+    label: True for a label inside a function, which the compiler has generated.
+    """
 
     name: str
     address: int
@@ -170,9 +178,10 @@ class Symbol:
 class Image:
     """A linked program.
 
-    kind: "TI COFF2" or "ELF".
-    initial: (address, words) that a loader writes into reserved memory.
-    debug: the DWARF sections by name.
+    kind: "TI COFF2", "ELF" or "assembled".
+    entry: the address of the entry point.
+    initial: (address, words) of the initial values that a loader writes into reserved memory.
+    debug: a dictionary from the name of a DWARF section to its contents.
     tool_version: the version of the linker; 0 if it is not known.
     """
 
@@ -194,13 +203,13 @@ class Image:
 
     @property
     def stack(self) -> tuple[int, int]:
-        """The address range of the stack, (begin, end); all of low memory if .stack is absent or too small."""
+        """The address range of the stack, (begin, end); (0, 0xFFFF) if .stack is absent or too small."""
         of_stack = (one for one in self.sections if one.name == ".stack" and one.size >= LEAST_STACK)
         return next(((one.run, one.run + one.size) for one in of_stack), (0, 0xFFFF))
 
     @cached_property
     def symbol_at(self) -> dict[int, str]:
-        """Names by address; functions are preferred to labels inside them."""
+        """A dictionary from an address to a symbol; symbols of functions are preferred to labels inside functions."""
         named: dict[int, str] = {}
         for symbol in sorted(self.symbols, key=lambda symbol: (symbol.label, not symbol.external, symbol.name)):
             if symbol.section:

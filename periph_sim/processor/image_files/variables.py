@@ -1,11 +1,11 @@
 """Variables of an image by name: address, length and number format.
 
-    x               as declared in the debug data, or 16 bits unsigned if only a symbol names it
-    x.member, x[3]  part of a structure or an array, as declared; one word if only a symbol names x
-    0x9042          the word at an address
-    x-long          32 bits unsigned at the address of x, whatever its type
+    x               a variable as declared in the debug data; an unsigned word if it is only in the symbol table
+    x.member, x[3]  a part of a structure or an array, as declared; x[3] is an unsigned word if x is only a symbol
+    0x9042          the unsigned word at an address
+    x-long          an unsigned number of 32 bits at the address of x, whatever the type of x
 
-Names are C names or those of the symbol table (`_x`). TI's compilers count sizes and offsets in characters of 16 bits.
+Names are C names, or those of the symbol table (`_x`). TI's compilers count sizes and offsets in units of 16 bits.
 Source: DWARF 3, sections 5.1 to 5.6 (types) and 2.6.
 """
 
@@ -26,23 +26,26 @@ from .debug_info import DebugInfo, text_of
 from .load import Image
 
 UNSIGNED, SIGNED, FLOAT = "unsigned", "signed", "float"
-KINDS = {4: FLOAT, 5: SIGNED, 6: SIGNED}  # by DW_ATE encoding; others are unsigned
+KINDS = {4: FLOAT, 5: SIGNED, 6: SIGNED}  # from a DW_ATE encoding to a number format; all others are unsigned
 FAR = "DW_TAG_lo_user"  # TI's qualifier `far`, 0x4080
 QUALIFIERS = ("DW_TAG_const_type", "DW_TAG_volatile_type", "DW_TAG_restrict_type", "DW_TAG_atomic_type", FAR)
 OF_MEMBERS = ("DW_TAG_structure_type", "DW_TAG_union_type", "DW_TAG_class_type")
 ARRAY = "DW_TAG_array_type"
-WORDS = (1, 2)  # of numbers that the CPU reads in one access
+WORDS = (1, 2)  # numbers of words that the CPU reads in one access
 DW_OP_PLUS_UCONST = 0x23
-MOST_NAMES = 64  # names and qualifiers of one type
+MOST_NAMES = 64  # most typedefs and qualifiers of one type
 STEP = re.compile(r"\.([^.\[]+)|\[(\d{1,6})\]")
 
 
 class BadVariable(ValueError):
-    """A name is not a variable of the image, or a value does not fit it; one sentence."""
+    """A name is no variable of the image, or a value does not fit the variable. The message is one sentence."""
 
 
 def number_type(kind: DIE) -> tuple[int, str] | None:
-    """Return (words, sign) of a numeric type; None for arrays, structures and numbers of four words."""
+    """Return (number of words, number format) of a type; None if it is no number of one or two words.
+
+    The format is UNSIGNED, SIGNED or FLOAT.
+    """
     at = without_qualifiers(kind)
     if at is None:
         return None
@@ -57,12 +60,12 @@ def number_type(kind: DIE) -> tuple[int, str] | None:
 
 
 def inside(kind: DIE, name: str, path: str) -> tuple[int, DIE]:
-    """Return (word offset, type) of a part of a variable. path: ".member", "[3]", or several of them.
+    """Return (word offset, type) of a part of a variable. Raise BadVariable if the part does not exist.
 
-    Raise BadVariable if the part does not exist.
+    kind, name: the type and the name of the variable. path: members and indices, such as ".member[3]".
     """
     offset, at = 0, 0
-    indices = 0  # used so far of a multidimensional array
+    indices = 0  # number of indices so far of a multidimensional array
     while at < len(path):
         step = STEP.match(path, at)
         if step is None:
@@ -88,13 +91,13 @@ def inside(kind: DIE, name: str, path: str) -> tuple[int, DIE]:
 
 
 def members_of(kind: DIE) -> list[str]:
-    """Return the names of a structure's members; none for other types."""
+    """Return the names of the members of a structure; an empty list for other types."""
     plain = without_qualifiers(kind)
     return [name for name, _ in _members(plain)] if plain is not None else []
 
 
 def without_qualifiers(kind: DIE) -> DIE | None:
-    """Resolve typedefs and qualifiers; None for `void`, and for damaged data with a cycle."""
+    """Return a type without typedefs and qualifiers; None for `void`, and if damaged debug data contain a cycle."""
     for _ in range(MOST_NAMES):
         if kind.tag != "DW_TAG_typedef" and kind.tag not in QUALIFIERS:
             return kind
@@ -112,7 +115,10 @@ def _members(plain: DIE) -> Iterator[tuple[str, DIE]]:
 
 
 def _member(whole: str, plain: DIE | None, name: str) -> tuple[int, DIE]:
-    """Return a member's word offset in its structure, 0 for a union, and its type."""
+    """Return (word offset in its structure, type) of a member; the offset in a union is 0.
+
+    whole, plain: the name and the type of the structure.
+    """
     found = dict(_members(plain)) if plain is not None else {}
     if not found:
         raise BadVariable(f"{whole} has no members, so none is called {name!r}")
@@ -138,7 +144,7 @@ def _offset(member: str, entry: DIE) -> int:
 
 
 def sizes_of(array: DIE) -> list[int]:
-    """Return the number of elements of each dimension; an empty list if one is open."""
+    """Return the number of elements in each dimension of an array; an empty list if a number is not stated."""
     found = []
     for child in array.iter_children():
         if child.tag == "DW_TAG_subrange_type":
@@ -153,7 +159,7 @@ def sizes_of(array: DIE) -> list[int]:
 
 
 def size_of(kind: DIE) -> int:
-    """Return the size of a type in units of the target's memory: words of the chip, bytes of the host."""
+    """Return the size of a type: in words for an image, in bytes for a library of the host."""
     plain = without_qualifiers(kind)
     if plain is None:
         return 0
@@ -161,17 +167,17 @@ def size_of(kind: DIE) -> int:
         return int(plain.attributes["DW_AT_byte_size"].value)
     if plain.tag == ARRAY:
         return size_of(plain.get_DIE_from_attribute("DW_AT_type")) * prod(sizes_of(plain))
-    return 2  # a pointer: all other element types state their size
+    return 2  # of a pointer; all other types state their size
 
 
-LONG = "-long"  # no name in C has a hyphen
+LONG = "-long"  # a name in C has no hyphen, so this suffix is unambiguous
 DW_OP_ADDR = 3
 ADDRESS = re.compile(r"0x[0-9a-fA-F]{1,6}")
 INDEX = re.compile(r"\[(\d{1,6})\]")
 
 
 class Variable(Struct, frozen=True):
-    """Variable of an image. words: its number of 16-bit words. kind: UNSIGNED, SIGNED or FLOAT."""
+    """Variable of an image. words: its number of words. kind: UNSIGNED, SIGNED or FLOAT."""
 
     name: str
     address: int
@@ -179,12 +185,12 @@ class Variable(Struct, frozen=True):
     kind: str
 
     def value_of(self, bits: int) -> int:
-        """Return the number that the bits represent; for a float the bits themselves."""
+        """Return the number that the bits represent. For a float, return the bits themselves."""
         top = 1 << 16 * self.words - 1
         return (bits ^ top) - top if self.kind == SIGNED else bits
 
     def bits_of(self, value: float) -> int:
-        """Return the bits of a number. Raise BadVariable if it does not fit."""
+        """Return the bits of a number. Raise BadVariable if the number does not fit the variable."""
         if self.kind == FLOAT:
             return int.from_bytes(struct.pack("<f", value), "little")
         if not isinstance(value, int):
@@ -206,7 +212,7 @@ class Variables:
             if symbol.section and symbol.section not in code
         }
         self._types: dict[str, DIE] = {}
-        self._debug = DebugInfo(image)  # reads types on demand
+        self._debug = DebugInfo(image)  # kept, because types are read from it when they are needed
         for name, address, kind, number in self._debug.each(_declared):
             words, sign = number or (1, UNSIGNED)
             for known in (name, f"_{name}"):
@@ -215,7 +221,7 @@ class Variables:
                     self._types[known] = kind
 
     def find(self, name: str) -> Variable:
-        """Return the variable with a name. Raise BadVariable if there is none."""
+        """Return the variable with a name. Raise BadVariable if there is none. name: see the module's description."""
         short = name.removesuffix(LONG)
         found = self._found(short)
         area = area_at(found.address)
@@ -228,7 +234,7 @@ class Variables:
         if ADDRESS.fullmatch(name):
             return Variable(name, int(name, 16), 1, UNSIGNED)
         outer = name
-        if name not in self._known:  # a symbol may contain such characters
+        if name not in self._known:  # the name of a symbol itself may contain "." or "["
             outer = re.split(r"[.\[]", name, maxsplit=1)[0]
         found, kind = self._known.get(outer), self._types.get(outer)
         if found is None:
@@ -263,7 +269,7 @@ def _by_word(outer: str, address: int) -> str:
 
 
 def _declared(dwarf: object, unit: CompileUnit) -> Iterator[tuple[str, int, DIE, tuple[int, str] | None]]:
-    """Yield variables at fixed addresses: name, address, type, and (words, sign) if it is a number."""
+    """Yield (name, address, type, `number_type` of the type) of each variable at a fixed address."""
     for entry in unit.get_top_DIE().iter_children():
         attributes = entry.attributes
         if entry.tag != "DW_TAG_variable" or not {"DW_AT_location", "DW_AT_type", "DW_AT_name"} <= attributes.keys():

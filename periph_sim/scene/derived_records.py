@@ -15,10 +15,9 @@ from typing import TYPE_CHECKING
 from ..core.records import Kind, Recorder
 
 if TYPE_CHECKING:
-    from ..timing.derived.age_records import AgeRecords
-    from ..timing.derived.byte_records import ByteRecords
     from ..timing.derived.held_records import HeldRecords
     from ..timing.derived.origins import Origins
+    from ..timing.derived.read_records import AgeRecords, ByteRecords
     from ..timing.derived.transfer_records import TransferRecords
     from .case.model import BadCase, Case
     from .scene import Scene
@@ -91,7 +90,7 @@ class DerivedRecords:
 
     def _age_records(self) -> AgeRecords:
         if self._ages is None:
-            from ..timing.derived.age_records import AgeRecords
+            from ..timing.derived.read_records import AgeRecords
 
             self._ages = AgeRecords(self._recorder)
         return self._ages
@@ -105,7 +104,7 @@ class DerivedRecords:
             scene.on_frame(origins.frame)
             scene.on_transfer(origins.transfer)
         if named & OF_BYTES:
-            from ..timing.derived.byte_records import ByteRecords
+            from ..timing.derived.read_records import ByteRecords
 
             self.bytes = ByteRecords(self._recorder, origins if checks_host else None)
             scene.on_transfer(self.bytes.transfer)

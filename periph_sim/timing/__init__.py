@@ -7,15 +7,8 @@ from typing import TYPE_CHECKING
 from ..core.registered import lazy_names
 
 if TYPE_CHECKING:
-    from .measures.over_table import Durations, between, happened, periods
-    from .measures.race import Distances, lost_flags, races
+    from .measures.over_table import Distances, Durations, between, happened, lost_flags, periods, races
 
 __all__ = ["Distances", "Durations", "between", "happened", "lost_flags", "periods", "races"]
 
-__getattr__ = lazy_names(
-    __name__,
-    {
-        "measures.over_table": ("Durations", "between", "happened", "periods"),
-        "measures.race": ("Distances", "lost_flags", "races"),
-    },
-)
+__getattr__ = lazy_names(__name__, {"measures.over_table": tuple(__all__)})

@@ -123,14 +123,19 @@ ROWS: dict[str, Row] = {
     "budgets": Row(("timing.budgets", "timing.measures."), present=("slave",)),
     "budgets on lost flags": Row(
         (
-            "timing.measures.watched",
             "timing.measures.modifies",
             "records.cleared_flags",
         ),
         with_budget("lost flags", max=0),
     ),
     "budgets on races": Row(
-        ("timing.measures.race", "records.read_modify_write", "records.subject", "records.run", "traces.formats."),
+        (
+            "timing.measures.over_table",
+            "records.read_modify_write",
+            "records.subject",
+            "records.run",
+            "traces.formats.",
+        ),
         with_budget("race I2C-A.I2CSTR.XRDY", min=1),
     ),
     "budgets on values": Row(

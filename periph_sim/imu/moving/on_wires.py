@@ -17,7 +17,7 @@ from ...devices.chips.register_chip import Source
 from ...devices.sensor_rounds import Round
 from ...scene.case.model import ChipTable
 from ...scene.scene import Scene
-from ...timing.derived.age_records import MODEL
+from ...timing.derived.read_records import MODEL
 from ..models.sensed_motion import SensedMotion
 from ..noise import ImuNoise
 from ..samples import Ints, Readings, SampleLog

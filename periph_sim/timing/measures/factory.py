@@ -254,14 +254,12 @@ def _state(said: Said, scope: Scope) -> StateEvents:
 
 def _of_a_race(said: Said, scope: Scope) -> Maker:
     """Return the maker of a race, of lost flags, or of flags that are cleared along with others."""
-    from .watched import clearing, losing, raced
+    from .modifies import LostFlags, clearing, losing, raced
 
     if said.form == "race":
-        from .race import Race  # imported here, because it loads modules that other measures do not need
+        from .over_table import Race
 
         return partial(Race, raced(said.unit, said.name, scope))
-    from .modifies import LostFlags
-
     watched = clearing if said.form == "cleared" else losing
     return partial(LostFlags, watched(said.unit, said.name, scope))
 

@@ -8,9 +8,8 @@ from periph_sim.core.time import NO_TIME
 from periph_sim.devices.host_frames import host_frames
 from periph_sim.devices.sensor_rounds import Round
 from periph_sim.imu.host_frames import ramp
-from periph_sim.timing.derived.age_records import AgeRecords
-from periph_sim.timing.derived.byte_records import ByteRecords
 from periph_sim.timing.derived.origins import FrameOrigins
+from periph_sim.timing.derived.read_records import AgeRecords, ByteRecords
 from periph_sim.timing.derived.transfer_records import RoundRecords, TransferRecords
 from periph_sim.timing.measures.measure import Measure
 from periph_sim.timing.rounds import BusRounds

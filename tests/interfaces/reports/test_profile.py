@@ -12,7 +12,7 @@ from periph_sim.interfaces.reports.profile import profiled
 from periph_sim.processor.image_files.assemble import assemble_file
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
-from tests.interfaces.commands.conftest import Run
+from tests.interfaces.commands.conftest import Run, periph_sim  # noqa: F401
 
 # 1 ms at 7.5 MHz behind reset: 7500 cycles. _work has 104: RPT 1, NOP 99, LRETR 4, to an even
 # address.
@@ -52,13 +52,13 @@ def case(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return Path("own.toml")
 
 
-def profile(periph_sim: Run, *more: str) -> dict[str, dict[str, float]]:
+def profile(periph_sim: Run, *more: str) -> dict[str, dict[str, float]]:  # noqa: F811
     came = periph_sim("profile", "own.toml", "--json", *more)
     assert came.status == 0, came.err
     return {one["function"]: one for one in json.loads(came.out)["units"]["dsp"]}
 
 
-def test_time_goes_to_the_function_that_executes_and_sleep_is_told_apart(periph_sim: Run, case: Path):
+def test_time_goes_to_the_function_that_executes_and_sleep_is_told_apart(periph_sim: Run, case: Path):  # noqa: F811
     found = profile(periph_sim)
     assert set(found) == {"_c_int00", "_work"}
     work, boot = found["_work"], found["_c_int00"]
@@ -72,7 +72,7 @@ def test_time_goes_to_the_function_that_executes_and_sleep_is_told_apart(periph_
     assert "own.asm:19" in came.out and max(map(len, came.out.splitlines())) <= 80
 
 
-def test_stacks_for_speedscope(periph_sim: Run, case: Path):
+def test_stacks_for_speedscope(periph_sim: Run, case: Path):  # noqa: F811
     profile(periph_sim, "--speedscope", "own.json")
     made = json.loads(Path("own.json").read_text())
     names = [frame["name"] for frame in made["shared"]["frames"]]
@@ -89,7 +89,7 @@ def test_stacks_for_speedscope(periph_sim: Run, case: Path):
     assert (shown["type"], shown["unit"], shown["startValue"]) == ("sampled", "seconds", 0)
 
 
-def test_lines_functions_and_branches_as_lcov(periph_sim: Run, case: Path):
+def test_lines_functions_and_branches_as_lcov(periph_sim: Run, case: Path):  # noqa: F811
     profile(periph_sim, "--lcov", "own.info")
     told = Path("own.info").read_text().splitlines()
     lines = {number: text.split()[0] for number, text in enumerate(SOURCE.splitlines(), 1) if text.startswith(" ")}
@@ -112,14 +112,14 @@ def test_lines_functions_and_branches_as_lcov(periph_sim: Run, case: Path):
     assert "BRF:4" in told and "BRH:3" in told
 
 
-def test_a_unit_in_python_has_no_profile(periph_sim: Run, case: Path):
+def test_a_unit_in_python_has_no_profile(periph_sim: Run, case: Path):  # noqa: F811
     case.write_text(CASE.replace('image = "own.out"', 'firmware = "responder"').replace('"GPIO"', '"I2C-A"'))
     came = periph_sim("profile", "own.toml")
     assert (came.status, came.out) == (2, "")
     assert "no unit runs an image, and a profile is of images" in came.err and came.err.count("\n") == 1
 
 
-def test_an_image_without_lines_is_not_covered_and_leaves_no_file(periph_sim: Run, case: Path):
+def test_an_image_without_lines_is_not_covered_and_leaves_no_file(periph_sim: Run, case: Path):  # noqa: F811
     from periph_sim.processor.image_files.assemble import assemble
     from periph_sim.processor.image_files.coff2 import write
 
@@ -146,7 +146,7 @@ pass: TBIT @0x6FC0,#4
 
 @pytest.mark.parametrize("more", [(), ("--lcov", "own.info")])
 def test_polls_that_are_skipped_are_waits_while_lines_are_counted_too(
-    periph_sim: Run,
+    periph_sim: Run,  # noqa: F811
     case: Path,
     more: tuple[str, ...],
 ):
@@ -171,7 +171,7 @@ lock: TBIT @0x7011,#0
 """
 
 
-def test_a_wait_is_as_long_as_it_was_though_the_clock_is_another_one_behind_it(periph_sim: Run, case: Path):
+def test_a_wait_is_as_long_as_it_was_though_the_clock_is_another_one_behind_it(periph_sim: Run, case: Path):  # noqa: F811
     """The PLL locks after 131072 cycles of 30 MHz, 4.369 ms; SYSCLKOUT is ten times as fast then."""
     Path("own.asm").write_text(LOCKS)
     Path("own.out").write_bytes(assemble_file(Path("own.asm"))[1])

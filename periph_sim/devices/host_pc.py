@@ -75,7 +75,7 @@ class Host(Agent):
         encode: Callable[[tuple[int, ...]], bytes],
         seed: int = 0,
     ) -> None:
-        """values: returns the values of a frame, by its number. encode: returns the bytes of these values."""
+        """values: a function from the number of a frame to its values. encode: a function from values to bytes."""
         self.who = peer.who
         self.frames = 0
         self.bytes = 0
@@ -115,7 +115,7 @@ class Host(Agent):
     def frame_at(self, tick: int) -> Fraction:
         """Return the number of the frame that is due at a past tick, with a fraction for ticks between two frames.
 
-        It is negative before the first frame. The next frame is assumed to be due one period after the last one.
+        The number is negative before the first frame. The next frame is assumed to be due one period after the last.
         """
         period = self._period
         if self._by_schedule or tick < self._first:

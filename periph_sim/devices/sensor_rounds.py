@@ -95,7 +95,7 @@ def register_bytes(chip: ChipData, xyz: Sequence[Any]) -> bytes:
 
 
 def known_sensors() -> Mapping[str, ChipData]:
-    """Return the registered sensors, by the names that a case can use in `order`."""
+    """Return a dictionary from the names that a case can use in `order` to the registered sensors."""
     return cast(Mapping[str, ChipData], registered("sensors").SENSORS)
 
 

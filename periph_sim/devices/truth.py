@@ -24,15 +24,18 @@ class Truth(Protocol):
     """The true values, independent of the firmware."""
 
     def at(self, seconds: Fraction) -> Mapping[str, Axes]:
-        """Return x, y, z in LSB by chip. seconds: time since the first frame was due; negative before."""
+        """Return a dictionary from chips to x, y and z in LSB.
+
+        seconds: the time since the first frame was due; negative before this frame.
+        """
 
 
 class LineBetweenFrames:
     """The straight line from each frame's values to the next frame's; before the first frame, the values of that frame.
 
-    frame: returns the values of a frame, by its number.
+    frame: a function from the number of a frame to its values.
     period: seconds from one frame to the next.
-    shown: returns, by chip, what the chip shows of these values.
+    shown: a function from these values to a dictionary from each chip to the values that the chip shows.
     A line takes the shorter way from value to value, so it may pass from 32767 to -32768.
     """
 

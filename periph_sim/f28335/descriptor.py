@@ -62,7 +62,7 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     inputs, outputs: signals of the multiplexer's table, in the order of the chip's pins. inputs is None if any pin can
     be an input of the module.
     pins: the GPIO numbers to which TI's start-up code assigns its signals.
-    wires: its signals, by the names that a case uses.
+    wires: a dictionary from the names that a case uses to the signals of the module.
     bus: True if all modules of this kind are on the same wires.
     plain: True if the names in `wires` are used without the module's name before them.
     """
@@ -140,7 +140,7 @@ class Part(Struct, frozen=True, dict=True):
 
     @cached_property
     def options_groups(self) -> dict[str, str]:
-        """The class of each group of options, by its name as in `ModuleDescriptor.options_class`."""
+        """A dictionary from groups of options to the names of classes, as in `ModuleDescriptor.options_class`."""
         return dict(sorted((one.options, one.options_class) for one in self.modules))
 
     def options_classes(self) -> dict[str, type[Answers]]:

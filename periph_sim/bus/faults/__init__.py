@@ -153,7 +153,7 @@ class FaultKind(Protocol):
 
 @cache
 def kinds() -> dict[str, FaultKind]:
-    """Return the modules of all kinds of faults, indexed by the names of their files."""
+    """Return a dictionary from the names of files to the modules of all kinds of faults."""
     return {name: cast(FaultKind, module) for name, module in modules_with("attach", __name__, __path__).items()}
 
 

@@ -15,5 +15,5 @@ from ...core.discover import modules_with
 
 @cache
 def chip_models() -> Mapping[str, type[Any]]:
-    """Return the classes of all chips, which are subclasses of `RegisterChip`, by the names of their files."""
+    """Return a dictionary from the names of files to the classes of chips, all subclasses of `RegisterChip`."""
     return {name: module.CHIP for name, module in modules_with("CHIP", __name__, __path__).items()}

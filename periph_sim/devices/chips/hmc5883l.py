@@ -41,7 +41,7 @@ MAP = RegisterMap(
 
 
 ADDRESSES = (0x1E,)
-LSB_PER_GAUSS = (1370, 1090, 820, 660, 440, 390, 330, 230)  # LSB in one gauss, by value of GN
+LSB_PER_GAUSS = (1370, 1090, 820, 660, 440, 390, 330, 230)  # for each value of GN, the number of LSB in one gauss
 # RATES has the output rates in Hz, by DO; 7 is reserved.
 RATES = tuple(Fraction(rate) for rate in ("0.75", "1.5", "3", "7.5", "15", "30", "75", "75"))
 LEAST, MOST, OVERFLOW = -2048, 2047, -4096

@@ -91,7 +91,7 @@ class Family(Protocol):
 
 @cache
 def families() -> Mapping[str, Family]:
-    """Return the family of every model, by the model's name."""
+    """Return a dictionary from the name of each model to its family."""
     modules = modules_with("MODELS", __name__, __path__).values()
     return {model: cast(Family, module) for module in modules for model in module.MODELS}
 

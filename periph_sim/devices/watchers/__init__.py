@@ -20,7 +20,7 @@ from typing import Any, Protocol, cast
 from ...core.discover import modules_with
 from ...core.table import Table
 
-EDGE_NAMES = ("fall", "rise")  # names of edges, by the level after the edge
+EDGE_NAMES = ("fall", "rise")  # for each level after an edge, the name of the edge
 
 
 @dataclass(frozen=True)
@@ -70,5 +70,5 @@ class Family(Protocol):
 
 @cache
 def watchers() -> Mapping[str, Family]:
-    """Return the modules of this folder that define watchers, by their kind."""
+    """Return a dictionary from kinds of watchers to the modules of this folder that define them."""
     return {module.KIND: cast(Family, module) for module in modules_with("KIND", __name__, __path__).values()}

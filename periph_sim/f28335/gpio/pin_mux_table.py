@@ -8,7 +8,7 @@ Source: SPRUFB0D Tables 46 (inputs without a pin), 47 to 49 (multiplexer).
 
 from __future__ import annotations
 
-# Modules that are not modelled, by the prefix of their signals' names.
+# A dictionary from the prefix of signal names to the module with these signals, for modules that are not modelled.
 MODULES = {
     "EPWM": "ePWM",
     "TZ": "ePWM",

@@ -167,8 +167,8 @@ class I2cMasterLines:
         self._starting = False  # our START, or repeated START, is on the lines but has not been detected yet
         self._stopping = False  # our STOP is on the lines but has not been detected yet
         self._own_restart = False
-        # The address bytes to send after the repeated START that the module itself makes when it reads from a 10-bit
-        # address; empty if it makes none.
+        # If the module reads from a 10-bit address and sends the full address first, it makes a repeated START itself.
+        # This list has the address bytes that are then sent after the repeated START; it is empty for other transfers.
         self._restart_next: list[int] = []
 
     def _latch_command(self) -> None:

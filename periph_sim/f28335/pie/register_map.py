@@ -112,7 +112,7 @@ def vector_address(number: int) -> int:
     return VECTOR_TABLE.start + 2 * number if number else BOOT_ROM_VECTORS
 
 
-# Address of every vector, by the name of its source.
+# A dictionary from the name of each interrupt source to the address of its vector.
 VECTORS: dict[str, int] = {
     **{name: vector_address(number) for name, number in CPU_VECTORS.items()},
     **{name: line_vector(group, line) for name, (group, line) in LINES.items()},

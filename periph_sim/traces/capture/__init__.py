@@ -1,1 +1,1 @@
-"""A capture in memory: channels of edges, their gaps, grids and excerpts."""
+"""Captures in memory: the edges of channels, spans in which levels are unknown, sampling grids and windows."""

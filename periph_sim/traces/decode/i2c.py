@@ -1,6 +1,6 @@
 """I2C decoder: from the edges of SCL and SDA to events and transfers.
 
-It is a test oracle, so it shares no code with the chip's model or the agents on the simulated bus.
+The decoder is a test oracle, so it shares no code with the model of the I2C module or the agents on the simulated bus.
 
     edges --> clock rises with SDA's level, START and STOP --> Transfer > Phase > Byte > Bit
                                                            --> events, in order

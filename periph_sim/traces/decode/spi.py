@@ -1,6 +1,6 @@
 """SPI decoder: from a clock, one or two data lines and an optional chip select to words and selections.
 
-It is a test oracle, so it shares no code with the SPI model.
+The decoder is a test oracle, so it shares no code with the SPI model.
 
     CS   ---________________---
     CLK  _____--__--__--_______      polarity 0, phase 0, three bits: 1 0 1 on MOSI

@@ -1,6 +1,6 @@
 """Decoder of asynchronous serial frames: from the edges of one line to frames and breaks.
 
-It is a test oracle, so it shares no code with the SCI model.
+The decoder is a test oracle, so it shares no code with the SCI model.
 
            ___     ___ ___ ___ ... ___ ___
     idle      \\___/___X___X___X ...___/        start bit, data (least significant first), parity, stop

@@ -100,7 +100,7 @@ class Entry(NamedTuple):
 
     @property
     def event(self) -> Event:
-        """The event in A, or that in B if it is missing in A."""
+        """The event in A or, if A has no such event, the event in B."""
         event = self.a or self.b
         assert event is not None, "an entry has at least one event"
         return event

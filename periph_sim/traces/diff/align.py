@@ -16,8 +16,8 @@ Among several equal items, times decide which item is missing:
     B   poll 0           poll 20  poll 30      with times: the second poll is missing, and no poll is late
 
 A gap between two runs contains items of only one sequence, or of both. If items repeat, a gap in one sequence can be
-moved without changing the number of equal items. It is placed where the lateness changes least from item to item. A gap
-that consists of repetitions is divided into one gap for each repetition, and each of these gaps is placed separately.
+moved without changing the number of equal items. The gap is placed where the lateness changes least from item to item.
+A gap that consists of repetitions is divided into one gap for each repetition, and these gaps are placed separately.
 """
 
 from __future__ import annotations
@@ -214,8 +214,8 @@ def _moved(
     first, last = min(left + 1, before[2]), min(right + 1, behind[2])
     place = np.arange(-first, last)
     short = time_short[before[1 - long] + before[2] + place]
-    early = time_long[end + place] - short  # lateness of each item if it is before the gap
-    late = time_long[end + gap + place] - short  # lateness of each item if it is after the gap
+    early = time_long[end + place] - short  # lateness of each item if the gap is after this item
+    late = time_long[end + gap + place] - short  # lateness of each item if the gap is before this item
     nothing = np.zeros(1)
     until = np.concatenate((nothing, nothing, np.cumsum(np.abs(np.diff(early)))))[: len(place) + 1]
     since = np.concatenate((np.cumsum(np.abs(np.diff(late))[::-1])[::-1], nothing, nothing))[: len(place) + 1]

@@ -1,4 +1,4 @@
-"""A trace diff as text and as JSON; only this module computes floats."""
+"""The differences of two captures as text and as JSON. Times are converted to floats only for this output."""
 
 from __future__ import annotations
 

@@ -168,7 +168,7 @@ def write(capture: Capture, path: str | Path, *, rate: Fraction | None = None) -
 
 
 def ready_for(path: Path, capture: Capture) -> Capture:
-    """Return the capture converted for the format of `path`. Raise BadCapture if no format has such a suffix."""
+    """Return the capture converted for the format of `path`. Raise BadCapture if no format has this suffix."""
     return on_samples(capture) if getattr(_writer_of(path), "SAMPLES_ONLY", False) else capture
 
 

@@ -156,7 +156,7 @@ class NoFstLibrary(ImportError):
 
 
 def library() -> Any:
-    """Return the module `pylibfst`. Raise NoFstLibrary, with how to install it, if it is missing."""
+    """Return the module `pylibfst`. Raise NoFstLibrary, which says how to install the module, if it is missing."""
     try:
         import pylibfst
     except ImportError:

@@ -161,7 +161,7 @@ def _comment(path: Path, head: Head, number: int, line: str) -> None:
 
 
 def _header(path: Path, head: Head, number: int, line: str) -> bool:
-    """Set separator, names and time column from the first row. Return True if it is a header, False for samples."""
+    """Set separator, names and time column from the first row. Return True if this row is a header."""
     head.separator = next((mark for mark in SEPARATORS if mark in line), ",")
     if line.count(head.separator) > limits.MOST_CHANNELS:
         found, most = f"{line.count(head.separator) + 1} columns", f"at most {limits.MOST_CHANNELS}"

@@ -218,7 +218,7 @@ class Archive:
         return "" if method in (STORED, DEFLATED) else f"member {name!r} is packed by method {method}, not by deflate"
 
     def _searched(self) -> dict[str, Member]:
-        """Return the members that are found by following local headers, up to the first invalid one.
+        """Return the members that are found by following local headers, up to the first invalid header.
 
         If the sizes of a member follow its data, the end of the data is unknown. Then the data is assumed to extend up
         to the end of the file, and the mark of the next header is searched for.

@@ -42,7 +42,7 @@ class Column:
 
 
 def read(path: Path) -> list[Column]:
-    """Read the columns in the order of the file. They have equal lengths and at least one row.
+    """Read the columns in the order of the file. All columns have the same number of rows, which is at least 1.
 
     Raise BadCapture if the file has errors.
     """

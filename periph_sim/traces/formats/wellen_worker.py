@@ -4,8 +4,8 @@
         number of changes, width (8 bytes each, in native byte order), positions (8 bytes each), states (letters)
 
 A damaged file can make the library allocate any amount of memory and abort. This cannot be caught, so it must not
-happen in the user's process. Only this module uses the library. It has few imports, because it is started for each
-file.
+happen in the user's process. Only this module uses the library. The module has few imports, because a new process is
+started for each file.
 """
 
 from __future__ import annotations

@@ -87,7 +87,7 @@ def estimate(
 
 
 def errors(estimated: ArrayLike, truth: ArrayLike) -> Errors:
-    """Return the errors of estimated attitudes. Both arguments are float64[n, 4]."""
+    """Return the errors of estimated attitudes. Both arguments are quaternions, float64[n, 4]."""
     one, other = np.atleast_2d(estimated), np.atleast_2d(truth)
     if one.shape != other.shape or one.shape[1] != 4:
         raise NoAttitude(f"estimate {one.shape} and truth {other.shape} must both be n quaternions")

@@ -43,7 +43,7 @@ class ModelCodes(ChipModel):
 
     def __init__(self, parameters: ImuParameters, arithmetic: str, noise_seed: int | None = None) -> None:
         self._model = Imu(named.scalar(arithmetic), parameters)
-        # True if numpy's warnings must be turned off: numpy warns of divisions by zero, which float32 defines.
+        # True if numpy's warnings must be turned off, since numpy warns of a division by zero, which float32 allows.
         self._warns = arithmetic == "float32"
         self._noise = None if noise_seed is None else ImuNoise(parameters, noise_seed)
         self._remembered = lru_cache(REMEMBERED)(self._computed)
@@ -78,7 +78,7 @@ class ModelCodes(ChipModel):
     def data_of(self, address: int, shown: Shown) -> bytes:
         """Return the register bytes of the chip with this address.
 
-        The overflows of this calculation are added to the number in `shown`.
+        The number of overflows in this calculation is added to `shown.overflows`.
         """
         name, chip = BY_ADDRESS[address]
         overflows = self._model.overflows

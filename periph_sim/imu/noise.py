@@ -99,8 +99,8 @@ class AxisNoise:
     def __init__(self, terms: NoiseTerms, period: float, seed: int, stream: str) -> None:
         self._white_sigma = sqrt(terms.density / period)
         self._white = Gaussian(seed, f"{stream}/white")
-        # Octaves of equal variance v have the one-sided spectral density v / (f ln 2). The spectral density of the bias
-        # instability is B**2 / (pi f) by definition.
+        # Octaves of equal variance v have the one-sided spectral density v / (f ln 2).
+        # The bias instability B has the one-sided spectral density B**2 / (pi f) by definition.
         self._octave_sigma = terms.bias_instability * sqrt(log(2) / pi)
         self._octaves = [
             Gaussian(seed, f"{stream}/bias instability/{octave}")
@@ -122,7 +122,7 @@ class AxisNoise:
         return noise
 
     def at(self, number: int) -> float:
-        """Return sample `number`. The samples of its block are cached until a sample of another block is requested."""
+        """Return sample `number`. The samples of the last block that was used are cached."""
         block, place = number // BLOCK, number % BLOCK
         if block != self._block:
             self._block, self._kept = block, self.values(block * BLOCK, BLOCK).tolist()
@@ -136,7 +136,7 @@ class AxisNoise:
     def _flicker(self, first: int, count: int) -> Floats:
         """Return 1/f noise, which is the sum of all octaves.
 
-        Octave k has a new value every 2**k samples. The key of the octave determines at which samples.
+        Octave k has a new value every 2**k samples. The key of the octave determines the samples at which it changes.
         """
         import numpy as np
 

@@ -22,8 +22,7 @@ from .models.quantity import BadParameter, Checked, Parameter, Quantity, Vector,
 
 C = TypeVar("C", bound=Checked)
 
-# A dictionary from the unit of a parameter to other accepted units, each with the factor that converts a number from
-# this other unit to the unit of the parameter.
+# A dictionary from the unit of a parameter to the other units that are accepted, each with the factor that converts it.
 OTHERS: dict[str, dict[str, float]] = {
     "s": {"ms": 1e-3, "us": 1e-6, "ns": 1e-9},
     "m": {"cm": 1e-2, "mm": 1e-3},

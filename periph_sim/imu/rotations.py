@@ -55,7 +55,7 @@ def matrices(attitudes: ArrayLike) -> Floats:
 
 
 def angle_between(a: ArrayLike, b: ArrayLike) -> Floats:
-    """Return the angle between each attitude in `a` and the same row of `b`, float64[n] in radians, from 0 to pi."""
+    """Return the angle between the attitudes in each row of `a` and `b`, float64[n] in radians, from 0 to pi."""
     one, other = (np.atleast_2d(np.asarray(q, np.float64)) for q in (a, b))
     apart = np.linalg.norm(one - other, axis=1)
     against = np.linalg.norm(one + other, axis=1)

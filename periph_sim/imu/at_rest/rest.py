@@ -45,18 +45,18 @@ FAR = 12.0  # codes at more than this multiple of sigma from the mean are ignore
 
 @dataclass(frozen=True)
 class Expected:
-    """Mean, variance and fourth central moment of one axis, in its unit."""
+    """Expected mean, variance and fourth central moment of the samples of one axis, in powers of its unit."""
 
     mean: float
     variance: float
     fourth: float
 
     def mean_error(self, samples: int) -> float:
-        """Return the standard error of the mean of a number of samples."""
+        """Return the standard error of the mean of so many samples."""
         return sqrt(self.variance / samples)
 
     def variance_error(self, samples: int) -> float:
-        """Return the standard error of the variance of a number of samples."""
+        """Return the standard error of the variance of so many samples."""
         return sqrt((self.fourth - self.variance**2 * (samples - 3) / (samples - 1)) / samples)
 
 

@@ -38,10 +38,10 @@ def extremes(
     as_json: bool,
     plot: Path | None,
 ) -> None:
-    """Run the sensor models in several arithmetics through every extreme, against float64.
+    """Run the sensor models in several arithmetics at every extreme, and compare them with float64.
 
-    Shows the deviation of each in the working range, its cost in cycles, and the first input at which it saturates,
-    wraps, or becomes NaN. NAME and EXTREME may be given several times.
+    Shows, for each arithmetic, the deviation in the working range, the cost in cycles, and the first input at which a
+    value saturates, wraps, or becomes NaN. NAME and EXTREME may be given several times.
     """
     from ...traces.formats import atomic_write
     from ..extremes import USUAL, report

@@ -1,4 +1,4 @@
-"""`periph-sim imu-table`: the sensor models at rest, beside Table 5.1 of the dissertation."""
+"""`periph-sim imu-table`: compares the sensor models at rest with Table 5.1 of the dissertation."""
 
 from __future__ import annotations
 

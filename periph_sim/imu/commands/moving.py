@@ -1,4 +1,4 @@
-"""`periph-sim moving CASE`: one motion through emulator and real sensors into the same filter, compared with truth."""
+"""`periph-sim moving CASE`: compares attitudes from emulator, real sensors and the true motion."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def moving(
     """Run the motion of CASE through the emulator and through real sensors, and compare the attitudes.
 
     The emulator is the case's firmware, with its gyroscope as built and corrected; the real sensors are the three
-    chips on the same bus. Both go into the same filter.
+    chips on the same bus. The readings of both go into the same filter.
     """
     from ...scene.case.load import load
     from ..moving.experiment import run

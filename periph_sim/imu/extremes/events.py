@@ -28,7 +28,10 @@ ROLL = 0  # the row of the gyroscope's x axis among the nine codes
 
 
 def first_where(holds: Callable[[float], bool], low: float, high: float) -> float | None:
-    """Find by 48 bisections the smallest value from which on `holds` is true; None if it is false at `high`."""
+    """Return the smallest value from `low` to `high` for which `holds` is true; None if `holds` is false at `high`.
+
+    The value is found by 48 bisections, so `holds` must be false below the value and true above.
+    """
     if not holds(high):
         return None
     for _ in range(48):

@@ -103,7 +103,7 @@ def clocks() -> Iterator[Finding]:
 
 
 def lines_at_the_last_tick() -> Iterator[Finding]:
-    """Compare a run that ends with the last tick with a run that begins at tick 0: I2C transfer and UART burst."""
+    """Compare an I2C transfer and a UART burst just before the last tick with the same traffic from tick 0 on."""
     begins = LAST_TICK - Timebase(SYSCLK).ticks(LINES_RUN)
     for name, traffic in (("I2C transfer", i2c_edges), ("UART burst", uart_edges)):
         first, last = traffic(0), traffic(begins)
@@ -273,7 +273,7 @@ def exact_variance(samples: list[int], m: int) -> Fraction:
     return Fraction(sum(change**2 for change in changes), 2 * (len(samples) - 2 * m + 1) * m**2)
 
 
-CRYSTALS_PPM = 100_000  # deviation of each crystal, up or down; the largest value that a case accepts
+CRYSTALS_PPM = 100_000  # deviation of each crystal in ppm, up or down, which is the largest value that a case accepts
 SCENE_LENGTH = Fraction(1, 10)  # duration of the run in seconds
 LEAST_ROUNDS = 4
 

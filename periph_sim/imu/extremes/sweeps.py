@@ -61,7 +61,7 @@ def pitching(value: float, imu: ImuParameters) -> Sample:
 
     The pitch of the reference continues beyond 90 degrees.
 
-    value: the last pitch in degrees.
+    value: the pitch at the last of the three attitudes, in degrees.
     """
 
     def level(ago: int) -> Attitude:
@@ -77,7 +77,7 @@ def pitching(value: float, imu: ImuParameters) -> Sample:
 def yawing(value: float, imu: ImuParameters, wrapped_by_host: bool) -> Sample:
     """Return the sample of a body that yaws through 180 degrees. The yaw of the reference continues beyond 180.
 
-    value: the last yaw in degrees.
+    value: the yaw at the last of the three attitudes, in degrees.
     wrapped_by_host: True if the host wraps angles; False if only int16 wraps.
     """
 

@@ -13,7 +13,7 @@ Rows = list[list[str]]
 
 
 def text(report: Report) -> str:
-    """Format tables of errors and costs in the working range, cycles by part, and findings at each extreme."""
+    """Format tables of the errors in the working range, the costs, the cycles by part, and the findings."""
     return "\n".join(
         [
             "working range: largest error found against float64, in LSB before rounding",
@@ -117,7 +117,7 @@ def _remarks(report: Report) -> list[str]:
 
 
 def _span(low: float, high: float) -> str:
-    """Format one number, or two with "to" between."""
+    """Format a range as "low to high", or as one number if both ends look the same."""
     first, last = (f"{value:.4g}" if value < 1000 else f"{value:.0f}" for value in (low, high))
     return first if first == last else f"{first} to {last}"
 

@@ -16,7 +16,7 @@ from scipy.special import chdtri, ndtr
 
 from .allan import Allan, Floats
 
-LEVELS = {"68 %": float(2 * ndtr(1) - 1), "95 %": 0.95}  # one standard deviation of a Gaussian, and the usual level
+LEVELS = {"68 %": float(2 * ndtr(1) - 1), "95 %": 0.95}  # within one standard deviation of a Gaussian; usual level
 
 
 def interval(edf: Floats, level: float) -> tuple[Floats, Floats]:
@@ -39,7 +39,7 @@ def slopes(found: Allan) -> NDArray[np.int64]:
 
 def edf(found: Allan) -> Floats:
     """Return the equivalent degrees of freedom of each variance, for the noise that its slope indicates."""
-    points = found.length + 1.0  # number of points of the phase, which is the running sum
+    points = found.length + 1.0  # number of points of the phase, which is the running sum of the samples
     m = found.counts.astype(np.float64)
     white = (3 * (points - 1) / (2 * m) - 2 * (points - 2) / points) * 4 * m**2 / (4 * m**2 + 5)
     flicker = np.where(m == 1, 2 * (points - 2) ** 2 / (2.3 * points - 4.9), 5 * points**2 / (4 * m * (points + 3 * m)))

@@ -27,7 +27,7 @@ class Angles(NamedTuple, Generic[T]):
 
 
 def angles(a: Arithmetic[T], attitude: tuple[T, T, T]) -> Angles[T]:
-    """Return the sines and cosines of roll, pitch and yaw in rad, which all three sensors use."""
+    """Return the sines and cosines of an attitude, which the sensors share. attitude: roll, pitch, yaw in rad."""
     phi, theta, psi = attitude
     return Angles(*a.sincos(phi), *a.sincos(theta), *a.sincos(psi))
 
@@ -69,7 +69,7 @@ class Derivative(Generic[T]):
         return self._v.times(step, self._per_second)
 
     def change(self, now: Triple[T], before: Triple[T]) -> Triple[T]:
-        """Return the change of three rates per second: rad/s^2 from rad/s."""
+        """Return the derivatives of three rates in rad/s^2. now, before: the rates of two samples in rad/s."""
         return self._v.times(self._v.minus(now, before), self._per_second)
 
     def _short_way(self, step: T) -> T:
@@ -155,9 +155,10 @@ class Accelerometer(SensorEquations[T]):
         A_med = A_sys + w x (w x d) + w' x d                              cos(theta) cos(phi)]  in g
         code  = S (A_med + bias + noise)
 
-    Source: equations 4.1 to 4.4. w is p, q, r in rad/s, w' its derivative, and d the lever arm in m. A level chip at
-    rest reads 0, 0, -1 g. The products of w and d are in m/s^2 and are divided by g = 9.81 m/s^2 at the end. Dividing d
-    by g first would save three products, but a lever arm of centimetres would have too few bits in Q16.
+    Source: equations 4.1 to 4.4. A_CG is the linear acceleration, w the vector of the body rates p, q, r in rad/s, w'
+    its derivative, and d the lever arm in m. A level chip at rest reads 0, 0, -1 g. The products of w and d are in
+    m/s^2 and are divided by g = 9.81 m/s^2 at the end. Dividing d by g first would save three products, but a lever arm
+    of centimetres would have too few bits in Q16.
     """
 
     def __init__(self, a: Arithmetic[T], sensor: parameters.AccelerometerParameters) -> None:

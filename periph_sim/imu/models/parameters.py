@@ -18,7 +18,7 @@ Wrap = Literal["as built", "unwrapped"]
 Spherical = Literal["four-quadrant", "plain", "rotation"]
 Norm = Literal["squares", "mag"]
 
-# Tolerance of a period, because the clocks of unit, controller and host may differ by 1000 ppm in total.
+# Relative tolerance of a period, because the clocks of unit, controller and host may differ by 1000 ppm in total.
 PERIOD_TOLERANCE = Fraction(1, 1000)
 STANDARD_GRAVITY = 9.81  # m/s^2 in one g, section 4.3.4
 NONE: Vector = (0.0, 0.0, 0.0)

@@ -18,7 +18,7 @@ from .chips import Angles, angles
 from .imu import Codes, Imu, Inputs, Noise
 from .parameters import ImuParameters
 
-STEP = 1e-4  # seconds over which the change of the body rates is calculated, which only a lever arm needs
+STEP = 1e-4  # time in seconds over which the derivative of the body rates is calculated, which only a lever arm needs
 
 
 class SensedMotion:
@@ -41,7 +41,7 @@ class SensedMotion:
         turned, body = self._turning(seconds)
         *_, x, y, z = self._motion.at(seconds)
         _, later = self._turning(seconds + STEP)
-        # The models calculate the change of the rates from two samples, so earlier rates with this change are given.
+        # The models calculate derivatives of the rates from two samples, so the previous rates are extrapolated.
         part = self._imu.period / STEP
         p, q, r = (now - (then - now) * part for now, then in zip(body, later, strict=True))
         inputs = Inputs(turned, (x, y, z), body, (p, q, r), noise or self._model.silence)

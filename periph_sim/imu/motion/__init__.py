@@ -44,11 +44,11 @@ class Motion:
 
     @property
     def truth(self) -> Motion:
-        """The true motion of the body, which differs from this motion if this motion reports coarser attitudes."""
+        """The true motion of the body, which is another motion if the attitudes of this motion are coarse readings."""
         return self
 
     def at(self, seconds: float) -> Sequence[float]:
-        """Return phi, theta, psi in rad, and ax, ay, az in g."""
+        """Return phi, theta, psi in rad, and ax, ay, az in g, at a time in seconds."""
         raise NotImplementedError
 
     def rates_at(self, seconds: float) -> Sequence[float]:

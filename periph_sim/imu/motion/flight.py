@@ -81,4 +81,5 @@ def _bad(path: Path, row: int, found: str, expected: str) -> BadMotion:
     return BadMotion(f"{path}, line {line_of_row(path, row)}: {found}; expected {expected}")
 
 
-assert VALUES == ANGLES + ACCELERATIONS  # `motion` builds rows in this order, which must be that of a host frame
+# `motion` puts the angles of a row before the accelerations. A host frame must have the same order.
+assert VALUES == ANGLES + ACCELERATIONS

@@ -111,7 +111,10 @@ def computed_emulator(subject: EmulatorUnderTest, frames: Ints | None = None) ->
 
 
 def computed_sensors(subject: EmulatorUnderTest) -> Readings:
-    """Return the readings of real sensors that sample when a round is due, with other noise than the emulator."""
+    """Return the readings of real sensors that sample when a round is due.
+
+    The noise of the real sensors is independent of the emulator's noise.
+    """
     seconds = _due(subject, subject.rounds)
     felt = SensedMotion(subject.sensors, subject.frames.motion)
     noise = None if subject.seed is None else ImuNoise(subject.sensors, subject.seed + 1)
@@ -124,8 +127,9 @@ def frames_by_schedule(subject: EmulatorUnderTest) -> Ints:
     """Return, for each round, the number of the frame whose values are read if nothing is late; -1 for no frame."""
     host, controller = subject.host, subject.controller
     request = BITS_OF_REQUEST / controller.rate + controller.gap
-    over = controller.first + 3 * request - controller.gap  # end of round 0, at which the models begin
-    sent = host.first + (FRAME_BYTES * BITS_OF_BYTE + (FRAME_BYTES - 1) * host.gap) / host.baud  # end of frame 0
+    over = controller.first + 3 * request - controller.gap  # time of the end of round 0, when the models begin
+    # The time at which frame 0 ends.
+    sent = host.first + (FRAME_BYTES * BITS_OF_BYTE + (FRAME_BYTES - 1) * host.gap) / host.baud
     found = [-1]
     for number in range(1, subject.rounds):
         begun = over + (number - 1) * controller.period

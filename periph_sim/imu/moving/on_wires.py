@@ -63,12 +63,12 @@ class ModelRuns:
         self._sent = [-1]  # numbers of the frames that were sent; -1 before the first frame
         self._taken = 0
         self._waiting = 0  # number of words in the FIFO
-        self._begun_with: list[int] = []  # for each model run, the number of frames read when it began
+        self._begun_with: list[int] = []  # for each model run, the number of frames read when the run began
         self._ended = 0
 
     @property
     def frames(self) -> list[int]:
-        """The number of the frame that each run used; -1 for none."""
+        """For each run of the models, the number of the frame that the run used; -1 for no frame."""
         # The scene may end when the last frame has been read, but its last stop bit has not ended.
         sent = [*self._sent, self._sent[-1] + 1]
         return [sent[taken] for taken in self._begun_with]

@@ -21,7 +21,7 @@ def rms(values: Floats) -> float:
 
 
 def lines(outcome: Outcome) -> Iterator[str]:
-    """Yield the lines of a table of all comparisons, and the main result as a sentence."""
+    """Yield the lines of the report: tables of all comparisons, and the main results as sentences."""
     subject, count = outcome.subject, len(outcome.seconds)
     noise = "no noise" if subject.seed is None else f"noise of seed {subject.seed}"
     how = "computed without wires" if outcome.bytes is None else "over SCI, firmware and I2C"

@@ -42,7 +42,7 @@ def scalar(name: str) -> Arithmetic[Any]:
     bits = int(found[1])
     if found[2] is None:
         return Q(bits)
-    return RoundedQ(bits, "wrap" if found[2] == " rounded" else "saturate")  # IQrsmpy also rounds.
+    return RoundedQ(bits, "wrap" if found[2] == " rounded" else "saturate")  # A saturated product is also rounded.
 
 
 def library(name: str) -> Library:

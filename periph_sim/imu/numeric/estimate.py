@@ -219,11 +219,11 @@ class Estimate(Struct, frozen=True):
         return any(self.library.costs[kind].guessed for kind in self.counts)
 
     def seconds(self) -> Fraction:
-        """Return the time of a run in seconds, as the middle of the range."""
+        """Return the estimated time in seconds, which is the middle of the range from `low` to `high`."""
         return Fraction(self.low + self.high, 2) / SYSCLK
 
     def left_of(self, measured: Fraction = MEASURED) -> tuple[int, int]:
-        """Return the least and the most cycles of a measured time that the estimate does not explain."""
+        """Return the range of the cycles of a measured time in seconds that the estimate does not explain."""
         cycles = round(measured * SYSCLK)
         return cycles - self.high, cycles - self.low
 

@@ -13,7 +13,7 @@ from .arithmetic import Rounding
 
 
 class Float64:
-    """The arithmetic of float64: T = float."""
+    """The arithmetic of float64. T is float."""
 
     name = "float64"
 

@@ -38,7 +38,7 @@ SIXTH = 0x2AAA  # 1/6 in Q16
 SINE = [round(value * Q30) for value in SINES]
 COSINE = [round(value * Q30) for value in COSINES]
 A0, A1, A2 = ([round(a[i] * Q30) for a in ARCTANGENT] for i in range(3))
-A0[0] = max(A0[0], 0)  # The sources truncate the angle to Q as an unsigned number.
+A0[0] = max(A0[0], 0)  # The sources shift the angle as an unsigned number, so it is not negative.
 
 
 def sine_and_cosine(angle: BigInt, bits: int) -> tuple[BigInt, BigInt]:
@@ -47,10 +47,10 @@ def sine_and_cosine(angle: BigInt, bits: int) -> tuple[BigInt, BigInt]:
     The angle is a step of the table plus a rest x. With the sine s and the cosine c of the step, the sine of the angle
     is s + x (c + x (-s/2 - x c/6)), and the cosine is c + x (-s + x (-c/2 + x s/6)).
     """
-    exact: BigInt = abs(angle) * STEPS_PER_RADIAN  # Q(bits + 24)
-    exact = exact >> (bits - 8) if bits >= 8 else exact << (8 - bits)  # Q32
+    exact: BigInt = abs(angle) * STEPS_PER_RADIAN  # with bits + 24 fraction bits
+    exact = exact >> (bits - 8) if bits >= 8 else exact << (8 - bits)  # with 32 fraction bits
     k: BigInt = (exact >> 32) & (TURN - 1)
-    x: BigInt = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # radians, Q32
+    x: BigInt = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # in rad with 32 fraction bits
     s: BigInt = SINE[k]
     c: BigInt = COSINE[k]
     up: BigInt = s + (x * (c + (x * ((-s >> 1) - (x * c >> 48) * SIXTH) >> 32)) >> 32) >> (30 - bits)
@@ -128,7 +128,8 @@ def factor_of(lsb: float, bits: int) -> tuple[int, int]:
 class Q:
     """The arithmetic of a Q format for single numbers. T is int and means value * 2**bits.
 
-    Methods that run often contain the limits as literals, because names would take a tenth of their time.
+    Frequently called methods contain the limits as literals, because the look-up of names would take a tenth of their
+    time.
 
     overflows: the number of results so far that did not fit the format.
     """

@@ -229,7 +229,7 @@ class Kernel:
     def run_nested(self, owner: object) -> bool:
         """Run events inside the event of `owner`, which is blocked. Return True as soon as `released` is set.
 
-        Return False if the outer loop must continue, because no event is left or the next one calls a plain function.
+        Return False if the outer loop must continue, because no event is left or the next event calls a plain function.
         """
         self.nested_owner = owner
         self.released = False

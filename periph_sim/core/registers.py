@@ -1,8 +1,8 @@
 """Registers as data: one table, as in the manual, defines reset values, access effects, decoding and docs.
 
 A field has four independent properties: the CPU's access rights, the effect of a read, the effect of a write, and the
-priority when hardware and software act in the same cycle. The chip stores the value; this module computes the effect of
-an access on it.
+priority when hardware and software act in the same cycle. The chip stores the values of its registers. This module
+computes the effects of accesses on these values.
 """
 
 from __future__ import annotations

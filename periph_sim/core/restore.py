@@ -32,7 +32,9 @@ class NotRestorable(ValueError):
 
 
 def restore(snapshot: Snapshot, modules: Mapping[str, Module]) -> None:
-    """Set each declared attribute of these modules. Raise NotRestorable, with nothing changed, if one cannot be set."""
+    """Set each declared attribute of these modules.
+
+    Raise NotRestorable, with nothing changed, if any attribute cannot be set."""
     plan = _Plan(snapshot, modules)
     for name, module in modules.items():
         plan.add(name, module)
@@ -61,7 +63,7 @@ class _Plan:
         self._attributes(name, module.target)
 
     def apply(self) -> None:
-        """Make all assignments, then call `restored` of the objects that have it."""
+        """Make all assignments, then call the method `restored` of all objects that have this method."""
         for random, state in self._randoms:
             random.setstate(state)
         for target, attribute, value in self._assigned:

@@ -118,7 +118,7 @@ class Socket(Agent):
         self.out_delay = 0  # cycles from an output of the chip to its pin
         self.before: Callable[[int], None] | None = None  # called before each access with its cycle, to update the chip
         self.on_peek: Callable[[int, int], int] | None = None  # called with (cycle, offset) in place of `chip.peek`
-        self.after: Callable[[int], None] | None = None  # called with the cycle after readable values may have changed
+        self.after: Callable[[int], None] | None = None  # called with the cycle when readable values may have changed
         self.on_held: Callable[[int, int], None] | None = None  # called with (cycle, mask) when `Chip.held` changes
         self._held = 0
         self.release: PinReleaseGate | None = None

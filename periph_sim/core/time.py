@@ -89,7 +89,7 @@ class Timebase:  # core: python
         self.per_ns = self.per_second // GHZ
 
     def ticks(self, length: Fraction | str, rounding: Rounding = "exact") -> int:
-        """Return a length of time in ticks. Raise TimeError if it is not a whole number and no rounding is given."""
+        """Return a length of time in ticks. Raise TimeError if that is no whole number and no rounding is given."""
         value = seconds(length) if isinstance(length, str) else length
         return self.fitting(round_ratio(value * self.per_second, rounding))
 

@@ -216,7 +216,7 @@ class Wire(Settleable):
             listeners.append(listener.sampler)
             listener = listener.following
         while watch is not None:
-            if watch.sampler is None:  # otherwise it is a sampler's, and the sampler is in `listeners` already
+            if watch.sampler is None:  # if `watch` has a sampler, the sampler is in `listeners` already
                 listeners.append(watch)
             watch = watch.following
         return listeners

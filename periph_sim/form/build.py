@@ -94,7 +94,7 @@ HARD = Kind(
 )
 # The function that builds tracebacks becomes `cold`. The compiler then separates error handling from other code.
 PROTOTYPE, COLD = re.compile(r"^static void __Pyx_AddTraceback\b", re.MULTILINE), r"__attribute__((cold)) \g<0>"
-# Matches a method of a compiled class that is converted to a Python object, for example to pass it as a callback.
+# PASSED_ON matches C code that converts a method of a compiled class to a Python object, for example for a callback.
 PASSED_ON = re.compile(r"__Pyx_CFunc_\w+_to_py_\w*\([^;\n]*->(?:__pyx_base\.)*(\w+)\);")
 SORTED = "-Wl,--sort-section=name"  # places the C functions of all modules before their Python wrappers
 OBJECTS = "objects"

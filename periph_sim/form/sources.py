@@ -341,7 +341,7 @@ class Source:
         return Function(kind, result, arguments, variables, marks)
 
     def _argument(self, annotation: ast.expr | None, default: ast.expr | None, kind: str) -> Type:
-        """Return the type of an argument; `object` if it may be None and Cython would reject None from Python.
+        """Return the type of an argument; `object` if None is a valid argument but Cython would reject it from Python.
 
         Cython rejects None for a typed argument unless the default is None. Calls from C are not checked.
         """

@@ -23,9 +23,10 @@ MODULE_RESET = ".IRS"  # suffix in the name of the wire that represents a unit's
 
 
 def wire_of(context: SceneContext, known: dict[str, Wire], units: Mapping[str, Dsp], name: str) -> Wire:
-    """Return a wire that faults can disturb. Raise ValueError if there is none of this name.
+    """Return the wire with this name that faults can disturb. Raise ValueError if there is no such wire.
 
-    known: the wires of the scene. A wire for XRS or IRS of a unit is made and added to it on demand.
+    known: a dictionary from a name to a wire of the scene. A wire that represents XRS or IRS of a unit is made when it
+        is first needed, and added to this dictionary.
     """
     unit_name, _, _ = name.rpartition(".")
     if name not in known and name.endswith((RESET, MODULE_RESET)):

@@ -51,7 +51,7 @@ class ChipOnBus:
         """Do nothing, because a chip with registers does not react to the end of a transfer."""
 
     def power_on(self) -> None:
-        """Replace the chip by a new one whose supply is switched on now, so that its registers have reset values."""
+        """Replace the chip by a new chip whose supply is switched on now, so that its registers have reset values."""
         self.pointer.chip = self._make(self._kernel.now)
 
     def take_notes(self) -> None:

@@ -1,4 +1,4 @@
-"""The rate and the format that the settings of an SCI give its line."""
+"""The bit length and the frame format on an SCI's line, computed from the present settings of the SCI."""
 
 from __future__ import annotations
 

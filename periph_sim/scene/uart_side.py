@@ -97,7 +97,7 @@ class UartSide:
     def sent(self, wire: str, count: int) -> None:
         """Add characters that the outside party has sent on a wire as bytes.
 
-        The characters that `count` finds on this wire are ignored, so that none is counted twice.
+        The characters that `count` finds on this wire are ignored, so that no character is counted twice.
         """
         self._sent[wire] = self._sent.get(wire, 0) + count
 

@@ -43,7 +43,7 @@ def _length_alone(value: object) -> object:
 
 STRETCH = Annotated[StretchTable, Before(_length_alone, DurationRange | StretchTable)]
 OWN = {"nack": (), "wrong": ("value",), "flip": ("bit",), "hold": ("length", "clocks"), "off": ()}
-WHICH_BYTES = ("bytes", "access", "phases", "share")  # keys that kind = "off" does not have: it affects all bytes
+WHICH_BYTES = ("bytes", "access", "phases", "share")  # the keys that a fault of kind "off" does not have
 
 
 class DeviceFault(Strikes, frozen=True, kw_only=True):

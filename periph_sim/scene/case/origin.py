@@ -1,4 +1,4 @@
-"""Origins of the values in a case: file and line, or a `--set`. Also the files that these values name."""
+"""Origins of the values in a case (file and line, or a `--set`), and the files that these values name."""
 
 from __future__ import annotations
 

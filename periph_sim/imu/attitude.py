@@ -4,8 +4,8 @@
     gyro, accel, mag ----------> EKF, sample by sample --> quaternions --> errors against the truth
 
 The filter is the EKF of the library `ahrs`, which the extra `attitude` installs. The filter expects the direction of
-gravity. An accelerometer at rest reads the opposite, (0, 0, -1 g) if it is level with z down, so its sign is inverted
-here. The filter has no model of biases, so known biases must be subtracted from the samples before.
+gravity. An accelerometer at rest reads the opposite, (0, 0, -1 g) if it is level with z down, so the sign of accel is
+inverted here. The filter has no model of biases, so the caller must subtract known biases from the samples.
 
 Source: the conventions of the dissertation's chapter 4; documentation of ahrs.filters.EKF.
 """

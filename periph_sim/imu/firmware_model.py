@@ -1,4 +1,4 @@
-"""What a scene knows about firmware that calculates the sensors of an IMU: a `scene.unit.FirmwareModel`.
+"""Description of firmware that calculates the sensors of an IMU, for a scene: a `scene.unit.FirmwareModel`.
 
 settings with sensors, arithmetic, noise_seed --firmware_model--> ImuFirmware
 """

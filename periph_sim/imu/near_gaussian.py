@@ -6,7 +6,7 @@ A value is a place in one of 256 layers of equal area under the normal curve (Ma
 method", J. Stat. Software 5, 2000). The lowest byte of a word selects the layer, a bit selects the sign, and 52 bits
 select the place. Of 1000 words, 985 select a place that is certainly under the curve. Only these words give a value;
 the others give None. The edges of the layers differ from numpy's in their last bits. So the values are for callers that
-round them: with the maximum error, a caller can decide whether it could change the rounded value.
+round them: a caller can decide whether the maximum error could change a rounded value.
 """
 
 from __future__ import annotations

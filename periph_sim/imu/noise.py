@@ -136,7 +136,7 @@ class AxisNoise:
     def _flicker(self, first: int, count: int) -> Floats:
         """Return 1/f noise, which is the sum of all octaves.
 
-        Octave k has a new value every 2**k samples. The key of the octave determines the samples at which it changes.
+        Octave k has a new value every 2**k samples. The key of the octave selects the samples of these changes.
         """
         import numpy as np
 

@@ -1,6 +1,6 @@
 """The three sensors of an IMU as a controller reads them: registers, scales and start-up.
 
-The key `order` of the [controller] and [rounds] tables of a case uses their names.
+The key `order` in the [controller] and [rounds] tables of a case contains the names of these sensors.
 
 Source: the dissertation's Figure A.2 (order), Table 3.1 (scales); data sheets of ITG-3200 (registers 0x1D to 0x22),
 ADXL345 (0x32 to 0x37), HMC5883L (0x03 to 0x08).

@@ -27,7 +27,7 @@ GRAVITY = np.array([0.0, 0.0, -1.0])  # output of an ideal level accelerometer a
 def parameters_of_axes(axes: Mapping[str, Axis], hard_iron: bool, start: ImuParameters | None = None) -> ImuParameters:
     """Return a parameter set that is updated with the identified columns of a recording.
 
-    axes: a dictionary from the name of a column, such as "gyroscope_x", to what was identified in it.
+    axes: a dictionary from the name of a column, such as "gyroscope_x", to its identified parameters.
     hard_iron: True if the bias of the magnetometer is relative to an undisturbed mean.
     start: the set to update; None for Table 4.1.
 

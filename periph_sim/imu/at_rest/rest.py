@@ -3,8 +3,8 @@
     Imu --> LSB at rest + S noise --> codes / scale --> samples    random
     Imu --> LSB at rest, Gaussian over the codes --> Expected      exact: rounding and saturation included
 
-The models add noise just before the matrix S, which is linear. So they are evaluated once without noise, and S times
-the noise is added to the result.
+The models add noise just before the matrix S, which is linear. So the models are evaluated once without noise, and S
+times the noise is added to the result.
 
 Dissertation section 5.2: level, pointing north, no acceleration, 10 000 samples at 50 Hz.
 """

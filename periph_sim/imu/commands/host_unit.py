@@ -41,9 +41,10 @@ def host_unit(
 ) -> None:
     """Send frames of 12 bytes to PORT, 50 a second, like the [host] of a case.
 
-    PORT is any of pyserial's (extra live): /dev/ttyUSB0, the pseudo-terminal of `serve`, rfc2217://127.0.0.1:4000,
-    f28335://CASE.toml?port=scia. A flight is a CSV file with columns time, phi, theta, psi, ax, ay, az and their units.
-    A datagram holds the last six of these as doubles or singles, in rad and g, or a whole frame.
+    PORT is a port that pyserial can open (extra live): /dev/ttyUSB0, the pseudo-terminal of `serve`,
+    rfc2217://127.0.0.1:4000, f28335://CASE.toml?port=scia. A flight is a CSV file with columns time, phi, theta, psi,
+    ax, ay, az and their units. A datagram holds phi, theta, psi, ax, ay, az as doubles or singles, in rad and g, or a
+    whole frame.
     """
     try:
         import serial

@@ -53,8 +53,8 @@ def identify(
 ) -> int:
     """Find bias and noise density of every column of a recording at rest.
 
-    Overlapping Allan deviation; the density is read at 1 s on the slope of -1/2. Every column's
-    title contains its unit: 'gyroscope_x [deg/s]'.
+    The density is read from the overlapping Allan deviation at 1 s, on the slope of -1/2. The title of
+    every column contains its unit: 'gyroscope_x [deg/s]'.
     """
     if picture is not None and picture.suffix.casefold() not in PICTURES:
         raise click.ClickException(f"--plot {picture}: its suffix is {picture.suffix!r}; expected .svg or .png")

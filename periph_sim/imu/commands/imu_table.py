@@ -30,8 +30,8 @@ PUBLISHED = "table_5_1"
 def imu_table(samples: int, seed: int, parameters: str | None, turn: bool, csv: Path | None, as_json: bool) -> int:
     """Run the sensor models at rest and print mean, 3 sigma and variance as Table 5.1 does.
 
-    Beside each figure are the published ones and the model's expectation. With the set that reproduces the table, also
-    its derivation from Table 4.1, step by step.
+    Each figure is shown beside the published figures and the expectation of the model. For the set that reproduces the
+    table, its derivation from Table 4.1 is also shown, step by step.
     """
     from ..at_rest.rest import at_rest
     from ..at_rest.static_table import readings, static_table, text

@@ -1,4 +1,4 @@
-"""Conversion of host frames to nine codes in any arithmetic. All extremes use it.
+"""Conversion of host frames to nine codes in any arithmetic, for the examination of extremes.
 
 A sample needs an acceleration and three attitudes: the last two attitudes for the rates, and all three for the change
 of the rates. All values are int16 counts of host frames, so every arithmetic receives the same whole numbers.
@@ -45,7 +45,7 @@ def codes_of(name: str, imu: parameters.ImuParameters, counts: Ints) -> Codes:
     """Return nine codes for each of n samples.
 
     name: the name of the arithmetic.
-    counts: the counts of the samples, int64[12, n], in the order above.
+    counts: the counts of the samples, int64[12, n], in the order that the head of this module shows.
     """
     a = named.scalar(name)
     model = Imu(a, imu)

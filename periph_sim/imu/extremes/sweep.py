@@ -1,7 +1,7 @@
 """Search for the first input, from ordinary to extreme, at which an arithmetic deviates from the reference.
 
 value --> parameters, counts --------> codes --+-> first value at which they differ by more than allowed,
-value --> those of the reference ----> codes --+   searched on a grid, then between two of its points, and so on
+value --> reference's inputs --------> codes --+   searched on a grid, then between two of its points, and so on
 """
 
 from __future__ import annotations
@@ -67,7 +67,7 @@ class Sample:
     """The inputs of an arithmetic and of the reference at one value of a sweep.
 
     imu, counts: the parameters, and the counts of a sample (see `frames`), int64[12].
-    true_imu, true_counts: the parameters and the counts for the reference; None if they are the same.
+    true_imu, true_counts: the parameters and the counts for the reference; None for the same parameters or counts.
     """
 
     imu: parameters.ImuParameters
@@ -81,6 +81,7 @@ class Sweep:
     """A sweep of an input from an ordinary to an extreme value.
 
     what: a description for the report.
+    unit: the unit of the input.
     ordinary, extreme: the first and the last value, in `unit`. The last value may be smaller than the first.
     at: the function from a value of the sweep to the inputs.
     slack: additional LSB by which codes may differ, because the counts of a frame are rounded differently in the
@@ -98,7 +99,8 @@ class Sweep:
     def find(self, arithmetic: str, worst: Worst | None) -> Finding:
         """Find the first value of the sweep at which an arithmetic deviates from the reference.
 
-        worst: the errors of the arithmetic in the working range, which are allowed; None for the reference itself.
+        worst: the largest errors of the arithmetic in the working range; None for the reference itself. Deviations up
+            to these errors are allowed.
         """
         allowed = (np.ones(9) if worst is None else worst.allowed()) + self.slack
         largest = float(_grid(self, arithmetic, self.ordinary, self.extreme, FIRST_GRID).off.max())
@@ -135,7 +137,7 @@ class Grid:
 
     values: the values of the input, float64[n].
     off: the deviation of the codes from the reference, float64[9, n].
-    full: True if a code is the last one of its converter.
+    full: for each point, True if a code is the lowest or the highest code of its converter, bool[n].
     """
 
     values: Floats

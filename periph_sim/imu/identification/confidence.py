@@ -1,8 +1,8 @@
 """Uncertainty of Allan variances: degrees of freedom and confidence intervals.
 
-An Allan variance has a chi-square distribution with `edf` equivalent degrees of freedom, so its relative variance is 2
-/ edf. For error bars at any slope, `edf` uses the approximations of NIST SP 1065, table 5 (overlapping). The points of
-a curve are calculated from the same samples, so they are correlated. For white noise, `white_covariance` returns the
+An Allan variance has a chi-square distribution with `edf` equivalent degrees of freedom. So its relative variance is
+2 / edf. For error bars at any slope, `edf` uses the approximations of NIST SP 1065, table 5 (overlapping). The points
+of a curve are calculated from the same samples, so they are correlated. For white noise, `white_covariance` returns the
 exact covariances, which a fit to several points needs.
 """
 

@@ -1,9 +1,10 @@
 """Identification of one axis of a sensor at rest: bias, noise density, and optionally the slow terms.
 
 The bias is the mean minus the expected value (equation 4.9). Hard iron is the mean with the disturbance minus the mean
-without it (4.10). The standard error of a mean is the root of the sum of the squares of three parts:
+without the disturbance (equation 4.10). The standard error of a mean is the root of the sum of the squares of three
+parts:
 
-    white noise       its square is density / length in seconds
+    white noise       the square of this part is the density divided by the duration of the recording in seconds
     drift             if the curve is above the line of white noise at long tau, averaging does not help any more
     quantisation      if the noise is small compared with an LSB, the mean of rounded values has a systematic error
 """
@@ -96,8 +97,8 @@ class Identified:
     """The parameters of one axis.
 
     bias: the mean minus the expected value, or minus the mean without the disturbance.
-    density: the measured density of white noise, which includes the density of rounding to LSB. It is fitted together
-        with the slow terms if these are requested.
+    density: the measured density of white noise, which includes the density of rounding to LSB. If slow
+        terms are requested, the density is fitted together with them.
     slow: the fit of all terms of the noise; None if the slow terms are not requested.
     notes: warnings for the reader, as sentences.
     """

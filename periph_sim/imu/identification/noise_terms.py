@@ -2,15 +2,15 @@
 
     variance(tau) = N**2 / tau + (2 ln 2 / pi) B**2 + K**2 tau / 3        slopes -1/2, 0 and +1/2 of the deviation
 
-Without slow terms, only N squared is identified, the density of white noise. It follows from the part of the Allan
-deviation with slope -1/2:
+Without slow terms, only the density of white noise, N squared, is identified. This density follows from the part of the
+Allan deviation with slope -1/2:
 
     tau at or below 1 s --> adjacent points on this slope, on both sides --> weighted mean of variance * tau = density
 
 Dissertation section 4.3.4: the density is the square of the Allan deviation at tau = 1 s, where the slope must be -1/2.
-On this slope, variance * tau is the same at every tau, so all these points give the value at 1 s, and their mean has a
-smaller error. If the curve leaves this slope before 1 s, the line through its earlier part is extended to 1 s, as in
-IEEE 952.
+On this slope, variance * tau is the same at every tau. So every point on the slope gives the value at 1 s, and the mean
+of all these points has a smaller error. If the curve leaves the slope before 1 s, the line through the part with this
+slope is extended to 1 s, as in IEEE 952.
 
 With slow terms, all three terms (IEEE Std 952 annex C) are fitted together, because the parts of slope 0 and +1/2
 seldom occur alone. The fit uses weighted least squares, and no term is below 0. The points of the curve are calculated

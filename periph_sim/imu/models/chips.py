@@ -174,7 +174,7 @@ class Accelerometer(SensorEquations[T]):
 
         acceleration: the linear acceleration in g.
         body: p, q, r in rad/s.
-        change: the change of p, q, r in rad/s^2.
+        change: the derivatives of p, q, r in rad/s^2.
         noise: in g.
         """
         v = self._v
@@ -204,10 +204,15 @@ class Magnetometer(SensorEquations[T]):
         H_rp = sph2cart(cart2sph(H_rm) + [0, azimuth, elevation of the board])
         code = S (H_rp + noise)
 
-    Source: equations 4.6 to 4.8. Section 4.3.3 writes azimuth = atan(Hy/Hx) and elevation = atan(Hz/sqrt(Hx^2 + Hy^2)):
-    "plain". Half of all azimuths are then off by half a turn, and 0/0 is undefined, so "four-quadrant" with atan2 is
-    the intended form. "rotation" needs no angle: with r = sqrt(Hx^2 + Hy^2), rho = sqrt(r^2 + Hz^2), angles a and e of
-    the board,
+    Source: equations 4.6 to 4.8. There are three methods for H_rp:
+
+    "plain" is as written in section 4.3.3: azimuth = atan(Hy/Hx) and elevation = atan(Hz/sqrt(Hx^2 + Hy^2)). Half of
+    all azimuths are then off by half a turn, and 0/0 is undefined.
+
+    "four-quadrant" uses atan2, which is the intended form.
+
+    "rotation" needs no angles of the field. With r = sqrt(Hx^2 + Hy^2), rho = sqrt(r^2 + Hz^2), and the azimuth a and
+    the elevation e of the board,
 
         rho cos(elevation + e) = r cos e - Hz sin e        rho sin(elevation + e) = Hz cos e + r sin e
         r cos(azimuth + a) = Hx cos a - Hy sin a           r sin(azimuth + a) = Hy cos a + Hx sin a

@@ -144,7 +144,11 @@ class Imu(Generic[T]):
     def step(
         self, attitude: Triple[T], acceleration: Triple[T], noise: Noise[T], before: State[T]
     ) -> tuple[Codes[T], State[T]]:
-        """Calculate the codes of one sample and the next state. attitude: in rad. acceleration: in g.
+        """Calculate the codes of one sample and the next state.
+
+        attitude: roll, pitch, yaw in rad.
+        acceleration: the linear acceleration in g.
+        before: the state after the previous sample.
 
         Raise NotFinite, with the axis, for a NaN or an infinity.
         """

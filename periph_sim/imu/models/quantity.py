@@ -2,8 +2,8 @@
 
     bias: Annotated[Vector, Quantity("g", -16, 16, "Table 4.1")] = (-0.02, 0.02, 0.0)
 
-A set of parameters checks its values at construction. If a value is invalid, it raises BadParameter with the parameter,
-the value and the range.
+A set of parameters checks its values at construction, and raises BadParameter, with the parameter, the value and the
+range, if a value is invalid.
 """
 
 from __future__ import annotations

@@ -66,7 +66,7 @@ class EmulatorUnderTest:
 def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTest:
     """Return the subject of a case. Raise BadCase, with file and line, if the case is unsuitable.
 
-    duration: the duration of the experiment in seconds; None for that of the case.
+    duration: the duration of the experiment in seconds; None for the duration of the case.
     """
     case = case.model_copy(update={"budget": (), "breaks": ()})  # The copy still knows the file for messages.
     scene = Scene(case)

@@ -67,8 +67,8 @@ class Arithmetic(Protocol[T]):
 class Vectors(Generic[T]):
     """Operations on vectors of three numbers x, y, z.
 
-    Each vector operation consists of operations on numbers. The order of these affects the result, because they round
-    and overflow.
+    Each vector operation consists of operations on numbers, which round and overflow. So the order of these operations
+    affects the result.
     """
 
     def __init__(self, a: Arithmetic[T]) -> None:

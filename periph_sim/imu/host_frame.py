@@ -51,7 +51,7 @@ class Encoding:
 
     @property
     def scales(self) -> tuple[float, ...]:
-        """The value of one count of each of the six values."""
+        """The angle or acceleration of one count, in rad or g, for each of the six values."""
         return self.phi, self.theta, self.psi, self.ax, self.ay, self.az
 
     def counts(self, values: Sequence[float]) -> Frame:

@@ -106,7 +106,7 @@ def _of_codes(sensor: Sensor, mean: float, sigma: float) -> Expected:
     mean, sigma: the mean and the standard deviation of the Gaussian value in LSB.
     """
     if isnan(mean):
-        return Expected(0.0, 0.0, 0.0)  # NaN has code 0 in float64, with or without noise
+        return Expected(0.0, 0.0, 0.0)  # For a NaN, a converter in float64 always returns code 0.
     least, most = sensor.limits
     reach = FAR * sigma + 2
     first, last = (int(np.clip(end, least, most)) for end in (mean - reach, mean + reach))

@@ -58,7 +58,7 @@ FAR = 10**9  # the number of a distant sample
 TRIED = 1 << 20  # number of samples that are added one by one
 UNIT_ROUNDOFF = 2.0**-53
 
-Edges = list[tuple[str, int, int]]  # wire, ticks after the start, level
+Edges = list[tuple[str, int, int]]  # name of the wire, ticks after the start of the run, level
 
 
 def longest_run() -> Iterator[Finding]:

@@ -38,7 +38,7 @@ def slopes(found: Allan) -> NDArray[np.int64]:
 
 
 def edf(found: Allan) -> Floats:
-    """Return the equivalent degrees of freedom of each variance, for the noise that its slope indicates."""
+    """Return the equivalent degrees of freedom of each variance, for the type of noise that `slopes` finds."""
     points = found.length + 1.0  # number of points of the phase, which is the running sum of the samples
     m = found.counts.astype(np.float64)
     white = (3 * (points - 1) / (2 * m) - 2 * (points - 2) / points) * 4 * m**2 / (4 * m**2 + 5)

@@ -23,7 +23,7 @@ from .confidence import edf
 from .noise_terms import Density, SlowTerms, density, slow_terms, white_part
 
 LEAST_EDF = 2.0  # minimum degrees of freedom of the longest tau that is used to detect drift
-UNLIKELY = 1e-3  # drift is detected if white noise alone causes so large a variance with less than this probability
+UNLIKELY = 1e-3  # a variance shows drift if white noise alone would exceed it with less than this probability
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def mean(series: Series, found: Allan, noise: Density) -> Mean:
 def _drift(found: Allan, noise: Density) -> float:
     """Return the largest Allan deviation at long tau if it is significantly above the line of white noise; else 0.
 
-    Long tau are those beyond the region in which the density of white noise was fitted.
+    A tau is long if it is above the region from which the density of white noise was calculated.
     """
     freedom = edf(found)
     behind = slice(noise.region.stop, int(np.count_nonzero(freedom >= LEAST_EDF)))

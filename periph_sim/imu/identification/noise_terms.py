@@ -107,9 +107,9 @@ def _weights(relative: Floats, region: slice) -> Floats:
 
 
 def _agrees(scaled_variance: Floats, relative: Floats, begin: int, end: int, candidate: int) -> bool:
-    """Return True if the point `candidate` is on the line of the points from `begin` to `end` - 1.
+    """Return True if the point `candidate` is on the line of slope -1/2 through the points `begin` to `end` - 1.
 
-    The tolerance is AGREE standard errors of white noise.
+    The tolerance is AGREE standard errors, as for white noise.
     """
     region = slice(begin, end)
     weights = _weights(relative, region)

@@ -129,7 +129,9 @@ class Gyroscope(SensorEquations[T]):
     def lsb(self, body: Triple[T], acceleration: Triple[T], noise: Triple[T]) -> Triple[T]:
         """Return LSB before saturation and rounding.
 
-        body: p, q, r in rad/s. acceleration: the linear acceleration in g. noise: in deg/s.
+        body: p, q, r in rad/s.
+        acceleration: the linear acceleration in g.
+        noise: the noise in deg/s.
         """
         a, v = self._a, self._v
         x, y, z = [a.neg(body[axis]) if negative else body[axis] for axis, negative in self._axes]
@@ -175,7 +177,7 @@ class Accelerometer(SensorEquations[T]):
         acceleration: the linear acceleration in g.
         body: p, q, r in rad/s.
         change: the derivatives of p, q, r in rad/s^2.
-        noise: in g.
+        noise: the noise in g.
         """
         v = self._v
         system = v.minus(acceleration, gravity(self._a, angles))
@@ -233,7 +235,7 @@ class Magnetometer(SensorEquations[T]):
         self._one, self._zero = a.constant(1.0), a.constant(0.0)
 
     def lsb(self, angles: Angles[T], noise: Triple[T]) -> Triple[T]:
-        """Return LSB before saturation and rounding. noise: in gauss."""
+        """Return LSB before saturation and rounding. noise: the noise in gauss."""
         v = self._v
         seen = v.plus(rotated(v, angles, self._earth), self._hard_iron)
         return v.transformed(self._rows, v.plus(self.on_board(seen), noise))

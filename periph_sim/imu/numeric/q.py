@@ -7,14 +7,15 @@ Overflows wrap, as in additions and IQmpy, or saturate, as with the overflow mod
 
 IQdiv, IQsqrt and IQmag always saturate. x/0 is the largest number, also for 0/0 and for negative x.
 
-    sine, cosine   512-entry table in Q30 and a cubic, then cut to Q        29 bits (IQNcos.asm)
-    arctangent     quotient in Q, 64 parabolas in Q30, then cut to Q         the quotient is cut to Q first
-    quotient       rounded to nearest, saturated; x/0 is the largest number  (IQNdiv.asm)
-    root           rounded to nearest; of a negative number 0                (IQNsqrt.asm)
+    sine, cosine   a table of 512 sines in Q30 and a cubic; the result is truncated to Q (IQNcos.asm)
+    arctangent     a quotient that is truncated to Q, and 64 parabolas in Q30; the result is truncated to Q
+    quotient       rounded to nearest and saturated (IQNdiv.asm)
+    root           rounded to nearest; the root of a negative number is 0 (IQNsqrt.asm)
 
-Source: comments in the sources of IQmath V1.4 for the C28x. There, division and root are two Newton steps from a table,
-and the comments call the results 32-bit accurate. Here, division and root are exact before rounding. Everything else
-follows the sources step by step, so results have the same errors. `bits` is the number of fraction bits, 1 to 29.
+Source: comments in the sources of IQmath V1.4 for the C28x. In these sources, division and root are two Newton steps
+from a table, and the comments call the results 32-bit accurate. Here, division and root are exact before rounding.
+Everything else follows the sources step by step, so the results have the same errors as those of IQmath. `bits` is the
+number of fraction bits, 1 to 29.
 """
 
 # core: compiled

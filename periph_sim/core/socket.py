@@ -196,7 +196,7 @@ class Socket(Agent):
     def see(self, cycle: int, offset: int) -> int:
         """Return the value that a CPU read of a register returns, without changing the chip.
 
-        It is only for registers whose read has no side effect.
+        Call it only for registers whose read has no side effect.
         """
         if self.before is not None:
             self.before(cycle)

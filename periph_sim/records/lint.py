@@ -111,8 +111,9 @@ def accesses(run: Run, way: str, register: Register) -> Iterator[Group]:
 
 
 def held(run: Run, group: Group, register: Register, name: str) -> NDArray[np.bool_]:
-    """Return, for each access of a group, whether the field `name` of a register of the same module was 1 just before
-    it.
+    """Return, for each access of a group, True if a field of the same module was 1 just before the access.
+
+    register, name: the register of the module and the name of its field.
     """
     found: NDArray[np.bool_] = run.values(group.unit, group.module, register, register[name], group.rows) == 1
     return found

@@ -88,7 +88,7 @@ class Races:
 
     @property
     def along(self) -> int:
-        """Number of flags that read-modify-writes cleared unintentionally, whether they had been read or not."""
+        """Number of flags that read-modify-writes cleared unintentionally, whether firmware had read them or not."""
         return sum(flag.along for modify in self.modifies for flag in modify.flags)
 
 

@@ -59,7 +59,7 @@ class Cycles(NamedTuple):
     """The length of a SYSCLKOUT cycle.
 
     ticks: number of ticks in a cycle.
-    how: a phrase that says from where this number is known.
+    how: a phrase that says where this number comes from.
     """
 
     ticks: Fraction
@@ -178,7 +178,7 @@ class Run:
         """Return the value of a field just before each of these rows."""
         changes = self.changes(unit, module, register, f)
         before = np.searchsorted(changes, rows) - 1
-        held = np.append(self.table.value[changes], f.reset)  # index -1: the value after reset
+        held = np.append(self.table.value[changes], f.reset)  # the last item (index -1) is the value after reset
         return held[before]
 
     def in_order(self, unit: str) -> tuple[Rows, Rows]:

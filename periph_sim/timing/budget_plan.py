@@ -143,7 +143,7 @@ def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, giv
 
 
 def _check(budget: Budget, measure: Measure, limits: dict[str, int], given: dict[str, str | int]) -> None:
-    """Raise BadBudget if no run can keep all limits, or if one limit makes another one redundant."""
+    """Raise BadBudget if no run can keep all limits, or if one limit makes another limit redundant."""
     others = [key for key in limits if key != "exactly"]
     if "exactly" in limits and others:
         raise BadBudget(f"exactly says all that {' and '.join(others)} could; leave one of them out", "exactly")

@@ -52,16 +52,16 @@ class Asked(Struct, frozen=True):
 class Schedule:
     """Due times of rounds.
 
-    If the first due time is known, as for an agent, round n is due n periods after the first, and it is missed if it
-    has not begun when the next one is due. Otherwise, as for a firmware or a capture, a round is due one period after
-    the begin of the round before, and it is missed if it has not begun half a period after that. After the requested
-    number of rounds, no more are due.
+    If the due time of the first round is known, as for an agent, round n is due n periods later. The round is missed if
+    it has not begun when the next round is due. Otherwise, as for firmware or a capture, a round is due one period
+    after the begin of the round before. The round is missed if it has not begun half a period after its due time.
+    After the requested number of rounds, no further round is due.
     """
 
     def __init__(self, asked: Asked) -> None:
         self._asked: Asked = asked
         self._is_fixed: bool = asked.first is not None
-        self._since: int = NO_TIME if asked.first is None else asked.first  # from here on, periods are counted
+        self._since: int = NO_TIME if asked.first is None else asked.first  # the tick from which periods are counted
         period = Fraction(asked.period if self._is_fixed else asked.period // 1)
         assert period > 0, "a period of 0 ticks has rounds without end"
         self._ticks: BigInt = period.numerator  # number of ticks in `_periods` periods

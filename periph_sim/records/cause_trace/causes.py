@@ -302,7 +302,7 @@ def _request(run: Run, row: int, record: Record) -> list[Link]:
 def _of_interrupt(run: Run, row: int, record: Record) -> list[Link]:
     """Return links from the entry of a service routine to its PIEIFR flag and to the service routines that delayed it.
 
-    If the record is the end of a service routine, its cause is the entry.
+    If the record is the end of a service routine, return a link to the entry of this routine.
     """
     if not record.value or record.what not in LINES:
         return _recorded(run, record)

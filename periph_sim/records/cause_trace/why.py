@@ -36,11 +36,11 @@ class Answer:
     since: the tick from which the signal had the value; 0 if the signal never changed before.
     back: the record that gave the value, then its causes. For a low wire, the first record is the last change of the
         set of parties that hold the wire low.
-    pulled_by: the parties that first pulled the wire low, if it is low.
-    held_by: the parties that hold the wire low at the tick of the question, if it is low.
+    pulled_by: the parties that first pulled the wire low; empty if the wire is not low.
+    held_by: the parties that hold the wire low at the tick of the question; empty if the wire is not low.
     effects: the records whose cause is the record that gave the value.
     reader: the first recorded read of the field after the field had taken the value.
-    reads: number of recorded reads of the field from then until the next change.
+    reads: number of recorded reads of the field before the next change of the field.
     changed: the next change of the signal.
     ends: the reason why `back` ends.
     """

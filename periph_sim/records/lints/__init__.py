@@ -1,1 +1,1 @@
-"""Lints. Each is a function with the decorator `finds` from `lint.py` that yields the accesses which violate a rule."""
+"""Lints. Each lint is a function that yields the accesses that violate a rule; it has the decorator `lint.finds`."""

@@ -170,8 +170,8 @@ class RunSignals:
 def _bus_state(lines: Capture) -> list[Signal]:
     """Return signals of the I2C bus, decoded from SCL and SDA.
 
-    `busy` is 1 from START to STOP. `address`, `data`, `ack` and `nack` are 1 while these parts last. `read` is the R/W
-    bit, and `byte` the last byte.
+    `busy` is 1 from START to STOP. `address`, `data`, `ack` and `nack` are 1 during these parts of a transfer. `read`
+    is the R/W bit, and `byte` is the last byte.
     """
     table = i2c_table(lines, 0, 1)
     begins = table.kind == Row.START
@@ -260,7 +260,7 @@ class FstWriter(WaveformWriter):
 
     def __init__(self, file: IO[bytes], timebase: Timebase, modules: dict[str, tuple[str, ...]]) -> None:
         try:
-            library()  # a missing library raises its error before the run, not after it
+            library()  # if the library is missing, the error is raised before the run
         except NoFstLibrary as error:
             raise BadRecording(str(error)) from None
         super().__init__(file, timebase, modules)

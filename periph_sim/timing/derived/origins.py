@@ -292,7 +292,10 @@ class ModelOrigins(Origins):
         return list(longer.values())[:MOST] if many else list(longer.values())
 
     def _may_be(self, chain: Chain, run: Run) -> list[Sent]:
-        """Return the frames that a run may have used after a chain, oldest first: the chain's last frame, or later."""
+        """Return the frames that a run may have used after a chain, in order.
+
+        They are the last frame of the chain and later frames.
+        """
         least = chain.sent.number
         may_be: list[Sent] = []
         sent: Sent
@@ -301,7 +304,7 @@ class ModelOrigins(Origins):
                 break
             may_be.append(sent)
         oldest: int = may_be[-1].number
-        if oldest > least:  # the frames just after the chain's last one are no longer stored
+        if oldest > least:  # the frames just after the last frame of the chain are no longer stored
             may_be.append(chain.sent)
             self._left_out = self._left_out or oldest > least + 1
         may_be.reverse()

@@ -390,7 +390,7 @@ def _match_record(event: Event, scope: Scope) -> Matcher:
     return Matcher(event.text, Kind(event.name), place, event.how, thing=RECORDS[event.name][event.how])
 
 
-# Kinds of events by their first word: the parser of the words after it, and the function that makes the matcher.
+# EVENTS maps the first word of an event to the parser of the next words and the function that makes the matcher.
 EVENTS: dict[str, tuple[Callable[[Words], Parts], Callable[[Event, Scope], Matcher]]] = {
     "edge": (_read_named("a wire", *CHANGES), _match_edge),
     "flag": (_read_named("a field", *CHANGES, "="), _match_flag),

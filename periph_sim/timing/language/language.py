@@ -277,7 +277,9 @@ def _state(words: Words) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
     return (event_of(f"{kind} {place} {enter}"),), (event_of(f"{kind} {place} {leave}"),)
 
 
-STATES = {  # by the first word of a state: what its name is, and the ends of the events that begin and end the state
+# STATES maps the first word of a state to a description of the state's name and the last words of two events.
+# The first of these events begins the state, and the second ends it; "" stands for the value in the state's text.
+STATES = {
     "flag": ("a field", "", "change"),
     "variable": ("a variable of an image", "", "change"),
     "wire": ("a wire", "rise", "fall"),

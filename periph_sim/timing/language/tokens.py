@@ -22,12 +22,12 @@ class Words:
 
     @property
     def next(self) -> str:
-        """The next word; empty at the end."""
+        """The next word; "" at the end of the text."""
         return self._words[self.place] if self.place < len(self._words) else ""
 
     @property
     def following(self) -> str:
-        """The word after the next one; empty at the end."""
+        """The word after the next word; "" if there is none."""
         return self._words[self.place + 1] if self.place + 1 < len(self._words) else ""
 
     def rest(self) -> str:

@@ -22,7 +22,7 @@ from .measure import Measure, MeasuredScene
 if TYPE_CHECKING:
     from ...devices.watchers import WireWatcher
 
-BAD = 0x100  # is added to the value of a character with a wrong parity or without a stop bit
+BAD = 0x100  # this number is added to the value of a character with a wrong parity or without a stop bit
 
 
 class Expected(Struct, frozen=True):
@@ -44,7 +44,7 @@ class _Occasion(Struct):
     """One request for a reply, and what was received after the request.
 
     window: the tick from which characters on the line can be part of the reply.
-    since: the tick at which the request ended, from which the time of the reply counts; NO_TIME while it is being sent.
+    since: the tick at which the request ended, from which the reply's time counts; NO_TIME while the request is sent.
     came: the characters received so far; if `Expected.anywhere` is True, only the last of them.
     wrong_at: the tick at which the first wrong character ended; NO_TIME if there is none.
     """

@@ -58,7 +58,7 @@ class Tally:
     def __init__(self, most: int = MOST) -> None:
         self._most = most
         self._cells: dict[int, Cell] = {}
-        self._shift = 0  # a value shifted right by this is the number of its cell
+        self._shift = 0  # `value >> _shift` is the number of the cell of a value
 
     def __len__(self) -> int:
         return len(self._cells)
@@ -307,7 +307,7 @@ class Measure(Listener):
             self._tally.add(value, at)
 
     def take_unfinished(self, value: int, at: int) -> None:
-        """Take the value of an unfinished occurrence, which exceeds all earlier values."""
+        """Take the value of an unfinished occurrence. The value must exceed all earlier values."""
         least, least_at, alone = self.least, self.least_at, not self.count
         self.take(value, at)
         self.cut_off += 1

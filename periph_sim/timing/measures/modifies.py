@@ -8,8 +8,8 @@ A read-modify-write is judged as soon as its read is so old that no later write 
 firmware intends to clear at a place in its code are known at the end of the run. Reads without a write are dropped, and
 flags that may have been lost are counted by place, so memory does not grow with the run.
 
-The measure of lost flags takes its result from them. `raced`, `losing` and `clearing` return the register that a
-measure of races or of lost flags names.
+The measure of lost flags counts these flags. `raced`, `losing` and `clearing` return the register that a measure of
+races or of lost flags names.
 
 Reads and writes are matched as `records/read_modify_write.py` matches them in a recording of a whole run. Both modules
 use `records/cleared_flags.py` to judge the cleared flags.

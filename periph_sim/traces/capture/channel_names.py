@@ -81,7 +81,7 @@ def _line(channel: Channel) -> _Line | None:
 
 
 def _same(line: _Line, other: _Line) -> bool:
-    """Return True if the edges of two lines are equal: they seem to be one wire in two scopes of a simulation."""
+    """Return True if two lines have equal edges, and so seem to be one wire in two scopes of a simulation."""
     a, b = line.channel, other.channel
     return line.line == other.line and len(a.edges) > 0 and a.initial == b.initial and np.array_equal(a.edges, b.edges)
 

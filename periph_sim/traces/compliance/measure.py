@@ -135,7 +135,7 @@ class Measures:
 
     times: a dictionary from the symbol of each limit that a capture can show to its measured times.
     starts: the number of STARTs and repeated STARTs.
-    shared: the positions at which both lines change. The order of these two edges is unknown.
+    shared: the positions at which both lines change. The order of the two edges at such a position is unknown.
     coarse: True if the mode allows pulses of SCL that are shorter than a sample.
     blind: True if `coarse` is True and a level of SCL lasts only one sample. Shorter levels were possibly missed.
     """
@@ -288,9 +288,9 @@ class _Part:
         }
 
     def _by(self, edge: NDArray[np.intp]) -> Parties:
-        """Return for each pulse the party that caused an edge of SDA in its low phase.
+        """Return for each pulse the party that caused a given edge of SDA in the low phase before the pulse.
 
-        edge: for each pulse, the index of this edge.
+        edge: for each pulse, the index of the given edge.
         """
         return np.where(self._levels[edge] == 0, self._driver, self._driver_before).astype(np.uint8)
 

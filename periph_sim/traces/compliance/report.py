@@ -117,7 +117,7 @@ def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolutio
 
 
 def _worst(found: Measured, culprits: Flags, bounds: Bounds, resolution: Resolution) -> tuple[Occurrence, ...]:
-    """Return the worst of the times that `culprits` marks: those furthest beyond the limit, or else nearest to it."""
+    """Return the worst times marked in `culprits`: those that exceed the limit most, or are nearest to the limit."""
     which = np.flatnonzero(culprits)
     lengths = found.lengths[which]
     beyond = np.full(len(which), np.iinfo(np.int64).min)
@@ -215,7 +215,7 @@ RULES = ("symbol", "from -> to", "worst begins at", "by")
 
 
 def as_json(report: Report) -> dict[str, object]:
-    """Convert a report to JSON. The ends of the keys state the units of times; positions are those of the capture."""
+    """Convert a report to JSON. Values of keys with the ends `_s` and `_ns` are times in seconds and nanoseconds."""
     return {
         "capture": report.name,
         "mode": report.mode.value,

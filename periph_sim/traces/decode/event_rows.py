@@ -97,7 +97,7 @@ def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
     """Return the rows of an I2C table.
 
     The detail of a complete or cut byte is its direction, and also the purpose if the address is reserved. If a
-    repeated START is followed by a 10-bit address with R/W = 1, the value of its row has all ten bits of the address.
+    repeated START is followed by a 10-bit address with R/W = 1, the value of the address row has all ten bits.
 
     bus: the number of the bus.
     """

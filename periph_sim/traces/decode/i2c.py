@@ -146,7 +146,7 @@ class Phase:
 class Transfer:
     """A transfer from START to STOP.
 
-    stop: the STOP; None if the capture, or its known part, ends before it.
+    stop: the STOP; None if the capture, or its known part, ends before the STOP.
     gap: the number of positions from the previous STOP to the START; None if the previous STOP was not captured.
     lead: the pulses of SCL before the first START of the capture, or of its known part. A transfer with such pulses has
         no phases, because its START was not captured and the boundaries of its bytes are unknown.

@@ -33,7 +33,7 @@ OF_COUNTED = np.array(COUNTED, np.int64)
 
 
 class I2cRowKind(IntEnum):
-    """Kind of a row. CUT: bits of a byte that a START, a STOP or the end of the capture cut off."""
+    """Kind of a row. CUT: a byte that is incomplete because of a START, a STOP or the end of the capture."""
 
     START = 0
     REPEATED_START = 1
@@ -145,7 +145,7 @@ def i2c_edges(capture: Capture, scl: str | int, sda: str | int, glitch: int = 0)
 
 
 def _edges(line: Channel, level: int) -> Positions:
-    """Return the edges to a level, which are every second edge."""
+    """Return the positions of the edges to a level, which are every second edge of the line."""
     return line.edges[int(line.initial == level) :: 2]
 
 
@@ -182,7 +182,7 @@ def _table(edges: I2cEdges) -> I2cTable:
 
 
 def bit_counts(edges: I2cEdges) -> Counts:
-    """Return the number of bits between each condition and the next one; 0 for a STOP."""
+    """Return for each START the number of bits up to the next condition; 0 for a STOP."""
     counts = np.diff(edges.seen, append=len(edges.rises))
     partial = counts[:-1] % BITS
     counts[:-1] += OF_COUNTED[partial] - partial
@@ -318,7 +318,7 @@ class LongLows(NamedTuple):
 
 
 def long_lows(capture: Capture, scl: Channel, sda: Channel, glitch: int = 0) -> LongLows:
-    """Return the low phases of SCL that are longer than 1.5 times the median, and than the median plus two samples.
+    """Return the low phases of SCL that are longer than both 1.5 times the median and the median plus two samples.
 
     glitch: as in `i2c_table`.
     """

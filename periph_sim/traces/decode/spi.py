@@ -118,7 +118,7 @@ def _events(
 
 
 def _words(format_: SpiFormat, latches: Positions, mosi: Channel | None, miso: Channel | None) -> list[Event]:
-    """Decode the words whose latching edges are `latches`. All of them are between two changes of the chip select."""
+    """Decode words from latching edges. All these edges are between two successive changes of the chip select."""
     streams = [None if line is None else line.at(latches).tolist() for line in (mosi, miso)]
     found: list[Event] = []
     for begin in range(0, len(latches), format_.bits):

@@ -43,7 +43,7 @@ NEAR = 0.035
 SHAPES = ("5n1", "6n1", "7n1", "7e1", "7o1", "8n1", "8e1", "8o1", "9n1")
 PLAIN = "8n1"
 ENOUGH = 6  # minimum number of different values that must agree with a shape other than PLAIN
-CLEAN = 0.005  # a shape decodes without errors if its share of wrong frames exceeds the smallest by at most CLEAN
+CLEAN = 0.005  # maximum share of wrong frames of an accepted shape, in addition to the smallest share of all shapes
 
 MANY = 12  # minimum number of pulses from which a constant lengthening of all pulses can be estimated
 LOOKED_AT = 20_000  # maximum number of edges on which a shape is tried
@@ -54,14 +54,14 @@ LONGEST = 10.5  # maximum length of a low pulse in bits, for a start bit and nin
 class Guess:
     """The estimated settings of a line.
 
-    line: the estimated settings; the baud rate is usually rounded to a usual one.
+    line: the estimated settings. The baud rate is a usual baud rate if `measured` is near a usual baud rate.
     measured: the baud rate according to the edges.
     frames: the number of decoded frames.
     errors: the share of wrong frames among the decoded frames.
     off: the average difference of low pulses from a whole number of bits, in bits.
     also: other shapes that decode equally well, but are less likely or supported by fewer values.
     sure: a certainty from 0 to 1, which is no probability. The value is small if frames are few, if frames are wrong,
-        if `off` is large, or if too few values exclude another shape.
+        if `off` is large, or if another shape fits, but has too few values for a decision.
     """
 
     line: Line

@@ -43,7 +43,7 @@ def diff_i2c(
     """Return the differences of two I2C captures.
 
     lines: the names of SCL and SDA in A, and also in B unless `lines_b` is given.
-    tolerance: the allowed lateness or earliness in seconds. None allows the sum of one position of each capture.
+    tolerance: the allowed lateness or earliness in seconds, by default one position of A plus one position of B.
 
     Raise LookupError if a channel is missing, and ValueError if a capture has no rate.
     """
@@ -124,7 +124,8 @@ class KindSummary:
 
     both: the number of events in both captures.
     changed: the number of events in both captures whose content differs.
-    missing, inserted: the numbers of events that are only in A and only in B.
+    missing: the number of events that are only in A.
+    inserted: the number of events that are only in B.
     median: the median lateness in ticks; None if no event is in both captures.
     worst: the entry that is latest or earliest; None if no event is in both captures.
     """
@@ -143,8 +144,8 @@ class TraceDiff:
     """The result of comparing two captures.
 
     ticks: the number of ticks per second.
-    offset: the time in B minus the time in A of the first event in both captures, in ticks; None if there is no such
-        event.
+    offset: for the first event that is in both captures, its time in B minus its time in A, in ticks; None if no event
+        is in both captures.
     tolerance: the greatest lateness or earliness, in seconds, that does not count as a difference.
     """
 
@@ -242,8 +243,8 @@ def compared(
 
     names: the names of captures A and B.
     rates: the numbers of positions per second of A and B.
-    tolerance: the allowed lateness or earliness in seconds. None allows the sum of one position of each capture,
-        because sampling alone can cause such a difference.
+    tolerance: the allowed lateness or earliness in seconds, by default one position of A plus one position of B.
+        Sampling alone can cause this difference.
     """
     rate_a, rate_b = rates
     ticks = lcm(rate_a.numerator, rate_b.numerator)

@@ -174,7 +174,10 @@ def place_by_time(runs: Sequence[Run], a: Numbers, b: Numbers, time_a: Times, ti
 
 
 def _split(runs: list[Run], a: Numbers, b: Numbers) -> list[list[int]]:
-    """Return each run as a list of a, b and length. Empty runs divide a gap of repetitions into one gap for each."""
+    """Return the runs, each as a list [a, b, length].
+
+    A gap that consists of repetitions is divided by empty runs into one gap for each repetition.
+    """
     found: list[list[int]] = []
     for before, behind in pairwise(runs):
         found.append(list(before))
@@ -189,7 +192,7 @@ def _split(runs: list[Run], a: Numbers, b: Numbers) -> list[list[int]]:
 
 
 def _period(items: Numbers) -> int:
-    """Return the shortest length after which the items repeat, and of which their number is a multiple; at least 1."""
+    """Return the length of the shortest part whose repetition gives all items; 1 if there are no items."""
     size = len(items)
     return next((n for n in range(1, size) if not size % n and np.array_equal(items[n:], items[:-n])), max(size, 1))
 
@@ -197,7 +200,7 @@ def _period(items: Numbers) -> int:
 def _moved(
     before: list[int], behind: list[int], gap: int, long: int, items: Numbers, time_short: Times, time_long: Times
 ) -> int:
-    """Return the number of items by which a gap moves to the right. The number is negative for a move to the left.
+    """Return the number of items by which a gap moves to the right, which is towards later items; negative to the left.
 
     before, behind: the runs before and behind the gap.
     gap: the number of items in the gap.

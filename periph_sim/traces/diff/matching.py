@@ -176,8 +176,8 @@ class Pairing:
     def _block(self, a: Sequence[Group], b: Sequence[Group]) -> Iterator[Pair]:
         """Pair the events of groups that are not equal.
 
-        If an alignment of the single events has at least half as many equal pairs as other entries, it is used.
-        Otherwise similar groups are paired.
+        First the single events are aligned. The result is used if the number of pairs of equal events is at least half
+        of the number of all other pairs. Otherwise similar groups are paired.
         """
         if len(a) == len(b) and all(shape(one) == shape(other) for one, other in zip(a, b, strict=True)):
             for one, other in zip(a, b, strict=True):

@@ -32,7 +32,7 @@ def text(diff: TraceDiff, everything: bool = False) -> str:
 
 
 def as_json(diff: TraceDiff, everything: bool = False) -> dict[str, object]:
-    """Convert a diff to JSON, with times in seconds and positions as in the captures.
+    """Convert a diff to JSON, with times in seconds.
 
     everything: True to include events that do not differ.
     """
@@ -68,7 +68,7 @@ def as_json(diff: TraceDiff, everything: bool = False) -> dict[str, object]:
 
 
 def duration(seconds: Fraction) -> str:
-    """Format a duration with its sign, in microseconds. From 10 ms it is in milliseconds, and from 10 s in seconds."""
+    """Format a duration with its sign: in us if it is below 10 ms, in ms if it is below 10 s, otherwise in seconds."""
     us = float(seconds * 10**6)
     if abs(us) < 10_000:
         return f"{us:+.3f} us"

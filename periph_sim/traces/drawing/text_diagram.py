@@ -58,7 +58,7 @@ class _Slices:
     def column(self, at: float) -> int:
         """Return the column of a time. The result is below 0, or `count` or more, if the time is not in the window.
 
-        A time that is before a column only because of a rounding error of floats counts as in this column.
+        A time that is before a column only because of a rounding error of floats is assigned to this column.
         """
         return floor((at - self.begin) / (self.end - self.begin) * self.count + 1e-6)
 

@@ -52,7 +52,10 @@ REFUSED = {  # a dictionary from each suffix that cannot be read to a descriptio
 
 
 class Format(Protocol):
-    """The definitions of a format. A format that can only be written, or only be read, lacks the other functions."""
+    """The definitions of a format.
+
+    A format that cannot be read has no `recognises` and `read`. A format that cannot be written has no `write`.
+    """
 
     NAME: str
     SUFFIXES: tuple[str, ...]
@@ -206,10 +209,11 @@ NO_ROOM = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO)
 
 @contextmanager
 def atomic_write(path: Path) -> Iterator[Path]:
-    """Yield a temporary path with the same suffix. The file there replaces `path` when the block ends without an error.
+    """Yield a temporary path with the same suffix.
 
-    Links are followed. A device or pipe, such as /dev/stdout, is not replaced; instead the bytes are copied to the
-    device when the block ends. If the block raises, the temporary file is removed and the file at `path` is unchanged.
+    The file at the temporary path replaces the file at `path` when the block ends without an error. If the block raises
+    an error, the temporary file is removed and the file at `path` is unchanged. Links are followed. A device or pipe,
+    such as /dev/stdout, is not replaced; instead the bytes are copied to the device when the block ends.
 
     Raise BadCapture if no file can be created, if the disk is full, or if the present command has read the file at
     `path`, because an output never replaces an input.

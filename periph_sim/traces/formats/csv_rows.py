@@ -26,7 +26,7 @@ MOST_INT64 = 1 << 62  # maximum time that is stored in 64 bits
 def numbered_rows(path: Path, file: IO[str], expected: str, way_out: str) -> Iterator[tuple[int, list[str]]]:
     """Yield the line number and the cells of every row that is not empty.
 
-    expected, way_out: parts of the message if a row cannot be split into cells. Then BadCapture is raised.
+    expected, way_out: parts of the message of BadCapture, which is raised if a row cannot be split into cells.
     """
     rows = csv.reader(file, skipinitialspace=True)
     try:

@@ -123,7 +123,7 @@ def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any
 
 
 def _ticks(head: dict[str, Any]) -> Fraction | None:
-    """Return the number of ticks per second; None if the file does not state it."""
+    """Return the number of ticks per second; None if the file states no timescale."""
     if not head["factor"] or head["exponent"] is None:
         return None
     factor, exponent = int(head["factor"]), int(head["exponent"])

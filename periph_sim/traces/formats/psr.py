@@ -184,7 +184,7 @@ def _said(error: Exception) -> str:
 
 
 def _column(path: Path, archive: zipfile.ZipFile, name: str, dtypes: tuple[str, ...]) -> NDArray[Any]:
-    """Read the array of a member. Its type and size are checked before memory is allocated."""
+    """Read the array of a member. The type and the size of the array are checked before memory is allocated."""
     try:
         size = archive.getinfo(f"{name}.npy").file_size
     except KeyError:
@@ -348,7 +348,7 @@ def _channel(table: RecordTable, place: int, entry: dict[str, Any], length: int)
 
 
 def _at_rate(capture: Capture, rate: Fraction) -> Capture:
-    """Convert a capture to a rate. If positions are samples, only the rate changes; ticks are converted to samples.
+    """Convert a capture to a rate. If positions are samples, only `rate` changes; otherwise ticks become samples.
 
     Raise BadCapture if an edge is between two samples, or if two edges of a channel are in one sample.
     """

@@ -53,7 +53,7 @@ TOPIC = TABLES[:3]
 
 
 class Topics(NamedTuple):
-    """The combinations of kind, where and what that occur in a table.
+    """The topics that occur in a table. A topic is a combination of kind, where and what.
 
     indices: for each topic, the three indices of kind, where and what into `names`.
     row: for each row of the table, the number of its topic.
@@ -160,7 +160,7 @@ class _Strings:
 
 
 class Columns(RecordSink):
-    """Collector of records; `table` returns them as arrays."""
+    """Collector of records. The method `table` returns the collected records as arrays."""
 
     _tags: Buffer[UInt32]
     _text_places: Buffer[UInt32]

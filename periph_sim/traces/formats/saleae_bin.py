@@ -118,7 +118,7 @@ class _Grid:
         return near.astype(np.int64)
 
     def nearest(self, path: Path, time: float) -> int:
-        """Return the position nearest to the begin or end of a chunk, which is between two samples in some files."""
+        """Return the position nearest to the begin or end of a chunk, even if this time is between two samples."""
         return round(float(self._exact(path, np.array([time]))[0]))
 
     def _exact(self, path: Path, times: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -376,7 +376,7 @@ def _changes(words: Words, last: int) -> NDArray[np.int64]:
 
 
 def _words(block: memoryview, unitsize: int) -> Words:
-    """Return little-endian samples of 1 to 8 bytes as an array of the next wider machine word."""
+    """Return little-endian samples of 1 to 8 bytes as an array of the narrowest machine words that can hold them."""
     if unitsize in (1, 2, 4, 8):
         return np.frombuffer(block, f"<u{unitsize}")
     wide = np.zeros((len(block) // unitsize, 4 if unitsize == 3 else 8), np.uint8)

@@ -195,7 +195,7 @@ def write_to(file: IO[bytes], capture: Capture) -> tuple[str, ...] | None:
 
 
 def _check_writable(capture: Capture, path: Path) -> None:
-    """Raise BadCapture if a capture cannot be written, with all reasons and the options that remove them."""
+    """Raise BadCapture, with all reasons and the options that help, if a capture cannot be written."""
     found, expected, options = [], [], []
     if not 1 <= (count := len(capture.channels)) <= MOST_WIDE:
         found.append(f"{count} channels")
@@ -221,7 +221,7 @@ def _check_writable(capture: Capture, path: Path) -> None:
 
 
 def _few_names(capture: Capture) -> list[str]:
-    """Return the first channels that are named like those of a bus or a serial line, or else the first two."""
+    """Return the names of the first channels called SCL, SDA, RX and TX; without any, the names of two channels."""
     usual = [found[0].name for line in ("scl", "sda", "rx", "tx") if (found := channels_named(capture, line))]
     return usual or [channel.name for channel in capture.channels[:2]]
 

@@ -24,7 +24,7 @@ LETTERS = "01x"
 
 
 def write(capture: Capture, path: Path) -> None:
-    """Write a capture as the source of a picture. Raise BadCapture if it is too long for a picture."""
+    """Write a capture as the source of a picture. Raise BadCapture if the capture is too long."""
     edges = sum(len(channel.edges) for channel in capture.channels)
     if edges > MOST_EDGES:
         _refuse(capture, f"{edges} edges", f"at most {MOST_EDGES}")

@@ -64,7 +64,7 @@ def asked_for(
     shortest: pulses of fewer positions are ignored as glitches.
 
     Raise ClickException if an option is invalid or names a channel that the capture does not have. Without options,
-    raise it if no channel has a usual name, or if nothing can be decoded.
+    raise ClickException if no channel has a usual name, or if nothing can be decoded.
     """
     if i2cs or uarts or spis:
         serial = (bus for text in uarts for bus in _uart(capture, text, shortest))

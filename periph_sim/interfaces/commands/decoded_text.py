@@ -120,7 +120,7 @@ def events(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, fu
     buses: the name of each bus.
     clock: None if the capture has no sample rate.
     style: table or csv, with a first line of titles; or json, with an object on each line.
-    full: True to show in a table the ends of rows, and positions beside times. CSV and JSON always have them.
+    full: True to show the end of each row, and positions beside times, in a table. CSV and JSON always show these.
     """
     titles, head = _head(rows, buses, clock, style, full)
     yield (titles + TITLES[style]).encode()

@@ -1,4 +1,4 @@
-"""The display of `serve` while it runs, in the terminal or on a page."""
+"""The display of a live session of `periph-sim serve`, in the terminal or on a page."""
 
 from __future__ import annotations
 

@@ -311,7 +311,7 @@ def show_history(divergence: Divergence) -> None:
 
 
 def _polls_as_one(changes: list[Change]) -> list[Change]:
-    """Return the changes without those that have the same register and value as the previous change, as polls have."""
+    """Return the changes, but only the first of consecutive changes with the same register and value, such as polls."""
     return [
         change
         for before, change in zip([None, *changes], changes, strict=False)

@@ -59,8 +59,8 @@ def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]
 def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, int | None]:
     """Start the child process of a session with cases if there is none yet. Report the end of the session.
 
-    There is none yet if the environment is that of a pytest-xdist worker. A test in a worker can start a session that
-    is not a worker, and this session inherits the environment.
+    In the environment of a pytest-xdist worker, `pytest_load_initial_conftests` starts no child process. A session that
+    a test starts inherits this environment, although the session is not a worker.
     """
     if _in_tests:
         return (yield)
@@ -115,7 +115,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
 def scene(pytestconfig: pytest.Config) -> SceneFactory:
     """Return a function that builds and runs a case.
 
-    Call it as scene(file or firmware function, *changes, seconds=None, record=False, ...) -> Run.
+    Call this function as scene(file or firmware function, *changes, seconds=None, record=False, ...) -> Run.
     """
     from .fixtures import SceneFactory
 

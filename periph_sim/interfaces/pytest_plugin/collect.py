@@ -60,7 +60,7 @@ class CaseFile(pytest.File):
             yield item
 
     def run(self) -> Any:
-        """Return the run of the case, which is made once for all tests. If it failed, each call raises its error."""
+        """Return the run of the case, which is made once for all tests. If the run fails, each call raises the error."""
         from .runs import run_plan
 
         if self._failed is not None:

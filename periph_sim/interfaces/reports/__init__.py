@@ -5,4 +5,4 @@ from ...f28335.memory.memory_map import NoSuchAddress
 from ...processor.user_code import FirmwareError
 from ...scene.case.model import BadCase
 
-REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)  # errors of a case that cannot be run
+REFUSED = (BadCase, SimulationStuck, NoSuchAddress, FirmwareError)  # errors that are raised if a case cannot be run

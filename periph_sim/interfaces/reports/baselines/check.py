@@ -146,9 +146,9 @@ def check(
     on_refused: a function that is called with each case that cannot be run or compared, or that needs an outside party.
         The other cases continue.
 
-    Raise BadCheck if `on_refused` is None and there is a case for which it would be called. If `update` is True, also
-    raise BadCheck if a case cannot be run. A script that calls this function with more than one process needs the usual
-    `if __name__ == "__main__":`.
+    Raise BadCheck if `on_refused` is None and a case cannot be run or compared or needs an outside party. If `update`
+    is True, raise BadCheck if a case cannot be run. A script that calls this function with more than one process needs
+    the usual `if __name__ == "__main__":`.
     """
     files = case_files(paths)
     refused: list[RejectedCase] = []

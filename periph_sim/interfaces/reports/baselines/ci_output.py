@@ -4,8 +4,8 @@ JUnit XML: each case is a test suite. It has a test case for each budget, and a 
 findings about the whole case. Properties contain the figures. A budget that must break passes if it breaks.
 
 Annotations: one line per failing budget. Source: GitHub's "Workflow commands for GitHub Actions":
-`::error file=...,line=...::message`. In messages, %, carriage return and line feed are written as %25, %0D and %0A. In
-properties such as `file`, : and , are also replaced, by %3A and %2C.
+`::error file=...,line=...::message`. Percent signs, carriage returns and line feeds are written as %25, %0D and %0A.
+In properties such as `file`, colons and commas are also written as %3A and %2C.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@ from .event_chain import PART, EventLine, first_divergence, first_moved
 from .files import Baseline, Figures
 
 NOTES = ("events", "polls_skipped")
-EARLIER = ("byte_level", "sci_frames", "sci_frames_passed")  # counts of the simulation that only earlier versions wrote
+EARLIER = ("byte_level", "sci_frames", "sci_frames_passed")  # counts that only earlier versions wrote to baselines
 NOT_EARLIER = ("SCI bytes from units",)  # counts that the versions with the counts in EARLIER did not write
 CHAIN = "chain"
 BUS_BYTES = "bus bytes"

@@ -274,7 +274,7 @@ class Evidence:
         return self._lows("SCL")
 
     def low_since(self, wire: str, tick: int) -> int | None:
-        """Return the tick of the last fall of a wire that is low at `tick`; None if it is high or does not exist."""
+        """Return the last tick, up to `tick`, at which a wire fell; None if the wire is high or does not exist."""
         return next((fall for fall, rise in self._lows(wire) if fall <= tick < rise), None)
 
     def channel(self, name: str) -> Channel | None:

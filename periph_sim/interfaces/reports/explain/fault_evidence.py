@@ -1,4 +1,4 @@
-"""Causes of a wrong byte, a NACK or a hang: Steps with the write or read that caused it.
+"""Causes of a wrong byte, a NACK or a hang: Steps with the write or read that is the cause.
 
 byte on the bus --> the write of I2CDXR from which it came, possibly for another read; FF --> why SDA is not driven
 NACK of an address --> the write of I2COAR, IRS = 0, or the missing write; NACK of a byte --> NACKMOD = 1

@@ -309,7 +309,7 @@ def _is_length(verdict: Verdict) -> bool:
 def _with_stretch(window: Window) -> Window:
     """Return a window whose occurrence is the stretch, if the verdict is about a stretch; else the window itself.
 
-    Without this function, the occurrence would be a whole phase. The stretch is the longest low time of SCL in it.
+    Before this call, the occurrence is a whole phase. The stretch is the longest low time of SCL in this phase.
     """
     event = event_of(window.verdict)
     if event is None or event.how != "stretch" or window.begin == window.end:

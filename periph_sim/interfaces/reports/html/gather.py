@@ -177,7 +177,10 @@ def report_of_file(
 def _others(
     case: Case, per_second: int, verdicts: Sequence[Verdict], overs: Sequence[OverTime | None]
 ) -> list[Verdict]:
-    """Return further occurrences beyond the limits of failed budgets. Each is a verdict with another worst value."""
+    """Return further occurrences beyond the limits of failed budgets, as verdicts.
+
+    The worst value and the instant of such a verdict are those of the occurrence.
+    """
     found = []
     for verdict, over in zip(verdicts, overs, strict=True):
         if over is None or not verdict.broken or verdict.name in case.breaks or verdict.at_s is None:

@@ -324,7 +324,7 @@ def _apart(job: Job, text: list[str]) -> list[Row]:
 def _begins() -> bool:
     """Return True if a worker process can start.
 
-    A worker imports the running script. It cannot start if the script itself starts workers when it is imported.
+    A worker imports the running script. If the import itself starts workers, the worker cannot start.
     """
     with processes(1) as pool:
         try:

@@ -82,7 +82,7 @@ class Errors:
     """The errors of a run in comparison with the reference run.
 
     judged: the number of budgets that the reference run judges.
-    differ: those of these budgets that have another verdict in the run.
+    differ: the names of the budgets that the reference run judges, and that have another verdict in the run.
     time: the largest error of an occurrence of a budget that limits a time.
     value: the largest error of the chips' data in LSB; if only other reads differ, the number of bytes that differ.
     """

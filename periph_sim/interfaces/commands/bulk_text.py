@@ -95,7 +95,11 @@ class Words:
 
 
 class Sparse:
-    """Columns that are empty in most lines. where: the line of the n-th value of each column, in increasing order."""
+    """Columns that are empty in most lines.
+
+    columns: the columns; each has one value for each element of `where`.
+    where: the numbers of the lines that are not empty, in increasing order.
+    """
 
     def __init__(self, columns: Sequence[Column], where: Numbers) -> None:
         self._columns = columns

@@ -1,4 +1,4 @@
-"""`periph-sim serve CASE --pty`: run a case in real time. Other programs use its SCI as a serial port.
+"""`periph-sim serve CASE --pty`: run a case in real time. Other programs use an SCI of the case as a serial port.
 
 With --i2cdriver, other programs use the I2C bus of the case like the bus of an I2CDriver. The command prints the path
 of the port and, at the end, the verdicts and the lateness.

@@ -220,9 +220,9 @@ def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
 
 
 def note_of_device(evidence: Evidence, phase: RecordedPhase) -> tuple[list[Step], Part | None]:
-    """Return a step for the last note, up to the end of a read, about a rule of the device's manual that was broken.
+    """Return a step for the last broken rule that the device noted before the end of a read.
 
-    The second result is this note as the cause; None if the note is not the cause.
+    The second result is this broken rule as the cause; None if it is not the cause.
     """
     who = sender(evidence, phase)
     note = evidence.last(phase.end, Kind.NOTE, who, "duty")

@@ -92,9 +92,9 @@ def looks_at(measure: Measure, record: Record) -> bool:
 
 
 def _at(evidence: Evidence, measure: Measure, tick: int) -> Record | None:
-    """Return the record at an end of an occurrence: the best match near a tick, or None if there is no match.
+    """Return the record at an end of an occurrence, given the tick of this end; None if there is no record.
 
-    "Near" means within the rounding error of a verdict's instant (see `Evidence.slip`).
+    The tick of the record may differ by the rounding error of a verdict's instant (see `Evidence.slip`).
     """
     window = evidence.window
     near = [r for r in window.records if abs(r.tick - tick) <= evidence.slip]

@@ -159,7 +159,7 @@ def _numbers_or_texts(values: list[object]) -> Column:
 
 
 AT_A_TIME = 8  # number of runs that are sent to a worker together, because sending takes as long as a short run
-FEW = 64  # up to this number of runs, runs are sent one by one, so that all workers receive some
+FEW = 64  # if a sweep has at most this number of runs, they are sent one by one, so that all workers receive some
 
 Program = Callable[[Any, Any], None]
 

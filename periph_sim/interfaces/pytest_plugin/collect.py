@@ -60,7 +60,7 @@ class CaseFile(pytest.File):
             yield item
 
     def run(self) -> Any:
-        """Return the run of the case, which is made once for all tests. If it fails, every call raises the same error."""
+        """Return the run of the case, which is made once for all tests. If it fails, every call raises the error."""
         from .runs import run_plan
 
         if self._failed is not None:

@@ -140,7 +140,7 @@ def case_report(
     failed = {verdict.name for verdict in result.budgets if not verdict.passed}
     broken = {verdict.name for verdict in result.budgets if verdict.broken}
     as_said = bool(case.breaks) and failed == broken == set(case.breaks) and not result.stuck
-    devices = tuple(f"{name}, " for name in (*case.chip, *case.device))  # notes of devices come first
+    devices = tuple(f"{name}, " for name in (*case.chip, *case.device))  # notes that begin with these names come first
     return CaseReport(
         name=case.name,
         about=case.about,

@@ -95,8 +95,8 @@ class Timeline:
     begin, end: the begin and the end of the occurrence.
     per_second: the number of ticks per second.
     cycles: a dictionary from units to ticks per SYSCLKOUT cycle. Lanes without a unit use the value of the first unit.
-    shown: the range that is visible at first.
-    kept: the available ranges, one or two.
+    shown: the range of ticks that is visible at first.
+    kept: the one or two ranges of ticks whose records were kept.
     groups: name and lanes of each group.
     says: the texts that lanes refer to by index.
     rows: the rows of the protocol table, in time order.

@@ -150,7 +150,7 @@ class Grid:
         return np.logical_or((self.off > allowed[:, None]).any(axis=0), np.isnan(self.codes.exact).any(axis=0))
 
     def how(self, arithmetic: str) -> Happens:
-        """Return the effect at the first point, at which the codes deviate."""
+        """Return the effect that makes the codes at the first point deviate."""
         if np.isnan(self.codes.exact[:, 0]).any():
             return "NaN"
         return overflow_of(arithmetic) if self.codes.overflown[0] else "off"

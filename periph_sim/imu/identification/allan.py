@@ -122,7 +122,7 @@ def allan(samples: Floats, period: float, counts: Sequence[int] | None = None) -
             raise BadSeries(f"an average over {m} of {length} samples; expected 1 to {length // 2}")
     sums = np.empty(length + 1)
     sums[0] = 0.0
-    # The mean does not affect the Allan variance, but would reduce the precision.
+    # The mean is subtracted: it does not affect the Allan variance, but would reduce the precision of the sums.
     np.cumsum(samples - samples.mean(), out=sums[1:])
     variance = np.array([_variance(sums, m) for m in wanted])
     taken = np.array(wanted, dtype=np.int64)

@@ -107,7 +107,8 @@ class Gyroscope(SensorEquations[T]):
 
         phi', theta', psi' --> p, q, r --> mounting --> deg/s --> + bias + noise + g_sens * a --> codes
 
-    Source: equation 4.5. As built, p, q, r are taken to be phi', theta', psi' (section 4.3.2). Corrected (appendix B):
+    Source: equation 4.5. a is the linear acceleration in g. As built, p, q, r are taken to be phi', theta', psi'
+    (section 4.3.2). Corrected, they are the body rates (appendix B):
 
         p = phi' - psi' sin(theta)
         q = theta' cos(phi) + psi' sin(phi) cos(theta)

@@ -45,9 +45,9 @@ class SensorParameters(Checked, frozen=True):
 
     @property
     def matrix(self) -> tuple[Vector, Vector, Vector]:
-        """The matrix S, in LSB of each axis per unit on each axis.
+        """The matrix S. The element in row i and column k is the number of LSB on axis i per unit on axis k.
 
-        The diagonal is the scale. The other elements are cross_axis times scale, all with the same sign.
+        The diagonal elements are `scale`. The other elements are `cross_axis` times `scale`, all with the same sign.
         """
         on, off = self.scale, self.scale * self.cross_axis
         return (on, off, off), (off, on, off), (off, off, on)

@@ -49,7 +49,7 @@ def sine_and_cosine(angle: BigInt, bits: int) -> tuple[BigInt, BigInt]:
     is s + x (c + x (-s/2 - x c/6)), and the cosine is c + x (-s + x (-c/2 + x s/6)).
     """
     exact: BigInt = abs(angle) * STEPS_PER_RADIAN  # with bits + 24 fraction bits
-    exact = exact >> (bits - 8) if bits >= 8 else exact << (8 - bits)  # with 32 fraction bits
+    exact = exact >> (bits - 8) if bits >= 8 else exact << (8 - bits)  # now with 32 fraction bits
     k: BigInt = (exact >> 32) & (TURN - 1)
     x: BigInt = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # in rad with 32 fraction bits
     s: BigInt = SINE[k]

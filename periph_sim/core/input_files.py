@@ -58,7 +58,7 @@ def read_regular(path: Path, most: int = MOST) -> bytes:
     """Return the bytes of a file. Raise OSError if it is not a regular file or has more than `most` bytes."""
     with open_regular(path, most) as file:
         data = file.read(most + 1)
-    if len(data) > most:  # the file grew, or the system does not know its size, as in /proc
+    if len(data) > most:  # the file has grown, or the system does not know the file's size, as in /proc
         raise _refused(path, f"Longer than {most} bytes")
     return data
 

@@ -312,7 +312,7 @@ class Recorder:
         return any(not isinstance(party, Listener | RecordSink) for party, _ in self._parties[kind])
 
     def subjects(self, kind: Kind) -> frozenset[str] | None:
-        """Return the subjects of this kind that subscribers need; None if a subscriber needs all."""
+        """Return the subjects of this kind that subscribers need; None if any subscriber needs all subjects."""
         return None if kind in self._of_all else frozenset(self._subjects[kind])
 
     def named(self, kind: Kind) -> frozenset[str]:

@@ -238,7 +238,7 @@ class Socket(Agent):
     def publish(self, cycle: int, changed: int = ANY_CHANGED) -> None:
         """Update wires, requests, wake-up and records to the state of the chip after an input at `cycle`.
 
-        changed: PINS_CHANGED if only `out` and `next_wake` can have changed.
+        changed: ANY_CHANGED, or PINS_CHANGED if only `out` and `next_wake` can have changed.
         """
         chip = self.chip
         if chip.out != self._out:

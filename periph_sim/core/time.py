@@ -2,7 +2,7 @@
 
 The tick rate is the LCM of 1 GHz and all clocks whose cycles must be whole ticks: with SYSCLKOUT at 150 MHz a tick is
 1/3 ns and a cycle 20 ticks. For other clocks (a ppm error, a 24 MHz analyser) the exact time of the n-th edge is
-rounded down to a tick, so they never drift.
+rounded down to a tick, so these clocks never drift.
 """
 
 # core: compiled

@@ -3,7 +3,7 @@
     the build matches the sources --> the compiled modules are imported
     it does not                   --> the Python sources are imported, and `note` contains the reason
 
-A build stores one digest of all sources from which it was made. It is ignored in two cases:
+A build stores one digest of all sources from which it was made. A build is ignored in two cases:
 
 - A source has changed since the build. Compiled code therefore always matches the sources.
 - The size of its library has changed. Loading a truncated library would end the process without a message.

@@ -192,7 +192,7 @@ MODULE = "I2C-A"
 def bit_skip_of(context: SceneContext, controller: I2cController | None, units: Mapping[str, Dsp]) -> BitSkip:
     """Return the object that simulates seven bits of a byte on SCL and SDA in one step.
 
-    controller: the agent that drives SCL; None if the unit that is the master drives it.
+    controller: the agent that drives SCL; None if a unit is the master and drives SCL.
     """
     from ..bus.i2c.bit_skip import BitSkip
     from ..bus.i2c.skipping_controller import SkippingController

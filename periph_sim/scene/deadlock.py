@@ -218,7 +218,7 @@ def _instant(scene: Scene, tick: int) -> str:
 def _may_move(scene: Scene, stuck: set[str], wire: Wire, parties: list[str]) -> bool:
     """Return True if one of these parties may still change the wire, or if an event is due within SETTLED.
 
-    Stuck units, chips and devices that only answer, and a controller that waits within a round cannot change it.
+    Stuck units, chips and devices that only answer, and a controller that waits within a round cannot change the wire.
     """
     coming = scene.kernel.next_time()
     if coming <= scene.kernel.now + scene.timebase.ticks(SETTLED):

@@ -131,7 +131,7 @@ def check_outside(case: Case, wires: Mapping[str, Wire]) -> None:
 
 
 def not_run(case: Case) -> BadCase:
-    """Return the error for a run of a case that needs an outside party, because a run has none."""
+    """Return the error for a run of a case that needs an outside party, because a run has no outside party."""
     assert case.outside is not None
     wires = " and ".join(case.outside.wires)
     what = (

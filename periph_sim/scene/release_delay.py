@@ -48,7 +48,7 @@ class ReleaseDelay:
             self._touched = frozenset(touched)
         prescaler, emdr = chip.peek(now, I2CPSC), chip.peek(now, I2CEMDR)
         if len(touched) != len(self._touched):
-            touched.intersection_update(self._touched)  # open questions that only these reads touched do not count
+            touched.intersection_update(self._touched)  # names that only these reads have added are removed
         module = ((prescaler & IPSC) >> IPSC_PLACE) + 1
         copy = 0 if emdr & BCM else module
         self._cycles = copy + max(1, self._setup * module) + self._pin

@@ -1,4 +1,4 @@
-"""A unit of a case: the F28335 that a [unit.NAME] table describes, with its firmware started.
+"""A unit of a case: the F28335 that a [unit.NAME] table describes, with its started firmware.
 
 Case --unit_plan--> DspPlan, shared by all scenes of the case --build_unit--> Dsp with its firmware, for one scene
 """

@@ -62,7 +62,7 @@ class BudgetJudge:
     others: the judges of the earlier budgets in the scene.
     joined: the judges of the conditions that are joined to the budget.
     same_as: the earlier judge whose measure this judge shares, or None.
-    own_measures: the measures that this judge and its joined conditions add to the run; empty if it shares a measure.
+    own_measures: the measures that this judge and its joined conditions add to the run; empty if `same_as` is not None.
     """
 
     def __init__(

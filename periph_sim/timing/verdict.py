@@ -83,7 +83,7 @@ class Verdict:
 
     @property
     def counted(self) -> str:
-        """`count` as text. If values should have been measured at more events, the text is such as "3 of 500"."""
+        """`count` as text, such as "3"; "3 of 500" if values should have been measured at 500 events."""
         if self.occasions is None or self.measured >= self.occasions:
             return str(self.count)
         return f"{self.measured} of {self.occasions}"

@@ -87,7 +87,7 @@ class DeviceTable(BusParty, frozen=True, kw_only=True):
 
     model: str
     address: Address | None = None
-    own: dict[str, Any] = {}  # the keys that its model adds
+    own: dict[str, Any] = {}  # the keys that the device's model adds
 
 
 class WatchTable(Table, frozen=True, kw_only=True):
@@ -99,4 +99,4 @@ class WatchTable(Table, frozen=True, kw_only=True):
     wire: str
     tolerance: Length
     why: str = ""
-    own: dict[str, Any] = {}  # the keys that its kind adds
+    own: dict[str, Any] = {}  # the keys that the watcher's kind adds

@@ -69,7 +69,7 @@ def _case_in(source: Source, tree: dict[str, Any]) -> Case:
 
 
 def built(case: Case, source: Source) -> Case:
-    """Return a checked case to which `source` is added, and from which parties are removed that [outside] replaces."""
+    """Return a checked case with `source` added, and without the parties that its table [outside] replaces."""
     case = case.from_source(source)
     if case.outside is None:
         return case

@@ -132,7 +132,7 @@ class SerialTable(Table, frozen=True, kw_only=True):
     expect: tuple[ExpectTable, ...] = ()
 
     def value(self, key: str, entry: SerialEntry | None = None) -> Any:
-        """Return the value of a key of an entry, or of this table if the entry has none or is not given."""
+        """Return the value of a key in `entry`; that in this table if no entry is given or the entry lacks the key."""
         own = getattr(entry, key, None)
         return getattr(self, key) if own is None else own
 
@@ -142,7 +142,7 @@ class SerialTable(Table, frozen=True, kw_only=True):
         return UartFormat(bits, parity, stop, mode == "address-bit")
 
     def bit(self, entry: SerialEntry | None = None) -> Fraction:
-        """Return the nominal bit length of an entry, in seconds, or of this table if no entry is given."""
+        """Return, in seconds, the nominal bit length of `entry`, or of this table if no entry is given."""
         return Fraction(1, self.value("baud", entry))
 
 

@@ -140,7 +140,7 @@ class Origins:
         self._of: dict[int, Origin] = {}
 
     def of(self, phase: Phase) -> Origin | None:
-        """Return the origin of the data that a phase of the last transfer read; None if it read no chip."""
+        """Return the origin of the data that a phase of the last transfer read; None if the phase read no chip."""
         return self._of.get(id(phase))
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:

@@ -41,7 +41,7 @@ EVERYTHING = -1  # the mask of all bits of a value
 CHANGES = ("rise", "fall", "change")
 NOTES = ("duty", "lost", "unknown", "overflow")
 BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost", "stuck", "clear", "NACK")
-OF_AGENT = ("arbitration lost", "clear")  # recorded only by the controller of a case
+OF_AGENT = ("arbitration lost", "clear")  # events that only the controller of a case records
 OF_PAIRS = ("cut", "collision")
 FRAME_PARTS = ("begin", "end", "error", *OF_PAIRS)
 # In the text of a measure, only these words can follow an event; "" is the end of the text.

@@ -322,7 +322,7 @@ class MeasuredScene(Protocol):
         """Subscribe `reply`. Return the expected reply, and a function that returns why it was never requested."""
 
     def watcher(self, measure: WatchedWire) -> WireWatcher:
-        """Return the wire watcher with the name of the measure. It passes its results to the measure."""
+        """Return the wire watcher with the name of the measure. The watcher passes its results to the measure."""
 
     def rounds_at_start(self) -> Callable[[], bool]:
         """Return a function to call at the first START of each transfer; it returns True if a round begins."""

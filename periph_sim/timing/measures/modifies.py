@@ -197,7 +197,7 @@ class Modifies(RecordSink):
         self._known = 0  # number of entries of `_clocks` that were evaluated
         self._spare: Access | None = None  # the first of a linked list of Access objects that can be used again
         self._topics: list[Topic] = []  # the topics, indexed by tag
-        self.recent: dict[str, Recent] = {}  # from a unit to its accesses in the last cycles
+        self.recent: dict[str, Recent] = {}  # maps a unit to its accesses in the last cycles
         # `_registers` maps the unit and the name of a register to the judged register.
         self._registers: dict[tuple[str, str], ClearedRegister] = {}
 

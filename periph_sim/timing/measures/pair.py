@@ -112,7 +112,7 @@ class Between(EventMeasure):
         self._unsaid: bool = not pairing
         self._only_last: bool = pairing == "last"
         self._in_order: bool = pairing == "in order"
-        self._waiting = _Waiting()  # the waiting first events; with `by_unit`, only of the present record's unit
+        self._waiting = _Waiting()  # the waiting first events; with `by_unit`, those of the present record's unit
         self._of_unit: dict[str, _Waiting] = {} if by_unit else {"": self._waiting}
         self._by_unit = by_unit
         self._of_tag: list[_Waiting] = []

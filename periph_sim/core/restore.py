@@ -34,11 +34,9 @@ class NotRestorable(ValueError):
 def restore(snapshot: Snapshot, modules: Mapping[str, Module]) -> None:
     """Set each declared attribute of these modules.
 
-    Raise NotRestorable, with nothing changed, if any attribute cannot be set."""
-    plan = _Plan(snapshot, modules)
-    for name, module in modules.items():
-        plan.add(name, module)
-    plan.apply()
+    Raise NotRestorable, with nothing changed, if any attribute cannot be set.
+    """
+    _Plan(snapshot, modules).apply()
 
 
 class _Plan:
@@ -56,11 +54,10 @@ class _Plan:
         others = sorted(self._cycles.keys() ^ modules.keys())
         if others:
             raise NotRestorable(f"only one of the snapshot and the scene has {' and '.join(others)}")
-
-    def add(self, name: str, module: Module) -> None:
-        self._finds = {class_name(kind): keyed.find for kind, keyed in module.keys.items()}
-        self._now[Time.CYCLES] = self._cycles[name]
-        self._attributes(name, module.target)
+        for name, module in modules.items():
+            self._finds = {class_name(kind): keyed.find for kind, keyed in module.keys.items()}
+            self._now[Time.CYCLES] = self._cycles[name]
+            self._attributes(name, module.target)
 
     def apply(self) -> None:
         """Make all assignments, then call the method `restored` of all objects that have this method."""

@@ -143,8 +143,6 @@ def take_snapshot(
 ) -> Snapshot:
     """Return the state of these modules at tick `tick`. The modules do not change. number: that of the last record."""
     collector = _Collector(modules, tick, number)
-    for name, module in modules.items():
-        collector.add(name, module)
     return Snapshot(identity, tick, number, {name: one.cycle for name, one in modules.items()}, collector.values)
 
 
@@ -176,11 +174,10 @@ class _Collector:
         self._module = Module(None)
         self._in_chain = False
         self._now = {Time.TICKS: tick, Time.RECORDS: number}
-
-    def add(self, name: str, module: Module) -> None:
-        self._module = module
-        self._now[Time.CYCLES] = module.cycle
-        self._attributes(name, module.target)
+        for name, module in modules.items():
+            self._module = module
+            self._now[Time.CYCLES] = module.cycle
+            self._attributes(name, module.target)
 
     def _attributes(self, name: str, target: object) -> None:
         """Collect the declared attributes of an object. An attribute that is not set yet has no entry."""

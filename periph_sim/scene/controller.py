@@ -64,7 +64,14 @@ def head_plan(scale: CaseTicks) -> HeadPlan:
     table = scale.case.controller
     assert table is not None
     requests = _requests(scale.case, table, "controller")
-    startup = _startup(scale.case, table, requests)
+    startup: list[Request] = []
+    if table.initialise is not None:
+        addresses = {request.address for request in requests}
+        known = _sensors(scale.case, table).values()
+        startup = [request for sensor in known if sensor.address in addresses for request in sensor.startup]
+        if not startup:
+            what = "no known chip is asked, so there is none to set up"
+            raise scale.case.mistake(what, "controller", "initialise")
     by_stop = table.pointer_by == "STOP"
 
     def ticks(length: Fraction) -> int:
@@ -144,17 +151,6 @@ def _requests(case: Case, table: Controller | RoundsTable, name: str) -> list[Re
     if not requests:
         raise case.mistake(f"it has no requests; give it order or [[{name}.request]]", name)
     return requests
-
-
-def _startup(case: Case, table: Controller, requests: list[Request]) -> list[Request]:
-    if table.initialise is None:
-        return []
-    asked = {request.address for request in requests}
-    known = _sensors(case, table).values()
-    startup = [request for sensor in known if sensor.address in asked for request in sensor.startup]
-    if not startup:
-        raise case.mistake("no known chip is asked, so there is none to set up", "controller", "initialise")
-    return startup
 
 
 def _transfers(requests: list[Request], by_stop: bool) -> tuple[Transfer, ...]:

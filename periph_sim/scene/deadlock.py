@@ -46,7 +46,10 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
     """
     wait = dsp.program.unanswered_wait()
     if wait is not None:
-        return "" if watchdog_ends(dsp, wait.since) else wait.unanswered
+        # The watchdog cannot end a wait of RESTARTED of its periods, because a service routine restarts it regularly.
+        now = dsp.clock.cycle_at(dsp.processor.time.instant()[1])
+        ends = watchdog_runs(dsp) and dsp.control.watchdog_rounds(wait.since, now) < RESTARTED
+        return "" if ends else wait.unanswered
     if not dsp.processor.time.waits_for_input and not polls_for_input(dsp):
         return ""
     if dsp.core.idlestat:
@@ -114,15 +117,6 @@ def sleep_reason(dsp: Dsp) -> str:
 def watchdog_runs(dsp: Dsp) -> bool:
     """Return True if the watchdog will reset the unit or interrupt it."""
     return dsp.control.next_wake < NEVER
-
-
-def watchdog_ends(dsp: Dsp, since: int) -> bool:
-    """Return True if the watchdog may end a wait that began at this cycle.
-
-    It cannot end a wait of RESTARTED watchdog periods, because a service routine restarts the watchdog regularly.
-    """
-    now = dsp.clock.cycle_at(dsp.processor.time.instant()[1])
-    return watchdog_runs(dsp) and dsp.control.watchdog_rounds(since, now) < RESTARTED
 
 
 def takes_interrupts(dsp: Dsp) -> bool:

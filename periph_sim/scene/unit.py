@@ -18,7 +18,7 @@ from ..core.phrases import did_you_mean
 from ..core.registered import registered
 from ..core.table import separate
 from ..f28335.cpu.code_costs import CodeCosts
-from ..f28335.descriptor import Part, named_class
+from ..f28335.descriptor import named_class
 from ..f28335.parts import part_named, part_names
 from ..f28335.system_options import SystemOptions
 from ..processor.dsp import Dsp, DspPlan
@@ -34,7 +34,6 @@ from .firmware_loader import BadFirmware, BadSetting, Firmware, load_firmware, r
 if TYPE_CHECKING:
     from ..devices.chip_model import ChipModel
     from ..devices.truth import Truth
-    from ..processor.image.boot import Stub
 
 
 class FirmwareModel(Protocol):
@@ -69,6 +68,19 @@ def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
         if module not in part.selectable:
             hint = did_you_mean(module, part.selectable)
             raise case.mistake(f"there is no module {module!r}; {hint}", "unit", name, "modules")
+    known = part.options_groups
+    for group in unit.options:
+        if group not in known:
+            hint = did_you_mean(group, known)
+            raise case.mistake(f"there are no options of {group!r}; {hint}", "unit", name, "options", group)
+    needed = {part.by_name[module].options for module in unit.modules}.union(unit.options) - {"system"}
+    options: dict[str, Answers] = {
+        group: checked_options(
+            case, named_class(known[group]), unit.options.get(group, {}), "unit", name, "options", group
+        )
+        for group in known
+        if group in needed
+    }
     return DspPlan(
         name,
         unit.modules,
@@ -86,7 +98,7 @@ def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
         part=part,
         code=CodeCosts(**unit.code.model_dump()),
         system=checked_options(case, SystemOptions, unit.options.get("system", {}), "unit", name, "options", "system"),
-        options=_module_options(case, name, unit, part),
+        options=options,
     )
 
 
@@ -126,11 +138,20 @@ def build_unit(
 
 def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Firmware:
     """Make the unit run its image. Return a Firmware object that represents the image in lists of firmware."""
+    from ..processor.image.boot import BadStub, Stub, stubbed
     from ..processor.image_files.load import BadImage, program_in
     from .image_watching import watch_image
 
+    stubs = []
+    for place, table in enumerate(unit.stub):
+        try:
+            address = stubbed(table.register_, dsp.memory)
+        except BadStub as error:
+            raise context.case.mistake(str(error), "unit", name, "stub", place, "register") from None
+        tick = context.kernel.now + context.timebase.ticks(table.after, "nearest")
+        stubs.append(Stub(tick, address, table.value))
     try:
-        program = dsp.start_image(program_in(Path(unit.image)), unit.boot, _stubs(context, name, unit, dsp))
+        program = dsp.start_image(program_in(Path(unit.image)), unit.boot, stubs)
     except BadImage as error:
         raise context.case.mistake(str(error), "unit", name, "image") from None
     watch_image(context.case, name, unit, dsp, program, context.recorder)
@@ -154,40 +175,6 @@ def _started_sources(case: Case, name: str, unit: Unit, dsp: Dsp) -> Firmware:
     return Firmware(", ".join(unit.sources), _no_python, None)
 
 
-def _stubs(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> list[Stub]:
-    from ..processor.image.boot import BadStub, Stub, stubbed
-
-    found = []
-    for place, table in enumerate(unit.stub):
-        try:
-            address = stubbed(table.register_, dsp.memory)
-        except BadStub as error:
-            raise context.case.mistake(str(error), "unit", name, "stub", place, "register") from None
-        tick = context.kernel.now + context.timebase.ticks(table.after, "nearest")
-        found.append(Stub(tick, address, table.value))
-    return found
-
-
 def _no_python(dsp: Dsp, settings: object) -> None:
     """Raise Misuse: an image or C sources have no main that Python could call."""
     raise Misuse(f"{dsp.name} runs an image, which has no main that Python could call")
-
-
-def _module_options(case: Case, name: str, unit: Unit, part: Part) -> dict[str, Answers]:
-    """Return a dictionary from a group of options to the answers, for all modules of a unit.
-
-    Groups in the case that no module needs are checked, too.
-    """
-    known = part.options_groups
-    for group in unit.options:
-        if group not in known:
-            hint = did_you_mean(group, known)
-            raise case.mistake(f"there are no options of {group!r}; {hint}", "unit", name, "options", group)
-    needed = {part.by_name[module].options for module in unit.modules}.union(unit.options) - {"system"}
-    return {
-        group: checked_options(
-            case, named_class(known[group]), unit.options.get(group, {}), "unit", name, "options", group
-        )
-        for group in known
-        if group in needed
-    }

@@ -139,7 +139,13 @@ class SerialSide:
                 what = f"{table.address:#04x} does not fit a character of {form.bits} bits"
                 raise self._case.mistake(what, *place, "address")
             data = bytes([table.address]) + data
-        self._check_faults(table, form, len(data), *place)
+        if table.wrong_parity and form.parity == "none":
+            what = 'there is no parity that could be wrong; give parity = "even" or "odd"'
+            raise self._case.mistake(what, *place, "wrong_parity")
+        for key, places in (("wrong_parity", table.wrong_parity), ("missing_stop", table.missing_stop)):
+            if places and max(places) >= len(data):
+                what = f"there is no character {max(places)}; it sends {len(data)}, counted from 0"
+                raise self._case.mistake(what, *place, key)
         characters = tuple(
             Character(
                 value, int(n == 0 and table.address is not None), n in table.wrong_parity, n in table.missing_stop
@@ -149,15 +155,6 @@ class SerialSide:
         gap = self._context.ticks(table.gap, ppm)
         idle = IDLE_BITS if mode == "idle-line" and table.address is not None else 0
         return Burst(bit, form, characters, gap, idle=idle, name=name)
-
-    def _check_faults(self, table: SendTable, form: UartFormat, count: int, *place: str | int) -> None:
-        if table.wrong_parity and form.parity == "none":
-            what = 'there is no parity that could be wrong; give parity = "even" or "odd"'
-            raise self._case.mistake(what, *place, "wrong_parity")
-        for key, places in (("wrong_parity", table.wrong_parity), ("missing_stop", table.missing_stop)):
-            if places and max(places) >= count:
-                what = f"there is no character {max(places)}; it sends {count}, counted from 0"
-                raise self._case.mistake(what, *place, key)
 
     def _sender(self, sci: SciLines, *place: str | int) -> BurstSender:
         """Return the sender to the RX of an SCI, or to its RS-485 pair."""
@@ -201,17 +198,7 @@ class SerialSide:
         elif table.at is not None:
             tick = self._context.start + self._context.ticks(table.at, self._table.ppm)
             self._context.kernel.call_at(tick, lambda: self._happened("expect", number, tick))
-        self._check_within(number, table, *place)
-
-    def _expected(self, number: int) -> Expected:
-        table, place = self._table.expect[number], ("serial", "expect", number)
-        data = content_of(self._case, table, self._table.form(table).bits, *place)
-        show = partial(show_characters, as_text=table.text is not None)
-        within = self._context.ticks(table.within)
-        return Expected(tuple(data), show, table.from_, within, table.anywhere)
-
-    def _check_within(self, number: int, table: ExpectTable, *place: str | int) -> None:
-        """Raise BadCase if `within` is too short even for a reply that begins together with the data of its request."""
+        # `within` must be long enough for a reply that begins together with the data it answers.
         count = len(self._expected(number).characters)
         takes = count * self._table.form(table).length * self._table.bit(table)
         may = table.within
@@ -222,6 +209,13 @@ class SerialSide:
             baud = 1 / self._table.bit(table)
             what = f"{count} characters take {float(takes) * 1000:g} ms at {baud} baud, so no reply can keep this"
             raise self._case.mistake(f"{what}; give it more time", *place, "within")
+
+    def _expected(self, number: int) -> Expected:
+        table, place = self._table.expect[number], ("serial", "expect", number)
+        data = content_of(self._case, table, self._table.form(table).bits, *place)
+        show = partial(show_characters, as_text=table.text is not None)
+        within = self._context.ticks(table.within)
+        return Expected(tuple(data), show, table.from_, within, table.anywhere)
 
     def _happened(self, kind: str, number: int, tick: int) -> None:
         if kind == "send":

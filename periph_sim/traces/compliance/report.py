@@ -215,7 +215,7 @@ RULES = ("symbol", "from -> to", "worst begins at", "by")
 
 
 def as_json(report: Report) -> dict[str, object]:
-    """Convert a report to JSON. Values of keys with the ends `_s` and `_ns` are times in seconds and nanoseconds."""
+    """Convert a report to JSON. A key that ends in `_s` or `_ns` has a time in seconds or nanoseconds."""
     return {
         "capture": report.name,
         "mode": report.mode.value,

@@ -1,1 +1,1 @@
-"""Timing diagrams as SVG or text, from lanes of plain data; independent of chips, buses and file formats."""
+"""Timing diagrams as SVG or text, from lanes of plain data. Only `capture_lanes` depends on captures and decoders."""

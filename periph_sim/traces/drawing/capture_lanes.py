@@ -1,6 +1,6 @@
 """Lanes of a timing diagram for a span of a capture: waves of the wires, and the bytes on the I2C bus.
 
-Capture --cut to span--> SCL, SDA, bytes, other wires that move
+Capture --cut to span--> SCL, SDA, bytes, other wires that change
 """
 
 from __future__ import annotations

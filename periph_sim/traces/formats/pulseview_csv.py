@@ -138,7 +138,7 @@ def _head(path: Path, lines: Iterator[Line]) -> tuple[Head, list[Line]]:
 
 
 def _add_rows(rows: Rows, timed: bool, lines: Iterator[Line]) -> None:
-    """Add all rows. A row without a time that equals the previous row is only counted, which is quicker."""
+    """Add all rows. If rows have no times, a row that equals the previous row is only counted, which is quicker."""
     before = ""
     for number, line in lines:
         if line == before:

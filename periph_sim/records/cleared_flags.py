@@ -216,11 +216,7 @@ class ClearedRegister:
         self.last: Modify | None = None
 
     def flag(self, name: str) -> Flag | None:
-        flag: Flag
-        for flag in self.flags:
-            if flag.name == name:
-                return flag
-        return None
+        return next((flag for flag in self.flags if flag.name == name), None)
 
     def looked_at(self, flag: Flag, place: Text) -> int:
         """Return the record number of the last read that returned this flag.

@@ -103,15 +103,6 @@ def _field(module: str, register: str, name: str) -> Field | None:
     return known[name] if known is not None and name in known else None
 
 
-def _bus(record: Record) -> str:
-    about = f" ({record.text})" if record.text else ""
-    return f"{record.where}: {on_the_bus(record)}{about}"
-
-
-def _hold(record: Record) -> str:
-    return f"{record.where} stays low, held by {record.text}"
-
-
 def _frame(record: Record) -> str:
     if record.what in PAIR_PARTS:
         return f"{record.where}: {PAIR_PARTS[record.what]}, {record.text}"
@@ -123,13 +114,13 @@ PAIR_PARTS = {"cut": "a frame is cut by its driver", "collision": "a collision"}
 
 _SAID: dict[Kind, Callable[[Record], str]] = {
     Kind.EDGE: _edge,
-    Kind.HOLD: _hold,
+    Kind.HOLD: lambda r: f"{r.where} stays low, held by {r.text}",
     Kind.ACCESS: _access,
     Kind.FLAG: _flag,
     Kind.IRQ: lambda r: f"{r.what} {'entered' if r.value else 'left'}",
     Kind.SPAN: lambda r: f"span {r.what} {'begins' if r.value else 'ends'}",
     Kind.WAIT: lambda r: f"wait for {r.what} {'begins' if r.value else 'is over'}",
-    Kind.BUS: _bus,
+    Kind.BUS: lambda r: f"{r.where}: {on_the_bus(r)}{f' ({r.text})' if r.text else ''}",
     Kind.FRAME: _frame,
     Kind.NOTE: lambda r: f"note: {r.text}" if r.text else f"note {r.what}",
 }

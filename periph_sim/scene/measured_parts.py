@@ -53,9 +53,6 @@ class MeasuredParts:
     def wire(self, name: str) -> Wire:
         return self._wires.wire(name)
 
-    def level_of(self, wire: str) -> int:
-        return self._wires[wire].level
-
     def value_of(self, place: str, name: str) -> int:
         unit, _, module = place.partition(".")
         if module not in self._units[unit].sockets:

@@ -178,7 +178,7 @@ def test_a_closed_scene_is_free_although_its_subscriber_refers_to_it() -> None:
 
     def run_one() -> ref[Scene]:
         scene = Scene(load(TIMING / "responder.toml"))
-        watch([scene.wires["SDA"]], lambda tick, level: levels.append(scene.measured.level_of("SCL")))
+        watch([scene.wires["SDA"]], lambda tick, level: levels.append(scene.measured.wire("SCL").level))
         scene.run(SOON)
         return ref(scene)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from types import SimpleNamespace
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -18,11 +20,13 @@ from periph_sim.timing.measures.states import TimeIn
 from tests.timing.events_by_hand import ONE, make, records, tell
 from tests.timing.measures.hand_made_run import GYRO, OTHER, HandMadeRun, read, wrote
 
+HIGH, LOW = SimpleNamespace(level=1), SimpleNamespace(level=0)
+
 
 class Scene:
     """Answers whatever a measure asks."""
 
-    def __init__(self, **there: int) -> None:
+    def __init__(self, **there: object) -> None:
         self.there = there
 
     def __getattr__(self, name: str):
@@ -130,9 +134,9 @@ def test_a_span_that_is_not_over_counts_with_what_it_has_lasted_unit_by_unit():
 @pytest.mark.parametrize(
     ("text", "there", "holds"),
     [
-        ("wire SCL high", {"level_of": 1}, True),
-        ("wire SCL high", {"level_of": 0}, False),
-        ("wire SCL low", {"level_of": 0}, True),
+        ("wire SCL high", {"wire": HIGH}, True),
+        ("wire SCL high", {"wire": LOW}, False),
+        ("wire SCL low", {"wire": LOW}, True),
         ("flag I2C-A.I2CSTR.AAS = 1", {"value_of": 1}, True),
         ("flag I2C-A.I2CSTR.AAS = 1", {"value_of": 0}, False),
         ("bus busy", {}, False),
@@ -141,7 +145,7 @@ def test_a_span_that_is_not_over_counts_with_what_it_has_lasted_unit_by_unit():
         ("model", {}, False),
     ],
 )
-def test_which_states_hold_before_anything_has_happened(text: str, there: dict[str, int], holds: bool):
+def test_which_states_hold_before_anything_has_happened(text: str, there: dict[str, object], holds: bool):
     measure = measure_named(f"time in {text}", ONE)
     assert isinstance(measure, TimeIn)
     assert measure.state.holds(Scene(**there)) == holds  # type: ignore[arg-type]
@@ -149,7 +153,7 @@ def test_which_states_hold_before_anything_has_happened(text: str, there: dict[s
 
 def test_a_sum_is_one_number_and_begins_where_the_state_did_first():
     told = measure_named("time in wire SCL low", ONE)
-    told.listen(Scene(level_of=1, began=0))  # type: ignore[arg-type]
+    told.listen(Scene(wire=HIGH, began=0))  # type: ignore[arg-type]
     tell(told, records("10 edge SCL level 0\n16 edge SCL level 1\n20 edge SCL level 0"))
     told.finish(25)
     told.finish(90)  # it is over once

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import chain, cycle
+from types import SimpleNamespace
 
 import pytest
 
@@ -66,7 +67,8 @@ def test_a_period_is_told_with_where_it_began_and_what_is_not_over_counts():
 )
 def test_why_nothing_was_measured(text: str, of: str, missing: str):
     class Scene:
-        began = level_of = lambda self, *_: 0
+        began = lambda self: 0  # noqa: E731
+        wire = lambda self, name: SimpleNamespace(level=0)  # noqa: E731
         ticks_per_second = lambda self: 1  # noqa: E731
         value_of = lambda self, *_: 0  # noqa: E731
 

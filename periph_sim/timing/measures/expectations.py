@@ -207,17 +207,17 @@ class Reply(Measure):
 class WatchedWire(Measure):
     """Time between an edge of a watched wire and its expected time. A missing or wrong edge breaks the budget."""
 
+    _watcher: WireWatcher
+
     def __init__(self, name: str) -> None:
         super().__init__()
         self.name = name
-        self._watcher: WireWatcher | None = None
 
     def listen(self, scene: MeasuredScene) -> None:
         self._watcher = scene.watcher(self)
 
     def finish(self, now: int) -> None:
-        assert self._watcher is not None
         self._watcher.finish(now)
 
     def why_silent(self) -> str:
-        return "" if self._watcher is None else self._watcher.missing()
+        return self._watcher.missing()

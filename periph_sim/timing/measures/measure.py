@@ -332,9 +332,6 @@ class MeasuredScene(Protocol):
 
     def wire(self, name: str) -> Wire: ...
 
-    def level_of(self, wire: str) -> int:
-        """Return the level of a wire now."""
-
     def value_of(self, place: str, name: str) -> int:
         """Return the present value of a field. place, name: such as "dsp.I2C-A" and "I2CSTR.XRDY"."""
 

@@ -278,13 +278,19 @@ class Modifies(RecordSink):
             newest.after = one
 
     def _landed(self, write: Access, register: ClearedRegister, recent: Recent) -> None:
-        """Handle a write. The nearest read of the same statement, if there is one, belongs to it."""
+        """Handle a write. The nearest read of the same field in the same statement, if there is one, belongs to it."""
         passed: int
         passed, one = 0, recent.newest
         while one is not None and passed < OVERTAKEN:
             if one.cause == write.cause:  # both are in the same routine
                 passed += 1
-                if one.reads and one.register is register and one.modify is None and _alike(one, write):
+                if (
+                    one.reads
+                    and one.register is register
+                    and one.modify is None
+                    and one.field == write.field
+                    and (one.text is write.text or statement(one.text) == statement(write.text))
+                ):
                     one.modify = register.written(write.number, write.tick, write.value, write.text)
                     return
             one = one.before
@@ -325,13 +331,6 @@ class Modifies(RecordSink):
                             if flag.name not in meant:
                                 found.add(of.along if name else of.unseen)
         return found
-
-
-def _alike(read: Access, write: Access) -> bool:
-    """Return True if both are in the same statement of the firmware and access the same field."""
-    if read.text is not write.text and statement(read.text) != statement(write.text):
-        return False
-    return read.field == write.field
 
 
 class LostFlags(Measure):

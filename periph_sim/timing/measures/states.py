@@ -60,7 +60,7 @@ class StateEvents(Struct, frozen=True):
         first = self.enters[0]
         (place, *_) = first.where or ("",)
         if first.kind is Kind.EDGE:
-            return scene.level_of(place) == first.want
+            return scene.wire(place).level == first.want
         if first.kind is Kind.FLAG:
             return first.mask == EVERYTHING and scene.value_of(place, first.what) == first.want
         return first.kind is Kind.BUS and first.what == "STOP"  # a bus without any START is free, as after a STOP

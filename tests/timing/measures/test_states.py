@@ -23,8 +23,8 @@ class Scene:
     def __init__(self, level: int = 1, value: int = 0) -> None:
         self.level, self.value = level, value
 
-    def level_of(self, wire: str) -> int:
-        return self.level
+    def wire(self, name: str) -> Scene:
+        return self
 
     def value_of(self, place: str, name: str) -> int:
         return self.value

@@ -214,7 +214,7 @@ def turned(value: float, spherical: Spherical) -> Sample:
 
 
 def strong(value: float, norm: Norm) -> Sample:
-    """Return the sample of a resting body in a field with equal components. value: the field strength in gauss."""
+    """Return the sample of a resting body in a field with three equal components. value: its strength in gauss."""
     part = value / 3**0.5
     sensor = MagnetometerParameters(earth_field=(part, part, part), hard_iron=(0.0, 0.0, 0.0))
     return Sample(

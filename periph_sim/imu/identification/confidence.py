@@ -16,7 +16,8 @@ from scipy.special import chdtri, ndtr
 
 from .allan import Allan, Floats
 
-LEVELS = {"68 %": float(2 * ndtr(1) - 1), "95 %": 0.95}  # within one standard deviation of a Gaussian; usual level
+# The first level is the probability of a Gaussian value within one standard deviation. The second is the usual level.
+LEVELS = {"68 %": float(2 * ndtr(1) - 1), "95 %": 0.95}
 
 
 def interval(edf: Floats, level: float) -> tuple[Floats, Floats]:

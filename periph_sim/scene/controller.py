@@ -17,7 +17,7 @@ from msgspec.structs import replace
 
 from ..bus.i2c.controller import I2cController
 from ..bus.i2c.transfer import BusTiming, Transfer
-from ..core.phrases import counted, did_you_mean
+from ..core.phrases import counted
 from ..devices.sensor_head import SensorHead
 from ..devices.sensor_rounds import ChipData, Request, Schedule
 from ..timing.rounds import Asked
@@ -165,7 +165,7 @@ def _sensors(case: Case, table: Controller | RoundsTable) -> Mapping[str, ChipDa
 
 def _chip(case: Case, known: Mapping[str, ChipData], name: str, *place: str | int) -> Request:
     if name not in known:
-        raise case.mistake(f"there is no chip {name!r}; {did_you_mean(name, known)}", *place)
+        raise case.unknown("chip", name, known, *place)
     sensor = known[name]
     return Request(name, sensor.address, sensor.pointer, sensor.count)
 

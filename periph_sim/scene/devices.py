@@ -14,7 +14,6 @@ from ..bus.faults import HeldLine
 from ..bus.i2c.disturbed_target import DisturbedTarget, Rule, When, cut_power, flip, replaced, stretch
 from ..bus.i2c.target_side import TargetSide
 from ..core.chip import Note
-from ..core.phrases import did_you_mean
 from ..core.records import Kind
 from ..core.state import State
 from ..core.wire import Wire
@@ -167,7 +166,7 @@ def _target(context: SceneContext, name: str, table: DeviceTable, place: TargetC
         if model in plugins.known(case.folder, "CHIP", chip_models(), [model]):
             raise case.mistake(f"{model} is a sensor chip; give it a [chip.{name}] table", "device", name, "model")
         names = [*models, "a path that ends in .py"]
-        raise case.mistake(f"there is no device {model!r}; {did_you_mean(model, names)}", "device", name, "model")
+        raise case.unknown("device", model, names, "device", name, "model")
     family = models[model]
     settings = own_settings(case, family.Settings, table, f"a {model}", "device", name)
     try:

@@ -73,7 +73,7 @@ def _kind(context: SceneContext, entry: int, name: str) -> FaultKind:
     if not name:
         raise case.mistake(f"it has no kind; the kinds are {', '.join(found)}", "fault", entry)
     if name not in found:
-        raise case.mistake(f"there is no fault {name!r}; {did_you_mean(name, found)}", "fault", entry, "kind")
+        raise case.unknown("fault", name, found, "fault", entry, "kind")
     return found[name]
 
 

@@ -115,7 +115,7 @@ def _kind(case: Case, name: str) -> type[Any]:
     model = case.chip[name].model
     models = plugins.known(case.folder, "CHIP", chip_models(), [model])
     if model not in models:
-        raise case.mistake(f"there is no chip {model!r}; {did_you_mean(model, models)}", "chip", name, "model")
+        raise case.unknown("chip", model, models, "chip", name, "model")
     return models[model]
 
 

@@ -61,13 +61,10 @@ def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
     unit = case.unit[name]
     part = part_named(unit.part)
     if part is None:
-        raise case.mistake(
-            f"there is no part {unit.part!r}; {did_you_mean(unit.part, part_names())}", "unit", name, "part"
-        )
+        raise case.unknown("part", unit.part, part_names(), "unit", name, "part")
     for module in unit.modules:
         if module not in part.selectable:
-            hint = did_you_mean(module, part.selectable)
-            raise case.mistake(f"there is no module {module!r}; {hint}", "unit", name, "modules")
+            raise case.unknown("module", module, part.selectable, "unit", name, "modules")
     known = part.options_groups
     for group in unit.options:
         if group not in known:

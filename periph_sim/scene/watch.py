@@ -31,11 +31,9 @@ def watcher_of(
     table = case.watch[name]
     kinds = plugins.known(case.folder, "KIND", watchers(), [table.kind])
     if table.kind not in kinds:
-        what = f"there is no kind of watcher {table.kind!r}; {did_you_mean(table.kind, kinds)}"
-        raise case.mistake(what, "watch", name, "kind")
+        raise case.unknown("kind of watcher", table.kind, kinds, "watch", name, "kind")
     if table.wire not in wires:
-        what = f"there is no wire {table.wire!r}; {did_you_mean(table.wire, wires)}"
-        raise case.mistake(what, "watch", name, "wire")
+        raise case.unknown("wire", table.wire, wires, "watch", name, "wire")
     family = kinds[table.kind]
     settings = own_settings(case, family.Settings, table, f"a watcher of kind {table.kind!r}", "watch", name)
 

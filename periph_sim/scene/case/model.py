@@ -5,7 +5,7 @@ Each table of a case file is one of the classes below, whose fields are its keys
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Set
+from collections.abc import Iterable, Iterator, Set
 from fractions import Fraction
 from pathlib import Path
 from typing import Annotated, Any, Literal
@@ -364,6 +364,10 @@ class Case(Table, frozen=True, kw_only=True):
         key = key_of(place, self._named())
         where = f"case {self.name}" if self._source is None else self._source.where(place)
         return BadCase(f"{where}: {key}: {what}")
+
+    def unknown(self, kind: str, name: str, known: Iterable[str], *place: str | int) -> BadCase:
+        """Return an error about a name that is none of the known ones. kind: a noun for the thing that it names."""
+        return self.mistake(f"there is no {kind} {name!r}; {did_you_mean(name, known)}", *place)
 
     def line(self, *place: str | int) -> int:
         """Return the line of a key, or of its table, in the case's file; 0 if there is no file or no such key."""

@@ -153,7 +153,7 @@ def node_of(case: Case, text: str, *place: str | int) -> Node:
             raise case.mistake(what, *place)
         if not rest or (unit in SIGNALS and not owners):
             raise _no_pin(case, text, *place)
-        raise case.mistake(f"there is no unit {unit!r}; {did_you_mean(unit, case.unit)}", *place)
+        raise case.unknown("unit", unit, case.unit, *place)
     gpio = GPIO.fullmatch(rest)
     if gpio:
         if int(gpio[1]) > LAST_PIN:
@@ -170,7 +170,7 @@ def node_of(case: Case, text: str, *place: str | int) -> Node:
 def _no_pin(case: Case, text: str, *place: str | int) -> BadCase:
     known = [f"{unit}.{module}.{signal}" for unit in case.unit for module, signal in module_pins(case, unit).values()]
     known += [f"{unit}.GPIO0" for unit in list(case.unit)[:1]]
-    return case.mistake(f"there is no pin {text!r}; {did_you_mean(text, [*known, *_wire_names(case)])}", *place)
+    return case.unknown("pin", text, [*known, *_wire_names(case)], *place)
 
 
 def _wire_names(case: Case) -> list[str]:

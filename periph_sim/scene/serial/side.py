@@ -14,7 +14,6 @@ from ...bus.uart.burst_sender import Burst, BurstSender, Character
 from ...bus.uart.frame_format import UartFormat
 from ...bus.uart.reader import Heard, Line, UartReader
 from ...bus.uart.rs485 import Driver
-from ...core.phrases import did_you_mean
 from ...core.records import Recorder
 from ...timing.language.events import matcher
 from ...timing.language.scope import BadEvent, Scope
@@ -190,8 +189,7 @@ class SerialSide:
         self._listen(sci_named(self._case, table.from_, *place, "from"), table, partial(self._character, number))
         if table.after_send is not None:
             if table.after_send not in self.sends:
-                hint = did_you_mean(table.after_send, self.sends)
-                raise self._case.mistake(f"there is no send {table.after_send!r}; {hint}", *place, "after_send")
+                raise self._case.unknown("send", table.after_send, self.sends, *place, "after_send")
             send = self.sends[table.after_send]
             send.on_begin.append(partial(self._asked, number))
             send.on_end.append(partial(self._due, number))

@@ -34,26 +34,21 @@ def i2c_events(
 SCL = 4 * 9  # nine bits: the controller moves SCL twice a bit, and each edge leaves the module's filter later
 
 
-@pytest.mark.parametrize(
-    ("byte", "events"),
-    [
-        # the controller's ACK begins and ends: 2, and 2 behind the filter; the CPU sees XRDY and writes I2CDXR: 2
-        ("00", SCL + 4 + 2),
-        ("ff", SCL + 4 + 2 + 1),  # and the CPU polls once more where its lease ends
-        ("55", SCL + 4 + 2 + 6),  # SDA moves six times between the bits: the module hears itself behind the filter
-    ],
-)
+@pytest.mark.parametrize("byte", ["00", "ff", "55"])
 @pytest.mark.parametrize("count", [2, 5, 16])
-def test_an_i2c_byte_read_edge_by_edge_costs(byte: str, events: int, count: int):
-    assert i2c_events({"count": count + 1}, byte) - i2c_events({"count": count}, byte) == events
+def test_an_i2c_byte_read_edge_by_edge_costs(byte: str, count: int):
+    """The controller's ACK begins and ends: 2. The CPU sees XRDY and writes I2CDXR: 2.
+
+    The module is not woken for changes of SDA while SCL is low.
+    """
+    assert i2c_events({"count": count + 1}, byte) - i2c_events({"count": count}, byte) == SCL + 2 + 2
 
 
 @pytest.mark.parametrize(
     ("byte", "events"),
     [
-        # the module's ACK begins and ends behind the filter: 2; the CPU sees RRDY and reads I2CDRR: 2
-        ("ff", SCL + 2 + 2),
-        ("55", SCL + 2 + 2 + 8 + 8),  # the controller changes SDA eight times, the one before the ACK included
+        ("ff", SCL + 1),  # the CPU sees RRDY and reads I2CDRR: 1
+        ("55", SCL + 1 + 8),  # the controller changes SDA eight times, the one before the ACK included
     ],
 )
 @pytest.mark.parametrize("count", [2, 5, 16])
@@ -68,11 +63,11 @@ TWO_BITS = 4 * 2 + 1  # two of nine bits are left, and the step over the other s
 @pytest.mark.parametrize(
     ("request_", "byte", "events"),
     [
-        ("read", "00", TWO_BITS + 4 + 2),
-        ("read", "ff", TWO_BITS + 4 + 2 + 1),
-        ("read", "55", TWO_BITS + 4 + 2 - 1),
-        ("written", "ff", TWO_BITS + 2 + 2),
-        ("written", "55", TWO_BITS + 2 + 2 + 2),
+        ("read", "00", TWO_BITS + 2 + 2),
+        ("read", "ff", TWO_BITS + 2 + 2),
+        ("read", "55", TWO_BITS + 2 + 2),
+        ("written", "ff", TWO_BITS + 1),
+        ("written", "55", TWO_BITS + 1 + 1),
     ],
 )
 @pytest.mark.parametrize("count", [2, 5, 16])

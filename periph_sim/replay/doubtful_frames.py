@@ -6,7 +6,7 @@
 Receivers may read an ambiguous frame in different ways. After a glitch in a data, parity or stop bit, this bit may be
 read as 0 or 1. After a glitch in the start bit, or a nearly valid start bit, a receiver may read a frame or none. If it
 decides differently from the decoder, it may also read other frames up to the next pause. The comparison resumes at the
-place in the burst after which the most words agree.
+frame before that pause after which the most words agree.
 
 A line that is read at a wrong rate, in a wrong format or inverted decodes into frames with errors. A receiver with the
 same settings reads the same bytes with the same errors, so agreement between capture and receiver proves nothing.

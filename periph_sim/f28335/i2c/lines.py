@@ -201,7 +201,7 @@ class I2cLines(Chip):
             return False
         if self._suspended or state.mdr & (MDR_DLB | MDR_FDF):
             return False
-        if self._pins & SCL or lines.due != NEVER or lines.levels != self._pins:
+        if self._pins & SCL or lines.levels & SCL or lines.due != NEVER:
             return False
         return not self.target.follows() or (self._clocked and self.target.waits_for_byte())
 

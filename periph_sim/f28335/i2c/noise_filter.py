@@ -25,7 +25,8 @@ class I2cNoiseFilter:
     """Filter of both lines.
 
     levels: SCL and SDA after the filter, as bits.
-    due: the cycle of their next change, or NEVER.
+    due: the cycle of their next change that can have an effect, or NEVER. A change of SDA while SCL is low has none; it
+    is applied with the next sample or change of SCL.
     unequal_arrival: option. If it is set, edges of the two lines less than a module clock apart leave together, at the
     time of the later one.
     """
@@ -48,6 +49,9 @@ class I2cNoiseFilter:
         module_clock: the period of the module clock in cycles.
         """
         if now != self._cycle:
+            if self._sda_due <= now and not self.levels & SCL:
+                self.levels ^= SDA
+                self._sda_due = NEVER
             self._cycle, self._scl_was, self._sda_was = now, self._scl_due, self._sda_due
         moved = pins ^ self.levels
         scl = sda = NEVER
@@ -56,7 +60,7 @@ class I2cNoiseFilter:
         if moved & SDA:
             sda = self._sda_was if self._sda_was < NEVER else now + width
         self._scl_due, self._sda_due = scl, sda
-        self.due = scl if scl < sda else sda
+        self._set_due()
         apart = scl < NEVER and sda < NEVER and scl != sda and -module_clock < scl - sda < module_clock
         if apart and self.unequal_arrival.assume(self._touched):
             self.due = self._scl_due = self._sda_due = max(scl, sda)
@@ -69,8 +73,12 @@ class I2cNoiseFilter:
         if self._sda_due <= now:
             self.levels ^= SDA
             self._sda_due = NEVER
-        self.due = self._scl_due if self._scl_due < self._sda_due else self._sda_due
+        self._set_due()
         return self.levels
+
+    def _set_due(self) -> None:
+        scl, sda = self._scl_due, self._sda_due
+        self.due = scl if scl < sda or not self.levels & SCL else sda
 
     def scl_moves(self) -> bool:
         """Return True if an edge of SCL is pending."""

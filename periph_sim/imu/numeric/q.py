@@ -42,20 +42,20 @@ A0, A1, A2 = ([round(a[i] * Q30) for a in ARCTANGENT] for i in range(3))
 A0[0] = max(A0[0], 0)  # The sources shift the angle as an unsigned number, so it is not negative.
 
 
-def sine_and_cosine(angle: BigInt, bits: int) -> tuple[BigInt, BigInt]:
+def sine_and_cosine(angle: int, bits: int) -> tuple[int, int]:
     """Return the sine and the cosine of an angle in rad. All three numbers have `bits` fraction bits.
 
     The angle is a step of the table plus a rest x. With the sine s and the cosine c of the step, the sine of the angle
     is s + x (c + x (-s/2 - x c/6)), and the cosine is c + x (-s + x (-c/2 + x s/6)).
     """
-    exact: BigInt = abs(angle) * STEPS_PER_RADIAN  # with bits + 24 fraction bits
+    exact: int = abs(angle) * STEPS_PER_RADIAN  # with bits + 24 fraction bits, in 62 bits
     exact = exact >> (bits - 8) if bits >= 8 else exact << (8 - bits)  # now with 32 fraction bits
-    k: BigInt = (exact >> 32) & (TURN - 1)
-    x: BigInt = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # in rad with 32 fraction bits
-    s: BigInt = SINE[k]
-    c: BigInt = COSINE[k]
-    up: BigInt = s + (x * (c + (x * ((-s >> 1) - (x * c >> 48) * SIXTH) >> 32)) >> 32) >> (30 - bits)
-    along: BigInt = c + (x * ((x * ((-c >> 1) + (x * s >> 48) * SIXTH) >> 32) - s) >> 32) >> (30 - bits)
+    k: int = (exact >> 32) & (TURN - 1)
+    x: int = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # in rad with 32 fraction bits
+    s: int = SINE[k]
+    c: int = COSINE[k]
+    up: int = s + (x * (c + (x * ((-s >> 1) - (x * c >> 48) * SIXTH) >> 32)) >> 32) >> (30 - bits)
+    along: int = c + (x * ((x * ((-c >> 1) + (x * s >> 48) * SIXTH) >> 32) - s) >> 32) >> (30 - bits)
     return up if angle >= 0 else -up, along
 
 
@@ -71,7 +71,7 @@ def atan2_of(y: int, x: int, bits: int) -> int:
     over, under = (wide, high) if steep else (high, wide)
     ratio = (over << bits) // under if under else 0
     index = min(ratio * PARABOLAS >> bits, PARABOLAS - 1)
-    bend: BigInt = A1[index] + (ratio * A2[index] >> bits)
+    bend: int = A1[index] + (ratio * A2[index] >> bits)
     angle: int = A0[index] + (ratio * bend >> bits) >> (30 - bits)
     if steep:
         angle = quarter_turn(bits) - angle if x >= 0 else quarter_turn(bits) + angle

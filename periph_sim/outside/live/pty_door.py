@@ -1,4 +1,4 @@
-"""Doors at a pseudo-terminal. At a serial line, an SCI receives the client's bytes, and the client reads the SCI's.
+"""Doors at a pseudo-terminal, among them the serial door: an SCI receives what a client writes, and sends to it.
 
     client --/dev/pts/N, or LINK--> terminal --bytes--> SerialLine --bits--> RX
                   rate set by the client -------------> length of a bit

@@ -26,7 +26,7 @@ from ...form.c_types import Text
 from ..bus import Bus
 from ..cpu_time import CpuTime
 from ..operand import Operand
-from ..polling import Spin
+from ..polling import Poll, Spin
 from ..processor import Processor, Stop
 from ..source_location import SourceLocation
 from ..user_code import warn
@@ -64,7 +64,7 @@ class Cpu:
         self._clock = clock
         self._recorder = recorder
         self._records_spans = recorder.wants(Kind.SPAN)
-        self._topics: dict[tuple[Operand, ...], Topic] = {}  # of the waits so far, by what they poll
+        self._topics: dict[object, Topic] = {}  # of the waits so far, by the polled operand or pairs of operands
         self._prologue: int = code.isr_prologue
         self._epilogue: int = code.isr_epilogue
         self._between: int = code.between_accesses
@@ -105,11 +105,15 @@ class Cpu:
 
     def waited_for(self, spin: Spin) -> Topic:
         """Return the topic of waits that poll the same operands as this one."""
-        polls = tuple(spin.polls)
-        topic = self._topics.get(polls)
+        polled: object = None
+        place: int
+        for place in range(spin.made):
+            read: Poll = spin.reads[place]
+            polled = (polled, read.operand) if place else read.operand
+        topic = self._topics.get(polled)
         if topic is None:
             what = spin.waits_for() or "nothing"
-            topic = self._topics[polls] = self._recorder.topic(Kind.WAIT, self.program.name, what)
+            topic = self._topics[polled] = self._recorder.topic(Kind.WAIT, self.program.name, what)
         return topic
 
     def record(self, topic: Topic, cycle: int, begins: int) -> None:

@@ -93,7 +93,7 @@ def _annotated(kind: Any, checks: tuple[Any, ...], definitions: Schema) -> Schem
             limits |= {name: getattr(check, of) for of, name in LIMITS.items() if getattr(check, of) is not None}
             # If a value is written as a text, such as "10 ms", a schema cannot express its numeric limits.
             fits = schema["type"] != "string" or ("minimum" not in limits and "maximum" not in limits)
-            schema = schema | limits if fits else schema
+            schema = schema | (limits if fits else {}) | (check.extra_json_schema or {})
     return schema
 
 

@@ -14,6 +14,7 @@ from collections.abc import Callable, Mapping
 from enum import IntEnum
 from functools import cache, cached_property
 from importlib import import_module
+from itertools import pairwise
 from typing import Any, cast
 
 from msgspec import Struct, field
@@ -21,7 +22,12 @@ from msgspec import Struct, field
 from ..core.chip import Chip
 from ..core.options import Answers
 from ..core.registers import RegisterMap
+from .gpio.pin_mux_table import FUNCTIONS
+from .pie.register_map import VECTORS
+from .system_control.register_map import PCLKCR0, PCLKCR3
 
+ARGUMENTS = frozenset(("name", "options"))  # arguments that the class of a chip can have
+CLOCKS = ("SYSCLKOUT", "LSPCLK")
 FLASH = range(0x30_0000, 0x34_0000)  # addresses of flash in the F28335, the part with the most flash
 
 
@@ -31,6 +37,10 @@ class Frame(IntEnum):
     PF0 = 0  # PIE and CPU timers; accesses of 16 and 32 bits
     PF1 = 1  # GPIO; accesses of 16 and 32 bits
     PF2 = 2  # system control, SCI, SPI, I2C and XINT; accesses of 16 bits only
+
+
+class DescriptorError(ValueError):
+    """Error: a descriptor contradicts itself, the manual's tables, or another module of its part."""
 
 
 class Interrupt(Struct, frozen=True):
@@ -88,6 +98,36 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
     bus: bool = False
     plain: bool = False
 
+    def __post_init__(self) -> None:
+        for register in self.registers:
+            if register.offset + register.width // 16 > self.size:
+                raise self._error(
+                    f"register {register.name} at offset {register.offset:#x} lies beyond its {self.size} words"
+                )
+        for interrupt in self.interrupts:
+            if interrupt.vector not in VECTORS:
+                raise self._error(f"there is no interrupt {interrupt.vector!r} in the PIE's table")
+            for name in interrupt.fields:
+                register_name, _, field_name = name.partition(".")
+                if register_name not in self.registers or field_name not in self.registers[register_name]:
+                    raise self._error(f"{interrupt.vector} names {name}, which is no field of its registers")
+        if unknown := set(self.takes) - ARGUMENTS:
+            raise self._error(f"its chip takes {', '.join(sorted(unknown))}; expected {', '.join(sorted(ARGUMENTS))}")
+        if self.clock not in CLOCKS:
+            raise self._error(f"its clock is {self.clock!r}; expected {' or '.join(CLOCKS)}")
+        for gate in filter(None, (self.gate, self.input_gate)):
+            if gate not in PCLKCR0 and gate not in PCLKCR3:
+                raise self._error(f"there is no field {gate!r} in PCLKCR0 or PCLKCR3")
+        signals = {*(self.inputs or ()), *self.outputs}
+        for signal in sorted(signals):
+            if not 0 <= self.pins.get(signal, -1) < len(FUNCTIONS):
+                raise self._error(f"signal {signal} has no pin")
+            if signal not in FUNCTIONS[self.pins[signal]]:
+                raise self._error(f"the multiplexer does not offer {signal} at GPIO{self.pins[signal]}")
+        for signal in (*self.pins, *self.wires.values()):
+            if signal not in signals:
+                raise self._error(f"{signal} is neither among its inputs nor among its outputs")
+
     def build(self, options: Mapping[str, Answers]) -> Chip:
         """Return a new chip. options: answers of a unit by group; a missing group has the defaults."""
         given = options.get(self.options)
@@ -96,6 +136,9 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
             "options": lambda: named_class(self.options_class)() if given is None else given,
         }
         return cast(Chip, named_class(self.chip)(*(values[one]() for one in self.takes)))
+
+    def _error(self, what: str) -> DescriptorError:
+        return DescriptorError(f"descriptor of {self.name}: {what}")
 
 
 @cache
@@ -118,6 +161,26 @@ class Part(Struct, frozen=True, dict=True):
     modules: tuple[ModuleDescriptor, ...]
     flash: range
     part_id: int
+
+    def __post_init__(self) -> None:
+        if not (self.flash and self.flash.start >= FLASH.start and self.flash.stop == FLASH.stop):
+            raise DescriptorError(
+                f"{self.name}: its flash is at {self.flash.start:#08x} to {self.flash.stop - 1:#08x}; "
+                f"expected the end of {FLASH.start:#08x} to {FLASH.stop - 1:#08x}"
+            )
+        self._refuse_twice("name", [(one.name, one) for one in self.modules])
+        self._refuse_twice("interrupt", [(i.vector, m) for m in self.modules for i in m.interrupts if not i.shared])
+        self._refuse_twice("start-up pin", [(f"GPIO{pin}", one) for one in self.modules for pin in one.pins.values()])
+        for before, after in pairwise(sorted(self.modules, key=lambda one: one.base)):
+            if before.base + before.size > after.base:
+                raise DescriptorError(f"{self.name}: {after.name} at {after.base:#06x} overlaps {before.name}")
+
+    def _refuse_twice(self, what: str, found: list[tuple[str, ModuleDescriptor]]) -> None:
+        seen: dict[str, ModuleDescriptor] = {}
+        for name, module in found:
+            if name in seen:
+                raise DescriptorError(f"{self.name}: {seen[name].name} and {module.name} have the same {what} {name}")
+            seen[name] = module
 
     @cached_property
     def by_name(self) -> dict[str, ModuleDescriptor]:

@@ -1,4 +1,4 @@
-"""Descriptors: the modules of a part, and their agreement with the tables of the manual."""
+"""Descriptors: what a part is made of, and what is refused in one."""
 
 from __future__ import annotations
 
@@ -9,11 +9,8 @@ import pytest
 
 import periph_sim.f28335
 from periph_sim.core.registers import Register, RegisterMap, field
-from periph_sim.f28335.descriptor import Frame, Interrupt, ModuleDescriptor, Part
-from periph_sim.f28335.gpio.pin_mux_table import FUNCTIONS
+from periph_sim.f28335.descriptor import DescriptorError, Frame, Interrupt, ModuleDescriptor, Part
 from periph_sim.f28335.parts.f28335 import PART
-from periph_sim.f28335.pie.register_map import VECTORS
-from periph_sim.f28335.system_control.register_map import PCLKCR0, PCLKCR3
 
 # SPRS439M Tables 3-8 to 3-11: base addresses; SPRUFB0D Tables 111 and 112: interrupts; Tables 15 and 17: clocks.
 MANUAL = {
@@ -66,26 +63,53 @@ def test_a_chip_has_the_pins_and_interrupts_of_its_descriptor(one: ModuleDescrip
         assert (len(chip.INPUTS), len(chip.OUTPUTS)) == (len(one.inputs), len(one.outputs))
 
 
-@pytest.mark.parametrize("one", PART.modules, ids=lambda one: one.name)
-def test_a_descriptor_agrees_with_itself_and_the_tables_of_the_manual(one: ModuleDescriptor) -> None:
-    assert all(register.offset + register.width // 16 <= one.size for register in one.registers)
-    assert all(interrupt.vector in VECTORS for interrupt in one.interrupts)
-    names = [name.split(".") for interrupt in one.interrupts for name in interrupt.fields]
-    assert all(field_name in one.registers[register] for register, field_name in names)
-    assert set(one.takes) <= {"name", "options"}
-    assert one.clock in ("SYSCLKOUT", "LSPCLK")
-    assert all(not gate or gate in PCLKCR0 or gate in PCLKCR3 for gate in (one.gate, one.input_gate))
-    signals = {*(one.inputs or ()), *one.outputs}
-    assert all(signal in FUNCTIONS[one.pins[signal]] for signal in signals)
-    assert {*one.pins, *one.wires.values()} <= signals
+@pytest.mark.parametrize(
+    ("changes", "sentence"),
+    [
+        ({"size": 3}, "register CTL at offset 0x3 lies beyond its 3 words"),
+        ({"interrupts": (Interrupt("NEWINT"),)}, "there is no interrupt 'NEWINT' in the PIE's table"),
+        (
+            {"interrupts": (Interrupt("ADCINT", ("CTL.ENB",)),)},
+            "ADCINT names CTL.ENB, which is no field of its registers",
+        ),
+        ({"takes": ("options", "pins")}, "its chip takes pins; expected name, options"),
+        ({"clock": "HSPCLK"}, "its clock is 'HSPCLK'; expected SYSCLKOUT or LSPCLK"),
+        ({"gate": "NEWENCLK"}, "there is no field 'NEWENCLK' in PCLKCR0 or PCLKCR3"),
+        ({"input_gate": "NEWENCLK"}, "there is no field 'NEWENCLK' in PCLKCR0 or PCLKCR3"),
+        ({"inputs": ("SPICLKA",)}, "signal SPICLKA has no pin"),
+        ({"inputs": ("SPICLKA",), "pins": {"SPICLKA": 88}}, "signal SPICLKA has no pin"),
+        ({"inputs": ("SPICLKA",), "pins": {"SPICLKA": 19}}, "the multiplexer does not offer SPICLKA at GPIO19"),
+        ({"pins": {"SPICLKA": 18}}, "SPICLKA is neither among its inputs nor among its outputs"),
+        ({"wires": {"CLK": "SPICLKA"}}, "SPICLKA is neither among its inputs nor among its outputs"),
+    ],
+)
+def test_a_descriptor_that_contradicts_itself_or_the_manual_is_refused(changes: dict[str, Any], sentence: str) -> None:
+    with pytest.raises(DescriptorError) as caught:
+        module(**changes)
+    assert str(caught.value) == f"descriptor of NEW: {sentence}"
 
 
-def test_modules_share_neither_names_addresses_pins_nor_undeclared_interrupts() -> None:
-    addresses = [address for one in PART.modules for address in range(one.base, one.base + one.size)]
-    interrupts = [i.vector for one in PART.modules for i in one.interrupts if not i.shared]
-    pins = [pin for one in PART.modules for pin in one.pins.values()]
-    for found in (addresses, interrupts, pins, [one.name for one in PART.modules]):
-        assert len(found) == len(set(found))
+@pytest.mark.parametrize(
+    ("other", "sentence"),
+    [
+        (module("NEW", base=0x7200), "NEW and NEW have the same name NEW"),
+        (module("LATE", base=0x710F), "LATE at 0x710f overlaps NEW"),
+        (module("LATE", base=0x70F1), "NEW at 0x7100 overlaps LATE"),
+        (
+            module("LATE", base=0x7200, interrupts=(Interrupt("ADCINT"),)),
+            "NEW and LATE have the same interrupt ADCINT",
+        ),
+        (
+            module("LATE", base=0x7200, inputs=("SPICLKA",), pins={"SPICLKA": 18}),
+            "NEW and LATE have the same start-up pin GPIO18",
+        ),
+    ],
+)
+def test_modules_that_collide_are_refused(other: ModuleDescriptor, sentence: str) -> None:
+    first = module(interrupts=(Interrupt("ADCINT"),), outputs=("SCITXDB",), pins={"SCITXDB": 18})
+    with pytest.raises(DescriptorError) as caught:
+        Part("F28335", (first, other), range(0x30_0000, 0x34_0000), 0x00EF)
+    assert str(caught.value) == f"F28335: {sentence}"
 
 
 def test_modules_may_share_an_interrupt_if_both_say_so() -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.f28335.descriptor import FLASH, Part
+from periph_sim.f28335.descriptor import DescriptorError, Part
 from periph_sim.f28335.parts import f28334, f28335, part_named, part_names
 from periph_sim.processor.image_files.load import BadImage
 from periph_sim.processor.user_code import FirmwareLost
@@ -42,7 +42,14 @@ def test_data_of_a_part_are_those_of_the_manual(part: Part, sectors: int, part_i
     """Flash: SPRS439M Figures 3-2 and 3-3, eight sectors each, the last of which ends with the passwords."""
     assert (len(part.flash), part.flash.stop, part.part_id) == (sectors, 0x34_0000, part_id)
     assert part.modules == f28335.PART.modules
-    assert (part.flash.start >= FLASH.start, FLASH.stop) == (True, part.flash.stop)
+
+
+@pytest.mark.parametrize(
+    "flash", [range(0x2F_8000, 0x34_0000), range(0x32_0000, 0x33_FFFF), range(0x34_0000, 0x34_0000)]
+)
+def test_flash_that_no_part_of_the_family_has_is_refused(flash: range):
+    with pytest.raises(DescriptorError, match=r"odd: its flash is at .*; expected the end of 0x300000 to 0x33ffff"):
+        Part("odd", f28335.MODULES, flash, 0)
 
 
 def test_an_image_reads_the_id_and_the_flash_of_its_part():

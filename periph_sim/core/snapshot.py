@@ -33,10 +33,10 @@ KEYED_BY_OBJECTS = "dict keyed by objects"
 
 
 class Keyed(NamedTuple):
-    """How a scene finds the objects of a class again.
+    """Functions for the objects of one class that a scene finds again by a key.
 
-    key_of: returns the key of an object, or None if the object has no key.
-    find: returns the object of the scene for the parts of a key.
+    key_of: a function that returns the key of an object, or None if the object has no key.
+    find: a function of the items of a key that returns the object of the scene with this key.
     """
 
     key_of: Callable[[Any], tuple[object, ...] | None]
@@ -47,7 +47,7 @@ class Module(NamedTuple):
     """A named part of a scene.
 
     cycle: the present cycle of the module's clock; 0 for a module without a clock.
-    keys: the classes whose objects the scene finds again by a key.
+    keys: a dictionary from a class whose objects the scene finds again by a key to the functions of this class.
     """
 
     target: object
@@ -56,7 +56,7 @@ class Module(NamedTuple):
 
 
 class Ref(NamedTuple):
-    """A reference to an object that has a name already, or to a method of it."""
+    """A reference to an object that has a name already, or to a method of this object."""
 
     name: str
     method: str = ""

@@ -125,7 +125,7 @@ WORD = 64  # number of bits of a C integer; larger constants are not replaced
 
 
 def declared(source: str, pxd: str) -> str:
-    """Return the .pxd text with declarations of the names PERIPH_SIM_n, which stand for integers above LITERAL."""
+    """Return the .pxd text with declarations of the names PERIPH_SIM_n, which are used for integers above LITERAL."""
     found = sorted(set(re.findall(r"\bPERIPH_SIM_(\d+)\b", source)))
     if not found:
         return pxd

@@ -327,8 +327,8 @@ class Run:
         """Return a duration as text: its time, and the number of SYSCLKOUT cycles in it.
 
         begin: the first tick of the duration, which selects the clock; None selects the clock at the end of the run.
-        unit: the unit whose cycles are counted, such as "dsp". If it is "", as for a wire, cycles are given only if all
-        units have the same clock.
+        unit: the unit whose cycles are counted, such as "dsp". If `unit` is "", as for a wire, cycles are given only if
+            all units have the same clock.
         """
         ns = self.seconds(ticks) * 10**9
         suits, size = next(((u, size) for u, size in UNITS if abs(ns) < 1000 * size), ("s", 10**9))

@@ -190,7 +190,7 @@ def deadlocks_of(scene: Scene) -> list[str]:
     instant = partial(_instant, scene)
     stuck = dict.fromkeys(scene.units, "")
     before = -1
-    while len(stuck) != before:  # a unit that is not stuck may end the wait of another one
+    while len(stuck) != before:  # a unit that is not stuck may end the wait of another unit
         before, may_move = len(stuck), partial(_may_move, scene, set(stuck))
         found = {name: deadlock_reason(scene.units[name], may_move, instant) for name in stuck}
         stuck = {name: why for name, why in found.items() if why}

@@ -53,8 +53,8 @@ class Instant(NamedTuple):
     """The changes at one tick.
 
     levels: the new levels of the wires that the outside party changes.
-    sent: a dictionary from a wire to the number of bytes that begin on it. The number 0 means that no byte begins, but
-        the wire is driven by bytes from now on.
+    sent: a dictionary from a wire to the number of bytes that begin on it. The number 0 means that no byte begins yet,
+        but that bytes drive the wire after this instant.
     """
 
     tick: int
@@ -121,7 +121,7 @@ class LogReader:
             )
 
     def _instant(self, value: object, last: int) -> Instant:
-        """Return the instant in a line. Raise BadLog if it is wrong or not after tick `last`."""
+        """Return the instant in a line. Raise BadLog if the line is wrong or the instant is not after tick `last`."""
         try:
             tick, levels, begun = msgspec.convert(value, tuple[int, dict[str, int], list[str]])
         except msgspec.ValidationError:

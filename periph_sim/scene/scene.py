@@ -112,7 +112,7 @@ class Scene:
         # No part may refer to the scene: waiting firmware refers to parts, so the scene would never be deleted.
         self._close = finalize(self, _let_go, self.recorder, self.units)
         self._close.atexit = False
-        self.firmware: dict[str, Firmware] = {}  # from a unit to its firmware
+        self.firmware: dict[str, Firmware] = {}  # maps a unit to its firmware
         self.chips: dict[str, ChipOnBus] = {}
         self.devices: dict[str, DeviceOnBus] = {}
         self.faults: list[Repeated] = []

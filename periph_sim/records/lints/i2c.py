@@ -143,7 +143,7 @@ def receive_register_early(run: Run, options: Options) -> Iterator[Fault]:
         changes = run.changes(group.unit, group.module, I2CSTR, I2CSTR["RRDY"])
         last = np.append(changes, -1)[np.searchsorted(changes, group.rows) - 1]
         empty = ~held(run, group, I2CSTR, "RRDY")
-        # RRDY must have been cleared by a read. After a write or a reset has cleared RRDY, the byte can still be read.
+        # Only a read that clears RRDY takes the byte. If a write or a reset cleared RRDY, the byte can still be read.
         by_read = (last < 0) | np.isin(run.made_by(last), group.rows)
         plain = ~held(run, group, I2CFFRX, "RXFFRST")
         enabled = held(run, group, I2CMDR, "IRS")

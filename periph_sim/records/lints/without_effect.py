@@ -1,4 +1,4 @@
-"""Lints of writes that change nothing."""
+"""Lints of register writes that change nothing in the chip."""
 
 from __future__ import annotations
 

@@ -264,7 +264,7 @@ class Case(Table, frozen=True, kw_only=True):
     def completed(self) -> Case:
         """Return this case with a budget for each reply that it expects and each wire that it watches.
 
-        Raise BadTable if a table contradicts another one.
+        Raise BadTable if a table contradicts another table.
         """
         known_budgets = {(budget.name, budget.measure) for budget in self.budget}
         made = [budget for _, budget in self._made_budgets() if (budget.name, budget.measure) not in known_budgets]

@@ -33,7 +33,7 @@ from ...core.time import NO_TIME
 from ...devices.chip_model import BYTES, ChipModel, Shown
 from ...devices.host_frames import HostFrames
 
-BEFORE_ANY = -1  # stands for the number of a frame if a chip has the values that it has before the first frame
+BEFORE_ANY = -1  # used as the frame number of the values that a chip has before the first frame
 
 
 class Origin(NamedTuple):

@@ -278,7 +278,7 @@ def _state(words: Words) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
 
 
 # STATES maps the first word of a state to a description of the state's name and the last words of two events.
-# The first of these events begins the state, and the second ends it; "" stands for the value in the state's text.
+# The first of these events begins the state, and the second ends it; "" means the value in the text of the state.
 STATES = {
     "flag": ("a field", "", "change"),
     "variable": ("a variable of an image", "", "change"),

@@ -233,11 +233,11 @@ class Measure(Listener):
         self._uncompared = 1
 
     def keep(self) -> None:
-        """Store every value from now on, as distributions and budgets with several joined conditions require."""
+        """Store each value that follows. Distributions, and budgets with several joined conditions, need all values."""
         self._kept = array("q"), array("q")
 
     def tally(self) -> None:
-        """Count equal values in a `Tally` from now on, for percentiles."""
+        """Count equal values in a `Tally`, beginning with the next value. Percentiles need these counts."""
         self._tally = Tally()
 
     @property

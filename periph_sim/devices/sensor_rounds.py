@@ -50,7 +50,7 @@ class ChipData(Struct, frozen=True):
     """The data registers of a sensor, and the requests of its driver.
 
     pointer: the first data register.
-    big: the high byte comes first.
+    big: True if the high byte comes first.
     lsb_per_unit: the number of LSB in one `unit` after `startup`.
     count: number of bytes of a read.
     order: the axes in the order of their registers.

@@ -115,7 +115,7 @@ class BitParty(Agent):
     def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
         """Called when the skipped bits are over and SCL is about to rise for the eighth bit.
 
-        Parties that only listen change their state here, others in `set_bit_position`.
+        Parties that only listen change their state here. All other parties change their state in `set_bit_position`.
         """
 
 

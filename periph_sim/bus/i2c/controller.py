@@ -199,7 +199,7 @@ class I2cController(BitParty):
         self._then(max(self._kernel.now, self._bus.last_stop + self.timing.free), BEGIN)
 
     def bytes_under_way(self) -> int:
-        """Return the number of whole bytes so far, addresses included, of the transfer in progress; 0 if none is."""
+        """Return the number of whole bytes so far in the present transfer, addresses included; 0 between transfers."""
         return self._transfer.wire_bytes - (self._index == ADDRESS) if self.busy else 0
 
     def _start(self) -> None:

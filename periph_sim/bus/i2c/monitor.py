@@ -129,7 +129,7 @@ class I2cMonitor(BitParty):
     # START and STOP ----------------------------------------------------------------
 
     def _first_clock(self, now: int) -> None:
-        """Begin a transfer if a party that pulled SDA for a START pulls SCL: it is the master."""
+        """Begin a transfer if a party that pulled SDA for a START also pulls SCL. This party is the master."""
         mask, sda_mask = self._masters()
         if self._scl.pulling & mask:
             self._scl_mask, self._sda_mask = mask, sda_mask

@@ -68,7 +68,7 @@ class I2cMaster(I2cMasterData):
     active: this module owns the bus.
     sees_idle: both lines are high after the filter.
     skip_release: the cycle in which SCL was released for the first bit of a byte.
-    skip_fell: the cycle in which the module pulled SCL low before that.
+    skip_fell: the cycle in which the module pulled SCL low before this release.
     skip_low: the low time of SCL in skipped bits, in cycles.
     skip_high: the time from a release of SCL to the next fall of the output, in cycles.
     """

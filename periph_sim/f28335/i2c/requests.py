@@ -54,7 +54,7 @@ class I2cRequests:
         """Reset by XRS."""
         self.str: int = I2C_MAP["I2CSTR"].reset
         self.ier = self.isrc_high = self.requests = self.held = 0
-        self.wanted = False  # the module is transmitter in a transfer, so it can need data
+        self.wanted = False  # True while the module is the transmitter in a transfer and so may need data
         self.nack_as_slave = False
         self.code = 0
         self.code_at = NEVER

@@ -182,7 +182,8 @@ class _Part:
         edges = edges_of(scl, sda)
         self.rises, self.conditions, self.is_start = edges.rises, edges.conditions, edges.starts
         self.falls = scl.edges[scl.levels == 0]
-        self.shortest_phase = np.diff(scl.edges).min(initial=np.iinfo(np.int64).max)  # phase of SCL, in positions
+        # The length of the shortest high or low phase of SCL, in positions.
+        self.shortest_phase = np.diff(scl.edges).min(initial=np.iinfo(np.int64).max)
         self._edges, self._levels = sda.edges, sda.levels
         self.starts = self.conditions[self.is_start]
         # For each rise of SCL, the positions of the falls before and after it; -1 if the span has no such fall.
@@ -207,7 +208,7 @@ class _Part:
         whole = rw_bit < next_first
         asked[whole] = edges.values[rw_bit[whole]] == 1
         read = _pick(asked, last, False) & (number >= BITS)
-        by_target = (read != self._ack) & self._is_bit  # the controller drives SDA in a pulse with START or STOP
+        by_target = (read != self._ack) & self._is_bit  # in a pulse with START or STOP, the controller drives SDA
         self._driver = np.where(busy, np.where(by_target, TARGET, CONTROLLER), NOBODY).astype(np.uint8)
         before = np.concatenate((np.zeros(1, np.uint8), self._driver))[:-1]
         self._driver_before = np.where(busy & (number == 0), CONTROLLER, before).astype(np.uint8)
@@ -295,7 +296,7 @@ class _Part:
         return np.where(self._levels[edge] == 0, self._driver, self._driver_before).astype(np.uint8)
 
     def _stretched(self, shortest_low: int) -> tuple[Flags, Flags]:
-        """Return two masks of pulses: those whose low phase is certainly stretched, and those that are undecidable.
+        """Return a mask of pulses whose low phase is certainly stretched, and a mask of pulses that may be stretched.
 
         A low phase is not stretched if it is no longer than the minimum of tLOW, or no longer than 1.1 times the
         shortest low phase of the capture. Each measured length may be wrong by up to the slack.

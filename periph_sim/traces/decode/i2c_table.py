@@ -331,7 +331,9 @@ def long_lows(capture: Capture, scl: Channel, sda: Channel, glitch: int = 0) -> 
 
 
 def impossible_rate(capture: Capture, scl: str | int) -> str:
-    """Return why SCL shows that the capture's rate is wrong; "" if the rate is possible or SCL has too few edges.
+    """Return a message if the clock rate of SCL shows that the capture's rate is wrong; otherwise "".
+
+    The message is also "" if SCL has too few edges.
 
     Raise LookupError if the channel is missing.
     """

@@ -10,8 +10,8 @@ time in B minus its time in A, minus the same difference for the first event tha
 is needed because the clocks of A and B started at different moments.
 
 A change point is an event whose lateness differs by more than the tolerance from the lateness at the last change point
-(from 0 if there is none). The cause of the change lies just before this event. Later events that are equally late are
-no change points.
+(from 0 for the first change point). The cause of the change lies just before this event. Later events that are equally
+late are no change points.
 """
 
 from __future__ import annotations

@@ -220,7 +220,7 @@ class Pairing:
 
 
 def _unlike(a: Sequence[Event], b: Sequence[Event]) -> Iterator[Pair]:
-    """Pair events that are not equal, in order. Events of the same class are paired; the others have no partner."""
+    """Pair events that are not equal, in order. Events of the same class are paired; others are paired with None."""
     classes = align(*_numbered([class_of(event.kind) for event in a], [class_of(event.kind) for event in b]))
     for run, left, right in _between(classes, a, b):
         yield from ((event, None) for event in left)

@@ -4,7 +4,7 @@
 
 pyvcd's reader is not used: it takes 3.5 times as long, rejects the spaces that sigrok's users put into channel names
 and non-ASCII letters in comments, and accepts truncated files. wellen, which reads FST for us, is not used either: it
-loses the end of a capture and the declared ranges of vectors, and its errors have no line.
+loses the end of a capture and the declared ranges of vectors, and its errors state no line.
 
 Chosen:
 - Tick 0 of the file is position 0. Levels before the first `#` are unknown, unless values are given before it.

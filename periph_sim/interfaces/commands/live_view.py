@@ -22,7 +22,7 @@ TURNS = 0.0005  # in seconds; after this time, the printing thread must let the 
 
 
 class LiveView:
-    """A screen that prints until its board is closed."""
+    """The view in the terminal. Its thread prints the snapshots on a board until the board is closed."""
 
     def __init__(self, board: Board) -> None:
         self._board, self._console = board, Console()

@@ -32,7 +32,7 @@ UNIT = "dsp"  # name of the unit that runs a firmware function
 
 
 class SceneFactory:
-    """Factory that builds and runs cases for tests."""
+    """A callable object that builds and runs cases for tests (see `__call__`)."""
 
     def __init__(self, config: pytest.Config) -> None:
         self._config = config

@@ -222,7 +222,12 @@ def _record(file: str, of_file: FileCoverage, name: str) -> Iterator[str]:
 
 
 class Profiled(Struct, frozen=True):
-    """Dictionaries from a unit to its program, its profile and its coverage. `coverage` is empty if not requested."""
+    """The profiles of a run.
+
+    name: the name of the case.
+    programs, profiles: dictionaries from units with an image to their programs and profiles.
+    coverage: a dictionary from units with an image to their coverage; empty if no coverage was requested.
+    """
 
     name: str
     ticks_per_second: int
@@ -238,7 +243,11 @@ class Profiled(Struct, frozen=True):
 def profiled(
     case: Case, length: Fraction | None = None, told: Callable[[float], None] | None = None, coverage: bool = False
 ) -> Profiled:
-    """Run a case and return its profile. told: a callback that receives the fraction of the run that is done.
+    """Run a case and return the profiles of its images.
+
+    length: the duration of the run in seconds; None for the duration that the case states.
+    told: a function that is called with the completed share, 0 to 1.
+    coverage: True to count the executions of each instruction, too.
 
     Raise BadCase if no unit runs an image, or if an image lacks the line information that coverage needs.
     """

@@ -133,7 +133,7 @@ def _sums(parent: xml.Element) -> None:
 def _figures(figures: Baseline, budget: str) -> dict[str, str]:
     """Return a dictionary from the names of a budget's figures to their texts.
 
-    Times and instants are in cycles of SYSCLKOUT. The other figures are integers as in the baseline.
+    Times and instants are in cycles of SYSCLKOUT. The other figures are the integers in the baseline.
     """
     of = figures.budgets[budget]
     shown = {"measure": of.measure, "count": str(of.count)}

@@ -103,7 +103,7 @@ FOLDER = "baselines"
 
 
 def path_for(case: Path) -> Path:
-    """Return the path of a case's baseline: that of the project's settings, or baselines/NAME.json beside the case."""
+    """Return the path of a case's baseline, from the project's settings or else baselines/NAME.json beside the case."""
     return project_of(case.parent).baseline(case) or case.parent / FOLDER / f"{case.stem}.json"
 
 

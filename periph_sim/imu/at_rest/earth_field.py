@@ -37,7 +37,7 @@ YAWS = (270, 180, 90, 0)  # yaws of the turn in degrees, in the order of Figure 
 
 @dataclass(frozen=True)
 class Fit:
-    """The two interpretations of the mean of Table 5.1.
+    """The two interpretations of the mean of Table 5.1, which is the field H_rt plus d times the hard iron.
 
     along_y, along_z: the values of d that follow by least squares from the statements about y and about z.
     fields: the field H_rt in gauss if the mean is undisturbed (d = 0), and if it includes the hard iron (d = 1).
@@ -49,17 +49,17 @@ class Fit:
 
     @property
     def disturbed(self) -> bool:
-        """True if d = 1 fits both statements together better than d = 0."""
+        """True if d = 1 fits the two statements of section 5.2 better than d = 0."""
         return self.along_y + self.along_z > 1
 
     @property
     def field(self) -> Vector:
-        """The field of the interpretation that fits both statements better."""
+        """The field of the interpretation that fits the two statements of section 5.2 better."""
         return self.fields[self.disturbed]
 
 
 def off_north(field: Vector) -> float:
-    """Return the angle in degrees from the x axis to the horizontal part of a field."""
+    """Return the angle in degrees from the x axis to the horizontal part of a field, positive toward y."""
     return degrees(atan2(field[1], field[0]))
 
 

@@ -251,7 +251,8 @@ def transfer_lines(
 def _stretches(rows: Rows, bus: int, lows: LongLows, clock: Clock | None) -> dict[int, list[str]]:
     """Return a dictionary from rows of bytes to the long low phases of SCL in these bytes.
 
-    A low phase is the begin of a JSON object. The caller adds the number of the byte in the message.
+    The text of a low phase is a JSON object without its end. The caller adds the number of the byte in the message and
+    closes the object.
     """
     own = np.flatnonzero((rows.bus == bus) & (rows.value >= 0))
     starts = np.searchsorted(lows.rises, rows.at[own])  # for each byte, the index of the rise of its first bit

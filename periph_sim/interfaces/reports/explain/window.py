@@ -174,7 +174,7 @@ class _Wanted:
 
 
 class _Keeper:
-    """Receiver of all records of a run in order of creation. It keeps the records around the verdicts' occurrences."""
+    """Receiver of all records of a run in order of creation, which keeps the records around some occurrences."""
 
     def __init__(self, verdicts: Iterable[Verdict], timebase: Timebase, start: int, end: int) -> None:
         self._timebase = timebase

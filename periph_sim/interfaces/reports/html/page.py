@@ -104,7 +104,10 @@ def _standing(one: BudgetReport) -> str:
 
 
 def _share(one: BudgetReport) -> float | None:
-    """Return the worst value in percent of the limit, at most 100; None for a `min` limit or a limit of 0."""
+    """Return the worst value in percent of the limit, at most 100.
+
+    Return None if nothing was measured, if the limit is a `min` or not above 0, or if the worst value is negative.
+    """
     verdict = one.verdict
     if verdict.worst is None or verdict.which == "min" or verdict.limit <= 0 or verdict.worst < 0:
         return None

@@ -14,9 +14,9 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from ..core.phrases import did_you_mean
-from ..scene.case.load import read
 from ..scene.case.model import BadCase
 from ..scene.case.origin import Place, Source
+from ..scene.case.toml_file import read
 from .models.parameters import STANDARD_GRAVITY, ImuParameters
 from .models.quantity import BadParameter, Checked, Parameter, Quantity, Vector, parameters_of
 

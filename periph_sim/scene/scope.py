@@ -56,7 +56,7 @@ def _own_measures(case: Case) -> dict[str, str]:
     an invalid measure.
     """
     from ..timing.measures.factory import check_measure
-    from .case.load import read
+    from .case.toml_file import read
 
     sentences = dict(case.measures)
     file = case.folder / case.measures_from

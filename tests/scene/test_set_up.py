@@ -14,14 +14,14 @@ from periph_sim.f28335.gpio.settings import pin_settings_of
 from periph_sim.imu import model_codes, near_gaussian
 from periph_sim.imu.models import counts
 from periph_sim.scene import firmware_loader
-from periph_sim.scene.case import load as loading
+from periph_sim.scene.case import toml_file
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import KEPT, shared
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.language.language import measure_of
 
 SHARED = {
-    "TOML": loading._tables,
+    "TOML": toml_file._tables,
     "settings": keys_of,
     "measures": measure_of,
     "routes": pin_settings_of,

@@ -14,9 +14,10 @@ from typing import Any
 import click
 
 from ...processor.user_code import output_muted
-from ...scene.case.load import apply, case_of, read
+from ...scene.case.load import apply, case_of
 from ...scene.case.model import BadCase
 from ...scene.case.origin import texts_in
+from ...scene.case.toml_file import read
 from ...scene.outside_log import BadLog, LogReader
 from ...scene.scene import Scene
 from ...timing.verdict import NOT_JUDGED

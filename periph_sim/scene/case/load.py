@@ -6,20 +6,20 @@ change of host.jitter --> the table [host] is read and checked again; all other 
 
 from __future__ import annotations
 
-import re
 import tomllib
 from collections.abc import Sequence
 from functools import cached_property, lru_cache
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from ...core.convert import BadTable, Mistake, keys_of
-from ...core.input_files import note_inputs_of, read_input
+from ...core.input_files import note_inputs_of
 from ...core.phrases import did_you_mean, shorten
 from ...core.table import separate
 from .error_text import explain
 from .model import BadCase, Case
 from .origin import SHOWN, Place, Source, texts_in
+from .toml_file import copied, text_of, tree_of
 
 WIDEST = 2**63 - 1  # largest integer: the limit of TOML and of compiled code
 
@@ -249,62 +249,3 @@ class CaseFile:
             return None
         case = self.case.model_copy(update=fields).completed()
         return built(located(case, self.path.parent) if "unit" in named else case, source)
-
-
-_TOO_LONG = re.compile(r"[0-9_]{4300}")  # matches an integer that is too long for Python
-
-
-def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
-    """Return the text of a TOML file, and its tree of tables. Raise BadCase if the file cannot be read or parsed.
-
-    what: the kind of file, for messages.
-    """
-    text = text_of(path, what)
-    return text, tree_of(path, text)
-
-
-def text_of(path: Path, what: str) -> str:
-    """Return the text of a TOML file. what: the kind of file, for messages. Raise BadCase if the file is not UTF-8."""
-    try:
-        data = read_input(path)
-    except IsADirectoryError:
-        raise BadCase(
-            f"{path}: is a folder; give a {what} file, or run all its cases: periph-sim check {path}"
-        ) from None
-    except OSError as error:
-        raise BadCase(f"{path}: cannot be read ({error.strerror}); give the path of a {what} file") from None
-    try:
-        return data.decode("utf-8-sig")  # Notepad begins a file with a byte order mark
-    except UnicodeDecodeError as error:
-        line = data.count(b"\n", 0, error.start) + 1
-        found = f"byte {data[error.start]:#04x}"
-        raise BadCase(
-            f"{path}, line {line}: {found} is not UTF-8; a {what} file is TOML, which is UTF-8 text"
-        ) from None
-
-
-def tree_of(path: Path, text: str) -> dict[str, Any]:
-    """Return the tree of tables in a TOML text. path: the file, for messages. Raise BadCase for invalid TOML."""
-    try:
-        return cast(dict[str, Any], copied(_tables(text)))
-    except tomllib.TOMLDecodeError as error:
-        raise BadCase(f"{path}: it is not TOML: {error}") from None
-    except ValueError:
-        found = _TOO_LONG.search(text)
-        line = 0 if found is None else text.count("\n", 0, found.start()) + 1
-        raise BadCase(f"{path}, line {line}: an integer is too long; it must fit 64 bits") from None
-    except RecursionError:
-        raise BadCase(f"{path}: its tables or lists are nested too deeply; a case has at most five levels") from None
-
-
-@lru_cache(maxsize=16)
-def _tables(text: str) -> dict[str, Any]:
-    """Return the tree of tables in a TOML text, from a cache. A caller that changes the tree must copy it first."""
-    return tomllib.loads(text)
-
-
-def copied(value: Any) -> Any:
-    """Return a copy of a value in which all tables and lists are copies, so that they may be changed."""
-    if isinstance(value, dict):
-        return {key: copied(inner) for key, inner in value.items()}
-    return [copied(inner) for inner in value] if isinstance(value, list) else value

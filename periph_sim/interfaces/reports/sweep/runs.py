@@ -25,8 +25,8 @@ from typing import TypeAlias
 
 from ....core.table import HERTZ
 from ....core.time import UNITS
-from ....scene.case.load import text_of
 from ....scene.case.model import BadCase
+from ....scene.case.toml_file import text_of
 from ....scene.firmware_loader import Firmware
 from ....scene.prepared import PreparedScene
 from ....scene.result import Result

@@ -1,6 +1,6 @@
-"""Interrupt lines of one unit: from its modules to the PIE and the CPU.
+"""Interrupt lines of one unit, from its modules to the PIE and the CPU.
 
-    module --lines of its chip--> PIE --INT1 to INT12--> Processor
+    module --its interrupt lines--> PIE --INT1 to INT12--> Processor
     CPU timers 1 and 2 --INT13, INT14--> Processor
 
 Source: SPRUFB0D sections 8.1 to 8.5.
@@ -23,14 +23,14 @@ from .processor import Processor
 INT13 = 13
 
 
-Handler = Callable[[int, int], None]  # called with a cycle and a mask of lines
-Places = tuple[tuple[int, int], ...]  # group and line in the PIE
+Handler = Callable[[int, int], None]  # called with a cycle and a mask of the interrupt lines of a module
+Places = tuple[tuple[int, int], ...]  # (group, line) in the PIE, for each interrupt line of a module
 
 
 class InterruptLines:
     """The interrupt lines from the modules of a unit to its PIE and CPU.
 
-    processor: the CPU; set before time passes.
+    processor: the CPU. It must be set before time passes.
     """
 
     processor: Processor
@@ -41,14 +41,14 @@ class InterruptLines:
         self._sockets = sockets
 
     def request_handler(self, descriptor: ModuleDescriptor) -> Handler:
-        """Return the function that takes a module's interrupt requests to the PIE, or straight to the CPU."""
+        """Return the function that passes the interrupt requests of a module to the PIE, or directly to the CPU."""
         lines = pie_lines(descriptor)
         if lines or not descriptor.interrupts:
             return partial(self._requested, lines)
         return partial(self._cpu_requested, CPU_VECTORS[descriptor.interrupts[0].vector])
 
     def follow_pie(self, cycle: int) -> None:
-        """Request the interrupts of the CPU that the PIE has pulsed."""
+        """Request from the CPU the interrupts for which the PIE has made a pulse."""
         pulses, self._pie.pulses = self._pie.pulses, 0
         number = 1
         while pulses:
@@ -58,7 +58,7 @@ class InterruptLines:
             number += 1
 
     def _cpu_requested(self, interrupt: int, cycle: int, asked: int) -> None:
-        """Request INT13 or INT14; INT13 is timer 1's unless XNMICR assigns it to the XNMI pin (SPRUFB0D Table 123)."""
+        """Request INT13 or INT14. INT13 belongs to timer 1 unless XNMICR selects the XNMI pin [SPRUFB0D Table 123]."""
         xint = self._sockets.get("XINT")
         xnmicr = 0 if xint is None else xint.chip.peek(cycle, xint.chip.MAP["XNMICR"].offset)
         if interrupt != INT13 or int13_source(xnmicr) == "TINT1":
@@ -71,12 +71,12 @@ class InterruptLines:
         self._sockets["PIE"].publish(cycle)
 
     def held(self, places: Places, cycle: int, held: int) -> None:
-        """Pass the lines that a module holds to the PIE."""
+        """Pass to the PIE which interrupt lines a module holds active. held: mask of these lines."""
         for i, (group, line) in enumerate(places):
             self._pie.hold(cycle, group, line, bool(held >> i & 1))
         self._sockets["PIE"].publish(cycle)
 
 
 def pie_lines(descriptor: ModuleDescriptor) -> Places:
-    """Return group and line of a module's interrupts in the PIE, in the order of its chip's LINES."""
+    """Return (group, line) in the PIE for each interrupt line of a module, in the order of the module's lines."""
     return tuple(LINES[one.vector] for one in descriptor.interrupts if one.vector in LINES)

@@ -1,6 +1,6 @@
-"""Operand of a register access: the words that it transfers, and all that the bus must know about them.
+"""Operand of a register access: the words that are transferred, and all that the bus must know about them.
 
-An instruction that names the same register each time is resolved once, not at each pass.
+An operand is made once, and is used again for all later accesses to the same words.
 """
 
 # core: compiled
@@ -22,18 +22,26 @@ from ..f28335.pie.register_map import PIEACK
 class Operand:
     """The words or the field of a register that an access transfers.
 
-    words: the words of the register that are transferred.
-    field: the field that the program named; None for whole words.
-    mask: the bits that the program reads or writes.
-    lsb: the lowest bit of the field.
-    shift: the number of bits by which an access by address shifts the word.
-    block: True if the register is inside the protected block, where reads wait for writes.
-    steady: True if a read has no effect, and its value does not change with time.
-    meets: True if an access has an effect, or the module is updated before it.
-    looks: True if a read is one call of the chip's `see`, and no callback receives a record of it.
-    reads, writes: the topics of the records, if `recorded`.
-    named: the field's name in the records.
-    placed: True if records of reads contain the place.
+    place: the module with the register.
+    words: LOW, HIGH or BOTH words of the register.
+    field: the field that the program has named; None for whole words.
+    named: the name of the field in records; "" for whole words.
+    mask: the bits of the register that the program reads or writes.
+    lsb: the lowest bit of the field; 0 for whole words.
+    shift: 16 if only the upper word is transferred, otherwise 0.
+    offset, address: those of the register, in its module and on the chip.
+    block: True if the register is in the protected block, where a read waits for earlier writes.
+    frame1, frame2: True if the register is in peripheral frame 1, or 2.
+    protected: True if only firmware with EALLOW = 1 can write the register.
+    pieack: True if the register is PIEACK.
+    recorded: True if accesses are recorded.
+    harmless: True if a read has no effect.
+    steady: True if a read has no effect and the value does not change with time.
+    meets: True if an access has an effect, or the module must be updated before a read. The kernel's time must then be
+        that of the access (`CpuTime.meet`).
+    looks: True if a read is one call of `Chip.see`, and no callback receives the record of the read.
+    reads, writes: the topics of the records of reads and writes; not set unless `recorded`.
+    placed: True if records of reads contain the statement.
     """
 
     reads: Topic
@@ -48,7 +56,8 @@ class Operand:
         waits: WaitStates,
         recorded: bool,
     ) -> None:
-        neighbour = words == BOTH and register.width == 16 and not register.upper  # read as half of a 32-bit word
+        # True for a 32-bit access to a 16-bit register, which also accesses the register at the next address.
+        neighbour = words == BOTH and register.width == 16 and not register.upper
         socket, harmless = place.socket, register.reads_are_harmless
         self.place = place
         self.register = register
@@ -78,17 +87,17 @@ class Operand:
         self.looks: bool = harmless and words == LOW and register.width == 16 and socket.before is None
 
     def record(self, reads: Topic, writes: Topic) -> None:
-        """Set the topics of its records."""
+        """Set the topics of the records of reads and writes."""
         self.reads, self.writes = reads, writes
         self.placed = self.records_place()
         self.looks = self.looks and not reads.makes_records()
 
     def records_place(self) -> bool:
-        """Return True if records of a read contain its statement; those of a modify may differ."""
+        """Return True if records of reads contain the statement. For a field, also records of a modify count."""
         return self.reads.places > (OF_MODIFIES if self.field is not None else NOWHERE)
 
     def see(self, cycle: int) -> int:
-        """Return what the CPU reads, without side effects. The upper word of the register is in bits 31:16."""
+        """Return what the CPU reads in this cycle, without side effects. The upper word is in bits 31:16."""
         socket, words = self.socket, self.words
         value = socket.see(cycle, self.offset) if words & LOW else 0
         return value | socket.see(cycle, self.offset + 1) << 16 if words & HIGH else value

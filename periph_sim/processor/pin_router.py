@@ -3,8 +3,9 @@
     wires --> pads --> (synchroniser, qualifier, MUX) --> inputs of a peripheral, one sample a cycle
     peripheral output, GPIO latch --> MUX --> pad --> wire
 
-An asynchronous pin causes no events here: its wire is an input of its peripheral (`Socket.inputs`), and the GPIO
-machine receives its level only when it is read.
+A pad is a pin of the chip with its GPIO number. A pad without synchroniser and qualifier is asynchronous and causes no
+events here: its wire is an input of the peripheral (`Socket.inputs`), and the GPIO module receives the level only when
+firmware reads it.
 """
 
 # core: compiled
@@ -26,17 +27,15 @@ from ..f28335.gpio.settings import OUTPUTS
 from ..f28335.xint.module import Xint
 from ..form.c_types import BigInt
 
-Port = tuple[Socket, int]  # a peripheral and the index of one of its pins
+Port = tuple[Socket, int]  # a peripheral, and the index of one of its inputs or outputs
 
-BETWEEN, RECONNECT = range(2)  # purposes of events: the levels before a SYSCLKOUT edge, outputs to their pins
+BETWEEN, RECONNECT = range(2)  # tags of events that call `_between` and `_reconnect`
 
 
 class Router(Agent):
-    """Connects the peripherals' pins with the wires as the GPIO registers select.
+    """Connects the inputs and outputs of peripherals with the wires as the GPIO registers select.
 
-    wires: the wire of each GPIO number.
-    pulled_down: pads that an external resistor holds low while they are not driven.
-    inputs, outputs: the peripheral's pin for each signal of the pin table.
+    pads: samples the pads whose edges the GPIO module receives.
     """
 
     STATE = State("_pins _free_pins _direct _feeds pads _monitored _unread _routes _outs _lines", ticks="_between_at")
@@ -55,6 +54,12 @@ class Router(Agent):
         outputs: dict[str, Port],
         xint: Socket | None,
     ) -> None:
+        """who: the name of the unit. wires: a dictionary from a GPIO number to the wire at the pad.
+
+        pulled_down: the GPIO numbers of pads that an external resistor holds low while nothing drives them.
+        inputs, outputs: dictionaries from a signal of the pin table to the input or output of its peripheral.
+        xint: the module with the external interrupts; None if the unit does not have it.
+        """
         self._kernel = kernel
         self._clock = clock
         self._recorder = recorder
@@ -65,21 +70,21 @@ class Router(Agent):
         self._inputs = inputs
         self._outputs = outputs
         self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in wires.items()}
-        self._free_pins: dict[int, Pin] = {}  # pins that no peripheral drives
-        self._direct: set[str] = set()  # signals whose wire is an input of their peripheral
-        self._feeds: dict[int, Port] = {}  # synchronised pad -> the input that it feeds
-        self.pads = Sampler(kernel, recorder, self)  # pads whose edges the GPIO machine receives
-        self._line = {n: line for line, n in enumerate(wires)}  # pad -> its line of `pads`
-        self._monitored: set[int] = set()
-        self._unread: BigInt = -1  # mask: all other pads
-        self._between_at = NO_TIME  # when it next receives edges between two SYSCLKOUT edges
+        self._free_pins: dict[int, Pin] = {}  # the pins of pads that no peripheral drives
+        self._direct: set[str] = set()  # the signals of asynchronous pads
+        self._feeds: dict[int, Port] = {}  # from a pad with a synchroniser to the input of a peripheral that it feeds
+        self.pads = Sampler(kernel, recorder, self)
+        self._line = {n: line for line, n in enumerate(wires)}  # from a pad to its line in `pads`
+        self._monitored: set[int] = set()  # the pads whose edges the GPIO module receives
+        self._unread: BigInt = -1  # mask of all other pads
+        self._between_at = NO_TIME  # the tick of the next call of `_between`; NO_TIME if none is scheduled
         self._xint = xint
         self._routes = -1
         self._outs = -1
         for socket, _ in outputs.values():
             socket.out_delay = gpio.gpio_out_delay.unrecorded()
         self._xint_chip: Xint | None = None
-        self._lines = 0  # XINT lines that the GPIO machine reports
+        self._lines = 0  # mask of the XINT lines whose changes the GPIO module reports
         if xint is not None:
             assert isinstance(xint.chip, Xint)
             self._xint_chip = xint.chip
@@ -101,7 +106,7 @@ class Router(Agent):
     # Pads ----------------------------------------------------------------------
 
     def _select_pads(self) -> None:
-        """Select the pads to monitor. A pad that feeds a peripheral directly is monitored only for a subscriber."""
+        """Select the pads to monitor. An asynchronous pad is monitored only if a subscriber needs its edges."""
         direct = {self._gpio.source(signal) for signal in sorted(self._direct)}
         everything = bool(self._gpio_socket.watchers)
         monitored = {n for n in self._wires if everything or n not in direct or self._gpio.watched >> n & 1}
@@ -113,7 +118,7 @@ class Router(Agent):
         self._unread = ~sum(BIT[n] for n in monitored)
 
     def sampled(self, tick: int, levels: int) -> None:
-        """Pass changed pads to the GPIO machine; changes between two SYSCLKOUT edges at the later edge."""
+        """Pass changed pads to the GPIO module. A change between two SYSCLKOUT edges is passed at the later edge."""
         cycle = self._clock.cycle_at(tick)
         begin = self._clock.tick(cycle)
         if begin == tick:
@@ -128,7 +133,7 @@ class Router(Agent):
         self._plan_between(begin)
 
     def fed(self) -> list[Socket] | None:
-        """Return the peripherals fed by synchronised pads; None if an edge of a pad may have another effect, too."""
+        """Return the peripherals that pads with a synchroniser feed; None if an edge may have other effects, too."""
         if self._gpio_socket.watchers or self._gpio.watched:
             return None
         if any(self._gpio.seen_at(0, n, exact=True) == NEVER for n in sorted(self._monitored)):
@@ -144,7 +149,7 @@ class Router(Agent):
                 self._kernel.schedule(begin, self, BETWEEN)
 
     def _between(self) -> None:
-        """Pass on the levels just before this SYSCLKOUT edge, which a synchroniser samples."""
+        """Pass on the levels just before this SYSCLKOUT edge, which the synchronisers sample."""
         self._between_at = NO_TIME
         cycle, levels = self._clock.cycle_at(self._kernel.now), self._levels_of(self.pads.levels)
         self._pass_pads(cycle, levels, exact=False)
@@ -154,7 +159,7 @@ class Router(Agent):
             socket.inputs.put(index, levels >> n & 1)
 
     def _levels_of(self, lines: int) -> BigInt:
-        """Return the sampler's lines as levels of pads."""
+        """Return the levels of pads as a mask by GPIO number. lines: their levels as a mask by line of `pads`."""
         levels = 0
         for n, line in self._line.items():
             if lines >> line & 1:
@@ -162,7 +167,7 @@ class Router(Agent):
         return levels
 
     def _pass_pads(self, cycle: int, levels: BigInt, exact: bool = True) -> BigInt:
-        """Pass the monitored pads to the GPIO machine; return those that changed."""
+        """Pass the levels of the monitored pads to the GPIO module, and return the mask of those that have changed."""
         gpio = self._gpio
         levels = levels & ~self._unread | gpio.pads & self._unread
         moved = levels ^ gpio.pads
@@ -172,12 +177,12 @@ class Router(Agent):
         return moved
 
     def _pass_all_pads(self, cycle: int) -> None:
-        """Pass the levels of all pads before an access, also of those that are not monitored."""
+        """Pass the levels of all pads to the GPIO module, also of those that are not monitored, before an access."""
         self._kernel.materialize()
         self._gpio.edges(cycle, self._levels_on_wires())
 
     def _peek(self, cycle: int, offset: int) -> int:
-        """Return a word of GPIO with the present levels of all pads, and leave the machine as it was."""
+        """Return a word of GPIO for the present levels of all pads, without a change of the GPIO module."""
         gpio, unread = self._gpio, (self._levels_on_wires() ^ self._gpio.pads) & self._unread
         gpio.moved_before(unread)
         value = gpio.peek(cycle, offset)
@@ -195,7 +200,7 @@ class Router(Agent):
     # Routes --------------------------------------------------------------------
 
     def look(self, cycle: int) -> None:
-        """Apply new routes, output levels and qualified edges after an input of the GPIO machine."""
+        """Apply changes of routes, output levels and qualified inputs of the GPIO module."""
         gpio = self._gpio
         if gpio.routes_version != self._routes:
             self._routes = gpio.routes_version
@@ -213,7 +218,7 @@ class Router(Agent):
                     self._xint.inputs.put(int(signal[4:]) - 1, level)
 
     def _before_xint(self, cycle: int) -> None:
-        """Set the levels of all lines of XINT before an access. Otherwise only enabled lines are monitored."""
+        """Set the levels of all XINT lines before an access, since only enabled lines are monitored at other times."""
         assert self._xint is not None and self._xint_chip is not None
         self._pass_all_pads(cycle)
         levels = self._gpio.xint_levels(cycle)
@@ -253,7 +258,7 @@ class Router(Agent):
         self._kernel.schedule(max(after, self._kernel.now), self, RECONNECT)
 
     def _reconnect(self) -> None:
-        """Connect outputs to their present pins."""
+        """Connect the outputs of peripherals to the pins that the MUX selects."""
         self._kernel.materialize()
         for signal in OUTPUTS:
             if signal in self._outputs:
@@ -265,7 +270,7 @@ class Router(Agent):
         self._drive()
 
     def _drive(self) -> None:
-        """Drive the pads that GPIO drives; release all others except the peripherals' own."""
+        """Drive the pads that GPIO drives, and release all others that no peripheral drives."""
         driven, high = self._gpio.driven, self._gpio.driven_high
         pin: Pin
         for n, pin in self._free_pins.items():

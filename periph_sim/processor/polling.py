@@ -1,6 +1,7 @@
 """Waits in progress: the reads of a pass, and the time for which further passes have the same result.
 
-A pass whose reads have no side effect repeats until a bit that it looked at changes.
+A wait is a loop that reads registers until a condition is true; a pass is one execution of the loop. A pass whose reads
+have no side effect has the same result until a bit that it has tested changes.
 """
 
 # core: compiled
@@ -20,9 +21,11 @@ from .source_location import SourceLocation
 
 @final
 class Poll:
-    """A read of a pass: operand and value. before: the value that was read in the pass that is replayed.
+    """A read in a pass.
 
-    where: the statement in the firmware, if it is already known.
+    value: the words that were read.
+    before: the value that the same read has returned in the pass that is replayed.
+    where: the statement in the firmware; None if it is not known yet.
     """
 
     STATE = State("operand value before where", made=True)
@@ -35,15 +38,21 @@ class Poll:
 
 @final
 class Spin:
-    """A wait in progress. since: the cycle at which it began. made: number of reads in the present pass.
+    """A wait in progress.
 
-    pass_cycles: all cycles of a pass; None: those of its reads, their tests and the branch back of the unit's code.
-    ends: the cycle of its timeout.
-    pure: no write, no read with a side effect, no interrupt, no stall in this pass.
-    start: cycle at which the present pass began. held_up: cycles of it that interrupts and stalls took.
-    bare: the present pass took no time but that of its reads and their tests.
-    live_from: reads before this cycle return the earlier values.
-    last: operands and values of the previous pass, if passes are executed that could be skipped; else empty.
+    since: the cycle at which the wait began.
+    pass_cycles: the cycles of a whole pass; None if a pass takes the cycles of its reads, their tests and the branch
+        back.
+    ends: the cycle at which the wait times out; NEVER if it does not.
+    made: the number of reads so far in the present pass.
+    reads: the reads of the present pass in their order, then those of earlier passes that the pass has not replaced.
+    pure: True if the present pass has made no write and no read with a side effect, and no interrupt or stall has
+        delayed it.
+    bare: True if the present pass has taken no time except that of its reads and their tests.
+    start: the cycle at which the present pass began.
+    held_up: the cycles by which interrupts and stalls have delayed the present pass.
+    live_from: in a replay, reads before this cycle return the earlier values.
+    last: (operand, value) of each read of the previous pass, if passes that could be skipped are executed; else empty.
     """
 
     STATE = State("pass_cycles made reads pure bare held_up last", cycles="since ends start live_from", made=True)
@@ -53,7 +62,7 @@ class Spin:
         self.pass_cycles = pass_cycles
         self.ends = ends
         self.made = 0
-        self.reads: list[Poll] = []  # of this pass, in order; then the remaining ones of earlier passes
+        self.reads: list[Poll] = []
         self.pure = True
         self.bare = False
         self.start = 0
@@ -63,11 +72,11 @@ class Spin:
 
     @property
     def polls(self) -> list[Operand]:
-        """The operands read by the present pass; by the last one if passes are executed that could be skipped."""
+        """The operands that the present pass has read; those of the previous pass if `last` is not empty."""
         return [operand for operand, _ in self.last] or [read.operand for read in self.reads[: self.made]]
 
     def unchanged(self, cycle: int) -> bool:
-        """Return True if such a pass would read the same values as the last one."""
+        """Return True if a pass in this cycle would read the values in `last`. Return False if `last` is empty."""
         operand: Operand
         value: int
         for operand, value in self.last:
@@ -82,7 +91,7 @@ class Spin:
         self.held_up = 0
 
     def take_length(self, cycle: int) -> None:
-        """Set `bare` from the cycle at which the reads of the present pass are complete."""
+        """Set `bare`. cycle: the cycle at which the reads of the present pass are complete."""
         place: int
         for place in range(self.made):
             read: Poll = self.reads[place]
@@ -90,7 +99,7 @@ class Spin:
         self.bare = cycle == self.start + (self.made - 1) * cpu_costs.SB_NOT_TAKEN
 
     def note(self, operand: Operand, value: int, where: SourceLocation | None) -> None:
-        """Append a read to the present pass. where: its statement, if known."""
+        """Append a read to the present pass. where: the statement; None if it is not known yet."""
         if self.made == len(self.reads):
             self.reads.append(Poll())
         read: Poll = self.reads[self.made]
@@ -105,7 +114,7 @@ class Spin:
         return read.before
 
     def answer_before(self, cycle: int) -> None:
-        """Replay the present pass in the next one, up to its reads before this cycle."""
+        """Make the reads of the next pass that are before this cycle return the values of the present pass."""
         if self.made < len(self.reads):
             del self.reads[self.made :]
         read: Poll
@@ -115,24 +124,27 @@ class Spin:
             self.live_from = cycle
 
     def hold_up(self, cycles: int) -> None:
-        """Note cycles that an interrupt or a stall adds to the present pass, which then differs from the others."""
+        """Note cycles by which an interrupt or a stall delays the present pass, so that other passes may differ."""
         self.pure = False
         self.held_up += cycles
 
     def rest(self, cycle: int, branch: int) -> int:
-        """Return the cycles from here to the end of the present pass. branch: those of the branch back."""
+        """Return the cycles from `cycle` to the end of the present pass. branch: the cycles of the branch back."""
         return branch if self.pass_cycles is None else max(0, self.pass_cycles - (cycle - self.start - self.held_up))
 
     def waits_for(self) -> str:
         return " and ".join(dict.fromkeys([str(poll) for poll in self.polls]))
 
 
-NO_SOCKETS: list[Socket] = []  # stays empty
+NO_SOCKETS: list[Socket] = []  # a shared empty list, which is never changed
 
 
 @final
 class Lease(ChipObserver):
-    """The time for which further passes have the same result: until a bit that the pass looked at changes."""
+    """The time for which further passes of a wait have the same result: until a bit that the pass has tested changes.
+
+    While the CPU sleeps, this object observes the modules that the pass has read, and wakes the CPU at a change.
+    """
 
     STATE = State("_sockets _spin", cycles="_first")
 
@@ -143,10 +155,7 @@ class Lease(ChipObserver):
         self._sockets = NO_SOCKETS
 
     def begin(self, spin: Spin) -> bool:
-        """Wait for a change of what this pass, which has just ended, has read. Return False if it has changed already.
-
-        The modules that were read wake the sleeping CPU when a bit changes.
-        """
+        """Observe what the pass that has just ended has read. Return False if a value has changed already."""
         self._first = self._time.cycle
         self._spin = spin
         if self.broken(self._first):
@@ -164,7 +173,7 @@ class Lease(ChipObserver):
         return True
 
     def broken(self, cycle: int) -> bool:
-        """Return True if a pass begun at `cycle` could differ."""
+        """Return True if a pass that begins at `cycle` could have another result."""
         spin = self._spin
         assert spin is not None
         place: int
@@ -183,6 +192,6 @@ class Lease(ChipObserver):
             socket.unwatch(self)
 
     def look(self, cycle: int) -> None:
-        """Wake the CPU if an input of a module that was read has changed the result."""
+        """Wake the CPU if a change of an observed module has changed the result of a pass."""
         if self.broken(cycle):
             self._time.resume_by(max(cycle, self._first))

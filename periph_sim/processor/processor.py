@@ -3,13 +3,14 @@
     kernel --wake-up--> Processor --run--> Program --> Bus, CpuTime
                             ^--- reach, rest, take_interrupt, iret: steps that take time; stops
 
-Steps that take time are requested here. True means that the step is complete, and the program continues in the same
-call. After False it stops; the step is completed when the kernel wakes this CPU, and then the program is run again.
+The program requests steps that take time by these methods. The result True means that the step is complete, and the
+program continues in the same call of `run`. After False, the program must stop; when the kernel wakes this CPU, the
+processor completes the step and runs the program again.
 
-A program executes instructions: it advances `CpuTime.cycle`, makes its accesses in the cycles that the bus names, and
+A program executes instructions. It advances `CpuTime.cycle`, makes accesses in the cycles that the bus returns, and
 checks at each boundary between two instructions whether an interrupt is due (`Processor.take_interrupt`, which calls
-`enter`). It keeps its position between two calls of `run`: Python firmware in a greenlet, an instruction-set simulator
-in its registers and the pending access.
+`enter`). It keeps its position between two calls of `run`: Python firmware keeps it in a greenlet, an image in the
+registers and the pending instruction.
 
     request --> CpuInterrupts --> due --> take_interrupt --vector_delay--> fetch --> entered ... iret --> returned
                                             |                               |                     |
@@ -62,11 +63,14 @@ class Stop(Enum):
 
 
 class Awaited(NamedTuple):
-    """A description of a wait in progress. what: the registers or words that it reads.
+    """A description of a wait in progress.
 
-    unanswered: the unmodelled register that it waits for, and how the case can answer; "" if there is none.
-    memory: True if it reads no register, so that only a service routine can end it.
-    since: the cycle at which a wait for unmodelled registers began. place: the statement that closes its loop.
+    what: the registers or words that the wait reads.
+    unanswered: why an unmodelled register that the wait reads does not change, and how the case can answer its reads;
+        "" if this does not apply.
+    memory: True if the wait reads no register, so that only a service routine can end it.
+    since: the cycle at which a wait for unmodelled registers began; 0 for other waits.
+    place: the statement that closes the loop of a wait for unmodelled registers; None for other waits.
     """
 
     what: str
@@ -79,9 +83,9 @@ class Awaited(NamedTuple):
 class Program:
     """Base of the programs that a processor runs.
 
-    spin: the wait in progress.
-    polls_skipped: number of passes of waits that were not executed.
-    returned_at: the cycle at which main returned; None before.
+    spin: the wait in progress; None if there is none.
+    polls_skipped: the number of passes of waits that were skipped.
+    returned_at: the cycle at which main has returned; None if it has not returned.
     """
 
     STATE = State("spin polls_skipped", cycles="returned_at")
@@ -97,34 +101,39 @@ class Program:
         return self.returned_at is not None
 
     def run(self, until: int) -> Stop | None:
-        """Continue, and return the reason of the next stop; None if the program reports it itself (`Processor.stops`).
+        """Continue the program until it stops, and return the reason.
+
+        Return None if the program has called `Processor.stops` itself.
 
         until: nothing else can act before this cycle, the end of the present lease. An access with an effect ends the
         lease (`CpuTime.lease`). If `Processor.reach`, `rest`, `take_interrupt` or `iret` returns False, the program
-        stops; the step is complete when it is run again.
+        must stop; the step is complete when the program is run again.
         """
         raise NotImplementedError
 
     def awaited(self) -> Awaited:
-        """Return what the wait in progress polls."""
+        """Return a description of the wait in progress."""
         return Awaited("" if self.spin is None else self.spin.waits_for())
 
     def unanswered_wait(self) -> Awaited | None:
-        """Return the wait that reads unmodelled registers only, even while a service routine interrupts it."""
+        """Return a description of a wait that reads unmodelled registers only; None if there is none.
+
+        Such a wait is returned even while a service routine interrupts it.
+        """
         return None
 
     def ending(self, at: Text) -> str:
-        """Return the text of the note about the end of the program. at: `returned_at` as a time."""
+        """Return the text of the note about the end of the program. at: the time of `returned_at` as text."""
         return f"main returned at {at}; from then on only service routines run"
 
     def place(self) -> SourceLocation | None:
-        """Return the statement that is executed, or is next; None if it is unknown."""
+        """Return the statement that is executed now, or is executed next; None if it is unknown."""
         raise NotImplementedError
 
     def enter(self, vector: int) -> Text:
-        """Enter the service routine at a vector, a code address. Return the place of its begin, "" if it is unknown.
+        """Enter the service routine at a code address, the vector. Raise FirmwareError if there is no routine.
 
-        Raise FirmwareError if the vector has no routine.
+        Return the location of the first statement of the routine; "" if it is unknown.
         """
         raise NotImplementedError
 
@@ -136,23 +145,24 @@ class Program:
         """Restore the context that IRET read from the stack."""
 
     def release(self) -> None:
-        """Free the resources of a program that is not run again."""
+        """Free the resources of the program, which is not run again."""
 
     def kill(self, how: type[BaseException]) -> None:
-        """End the program at its present position. how: the exception raised in Python firmware."""
+        """End the program at its present position. how: the exception to raise in Python firmware."""
         self.spin = None
 
 
-NONE, FETCHES, ENTERS, RETURNS = range(4)  # the pending step: fetch of the vector, entry, IRET
+NONE, FETCHES, ENTERS, RETURNS = range(4)  # the pending step: none, fetch of the vector, entry into the routine, IRET
 
 
 @final
 class Processor(Agent):
     """Processor of a unit.
 
-    stopped: the reason of the last stop; None before the first.
-    core: masks, flags and timing of its interrupts.
+    stopped: the reason of the last stop of the program; None before the first stop.
+    core: the masks, flags and timing of interrupts.
     taken: the name of the vector of the last interrupt that was taken.
+    unrequested: True if no line of the group was flagged and enabled when the last vector was fetched.
     """
 
     STATE = State(
@@ -180,19 +190,20 @@ class Processor(Agent):
         self.bus = Bus(name, self.time, clock, recorder, memory, core, self.notes, options, self._place)
         self.core = core
         self.taken = ""
-        self.unrequested = False  # True if no line was flagged and enabled when the last vector was fetched
+        self.unrequested = False
         self._pie = pie
         self._clock = clock
         self._records_irq = recorder.wants(Kind.IRQ)
-        self._number = 0  # of the interrupt being taken
-        self._causes: list[tuple[str, int]] = []  # by entry: vector, and the interrupted cause
+        self._number = 0  # the number of the interrupt that is being taken
+        # For each active service routine, the innermost last: the vector, and the record that was the cause before.
+        self._causes: list[tuple[str, int]] = []
         self._recorder = recorder
         self._program: Program | None = None
-        self._cause = 0  # the record under which the program continues
-        self._goal = 0  # the cycle to reach
-        self._outer = 0  # the record under which the kernel called `act`
-        self._under_way = NONE
-        self._vector = 0
+        self._cause = 0  # the record that is the cause of what the program does when it continues
+        self._goal = 0  # the cycle that the program must reach before it continues
+        self._outer = 0  # the record that was the cause when the kernel called `act`
+        self._under_way = NONE  # the pending step
+        self._vector = 0  # the code address of the service routine that is entered next
 
     @property
     def program(self) -> Program:
@@ -210,14 +221,14 @@ class Processor(Agent):
         self.time.begin(delay)
 
     def kill(self, how: type[BaseException]) -> None:
-        """Stop the program at its present position; its posted writes are dropped. how: raised in Python firmware."""
+        """End the program at its present position, and drop its posted writes. how: see `Program.kill`."""
         self._forget()
         if self._program is not None:
             self._program.kill(how)
-            self._forget()  # requests that it made while it ended
+            self._forget()  # again, because the program may have made requests while it ended
 
     def _forget(self) -> None:
-        """Cancel all that the program is waiting for."""
+        """Cancel the wake-up, the posted writes and the pending step of the program."""
         self.time.stop()
         self.bus.forget()
         self._causes.clear()
@@ -225,9 +236,9 @@ class Processor(Agent):
         self._goal = 0
 
     def causing_statement(self) -> SourceLocation | None:
-        """Return the statement that causes the present action: that of the landing write, or the program's.
+        """Return the statement that causes the present action; None before the program begins and after it ends.
 
-        None before the program begins and after it ends.
+        While a posted write lands, this is the statement that issued the write; otherwise it is the present statement.
         """
         return self._place() if self.bus.issued_at is None else self.bus.issued_at
 
@@ -235,7 +246,7 @@ class Processor(Agent):
         return None if self._program is None else self._program.place()
 
     def act(self, tag: int) -> None:
-        """Continue at the cycle of a scheduled wake-up."""
+        """Continue the program at a scheduled wake-up."""
         time, recorder = self.time, self._recorder
         time.arrive()
         self._outer, recorder.cause = recorder.cause, self._cause
@@ -248,7 +259,7 @@ class Processor(Agent):
         self.stops(why)
 
     def stops(self, why: Stop | None) -> None:
-        """End the program's turn, for this reason."""
+        """Note that the program stops for a reason, and restore the cause of the records."""
         recorder = self._recorder
         self.stopped = why
         self._cause, recorder.cause = recorder.cause, self._outer
@@ -256,7 +267,7 @@ class Processor(Agent):
     # Steps that take time ------------------------------------------------------------
 
     def reach(self, cycle: int) -> bool:
-        """Let time pass to `cycle`, without interrupts; posted writes of earlier cycles land on the way."""
+        """Let time pass to `cycle` without interrupts. Posted writes that land before this cycle take effect."""
         time = self.time
         while time.lands < cycle:
             if not time.advance(time.lands):
@@ -270,13 +281,13 @@ class Processor(Agent):
         return False
 
     def rest(self, cycle: int) -> bool:
-        """Sleep to `cycle`, or to the boundary at which an interrupt can be taken."""
+        """Sleep until `cycle`, or until an earlier boundary at which an interrupt can be taken."""
         now = self.time.cycle
         self._goal = 0
         return self.time.rest(min(cycle, max(now, self.core.earliest())))
 
     def next_output(self, cycle: int) -> int:
-        """Return the cycle before which no write of the program can land. cycle: that of the next wake-up."""
+        """Return the cycle before which no write of the program can land. cycle: the cycle of the next wake-up."""
         first = max(cycle, self._goal)
         if self._under_way == FETCHES:
             first = max(first, self.core.ready)
@@ -296,7 +307,7 @@ class Processor(Agent):
         return self.reach(core.ready - core.entry_cycles + core.vector_delay) and self._go_on()
 
     def iret(self) -> bool:
-        """Execute IRET: restore the context, and return to the interrupted code after its 8 cycles."""
+        """Execute IRET: restore the context, and return to the interrupted code after 8 cycles."""
         core, cycle = self.core, self.time.cycle
         words: list[int] = list(self.bus.ram.words(self._frame(cycle, core.returning_sp), CONTEXT_WORDS))
         core.iret(cycle, words[ST1_WORD], words[IER_WORD])
@@ -305,7 +316,7 @@ class Processor(Agent):
         return self.reach(self.time.cycle + cpu_costs.IRET) and self._go_on()
 
     def _go_on(self) -> bool:
-        """Continue the pending step, up to its end or until time has to pass."""
+        """Continue the pending step. Return True if it is complete, False if time has to pass before."""
         if self._under_way == FETCHES:
             self._vector = self._fetch(self.time.cycle)
             self._under_way = ENTERS
@@ -328,7 +339,7 @@ class Processor(Agent):
         return True
 
     def _fetch(self, cycle: int) -> int:
-        """Fetch the vector of the interrupt that was taken, a code address, from the table in memory."""
+        """Return the vector, a code address, of the interrupt that was taken, from the vector table in memory."""
         number = self._number
         self.unrequested = number <= GROUPS and not self._pie.has_request(number)
         if number > GROUPS:
@@ -341,13 +352,13 @@ class Processor(Agent):
         return routine
 
     def fetch_for_trap(self, cycle: int, number: int) -> int:
-        """Fetch the vector of TRAP or INTR, a code address, from the table in memory."""
+        """Return the vector, a code address, for TRAP or INTR from the vector table in memory."""
         address = self._pie.cpu_vector(number)
         self.notes.move_from(cycle, self._pie.notes)
         return self._routine(cycle, address, f"the vector {number} of TRAP or INTR")
 
     def _routine(self, cycle: int, address: int, what: str) -> int:
-        """Return the vector at an address. Raise InterruptFault if it is in boot ROM."""
+        """Return the vector at an address. Raise InterruptFault if the address is in boot ROM."""
         if address in VECTOR_TABLE:
             return self.bus.ram.word32(address) & CODE_ADDRESS
         raise InterruptFault(
@@ -357,7 +368,10 @@ class Processor(Agent):
         )
 
     def _frame(self, cycle: int, sp: int) -> int:
-        """Return the address of the context's first word, from SP at the entry. Raise InterruptFault outside of RAM."""
+        """Return the address of the first saved word of a context. Raise InterruptFault if it is not in RAM.
+
+        sp: SP when the interrupt was taken.
+        """
         first = frame_of(sp)
         for address in (first, first + CONTEXT_WORDS - 1):
             if block_at(address) is None:
@@ -367,7 +381,7 @@ class Processor(Agent):
     # Requests ------------------------------------------------------------------------
 
     def request(self, cycle: int, number: int) -> None:
-        """Receive a pulse of INTn at `cycle`."""
+        """Receive a pulse on the line INTn at `cycle`. number: n."""
         core = self.core
         core.raise_line(cycle, number)
         if self.time.asleep or self.time.watching:

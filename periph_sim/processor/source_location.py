@@ -1,7 +1,7 @@
 """Locations in firmware as text: "function:line" in Python, "_serve (imu_hil.asm:77, 0x009051)" in an image.
 
-A record of a running scene, unlike one from a file, has the path, too. `parsed` returns the parts of an image's
-location; without debug data it is "_serve+0x11 (0x009051)".
+Without debug data, a location in an image is "_serve+0x11 (0x009051)". In a running scene, a location also has the path
+of the file; a location in a recording is only the text, of which `parsed` returns the parts.
 """
 
 # core: compiled
@@ -18,18 +18,18 @@ from typing import NamedTuple, final
 from .. import __file__ as package_file
 from ..form.c_types import Text
 
-PACKAGE = f"{Path(package_file).parent}{os.sep}"  # no location in the firmware is in here,
-COMPILED = "periph_sim/"  # nor in here: file names of compiled modules in tracebacks
-FIRMWARE_ROOMS = (  # exceptions
+PACKAGE = f"{Path(package_file).parent}{os.sep}"  # files in this folder belong to the simulation
+COMPILED = "periph_sim/"  # file names of compiled modules in tracebacks begin with this text
+FIRMWARE_ROOMS = (  # folders in PACKAGE with firmware
     f"{PACKAGE}firmware{os.sep}",  # start-up code that firmware imports
-    f"{PACKAGE}examples{os.sep}",  # shipped programs, here in a wheel
+    f"{PACKAGE}examples{os.sep}",  # shipped programs, which an installed package has here
 )
-STDLIB = f"{Path(os.__file__).parent}{os.sep}"  # not firmware either; our own calls pass through it
-INSTALLED = f"{STDLIB}site-packages{os.sep}"  # which may hold firmware
+STDLIB = f"{Path(os.__file__).parent}{os.sep}"  # files in this folder are not firmware
+INSTALLED = f"{STDLIB}site-packages{os.sep}"  # installed packages in STDLIB, which may be firmware
 
 
 class SourceLocation(str):
-    """ "function:line". path: of the file. line: counted from 1."""
+    """A location as text, "function:line". path: the path of the file. line: the number of the line, from 1 on."""
 
     __slots__ = ("line", "path")
 
@@ -42,20 +42,22 @@ class SourceLocation(str):
 
 @final
 class SourceLocator:
-    """The source locations of one program, each made once."""
+    """The source locations of one program. Each location is made once."""
 
     def __init__(self) -> None:
         self._known: dict[tuple[CodeType, int], SourceLocation] = {}
-        self._places: dict[int, dict[int, SourceLocation] | None] = {}  # by code, by instruction; None: not firmware
-        self._codes: list[CodeType] = []  # the keys of `_places`, kept so that their ids stay unique
+        # From the id of a code object to a dictionary from the index of an instruction to its location; None for code
+        # that is not firmware.
+        self._places: dict[int, dict[int, SourceLocation] | None] = {}
+        self._codes: list[CodeType] = []  # these code objects; the references keep their ids unique
 
     def of_frame(self, frame: FrameType | None) -> SourceLocation | None:
         """Return the location of the innermost frame of firmware from this one outwards; None if there is none."""
         while frame is not None:
             code = frame.f_code
             try:
-                places = self._places[id(code)]  # hashing the code itself would take most of the time here
-            except KeyError:  # seen for the first time
+                places = self._places[id(code)]  # the id is the key, because hashing a code object is slow
+            except KeyError:  # this code object is new
                 self._codes.append(code)
                 places = self._places[id(code)] = {} if is_firmware(code.co_filename) else None
             if places is not None:
@@ -67,11 +69,11 @@ class SourceLocator:
         return None
 
     def of_line(self, code: CodeType, line: int) -> SourceLocation | None:
-        """Return a line of a code; None if that is not firmware."""
+        """Return the location of a line of a code object; None if the code is not firmware."""
         return self._place(code, line) if is_firmware(code.co_filename) else None
 
     def of_routine(self, routine: Callable[[], None]) -> SourceLocation | None:
-        """Return the first line of a routine; None if it is not written in Python."""
+        """Return the location of the first line of a routine; None if the routine is not written in Python."""
         code = getattr(routine, "__code__", None)
         return self._place(code, code.co_firstlineno) if isinstance(code, CodeType) else None
 
@@ -94,7 +96,7 @@ def is_helper(file: str) -> bool:
 
 
 def is_firmware(file: str) -> bool:
-    """Return True if code of this file is neither ours nor Python's own."""
+    """Return True if a file belongs neither to the simulation nor to Python itself."""
     if is_ours(file) or file.startswith("<frozen "):
         return False
     return not file.startswith(STDLIB) or file.startswith(INSTALLED)
@@ -104,7 +106,7 @@ TEXT = re.compile(r"(?P<function>.+) \((?:(?P<file>[^()]+):(?P<line>\d+), )?(?P<
 
 
 class InstructionLocation(SourceLocation):
-    """Location of an instruction of an image. path, line: "" and 0 without debug data."""
+    """Location of an instruction of an image. Without debug data, `path` is "" and `line` is 0."""
 
     __slots__ = ()
 
@@ -113,7 +115,11 @@ class InstructionLocation(SourceLocation):
 
 
 class Parts(NamedTuple):
-    """The parts of a location. file: the name without the folder; "" without debug data, and `line` is then 0."""
+    """The parts of the location of an instruction.
+
+    file, line: the name of the file without its folder, and the line; "" and 0 without debug data.
+    pc: the address of the instruction.
+    """
 
     function: str
     file: str
@@ -122,7 +128,12 @@ class Parts(NamedTuple):
 
 
 def instruction_location(function: Text, begins: int, path: Text, line: int, pc: int) -> InstructionLocation:
-    """Return the location of an instruction. function: "" if unknown. begins: its first address."""
+    """Return the location of an instruction.
+
+    function, begins: the name and the first address of its function; the name is "" if it is unknown.
+    path, line: the source line; "" and 0 without debug data.
+    pc: the address of the instruction.
+    """
     path = path.replace("\\", "/")  # the compiler may have run on Windows
     if path:
         where = f"{Path(path).name}:{line}, {pc:#08x}"
@@ -137,7 +148,10 @@ def instruction_location(function: Text, begins: int, path: Text, line: int, pc:
 
 
 def parsed(text: Text) -> Parts | None:
-    """Return the parts of a recorded location; None if it is not an instruction's, or the function is unknown."""
+    """Return the parts of the text of an instruction's location.
+
+    Return None for other locations, and if the function is unknown.
+    """
     found = TEXT.fullmatch(text)
     if found is None:
         return None
@@ -145,7 +159,10 @@ def parsed(text: Text) -> Parts | None:
 
 
 def statement(text: Text) -> Text:
-    """Return the part of a location that all instructions of a source line share; any other location unchanged."""
+    """Return a location without the address, which differs between the instructions of a source line.
+
+    A location without a source line is returned unchanged.
+    """
     if not text.endswith(")"):
         return text
     found = parsed(text)

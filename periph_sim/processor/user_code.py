@@ -1,17 +1,17 @@
 """The guard around user code: firmware, service routines, devices and their files.
 
-    error that user code raised --as_firmware_error--> FirmwareError with its place, or None: it passes unchanged
-    guard(function, ...)        --> its result; FirmwareError; FirmwareStalled if it does not return
-    with output_muted(): ...    --> prints of user code in a run that repeats an earlier one are dropped
+    as_firmware_error(error)    returns a FirmwareError with the place of an error of user code; None for other errors
+    guard(function, ...)        returns the result; raises FirmwareError, or FirmwareStalled if the call takes too long
+    with output_muted(): ...    drops the output of user code in a run that repeats an earlier run
 
-User code may not:
+User code is prevented from the following:
 
-- exit: `sys.exit` becomes an error, as does every exception that is no `Exception`. Only Ctrl-C passes.
-- run forever: a call that uses more CPU time than its limit is stopped with its line.
-- poll for long without notice: `warn` writes a sentence during the run.
-- print twice: a case that is run again for an explanation prints nothing the second time.
+- to exit. `sys.exit` becomes an error, as does every exception that is no `Exception`. Only Ctrl-C is not changed.
+- to run forever. A call that uses more CPU time than its limit is stopped, and the message has its line.
+- to poll for long without notice. `warn` writes a sentence during the run.
+- to print twice. A case that is run again for an explanation prints nothing the second time.
 
-Exits that Python does not see, such as `os._exit`, are noticed by `periph_sim.entry` from outside of the process.
+`periph_sim.entry` notices exits that Python does not handle, such as `os._exit`, from outside of the process.
 """
 
 from __future__ import annotations
@@ -51,27 +51,27 @@ class NoProgress(BaseException):
 
 
 class RunWatch(Protocol):
-    """A program whose run is watched for stalls.
+    """User code that is watched for stalls: the firmware of a CPU, or a guarded call.
 
-    thread: the thread that executes this CPU's firmware; 0 if there is none.
-    stall_limit: seconds of CPU time that it may take at one instant.
+    thread: the thread that executes the user code now; 0 if none does.
+    stall_limit: seconds of CPU time that the user code may take while `instant` returns the same values.
     """
 
     thread: int
     stall_limit: float
 
     def instant(self) -> tuple[int, int]:
-        """Return values that change with simulated time."""
+        """Return values that differ when the user code has made progress."""
 
 
 class _Watch:
     """The guard of the process against user code that takes too much CPU time at one instant of simulated time.
 
-    Its thread runs as long as there is a CPU to check, ten times a second. Only CPU time of the simulating thread
-    counts: a loaded machine, or firmware that blocks, takes none. Firmware in a debugger is not stopped. The exception
-    is raised between two bytecodes of the simulating thread, which may be any thread, also of a worker process.
+    A thread of its own checks all user code ten times a second, as long as there is any. Only the CPU time of the
+    thread that executes the user code counts; a loaded machine, or firmware that blocks, uses none. User code in a
+    debugger is not stopped. The exception is raised in the executing thread between two bytecodes.
 
-    stops: threads in which it has ever begun to stop a CPU; without any, `leave` need not be called.
+    stops: the threads in which user code was stopped; while the list is empty, `leave` need not be called.
     """
 
     def __init__(self) -> None:
@@ -79,28 +79,28 @@ class _Watch:
         self._cpus: WeakSet[RunWatch] = WeakSet()
         self._lock = Lock()
         self._thread: Thread | None = None
-        self._stopping = False  # from the check of a CPU to the exception that stops it
+        self._stopping = False  # True from the last check of stalled user code until its exception is pending
         self._stopped: set[int] = set()  # threads with a pending or raised exception
 
     def add(self, cpu: RunWatch) -> None:
-        """Check this CPU as long as it exists."""
+        """Check this user code as long as the object exists."""
         with self._lock:
             self._cpus.add(cpu)
-            if self._thread is None or not self._thread.is_alive():  # none yet, or lost in a fork
+            if self._thread is None or not self._thread.is_alive():  # a fork of the process has no such thread
                 self._thread = Thread(target=self._check_cpus, name="periph-sim stall watch", daemon=True)
                 self._thread.start()
 
     def leave(self, thread: int) -> None:
-        """Catch a pending exception of the thread, which no longer executes firmware.
+        """Catch a pending exception of the calling thread, which no longer executes user code.
 
-        No lock: an exception between its acquisition and the `with` block would leave it locked.
+        This method uses no lock: an exception between the acquisition and the `with` block would leave it locked.
         """
         try:
             while self._stopping:
                 time.sleep(0)
             if thread in self._stopped:
-                # Cancelling it would leave CPython 3.11's eval breaker set: each later bytecode would be slower, and
-                # a traced one would never end. So it is raised, and caught, here.
+                # A cancelled exception would leave the eval breaker of CPython 3.11 set: each later bytecode would be
+                # slower, and a traced bytecode would never end. So the exception is raised, and caught, here.
                 _raise_in(thread, NoProgress)
                 while True:
                     time.sleep(0)
@@ -117,7 +117,8 @@ class _Watch:
         self._stopping = False
 
     def _check_cpus(self) -> None:
-        seen: dict[int, tuple[tuple[int, int, int], float]] = {}  # CPU -> its instant, and the CPU time then
+        # From the id of user code to its thread and instant, and the CPU time of the thread when that instant began.
+        seen: dict[int, tuple[tuple[int, int, int], float]] = {}
         pause = Event()
         while True:
             pause.wait(PERIOD)
@@ -141,7 +142,7 @@ class _Watch:
 
 
 def _cpu_seconds(thread: int) -> float:
-    """Return the CPU time of a thread; the process's if the system does not provide it."""
+    """Return the CPU time of a thread; that of the process if the system does not provide the time of a thread."""
     try:
         return time.clock_gettime(time.pthread_getcpuclockid(thread))
     except (AttributeError, OSError):
@@ -149,14 +150,14 @@ def _cpu_seconds(thread: int) -> float:
 
 
 def _raise_in(thread: int, what: type[BaseException]) -> None:
-    """Raise this in the thread at its next bytecode; it replaces a pending exception."""
-    import ctypes  # only for a stall
+    """Raise an exception in a thread at its next bytecode. It replaces a pending exception."""
+    import ctypes  # imported only for a stall
 
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(what))
 
 
 def _debugged(frame: FrameType | None) -> bool:
-    """Return True if a debugger traces one of these frames; a coverage tool is not one."""
+    """Return True if a debugger traces this frame or a frame that called it. A coverage tool is no debugger."""
     monitoring = getattr(sys, "monitoring", None)  # Python 3.12
     if monitoring is not None and monitoring.get_tool(monitoring.DEBUGGER_ID) is not None:
         return True
@@ -176,31 +177,34 @@ watch = _Watch()
 FIRMWARE_VIEW = (
     str(Path("processor", "python", "register_view.py")),
     str(Path("processor", "python", "firmware_view.py")),
-)  # these reject wrong names
+)  # files that raise errors about wrong names in the firmware
 
 
 class FirmwareError(Exception):
-    """Firmware that cannot continue: it raised, or it violated a rule of a scene with `strict`."""
+    """Firmware cannot continue: it has raised an exception, or violated a duty in a scene with `strict`."""
 
 
 class Misuse(FirmwareError):
-    """A call or a value that the DSP's interface rejects. Reported with the firmware's statement."""
+    """The interface of the DSP rejects a call or a value. The error is reported with the statement of the firmware."""
 
 
 class FirmwareStalled(FirmwareError):
-    """Firmware that let no simulated time pass for too long. The run fails; it is no mistake in the use of the tool."""
+    """Firmware has let no simulated time pass for too long. The run has failed, but the tool was used correctly."""
 
 
 class FirmwareLost(FirmwareStalled):
-    """Compiled code that cannot continue, as at an illegal instruction. The run fails there."""
+    """Compiled code cannot continue, for example at an illegal instruction. The run has failed."""
 
 
 class InterruptFault(FirmwareError):
-    """An interrupt whose context or vector is outside of memory."""
+    """The context or the vector of an interrupt is outside of memory."""
 
 
 def flaw_of(function: Callable[..., object], arguments: int) -> str:
-    """Return, as a clause, why a function cannot be firmware with this number of arguments; empty if it can."""
+    """Return why a function cannot be called as user code, such as "is async"; "" if it can be called.
+
+    arguments: the number of arguments of the call.
+    """
     plain = getattr(function, "__func__", function)
     if _takes(plain, arguments + (plain is not function)):
         return ""
@@ -217,12 +221,16 @@ def flaw_of(function: Callable[..., object], arguments: int) -> str:
     return ""
 
 
-RUNS_NOTHING = CO_COROUTINE | CO_GENERATOR | CO_ASYNC_GENERATOR  # a call of such a function executes none of its code
+# Flags of code objects of functions whose call executes none of their code.
+RUNS_NOTHING = CO_COROUTINE | CO_GENERATOR | CO_ASYNC_GENERATOR
 
 
 def _takes(function: object, arguments: int) -> bool:
-    """Return True for an ordinary function, checked by its code alone; a signature takes 30 times as long."""
-    if type(function) is not FunctionType or function.__dict__:  # attributes set by a decorator
+    """Return True for an ordinary function that can be called with this number of arguments.
+
+    Only the code object is checked, because `signature` takes 30 times as long. False means that it is not certain.
+    """
+    if type(function) is not FunctionType or function.__dict__:  # attributes may have been set by a decorator
         return False
     code = function.__code__
     least = code.co_argcount - len(function.__defaults__ or ())
@@ -230,21 +238,25 @@ def _takes(function: object, arguments: int) -> bool:
 
 
 def defined_at(function: object) -> str:
-    """Return the place of a definition, "line 3 of blink.py"; empty if the function is not written in Python."""
+    """Return the place of a definition, "line 3 of blink.py"; "" if the function is not written in Python."""
     code = getattr(function, "__code__", None)
     return f"line {code.co_firstlineno} of {Path(code.co_filename).name}" if isinstance(code, CodeType) else ""
 
 
 def raised_at(error: BaseException) -> str:
-    """Return the origin of an exception in the firmware, "line 7 of blink.py"; empty if the fault is our own."""
+    """Return the line of the firmware that has caused an exception, "line 7 of blink.py".
+
+    Return "" if the simulation itself has caused it.
+    """
     place = ""
     ours = False
-    refused = isinstance(error, Misuse | NoProgress)  # raised by us, about the firmware
+    refused = isinstance(error, Misuse | NoProgress)  # raised in the simulation, but caused by the firmware
     step = error.__traceback__
     while step is not None:
         code = step.tb_frame.f_code
         ours = is_ours(code.co_filename) and not code.co_filename.endswith(FIRMWARE_VIEW)
-        if is_firmware(code.co_filename) and not (place and is_helper(code.co_filename)):  # its caller is to blame
+        # An error in start-up code is reported at the line of the firmware that calls it.
+        if is_firmware(code.co_filename) and not (place and is_helper(code.co_filename)):
             place = f"line {step.tb_lineno} of {Path(code.co_filename).name}"
         step = step.tb_next
     return "" if ours and not refused else place
@@ -257,9 +269,10 @@ NO_EXIT = "user code cannot end the command; return, or raise an error, instead 
 
 
 def as_firmware_error(error: BaseException, who: str) -> FirmwareError | None:
-    """Return the FirmwareError, with its place, for an error raised in user code.
+    """Return a FirmwareError, with the place, for an error that user code has raised.
 
-    Return None if `error` passes unchanged: Ctrl-C, an error that names its place already, and faults of our own.
+    Return None if `error` must not be changed: for Ctrl-C, for a FirmwareError that contains its place, and for an
+    error of the simulation itself. who: the name of the user code.
     """
     if isinstance(error, PASSES):
         return None
@@ -281,8 +294,9 @@ def message_of(error: BaseException) -> str:
 class UserCode:
     """A guard that calls functions of one piece of user code.
 
-    who: its name in messages. stall_limit: seconds of CPU time that one call may take; 0: unlimited.
-    thread: the thread that is in a call; 0 if none is.
+    who: the name of the user code in messages.
+    stall_limit: seconds of CPU time that one call may take; 0 if unlimited.
+    thread: the thread that executes a call now; 0 if none does.
     """
 
     def __init__(self, who: str, stall_limit: float) -> None:
@@ -298,7 +312,7 @@ class UserCode:
         return self._calls, 0
 
     def __call__(self, function: Callable[..., Returned], *arguments: object) -> Returned:
-        """Return the result. Raise FirmwareError, with its place, for an exception; FirmwareStalled for a timeout."""
+        """Return the result of a call. Raise FirmwareError for its exception, FirmwareStalled if it takes too long."""
         try:
             return self.in_time(function, *arguments)
         except BaseException as error:
@@ -308,7 +322,7 @@ class UserCode:
             raise found from None
 
     def in_time(self, function: Callable[..., Returned], *arguments: object) -> Returned:
-        """Return the result. The function's exceptions pass. Raise FirmwareStalled, with the line, for a timeout."""
+        """Return the result of a call, or raise its exception. Raise FirmwareStalled if the call takes too long."""
         if not self.stall_limit or self.thread:  # a nested call belongs to the call around it
             return function(*arguments)
         self._calls += 1
@@ -325,14 +339,14 @@ class UserCode:
 
 
 class _Nowhere(io.TextIOBase):
-    """A text stream that drops what is written to it."""
+    """A text stream that drops all text written to it."""
 
     def write(self, text: str) -> int:
         return len(text)
 
 
 class _Aside:
-    """Standard error, which stays open if this is closed."""
+    """A stream that writes to standard error. Closing this object leaves standard error open."""
 
     def close(self) -> None:
         pass
@@ -343,7 +357,7 @@ class _Aside:
 
 @contextmanager
 def output_aside() -> Iterator[None]:
-    """Print to standard error within the block, in which user code runs: standard output is the command's own."""
+    """Within the block, let user code print to standard error, because standard output belongs to the command."""
     if isinstance(sys.stdout, _Nowhere):
         yield
         return
@@ -352,13 +366,13 @@ def output_aside() -> Iterator[None]:
 
 
 def warn(sentence: str) -> None:
-    """Write a sentence about user code to standard error at once; nothing in a run that repeats an earlier one."""
+    """Write a sentence about user code to standard error at once, except in a run that repeats an earlier run."""
     if sys.stderr is not None and not isinstance(sys.stdout, _Nowhere):
         print(sentence, file=sys.stderr, flush=True)
 
 
 @contextmanager
 def output_muted() -> Iterator[None]:
-    """Discard the output of a block that runs a case again, since its earlier run has printed the same."""
+    """Drop the output of the block, which runs a case again, because the earlier run has printed the same."""
     with redirect_stdout(_Nowhere()):
         yield

@@ -68,8 +68,8 @@ class ImageProgram(LoadedImage):
         self._asleep_at = 0  # the tick at which the last sleep began
         self._loop_due = False  # True if a pass of a loop begins that should be examined
         self._back = -1  # the branch that closed the last executed pass of a wait; -1 for none
-        self._counted = 0  # the number of instructions up to the begin of the present pass
-        self._pass = 0  # the number of instructions of a pass
+        # _counted: the number of instructions up to the begin of the present pass. _pass: those of a pass.
+        self._counted = self._pass = 0
         self._unmodelled: UnmodelledWait | None = None  # the last wait that has read unmodelled words only
         self._counting: CountingLoop | None = None  # set while a pass is traced, or counting passes are skipped
         self._stack_begin, self._stack_end = image.stack

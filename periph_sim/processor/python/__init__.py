@@ -1,10 +1,10 @@
-"""Firmware written as plain Python functions: a program of a processor.
+"""Firmware written as plain Python functions, which is a program of a processor.
 
     firmware --> Waits --> Cpu: accesses, instructions --> Processor: time, bus, interrupts
                             |                        <-- enter(vector)
-                        PythonProgram: a greenlet; yields its turn, and continues
+                        PythonProgram: a greenlet, which yields its turn and continues later
 
-Each call of the firmware makes its accesses and lets their cycles pass. If something else may act first, the program
-yields its turn: the kernel runs the due events on the firmware's own stack, up to the program's next turn. A service
-routine is called on that stack, too.
+Each call that the firmware makes performs its accesses and lets their cycles pass. If something else may act before,
+the program yields its turn: the kernel runs the due events on the stack of the firmware until the next turn of the
+program. Service routines are called on that stack, too.
 """

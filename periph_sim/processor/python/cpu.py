@@ -1,4 +1,4 @@
-"""The C28x as Python firmware uses it: instructions, register accesses among them, and interrupts at their boundaries.
+"""The C28x as Python firmware uses it: instructions, register accesses, and interrupts between two instructions.
 
 instruction, run, idle --boundary--> Processor.take_interrupt --> vector --> service routine --> Processor.iret
 firmware --> wait for writes, wait states --> Bus --> value, or a posted write --> boundary
@@ -34,8 +34,8 @@ from .program import PythonProgram
 
 SLEEPS = Stop.SLEEPS
 
-MANY_READS = 1000  # registers read in a row, without a write or a wait
-CYCLES_OF_A_PASS = 100  # most cycles for each read of a loop that only polls
+MANY_READS = 1000  # number of reads without a write or a wait after which a loop may be polling
+CYCLES_OF_A_PASS = 100  # most cycles between two reads of a loop that only polls
 POLLING = Note(
     "polling",
     "a loop polls registers pass by pass, which takes long to simulate; wait with dsp.spin(lambda: CONDITION), which "
@@ -46,9 +46,10 @@ POLLING = Note(
 
 @final
 class Cpu:
-    """One processor with its Python firmware. Each access takes one cycle and the frame's wait states.
+    """One processor with its Python firmware. Each access takes one cycle and the wait states of its frame.
 
-    bus: the bus of the unit.
+    core: the masks, flags and timing of interrupts.
+    program: the Python firmware.
     records_waits: True if any subscriber needs records of waits.
     keeps_waits: True if a subscriber to records of waits or accesses may keep a reference to a wait.
     """
@@ -64,18 +65,18 @@ class Cpu:
         self._clock = clock
         self._recorder = recorder
         self._records_spans = recorder.wants(Kind.SPAN)
-        self._topics: dict[object, Topic] = {}  # of the waits so far, by the polled operand or pairs of operands
+        self._topics: dict[object, Topic] = {}  # from the operand, or pairs of operands, that a wait polls to its topic
         self._prologue: int = code.isr_prologue
         self._epilogue: int = code.isr_epilogue
         self._between: int = code.between_accesses
-        self._reads = 0  # since the last write or wait
-        self._reads_from = 0  # the latest cycle at which they may have begun
-        self._polling_places: set[str] = set()
+        self._reads = 0  # number of reads since the last write, wait or check for polling
+        self._reads_from = 0  # the cycle of the last check for polling
+        self._polling_places: set[str] = set()  # the statements for which polling was noted
 
     # Life --------------------------------------------------------------------
 
     def start(self, firmware: Callable[[], None], delay: int = 0) -> None:
-        """Run `firmware`, beginning `delay` cycles after now."""
+        """Run `firmware` from `delay` cycles after now on."""
         self.program.begin(firmware, lambda: self.after_main())
         self.processor.start(self.program, delay)
 
@@ -87,7 +88,7 @@ class Cpu:
     # Code ----------------------------------------------------------------------
 
     def compute(self, cycles: int, name: Text = "") -> None:
-        """Execute single-cycle instructions, interruptible after each of them. A name makes it a span."""
+        """Execute single-cycle instructions; interrupts can be taken after each. name: of a span around them, or ""."""
         if name:
             self.mark_span(name, 1)
         self.run(cycles)
@@ -95,7 +96,7 @@ class Cpu:
             self.mark_span(name, 0)
 
     def mark_span(self, name: str, begins: int) -> None:
-        """Record that a named stretch of firmware begins (1) or ends (0) at this cycle."""
+        """Record that a span of this name begins (begins = 1) or ends (0) at the present cycle."""
         if self._records_spans:
             self.record(self._recorder.topic(Kind.SPAN, self.program.name, name), self.time.cycle, begins)
 
@@ -117,7 +118,7 @@ class Cpu:
         return topic
 
     def record(self, topic: Topic, cycle: int, begins: int) -> None:
-        """Make a record of this topic."""
+        """Record that a wait or a span begins (begins = 1) or ends (0)."""
         where = (self.program.place() or "") if begins and topic.places else ""
         topic.emit(self._clock.tick(cycle), begins, where)
 
@@ -157,7 +158,7 @@ class Cpu:
     # Instructions ----------------------------------------------------------------------
 
     def instruction(self, cycles: int) -> None:
-        """Execute one instruction, or an inseparable group: interrupts wait for its end."""
+        """Execute one instruction, or a group of instructions; an interrupt can be taken only at its end."""
         time, core = self.time, self.core
         cycle = time.cycle + cycles
         if cycle >= time.lease and not self.processor.reach(cycle):
@@ -172,7 +173,7 @@ class Cpu:
             self.program.yield_turn()
 
     def run(self, cycles: int) -> None:
-        """Execute straight-line code, interruptible at each cycle."""
+        """Execute straight-line code, in which an interrupt can be taken at each cycle."""
         time, core = self.time, self.core
         end = time.cycle + cycles
         if end < time.lease and core.next_wake > end and not core.ifr and not core.owes_instruction:
@@ -180,7 +181,7 @@ class Cpu:
             return
         left = cycles
         while left > 0:
-            if time.lands < NEVER:  # one by one until the posted writes have landed
+            if time.lands < NEVER:  # cycle by cycle until all posted writes have landed
                 self.instruction(1)
                 left -= 1
                 continue
@@ -191,7 +192,7 @@ class Cpu:
                 self.serve()
 
     def idle(self) -> None:
-        """Execute IDLE: wait for an interrupt that IER enables; with INTM = 0 it is served first."""
+        """Execute IDLE: sleep until an interrupt that IER enables. If INTM is 0, serve the interrupt."""
         time, core = self.time, self.core
         self._mark_idle(1)
         core.idle(time.cycle)
@@ -204,7 +205,7 @@ class Cpu:
         self.serve()
 
     def after_main(self) -> None:
-        """Run the run-time library's endless loop of exit(), a branch to itself; service routines still run."""
+        """Execute the endless loop of exit() in the run-time library, a branch to itself. Interrupts are served."""
         time = self.time
         while True:
             began = time.cycle
@@ -214,7 +215,7 @@ class Cpu:
             self.serve()
 
     def _rest_until(self, cycle: int) -> None:
-        """Sleep to `cycle`, or to the boundary at which an interrupt can be taken."""
+        """Sleep until `cycle`, or until an earlier boundary at which an interrupt can be taken."""
         if not self.processor.rest(cycle):
             self.program.yield_turn(SLEEPS)
 
@@ -248,7 +249,10 @@ class Cpu:
     # Accesses --------------------------------------------------------------------------
 
     def read(self, operand: Operand, where: SourceLocation | None = None) -> int:
-        """Return the operand's words, the upper word in bits 31:16. where: the statement, if known."""
+        """Read an operand, and return its words with the upper word in bits 31:16.
+
+        where: the statement with the read; None if it is not known yet.
+        """
         time, spin = self.time, self.program.spin
         if spin is None:
             self.run(self._between)
@@ -285,7 +289,7 @@ class Cpu:
         return value
 
     def _check_for_polling(self) -> None:
-        """Note, once for each place, a loop that reads registers pass by pass without `dsp.spin`."""
+        """Note a loop that reads registers pass by pass without `dsp.spin`, once for each statement."""
         cycle = self.time.cycle
         dense = cycle - self._reads_from < MANY_READS * CYCLES_OF_A_PASS
         self._reads, self._reads_from = 0, cycle
@@ -296,7 +300,7 @@ class Cpu:
             warn(f"{self.program.name}, {where.for_people()}: {POLLING.text}")
 
     def write(self, operand: Operand, value: int) -> None:
-        """Write the operand's words. The upper word is in bits 31:16 of `value`."""
+        """Write an operand. The upper word is in bits 31:16 of `value`."""
         self._before_write()
         at = self.bus.posts_at(self.time.cycle, operand)
         self.go_to(at)
@@ -304,7 +308,7 @@ class Cpu:
         self.instruction(1)
 
     def modify(self, operand: Operand, number: int) -> None:
-        """Write a bit field by a read-modify-write of its word."""
+        """Write `number` to a bit field by a read-modify-write of the word with the field."""
         self._before_write()
         time = self.time
         self._wait_for_writes(operand, self.program.spin)
@@ -345,7 +349,7 @@ class Cpu:
             self.write(operand, value << operand.shift)
 
     def _refuse(self, operand: Operand) -> None:
-        """Let the cycles of an access pass whose width the frame does not support; it has no effect."""
+        """Let the cycles of a 32-bit access in peripheral frame 2 pass, which has no effect, and note it."""
         self.instruction(1 + self.bus.read_waits(operand))
         self.bus.note_width(self.time.cycle, operand)
 
@@ -357,7 +361,10 @@ class Cpu:
             self.go_to(free)
 
     def _before_write(self) -> None:
-        """Execute the code between two accesses. A pass of a wait has its own; one with a write is not skipped."""
+        """Execute the code that compiled firmware has between two accesses.
+
+        In a wait, there is no such code; a pass with a write is not skipped.
+        """
         spin = self.program.spin
         self._reads = 0
         if spin is None:

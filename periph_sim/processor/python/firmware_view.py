@@ -1,7 +1,4 @@
-"""Python firmware's view of its F28335: registers, waits, computations, interrupts and pins.
-
-`Dsp` builds the unit.
-"""
+"""The interface of an F28335 for its Python firmware: registers, waits, computations, interrupts and pins."""
 
 # core: compiled
 
@@ -27,11 +24,14 @@ from .cpu import Cpu
 from .register_view import ModulePort
 from .waits import Waits
 
-LONG = 1 << 31  # cycles: times below this need no check against the end of time
+LONG = 1 << 31  # a number of cycles up to this one is not compared with the longest possible run
 
 
 class Span:  # core: python
-    """Context manager of a span. Not made by contextlib, whose frames would be between the firmware and the call."""
+    """Context manager of a span.
+
+    A generator of contextlib would add its own frames between the firmware and the calls here.
+    """
 
     def __init__(self, cpu: Cpu, name: str) -> None:
         self._cpu = cpu
@@ -45,7 +45,7 @@ class Span:  # core: python
 
 
 class FirmwareView:
-    """One unit as its firmware sees it. sockets: its modules by name. seed: seed of the values drawn from spreads."""
+    """One unit as its firmware uses it. sockets: a dictionary from the name of a module to its socket."""
 
     cpu: Cpu
     waits: Waits
@@ -53,6 +53,7 @@ class FirmwareView:
     control: SystemControl
 
     def __init__(self, name: str, seed: int) -> None:
+        """name: that of the unit. seed: seed of the values drawn from spreads."""
         self.name: str = name
         self.sockets: dict[str, Socket] = {}
         self._ports: dict[str, ModulePort] = {}
@@ -63,7 +64,7 @@ class FirmwareView:
         return module in self.sockets
 
     def module(self, name: Text) -> ModulePort:
-        """Return the registers of a module, such as "I2C-A", "PIE" or "TIMER0". Raise KeyError if it is not built."""
+        """Return the registers of a module, such as "I2C-A". Raise KeyError if the unit does not have the module."""
         if name not in self.sockets:
             known = name in PART.selectable
             way = f"name it in modules of [unit.{self.name}]" if known else did_you_mean(name, self.sockets)
@@ -79,12 +80,15 @@ class FirmwareView:
         pass_cycles: int | None = None,
         timeout: Fraction | int | None = None,
     ) -> bool:
-        """Wait until `condition()` is true, as `while (!...);` does. Return False if the wait timed out.
+        """Wait until `condition()` is true, as `while (!...);` does. Return False if the wait has timed out.
 
-        pass_cycles: all cycles of one pass of this loop, counted in its disassembly; by default the unit's
-        `code.poll_pass` and the cycles of further reads. timeout: cycles, or seconds (rounded up to a cycle), from the
-        begin of the wait, service routines included; it is checked between two passes. The condition is called again
-        only if a bit that it read has changed, or an interrupt was served: it must depend on nothing else.
+        The condition is called again only if a bit that it has read changes, or after an interrupt, so its result must
+        depend on nothing else.
+
+        pass_cycles: all cycles of one pass of the loop, as counted in its disassembly; by default `code.poll_pass` of
+        the unit and the cycles of further reads.
+        timeout: cycles, or seconds (rounded up to a cycle), from the begin of the wait, service routines included. It
+        is checked between two passes.
         """
         if not callable(condition):
             raise _no_condition("spin", condition)
@@ -94,13 +98,16 @@ class FirmwareView:
     def spin_either(
         self, ready: Callable[[], object], over: Callable[[], object], *, pass_cycles: int | None = None
     ) -> bool:
-        """Wait as `while (!ready) if (over) break;` does. Return True if `over` ended it. pass_cycles: see `spin`."""
+        """Wait as `while (!ready) if (over) break;` does. Return True if `over` has ended the wait.
+
+        pass_cycles: see `spin`.
+        """
         if not (callable(ready) and callable(over)):
             raise _no_condition("spin_either", over if callable(ready) else ready)
         return self.waits.spin_either(ready, over, self._pass("spin_either", pass_cycles))
 
     def _pass(self, what: Text, cycles: BigInt | None) -> BigInt | None:
-        """Return the cycles, if they are given. Raise Misuse if a pass of a wait cannot take this number."""
+        """Return the cycles of a pass, or None if none are given. Raise Misuse if the number is not possible."""
         if cycles is None:
             return None
         if type(cycles) is not int or cycles < 1:
@@ -108,9 +115,10 @@ class FirmwareView:
         return self._fitting(cycles, f"dsp.{what}: pass_cycles = {cycles}") if cycles > LONG else cycles
 
     def compute(self, cost: Spread | Fraction | int, name: Text = "") -> None:  # core: python
-        """Compute for `cost`: a whole number of cycles, or seconds (rounded up to a cycle).
+        """Let the time of a computation pass. cost: a whole number of cycles, or seconds (rounded up to a cycle).
 
-        Each call draws a whole number of cycles from a spread, all of them equally likely.
+        For a spread, each call draws a number of cycles within it; all whole numbers are equally likely. name: of a
+        span around the computation; "" for none.
         """
         if isinstance(cost, Spread):
             cost = self._random.randint(self._cycles(cost.least), self._cycles(cost.most))
@@ -131,7 +139,10 @@ class FirmwareView:
         return self._fitting(cycles, f"a time of {cycles} cycles") if cycles > LONG else cycles
 
     def _fitting(self, cycles: BigInt, what: Text) -> BigInt:
-        """Return the cycles, limited to the last tick. Raise Misuse if they exceed the longest possible run."""
+        """Return the cycles, limited to the end of the longest possible run. Raise Misuse if they exceed a whole run.
+
+        what: the number and its use, for the message.
+        """
         time = self.cpu.time
         left = time.left()
         if cycles > left + time.cycle:
@@ -139,29 +150,26 @@ class FirmwareView:
         return min(cycles, left)
 
     def span(self, name: Text) -> Span:
-        """Return a context manager that names a span of firmware, for budgets and recordings; it costs no cycles."""
+        """Return a context manager that names a span of firmware, for budgets and recordings. It takes no cycles."""
         if not isinstance(name, str) or not name:
             raise Misuse(f"dsp.span needs the name of the span, but got {name!r}")
         return Span(self.cpu, name)
 
     def report_overflow(self, text: Text) -> None:  # core: python
-        """Report a result of fixed-point arithmetic that does not fit, for the notes of the run and `overflows`.
-
-        text: the result, and the format that it exceeds.
-        """
+        """Note a result of fixed-point arithmetic that does not fit its format. text: the result and the format."""
         self.cpu.processor.notes.note(self.cpu.time.cycle, Note("overflow", text, "IQmath guide V1.70"))
 
     def set_pin(self, pin: BigInt) -> None:  # core: python
-        """Set a pin by one whole-register write, GPxSET = bit. Without GPIO in the scene, do nothing."""
+        """Set a pin by a write of its bit to the whole register GPxSET. Do nothing if the unit has no GPIO module."""
         self._write_pin("SET", pin)
 
     def clear_pin(self, pin: BigInt) -> None:  # core: python
-        """Clear a pin by one whole-register write, GPxCLEAR = bit."""
+        """Clear a pin by a write of its bit to the whole register GPxCLEAR. Do nothing without a GPIO module."""
         self._write_pin("CLEAR", pin)
 
     def _write_pin(self, what: Text, pin: BigInt) -> None:
         if self.has("GPIO"):
-            from ...f28335.gpio.register_map import PINS  # loaded only if the scene names the GPIO module
+            from ...f28335.gpio.register_map import PINS  # imported only for units with a GPIO module
 
             _require(pin, range(PINS), "a pin")
             self.module("GPIO")[f"GP{'ABC'[pin // 32]}{what}"].all = 1 << pin % 32
@@ -179,12 +187,15 @@ class FirmwareView:
         self.cpu.dint()
 
     def enable_interrupt(self, number: BigInt) -> None:  # core: python
-        """Set a bit of IER, IER |= M_INTn. number: 1 to 14 for INT1 to INT14, 15 for DLOGINT, 16 for RTOSINT."""
+        """Set a bit of IER, as `IER |= M_INTn` does. number: 1 to 14 for INT1 to INT14, 15 DLOGINT, 16 RTOSINT."""
         _require(number, range(1, MASKABLE + 1), "a CPU interrupt")
         self.cpu.or_ier(1 << (number - 1))
 
     def handle(self, name: Text, handler: Callable[[], None]) -> tuple[int, int]:
-        """Make `handler` the service routine of a vector. Return its PIE group and line, (n, 0) for INTn."""
+        """Make `handler` the service routine of a vector. Return (group, line) in the PIE, or (n, 0) for INTn.
+
+        name: that of the vector, such as "I2CINT1A".
+        """
         if not callable(handler):
             raise Misuse(f"the routine of {name!r} is {handler!r}; give the function itself, without calling it")
         what = flaw_of(handler, 0)
@@ -197,7 +208,7 @@ class FirmwareView:
 
 
 def _require(number: BigInt, numbers: range, what: Text) -> None:
-    """Raise Misuse if this is not one of these numbers."""
+    """Raise Misuse if a number is none of `numbers`. what: the thing that it should name, for the message."""
     if type(number) is not int or number not in numbers:
         raise Misuse(f"{number!r} does not name {what}; expected a number from {numbers[0]} to {numbers[-1]}")
 

@@ -2,11 +2,11 @@
 
     Processor.act --> run --> greenlet --> firmware --> instructions --> yield_turn --> Kernel.run_nested until next run
 
-A program that yields its turn runs the due events on its own stack; stacks are switched only when another program
-continues, or the run ends. An exception of such an event is not raised in the firmware, but in the outer loop, where
-the kernel was started.
+A program that yields its turn runs the due events on its own stack. The stack changes only when another program
+continues, or when the run ends. An exception of an event is not raised in the firmware, but in the outer loop: the
+event loop that the run has started.
 
-Service routines have code addresses of their own, so that their vectors are ordinary words in the PIE's table.
+Each service routine has a code address, so that its vector is an ordinary word in the vector table of the PIE.
 """
 
 # core: compiled
@@ -40,16 +40,16 @@ from ..user_code import (
     watch,
 )
 
-ROUTINES = 0x30_0000  # code address of a service routine, in flash: this plus the address of its vector
+ROUTINES = 0x30_0000  # the code address of a service routine is this number plus the address of its vector
 
 Handler = Callable[[], None]
 
 
 class _ProgramsOfThread:  # core: python
-    """Programs that a thread has begun; no other thread can run or end them.
+    """The programs that one thread has begun; no other thread can run or end them.
 
-    alive: all programs that still exist. They end with the thread, when its variables are deleted.
-    leftovers: programs whose scene was freed in another thread. They end when the thread begins its next program.
+    alive: the programs that still exist. They end with the thread, when the thread's variables are deleted.
+    leftovers: the programs whose scene was deleted in another thread. They end when this thread begins a program.
     """
 
     def __init__(self) -> None:
@@ -62,7 +62,7 @@ class _ProgramsOfThread:  # core: python
             self.leftovers.pop().end_quietly()
 
     def __del__(self) -> None:
-        if not sys.is_finalizing():  # modules are being deleted
+        if not sys.is_finalizing():  # at the end of Python, the modules needed here may be deleted already
             for program in list(self.alive):
                 program.end_quietly()
 
@@ -79,11 +79,11 @@ _threads = _Threads()
 class PythonProgram(Program):
     """A program that consists of Python functions.
 
-    handlers: the service routines by vector.
-    entered: the routine to call now.
-    stall_limit: seconds of CPU time that the firmware may take at one instant; 0 if it is unlimited.
-    placed: returns the position of firmware whose statements are not Python's.
-    thread: the thread that runs the firmware; 0 if there is none.
+    handlers: a dictionary from the name of a vector to its service routine.
+    entered: the service routine that must be called next.
+    stall_limit: seconds of CPU time that the firmware may take at one instant of simulated time; 0 if unlimited.
+    placed: returns the present statement of firmware that is not written in Python; None for Python firmware.
+    thread: the thread that executes the firmware now; 0 if none does.
     """
 
     __weakref__: object
@@ -98,20 +98,17 @@ class PythonProgram(Program):
         self.thread: BigInt = 0
         self._kernel: Kernel = processor.kernel
         self._processor = processor
-        self._code: dict[int, Handler] = {}  # service routines by their code address
+        self._code: dict[int, Handler] = {}  # from a code address to the service routine
         self._places = SourceLocator()
         self._greenlet: greenlet | None = None
-        self._leftovers: list[PythonProgram] = []  # of the thread that began it
-        self._watched: BigInt = 0  # the thread that runs the firmware
+        self._leftovers: list[PythonProgram] = []  # `leftovers` of the thread that has begun this program
+        self._watched: BigInt = 0  # the thread that has begun the firmware
         self._stops: list[int] = watch.stops
 
     # Life --------------------------------------------------------------------
 
     def begin(self, firmware: Callable[[], None], after_main: Callable[[], None]) -> None:
-        """Run `firmware` from its beginning when the processor next runs this program.
-
-        after_main: called when it has returned.
-        """
+        """Prepare the program so that the next `run` calls `firmware`. after_main: called when it has returned."""
         self.returned_at = None
         programs = _threads.programs
         programs.begin(self)
@@ -137,13 +134,13 @@ class PythonProgram(Program):
         processor = self._processor
         try:
             firmware()
-            while processor.time.lands < NEVER:  # main's posted writes take effect before it counts as finished
+            while processor.time.lands < NEVER:  # main has ended when all its posted writes have landed
                 if not processor.reach(processor.time.lands + 1):
                     self.yield_turn()
             self.returned_at = processor.time.cycle
             after_main()
         except NoProgress as stopped:
-            self._processor.time.meet()  # the run ends now
+            self._processor.time.meet()  # sets the kernel's time to the instant at which the run ends
             at, limit = raised_at(stopped), f"{self.stall_limit:g} s of CPU time"
             text = f"{self.name} let no simulated time pass for {limit} at {at}; give it an access, compute or spin"
             raise FirmwareStalled(text) from None
@@ -157,7 +154,7 @@ class PythonProgram(Program):
             raise found from error
 
     def _end(self) -> None:
-        """End the turn of firmware that returned or raised: the outer loop continues, unless the program was killed."""
+        """End the turn of firmware that has returned or raised. Unless it was killed, the outer loop continues."""
         self._end_watch()
         if self._greenlet is not None:
             self._processor.stops(Stop.ENDED)
@@ -166,7 +163,7 @@ class PythonProgram(Program):
     # Turns -------------------------------------------------------------------
 
     def run(self, until: int) -> None:
-        """Give this program its turn. `yield_turn` reports its stops, since another one may return from this call."""
+        """Give this program its turn. `yield_turn` reports a stop, because this call may return in another program."""
         kernel = self._kernel
         kernel.released = True
         if kernel.nested_owner is not self:
@@ -190,9 +187,9 @@ class PythonProgram(Program):
                 del fault
 
     def yield_turn(self, why: Stop = Stop.WAITS) -> None:
-        """Stop, and return when the program is run again; meanwhile run due events from here."""
+        """Stop the program, run due events from here, and return when the program is run again. why: the reason."""
         kernel, program = self._kernel, self._greenlet
-        if program is None:  # it was killed, and never continues
+        if program is None:  # the program was killed, so it never continues
             ender = getcurrent().parent
             assert ender is not None
             ender.switch()
@@ -216,7 +213,7 @@ class PythonProgram(Program):
         return home
 
     def _end_watch(self) -> None:
-        """End the watch for stalls: until `thread` is set again, time is not the firmware's."""
+        """End the watch for stalls: until `thread` is set again, CPU time does not count as that of the firmware."""
         self.thread = 0
         if self.stall_limit and self._stops:
             watch.leave(self._watched)
@@ -226,7 +223,7 @@ class PythonProgram(Program):
         Program.kill(self, how)
         dying, self._greenlet = self._greenlet, None
         if dying is not None and not dying.dead:
-            dying.parent = getcurrent()  # continues here when it ends, or when it has to wait
+            dying.parent = getcurrent()  # execution continues here when the firmware ends, or has to wait
             self.thread = self._watched
             try:
                 dying.throw(how)
@@ -234,9 +231,9 @@ class PythonProgram(Program):
                 self._end_watch()
 
     def release(self) -> None:
-        """Run its `finally` blocks, in no simulated time; errors in them are ignored.
+        """Run the `finally` blocks of the firmware in no simulated time, and ignore their errors.
 
-        A thread that cannot end it leaves it to the thread that can.
+        In a thread that has not begun the program, leave this to the thread that has (`leftovers`).
         """
         if self._leftovers is _threads.programs.leftovers:
             self.end_quietly()
@@ -248,7 +245,7 @@ class PythonProgram(Program):
             self.kill(GreenletExit)
 
     def instant(self) -> tuple[int, int]:
-        """Return values that change with simulated time."""
+        """Return values that differ at each later instant of simulated time."""
         return self._processor.time.instant()
 
     # Places and routines ---------------------------------------------------------
@@ -263,18 +260,18 @@ class PythonProgram(Program):
         return self._places.of_frame(sys._getframe() if getcurrent() is running else running.gr_frame)
 
     def place_in(self, code: CodeType, line: int) -> SourceLocation | None:
-        """Return what `place` returns while this line of a code runs; None if that is unknown."""
+        """Return what `place` returns while this line of a code object is executed; None if that is unknown."""
         return None if self.placed is not None else self._places.of_line(code, line)
 
     def handle(self, vector: Text, routine: Handler) -> None:
-        """Make `routine` the service routine of a vector: its address is stored in the PIE's table."""
+        """Make `routine` the service routine of a vector: store its code address in the vector table of the PIE."""
         entry = VECTORS[vector]
         self.handlers[vector] = routine
         self._code[ROUTINES + entry] = routine
         self._processor.bus.ram.put_word32(entry, ROUTINES + entry)
 
     def routine(self, address: int, routine: Handler) -> None:
-        """Make `routine` the code at an address that firmware itself stores as a vector."""
+        """Make `routine` the code at an address, which the firmware itself stores as a vector."""
         self._code[address] = routine
 
     def enter(self, vector: int) -> Text:

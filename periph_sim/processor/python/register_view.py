@@ -1,14 +1,15 @@
 """Registers in the notation of firmware: attributes that make bus accesses.
 
-i2c.I2CSTR.AAS                read the register, cut the field out
-i2c.I2CMDR.IRS = 0            read the register, put the field in, write it
-i2c.I2CDXR.all = 0x5A         one write
-gpio.GPADAT.GPIO28 = 1        read and write of the upper 16 bits: bit fields are 16-bit words in TI's headers
-timer.PRD.all = 30_000_000    one 32-bit write of PRD and PRDH, the `all` of TI's header
-timer.PRD.half.MSW            16-bit read of PRDH
-i2c.I2CSTR.when(XRDY=1)       the condition XRDY == 1, for a wait to read and compare: no access yet
+i2c.I2CSTR.AAS                reads the register and returns the field
+i2c.I2CMDR.IRS = 0            reads the register, changes the field, and writes the register
+i2c.I2CDXR.all = 0x5A         makes one write
+gpio.GPADAT.GPIO28 = 1        reads and writes the upper 16 bits, since bit fields of TI's headers are in 16-bit words
+timer.PRD.all = 30_000_000    makes one 32-bit write of PRD and PRDH, as `all` of TI's headers
+timer.PRD.half.MSW            makes a 16-bit read of PRDH
+i2c.I2CSTR.when(XRDY=1)       makes no access; returns the condition XRDY == 1 for a wait
 
-A register is a `Port`; each has a class of its own, made once in a process, with a `PortField` for each name.
+A `Port` is a register. Each register has its own subclass of `Port`, which is made once in a process and has a
+`PortField` for each name.
 """
 
 # core: compiled
@@ -28,7 +29,7 @@ from ..source_location import SourceLocation
 from ..user_code import Misuse
 from .cpu import Cpu
 
-EQUAL, UNEQUAL, BELOW, ABOVE = range(4)  # how the bits compare with the value
+EQUAL, UNEQUAL, BELOW, ABOVE = range(4)  # how a condition compares bits with a value
 
 
 @final
@@ -44,7 +45,10 @@ class Condition:
         test: int = EQUAL,
         where: SourceLocation | None = None,
     ) -> None:
-        """mask, value: bits at their positions in the register. where: the statement with the condition, if known."""
+        """mask, value: the bits to compare, and their value, at their positions in the register.
+
+        where: the statement with the condition; None if it is not known.
+        """
         self._cpu = cpu
         self._operand = operand
         self._mask = mask
@@ -69,7 +73,10 @@ class Condition:
 
 
 class Port:
-    """One register of one module of a unit. where, fields: "I2C-A.I2CSTR" and its names, set in subclasses."""
+    """One register of one module of a unit.
+
+    where: the name of the register, "I2C-A.I2CSTR". fields: the names of its fields. Subclasses set both.
+    """
 
     __slots__ = ("_cpu", "_fields", "_half", "_operands", "_place")
     where = ""
@@ -80,11 +87,11 @@ class Port:
         self._place = place
         self._fields = fields
         self._half: Port | None = None
-        self._operands: list[Operand | None] = [None] * len(fields)  # by `PortField.number`, made when needed
+        self._operands: list[Operand | None] = [None] * len(fields)  # by `PortField.number`, made at the first access
 
     def __setattr__(self, name: str, value: int) -> None:
         if name in STATE:
-            object.__setattr__(self, name, value)  # in compiled form, they are no Python attributes
+            object.__setattr__(self, name, value)  # in compiled form, these names never come here
         else:
             self._assign(name, value)
 
@@ -97,7 +104,10 @@ class Port:
         field.assign(self, value)
 
     def when(self, *, mask: object = None, value: object = None, **wanted: object) -> Condition:
-        """Return the condition that a field has a value, when(XRDY=1), or that register & mask == value."""
+        """Return the condition that a field has a value, when(XRDY=1), or that register & mask == value.
+
+        Raise Misuse unless exactly one of these two forms is used.
+        """
         if len(wanted) + (mask is not None or value is not None) != 1 or (mask is None) != (value is None):
             raise Misuse(f"{self.where}.when needs one field and its number, when(NAME=1), or a mask= and a value=")
         name = next(iter(wanted), "all")
@@ -107,12 +117,12 @@ class Port:
         return field.condition(self, wanted[name]) if wanted else field.masked(self, mask, value)
 
     def comparison(self, name: Text, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
-        """Return the condition that compares a field with a number; None if `PortField.comparison` returns none."""
+        """Return the condition that compares a field with a number; see `PortField.comparison`. None for no field."""
         found = self._fields.get(name)
         return None if found is None else found.comparison(self, number, test, where)
 
     def _inner(self, made: type[Port], fields: dict[str, PortField]) -> Port:  # core: python
-        """Return the port of the register's halves, made at the first call."""
+        """Return the port for the two halves of the register, which is made at the first call."""
         if self._half is None:
             self._half = made(self._cpu, self._place, fields)
         return self._half
@@ -125,11 +135,11 @@ STATE = frozenset(Port.__slots__)
 class PortField:
     """A name of a port: a field, or whole words of the register.
 
-    number: its index among the port's names. mask: its bits.
+    number: the index of this name among the names of the port. mask: the bits of the register that it names.
     """
 
     def __init__(self, number: int, register: Register, words: int, field: Field | None, where: str) -> None:
-        """words: those that an access transfers. where: the full name, for messages."""
+        """words: LOW, HIGH or BOTH words, which an access transfers. where: the full name for messages."""
         self.number = number
         self._register = register
         self._words = words
@@ -156,14 +166,15 @@ class PortField:
             port._cpu.modify(operand, value)
 
     def condition(self, port: Port, number: object) -> Condition:
-        """Return the condition that this field has a value. Raise Misuse if it cannot have it."""
+        """Return the condition that this field has a value. Raise Misuse if the field cannot have the value."""
         value = self._whole(f"{self._where} == {number!r} never holds", number, self._most) << self._lsb
         return Condition(port._cpu, port._operands[self.number] or self._operand(port), self.mask, value)
 
     def comparison(self, port: Port, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
-        """Return the condition that compares this field with a number. where: its statement in the firmware.
+        """Return the condition that compares this field with a number.
 
-        Return None if a read has effects, its record needs a place that is unknown, or the number is out of range.
+        Return None if a read has effects, if its record needs a statement but `where` is None, or if the number does
+        not fit the field. test: EQUAL, UNEQUAL, BELOW or ABOVE. where: the statement in the firmware.
         """
         operand: Operand = port._operands[self.number] or self._operand(port)
         if not operand.placed:
@@ -175,7 +186,7 @@ class PortField:
         return Condition(port._cpu, operand, self.mask, number << self._lsb, test, where)
 
     def masked(self, port: Port, mask: object, value: object) -> Condition:
-        """Return the condition that these bits have this value. Raise Misuse if they cannot."""
+        """Return the condition that register & mask == value. Raise Misuse if it can never hold."""
         where = f"{self._where}.when(mask={mask!r}, value={value!r})"
         bits = self._whole(f"{where}: the mask does not fit", mask, self._most)
         wanted = self._whole(f"{where}: the value does not fit", value, self._most)
@@ -186,7 +197,7 @@ class PortField:
         return Condition(port._cpu, port._operands[self.number] or self._operand(port), bits, wanted)
 
     def _whole(self, what: Text, value: object, most: BigInt) -> BigInt:
-        """Return the value as an int. Raise Misuse if it is none, or exceeds `most`."""
+        """Return a value as an int. Raise Misuse if it is no integer from 0 to `most`. what: the error, as text."""
         try:
             number = index(value)  # type: ignore[arg-type]
         except TypeError:
@@ -201,7 +212,7 @@ class PortField:
         return operand
 
     def _fitting(self, value: object) -> BigInt:
-        """Return any integer type as an int. Raise Misuse if the value is none, or does not fit."""
+        """Return a value of any integer type as an int. Raise Misuse if it is no integer or does not fit the field."""
         most = self._most
         try:
             number = index(value)  # type: ignore[arg-type]
@@ -228,7 +239,7 @@ class RegisterPort(Port):  # core: python
 
 Ports = tuple[Register, type[RegisterPort], dict[str, PortField]]
 
-_made: dict[str, Ports] = {}  # shared data of the ports of a register, by its full name
+_made: dict[str, Ports] = {}  # from the full name of a register to what its ports in all units share
 
 
 def register_port(cpu: Cpu, place: ModuleRange, register: Register) -> RegisterPort:  # core: python
@@ -269,7 +280,7 @@ def _class(where: str, names: tuple[str, ...], ports: Mapping[str, object]) -> t
 
 @final
 class ModulePort:
-    """One module's registers by name. A port is made at its first use: firmware uses a few of a hundred."""
+    """The registers of one module by name. A port is made at its first use, since firmware uses few registers."""
 
     __dict__: dict[str, RegisterPort]
 

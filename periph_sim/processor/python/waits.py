@@ -2,18 +2,18 @@
 
     condition --first pass--> its reads --Lease--> sleep --wake--> reads alone --a bit differs--> condition
 
-Passes are skipped: a pass of a spin whose reads have no side effect is executed once; it repeats until a register that
-it read changes or an interrupt is due. Then the pass in progress is replayed from its start, and reads in the past
-return the earlier values. The condition is called only after a read returned another value. So a spin ends at the cycle
-at which polling pass by pass would have ended, at the cost of one event.
+Passes are skipped as follows. A pass whose reads have no side effect is executed once. Further passes have the same
+result until a register that the pass has read changes, or an interrupt is due. Then the pass in progress is replayed
+from its start, and its reads in the past return the earlier values. The condition is called only if a read returns
+another value. So a wait ends at the cycle at which polling pass by pass would have ended, at the cost of one event.
 
-A condition is a function, or a `Condition` on one register, whose passes need no Python; a function that is recognised
-as a `Condition` is replaced by it at its second wait:
+A condition is a function, or a `Condition` on one register, whose passes execute no Python code. A function that does
+the same as a `Condition` is replaced by one at its second wait:
 
-    lambda: i2c.I2CSTR.XRDY == 1   --seen before--> its code: i2c, I2CSTR, XRDY, ==, 1 --> Condition
+    lambda: i2c.I2CSTR.XRDY == 1   --second wait--> its code: i2c, I2CSTR, XRDY, ==, 1 --> Condition
 
-Only a comparison of a field of a module's register with a number is recognised: firmware cannot give it another
-meaning. The place of the read in records is the function's line.
+Only comparisons of a field of a module's register with a number are replaced, since firmware cannot give them another
+meaning. In records, the statement of the read is the line of the function.
 """
 
 # core: compiled
@@ -41,17 +41,17 @@ from .program import PythonProgram
 from .register_view import ABOVE, BELOW, EQUAL, UNEQUAL, Condition, ModulePort, Port
 
 TESTS = {"==": EQUAL, "!=": UNEQUAL, "<": BELOW, ">": ABOVE}
-NOTHING = frozenset(("RESUME", "COPY_FREE_VARS", "NOP", "CACHE", "PRECALL"))  # opcodes without effect here
+NOTHING = frozenset(("RESUME", "COPY_FREE_VARS", "NOP", "CACHE", "PRECALL"))  # opcodes that do not change the result
 FORM = ("LOAD_DEREF", "LOAD_ATTR", "LOAD_ATTR", "LOAD_CONST", "COMPARE_OP", "RETURN_VALUE")
 
 
-# Index of the module among a function's free variables, register, field, test, number, line of the field.
+# The index of the module among the free variables of a function, register, field, test, number, line of the field.
 FieldComparison = tuple[int, str, str, int, int, int]
 
 
-@lru_cache(maxsize=256)  # the query depends on the code alone, so the firmware of all scenes shares it
+@lru_cache(maxsize=256)  # the result depends on the code alone, so the firmware of all scenes shares it
 def comparison_of(code: CodeType) -> FieldComparison | None:
-    """Return the comparison that a code makes; None if it has another form."""
+    """Return the comparison that a code object makes; None if the code has another form."""
     if code.co_argcount or code.co_kwonlyargcount or code.co_flags & 0x0C:
         return None
     steps = [step for step in get_instructions(code) if step.opname not in NOTHING]
@@ -68,19 +68,27 @@ def comparison_of(code: CodeType) -> FieldComparison | None:
 
 @final
 class ConditionQuery:
-    """The query of a code. condition: its condition on the module used last."""
+    """What is known about a code object: whether it is a comparison of a field with a number.
+
+    code: the code object. The reference keeps its id unique.
+    known: True if the code was analysed.
+    found: the comparison; None if the code has another form.
+    place: the index of the module among the free variables; -1 if there is no comparison.
+    where: the location of the comparison in the firmware.
+    module, condition: the module of the last wait, and the equivalent condition on its register; None if there is none.
+    """
 
     def __init__(self, code: CodeType) -> None:
-        self.code = code  # kept, so that its id stays unique
-        self.known = False  # it was analysed
-        self.found: FieldComparison | None = None  # None: the code has another form
-        self.place = -1  # its `place`
-        self.where: SourceLocation | None = None  # in the firmware
+        self.code = code
+        self.known = False
+        self.found: FieldComparison | None = None
+        self.place = -1
+        self.where: SourceLocation | None = None
         self.module: ModulePort | None = None
         self.condition: Condition | None = None
 
     def condition_on(self, module: object) -> Condition | None:
-        """Return the condition on this module's register; None if there is none."""
+        """Return the equivalent condition on the register of this module; None if there is none."""
         self.module = self.condition = None
         if isinstance(module, ModulePort) and self.found is not None:
             _, register, field, test, number, _ = self.found
@@ -93,13 +101,13 @@ class ConditionQuery:
 
 @final
 class Recogniser:
-    """Queries of one CPU's firmware."""
+    """Finds the conditions that are equivalent to functions in the firmware of one CPU."""
 
     def __init__(self, program: PythonProgram) -> None:
         self._program = program
         self._queries: dict[int, ConditionQuery] = {}
-        self._latest: ConditionQuery | None = None  # used last; a loop repeats the same one or two
-        self._earlier: ConditionQuery | None = None  # used before it
+        self._latest: ConditionQuery | None = None  # the query that was used last
+        self._earlier: ConditionQuery | None = None  # the query that was used before; a loop often alternates two
 
     def condition(self, function: object) -> Condition | None:
         """Return the condition equivalent to a function that was seen before; None if there is none."""
@@ -125,7 +133,7 @@ class Recogniser:
             return None
         try:
             module = function.__closure__[query.place].cell_contents  # type: ignore[index]
-        except ValueError:  # not yet assigned
+        except ValueError:  # no value is assigned to the variable yet
             return None
         return query.condition if module is query.module else query.condition_on(module)
 
@@ -136,35 +144,38 @@ SLEEPS = Stop.SLEEPS
 
 @final
 class Waits:
-    """The waits of one CPU's Python firmware.
-
-    skip_polls: False if every pass of every spin is executed (the reference for tests of the skipping).
-    branch: the cycles of the branch back to the begin of a pass.
-    """
+    """The waits of the Python firmware of one CPU."""
 
     def __init__(self, cpu: Cpu, pf2_read_ws: IntOption, poll_pass: int, skip_polls: bool) -> None:
+        """poll_pass: cycles of a pass with one read in peripheral frame 2. pf2_read_ws: the option of its wait states.
+
+        skip_polls: False if each pass is executed; tests of the skipping compare runs with and without it.
+        """
+        # The cycles of the branch back to the begin of a pass.
         self._branch: int = max(0, poll_pass - cpu_costs.SIMPLE - pf2_read_ws.unrecorded())
-        self._branch_listed = False
+        self._branch_listed = False  # True once it is noted that the run depends on the option
         self._pf2_read_ws = pf2_read_ws
         self._cpu = cpu
         self._time: CpuTime = cpu.time
         self._skip_polls = skip_polls
         self._lease = Lease(cpu.time)
         self._recogniser = Recogniser(cpu.program)
-        self._spare: Spin | None = None  # the object of an earlier wait, which the next wait can use again
+        self._spare: Spin | None = None  # the object of an earlier wait, which the next wait uses again
 
     def spin(self, condition: Callable[[], object], pass_cycles: int | None = None, timeout: int | None = None) -> bool:
         """Wait as compiled `while (!condition()) ;` does, in passes of reads, their tests and the branch back.
 
-        Return True as soon as the condition holds, False at the end of the first pass by which `timeout` cycles have
-        passed since the wait began, interrupts included. pass_cycles: all cycles of a pass, if its reads need no more.
+        Return True as soon as the condition holds. Return False at the end of the first pass at which `timeout` cycles,
+        those of interrupts included, have passed since the begin of the wait.
+
+        pass_cycles: the cycles of a pass, unless its reads take more; None to compute them from the reads.
         """
         return self._wait(condition, None, pass_cycles, timeout) == READY
 
     def spin_either(
         self, ready: Callable[[], object], over: Callable[[], object], pass_cycles: int | None = None
     ) -> bool:
-        """Wait as `while (!ready()) if (over()) break;` does. Return True if `over` ended the wait."""
+        """Wait as `while (!ready()) if (over()) break;` does. Return True if `over` has ended the wait."""
         return self._wait(ready, over, pass_cycles, None) == OVER
 
     def _wait(
@@ -200,7 +211,7 @@ class Waits:
                     waited = cpu.waited_for(spin)
                     cpu.record(waited, spin.since, 1)
             if pass_cycles is None and not self._branch_listed:
-                self._branch_listed = True  # `_branch` depends on it; the CPU's list keeps its entries
+                self._branch_listed = True
                 self._pf2_read_ws.assume(cpu.core.touched)
             cpu.instruction(spin.rest(time.cycle, self._branch))
             again = spin.pure and time.cycle < spin.ends and self._skip(spin)
@@ -214,7 +225,7 @@ class Waits:
         return came
 
     def _new_wait(self, pass_cycles: int | None, ends: int) -> Spin:
-        """Return a wait that begins now. It uses the object of an earlier wait again if there is a spare one."""
+        """Return a wait that begins now. The object of an earlier wait is used again if there is one."""
         spin, self._spare = self._spare, None
         if spin is None:
             return Spin(self._time.cycle, pass_cycles, ends)
@@ -228,10 +239,10 @@ class Waits:
         return spin
 
     def _skip(self, spin: Spin) -> bool:
-        """Sleep through the passes that must repeat this one, and set up the replay of the one in progress.
+        """Sleep through the passes that must repeat the present pass, and prepare the replay of the pass in progress.
 
-        If passes are executed instead, keep their reads in `Spin.last`.
-        Return True if only its reads can make the next pass differ.
+        Return True if nothing but another value of a read can give the next pass another result. If passes are not
+        skipped, keep their reads in `Spin.last`, and return False.
         """
         time, core = self._time, self._cpu.core
         if not spin.made or time.lands < NEVER or core.earliest() < NEVER:
@@ -249,7 +260,7 @@ class Waits:
         time.sleep(NEVER)
         try:
             self._cpu.program.yield_turn(SLEEPS)
-        finally:  # a reset ends the firmware here
+        finally:  # also if a reset ends the firmware
             lease.end()
         woken = time.cycle
         skipped = (woken - first) // period
@@ -261,9 +272,10 @@ class Waits:
         return spin.bare and spin.pure
 
     def _repeats(self, spin: Spin) -> bool:
-        """Execute the reads of the next pass while they return the values of the last one. Return True if all do.
+        """Execute the reads of the next pass while they return the values of the last pass.
 
-        False: the condition must be called from the start of the pass; completed reads then return the same values.
+        Return True if all reads do. Otherwise the caller must call the condition from the start of the pass; the reads
+        that are complete then return the same values again.
         """
         time, cpu = self._time, self._cpu
         cycle: int

@@ -15,7 +15,7 @@ from ..core.time import NO_TIME, Timebase
 from ..form.c_types import BigInt
 from .budget_plan import PER_MILLE, BudgetPlan
 from .budget_schema import Budget
-from .measures.measure import MILLIONTHS, Measure
+from .measures.measure import MILLIONTHS, Measure, Tally
 from .verdict import FAIL, NOT_JUDGED, PASS, Verdict
 
 if TYPE_CHECKING:
@@ -75,8 +75,8 @@ class BudgetJudge:
         self.same_as: BudgetJudge | None = None if plan.same_as < 0 else others[plan.same_as]
         self.measure: Measure = plan.make() if self.same_as is None else self.same_as.measure
         self.measure.not_before = plan.not_before
-        if PER_MILLE.keys() & plan.limits.keys() and not self.measure.tallied:
-            self.measure.tally()
+        if PER_MILLE.keys() & plan.limits.keys() and self.measure.tally is None:
+            self.measure.tally = Tally()
         self.joined = [BudgetJudge(condition, timebase, part) for condition, part in plan.joined]
         if self.joined:
             for part in self.parts:
@@ -224,7 +224,8 @@ class BudgetJudge:
             if over >= under:
                 return _Seen(which, limit, measure.worst, measure.worst_at, -abs(over))
             return _Seen(which, limit, measure.least, measure.least_at, -abs(under))
-        value, at = measure.percentile(PER_MILLE[which])
+        assert measure.tally is not None
+        value, at = measure.tally.percentile(PER_MILLE[which])
         return _Seen(which, limit, value, at, limit - value)
 
     def show(self, value: BigInt) -> float | int:

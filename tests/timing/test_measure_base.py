@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.core.time import NO_TIME
-from periph_sim.timing.measures.measure import Measure
+from periph_sim.timing.measures.measure import Measure, Tally
 from periph_sim.timing.verdict import Verdict
 from tests.timing.events_by_hand import make, records, tell
 
@@ -88,10 +88,10 @@ def test_what_is_not_over_counts_where_it_has_come_to_more_than_all_that_is(
 @given(st.lists(st.integers(-3, 9), min_size=1, max_size=60), st.sampled_from([1, 500, 950, 990, 999, 1000]))
 def test_a_percentile_is_the_least_value_that_so_many_of_a_thousand_do_not_exceed(values: list[int], per_mille: int):
     of = Measure()
-    of.tally()
+    of.tally = Tally()
     took(of, *((value, 10 * place) for place, value in enumerate(values)))
     enough = [v for v in values if 1000 * sum(other <= v for other in values) >= per_mille * len(values)]
-    assert of.percentile(per_mille) == (min(enough), 10 * values.index(min(enough)))
+    assert of.tally.percentile(per_mille) == (min(enough), 10 * values.index(min(enough)))
 
 
 def test_only_some_of_the_kept_values():
@@ -105,10 +105,10 @@ def test_only_some_of_the_kept_values():
     of.only(of.all_kept()[1] > 10)
     assert state(of)[:2] == (9, 20) and (of.count, of.cut_off, of.occasions) == (2, 0, None)
     assert [column.tolist() for column in of.all_kept()] == [[9, 2], [20, 30]]
-    assert not of.tallied
-    of.tally()
+    assert of.tally is None
+    of.tally = Tally()
     of.only(of.all_kept()[1] > 20)
-    assert of.percentile(1000) == (2, 30)
+    assert of.tally.percentile(1000) == (2, 30)
 
 
 def test_each_value_that_counts_is_kept():

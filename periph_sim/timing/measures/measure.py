@@ -145,7 +145,7 @@ class Measure(Listener):
         # `_uncompared` is 1 before the first value of a jitter, which has no earlier value to compare with; else 0.
         self._uncompared = 0
         self._kept: tuple[array[int], array[int]] | None = None
-        self._tally: Tally | None = None
+        self.tally: Tally | None = None  # set before the first value if percentiles are needed
         self.refuted = ""  # why the budget is broken whatever its values are, such as by a wrong reply; "" if it is not
         self.refuted_at = NO_TIME
         self.refuted_until = NO_TIME
@@ -236,14 +236,6 @@ class Measure(Listener):
         """Store each value that follows. Distributions, and budgets with several joined conditions, need all values."""
         self._kept = array("q"), array("q")
 
-    def tally(self) -> None:
-        """Count equal values in a `Tally`, beginning with the next value. Percentiles need these counts."""
-        self._tally = Tally()
-
-    @property
-    def tallied(self) -> bool:
-        return self._tally is not None
-
     @property
     def kept(self) -> tuple[NDArray[np.int64], NDArray[np.int64]] | None:
         """(values, their ticks), both int64[count], in order; None unless `keep` was called."""
@@ -265,15 +257,10 @@ class Measure(Listener):
         self.count = self.cut_off = 0
         self.occasions = None  # the occasions are counted by the measure to which this measure is joined
         self.keep()
-        if self._tally is not None:
-            self.tally()
+        if self.tally is not None:
+            self.tally = Tally()
         for value, when in zip(values, at, strict=True):
             self.take(value, when)
-
-    def percentile(self, per_mille: int) -> tuple[int, int]:
-        """Return a percentile by nearest rank: the value and its first tick. per_mille: 950 for 95 % of the values."""
-        assert self._tally is not None
-        return self._tally.percentile(per_mille)
 
     def occasion(self, at: int, number: int = 1) -> None:
         """Count `number` events at which a value should be measured. at: the tick with which `take` gets this value."""
@@ -303,8 +290,8 @@ class Measure(Listener):
         if self._kept is not None:
             self._kept[0].append(value)
             self._kept[1].append(at)
-        if self._tally is not None:
-            self._tally.add(value, at)
+        if self.tally is not None:
+            self.tally.add(value, at)
 
     def take_unfinished(self, value: int, at: int) -> None:
         """Take the value of an unfinished occurrence. The value must exceed all earlier values."""

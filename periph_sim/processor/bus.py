@@ -152,7 +152,7 @@ class Bus:
             found = self._pairs[address]
         else:
             found = self._words[address]
-        if found is None:  # the first access
+        if found is None:  # this is the first access to the address
             at, found = self.map.at(address), self._nothing
             if at is not None:
                 place, register, half = at

@@ -51,7 +51,7 @@ if TYPE_CHECKING:
     from .pin_router import Port, Router
 
 
-WATCHDOG_OFF = 0x68  # WDCR: WDDIS with its check bits
+WATCHDOG_OFF = 0x68  # value of WDCR that disables the watchdog: WDDIS = 1 with the right check bits
 
 
 class DspPlan(Struct):

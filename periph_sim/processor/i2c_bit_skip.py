@@ -83,8 +83,8 @@ class I2cModuleParty(BitParty):
         figures = each + 2 * low + 3 * high + 5 * hold + 7 * chip.filter_width + 11 * chip.state.tm
         if figures != self._calm_for or self._clock.hz is not self._hz:
             self._calm_for, self._hz = figures, self._clock.hz
-            # Each level must last longer than the noise filter. SDA must not change at the same time as SCL, neither
-            # by another party nor by this module.
+            # Each level must last longer than the noise filter.
+            # SDA must not change together with SCL, whether another party or this module drives SDA.
             width, module_clock = chip.filter_width, chip.state.tm
             apart = max(width, module_clock) + MARGIN
             low, high, hold = self._cycles(low), self._cycles(high), self._cycles(hold)

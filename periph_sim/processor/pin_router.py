@@ -129,7 +129,7 @@ class Router(Agent):
                     fed = True
             if not fed:
                 return
-            begin = self._clock.tick(cycle + 1)  # when a synchronised input changes
+            begin = self._clock.tick(cycle + 1)  # the tick at which the output of a synchroniser changes
         self._plan_between(begin)
 
     def fed(self) -> list[Socket] | None:

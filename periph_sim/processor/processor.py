@@ -51,7 +51,7 @@ from .user_code import InterruptFault
 
 NOTHING_SAVED = (0,) * CONTEXT_WORDS
 NAME_OF = {address: name for name, address in VECTORS.items()}
-CODE_ADDRESS = 0x3F_FFFF  # valid bits of a vector
+CODE_ADDRESS = 0x3F_FFFF  # mask of the bits of a vector that the CPU uses
 
 
 class Stop(Enum):

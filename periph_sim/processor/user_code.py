@@ -99,8 +99,9 @@ class _Watch:
             while self._stopping:
                 time.sleep(0)
             if thread in self._stopped:
-                # A cancelled exception would leave the eval breaker of CPython 3.11 set: each later bytecode would be
-                # slower, and a traced bytecode would never end. So the exception is raised, and caught, here.
+                # If the exception was cancelled, CPython 3.11 would keep its eval breaker set.
+                # Each later bytecode would be slower, and a traced bytecode would never end.
+                # So the exception is raised and caught here.
                 _raise_in(thread, NoProgress)
                 while True:
                     time.sleep(0)
@@ -158,7 +159,7 @@ def _raise_in(thread: int, what: type[BaseException]) -> None:
 
 def _debugged(frame: FrameType | None) -> bool:
     """Return True if a debugger traces this frame or a frame that called it. A coverage tool is no debugger."""
-    monitoring = getattr(sys, "monitoring", None)  # Python 3.12
+    monitoring = getattr(sys, "monitoring", None)  # exists from Python 3.12 on
     if monitoring is not None and monitoring.get_tool(monitoring.DEBUGGER_ID) is not None:
         return True
     while frame is not None:
@@ -216,7 +217,7 @@ def flaw_of(function: Callable[..., object], arguments: int) -> str:
         signature(function).bind(*[None] * arguments)
     except TypeError:
         return f"takes {signature(function)}"
-    except ValueError:  # a builtin without a signature
+    except ValueError:  # the function is a builtin without a signature
         return ""
     return ""
 
@@ -323,7 +324,7 @@ class UserCode:
 
     def in_time(self, function: Callable[..., Returned], *arguments: object) -> Returned:
         """Return the result of a call, or raise its exception. Raise FirmwareStalled if the call takes too long."""
-        if not self.stall_limit or self.thread:  # a nested call belongs to the call around it
+        if not self.stall_limit or self.thread:  # the time of a nested call counts for the outer call
             return function(*arguments)
         self._calls += 1
         self.thread = get_ident()

@@ -22,7 +22,7 @@ from importlib import resources
 from typing import Any, NamedTuple
 
 WORD = 16
-PAIR = 2 * WORD  # bits that a pattern is matched against
+PAIR = 2 * WORD  # number of bits of a pair of words
 CYCLES_WHERE = re.compile(r"(\w) (&|=) (\w+): (\d+)")
 
 
@@ -148,7 +148,7 @@ def _encoding(name: str, columns: dict[str, Any]) -> Encoding:
     bits = digits.ljust(PAIR, ".")
     cycles, repeated = take("cycles", 1), take("cycles_rpt", "N+0")
     bounds: dict[str, range] = {}
-    if where := take("where", ""):  # "s >= 1" or "n <= 5"
+    if where := take("where", ""):  # a condition such as "s >= 1" or "n <= 5"
         bounded, relation, number = where.split()
         bounds[bounded] = range(int(number), 1 << PAIR) if relation == ">=" else range(int(number) + 1)
     if not repeated.startswith("N+"):

@@ -349,7 +349,7 @@ REGISTER_BY_ADDRESS = Part(  # R0H to R7H in moves that encode the register by a
     lambda text, at, evaluate: {"c": FPU_FIRST + FPU_APART * int(text[1])},
 )
 FPU_CONDITION = _one_of("w", FPU_CONDITIONS, FPU_CONDITION_NAMES.__getitem__)
-OPTIONAL_FPU_CONDITION = _optional(  # `,CNDF`
+OPTIONAL_FPU_CONDITION = _optional(  # `,CNDF`, where UNCF may be omitted
     FPU_CONDITION,
     ",",
     {"w": UNCF},

@@ -25,18 +25,23 @@ from .execution.cpu import Operation
 #
 # Masks of registers: bits 0 to 7 are XAR0 to XAR7, bit 8 is DP, bit 9 is SP, and bit 10 is XAR(ARP).
 #
-#     needs   registers that the instruction reads or writes in phase D2
-#     makes   registers that it writes in phase E, three phases after D2
+#     needs   registers that an instruction reads or writes in phase D2
+#     makes   registers that an instruction writes in phase E, three phases after D2
 #
-# An instruction of several cycles does its last access in the last cycle: PUSH loc16 reads, then writes. There are two
-# exceptions. A jump or call passes D2 in its first cycle, and the words that it pushes go on to phase W; in its other
-# cycles the CPU fetches from the target [SPRU430F 4.3.2]. And some instructions stay in D2 until their own writes in E
-# or W are done, which the number of their cycles shows. NORM takes N + 4 cycles for N + 1 passes: one for each pass,
-# and three from D2 to E. POP DP:ST1 takes 5 cycles, D2 to W, since the new ST1 applies to the next instruction. PWRITE
-# takes N + 5 cycles: one for each pass, and four to W. No instruction waits for the results of these.
+# An instruction of several cycles does its last access in its last cycle: PUSH loc16 reads, then writes.
+#
+# Jumps and calls are an exception: they pass D2 in their first cycle, and the words that they push go on to phase W.
+# In the other cycles of a jump or call, the CPU fetches from the target [SPRU430F 4.3.2].
+#
+# The instructions of `is_held` are another exception: they stay in D2 until their own writes in E or W are done.
+# So later instructions need not wait for their results. The number of their cycles includes this time:
+#
+#     NORM after RPT     N + 4 cycles: one for each of N + 1 passes, and three from D2 to E
+#     PWRITE after RPT   N + 5 cycles: one for each of N + 1 passes, and four from D2 to W
+#     POP DP:ST1         5 cycles, from D2 to W, since the new ST1 applies to the next instruction
 
 DP, SP, BY_ARP = 1 << 8, 1 << 9, 1 << 10
-REGISTERS = 0x3FF  # without XAR(ARP)
+REGISTERS = 0x3FF  # mask of all registers, without the bit for XAR(ARP)
 NUMBERED = re.compile(r"X?AR([0-7])$")
 FIELDS = {"ARn": "n", "XARn": "n", "ARm": "m"}
 HELD = frozenset(["NORM", "PWRITE"])  # mnemonics for which `is_held` is True; it is so for POP of ST1, too
@@ -70,9 +75,10 @@ def writes_at_once(encoding: Encoding) -> bool:
 
 
 def _in_phase(phase: str, places: Iterable[str], numbers: Mapping[str, int]) -> int:
-    """Return the mask of the registers in columns of `encodings.toml` that are used in this phase.
+    """Return the mask of the registers that a form uses in a phase of the pipeline, such as "D2".
 
-    places: entries such as "XARn@D2". numbers: a dictionary from "n" and "m" to the values of these fields.
+    places: entries of the columns `reads` and `writes`, such as "XARn@D2".
+    numbers: a dictionary from "n" and "m" to the values of these fields.
     """
     mask = 0
     for place in places:
@@ -110,7 +116,7 @@ def addressing(field: int) -> int:
 
 # Fetch queue ------------------------------------------------------------------------------------------------------
 
-DEPTH = 4  # units in the queue
+DEPTH = 4  # largest number of units in the fetch queue
 QUEUE_PACKED = 6 + DEPTH  # length of `FetchQueue.packed_queue`
 LONG_AGO = 1 << 7  # cycles: earlier times have no effect, since filling the queue takes at most 4 * 17 cycles
 

@@ -121,8 +121,7 @@ class Run:
         self._routines: dict[int, int] = {}  # from a function pointer of the host to its code address
         self._places: list[Place] = []  # the places written so far
         self._numbers: dict[Place, int] = {}  # from each of these places to its number in runtime.c
-        # From the host address of the code that announces a write to the store that followed: its distance in bytes
-        # from the announced ones, and its size, see `RegisterLayout.stored`.
+        # From the host address of an announcement of a write to (distance from the announced bytes, size) of the store.
         self._stores: dict[int, tuple[int, int]] = {}
         self.elsewhere = UnmappedMemory(dsp.core, dsp.processor.notes)
         self.elsewhere.set_part(dsp.plan.part)

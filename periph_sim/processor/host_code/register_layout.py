@@ -27,7 +27,7 @@ from ...f28335.parts.f28335 import PART
 from ..image_files.variables import QUALIFIERS, size_of, sizes_of, without_qualifiers
 
 BYTES_A_WORD = 4  # bytes on the host for a word of the chip: the size of an unsigned int on the host
-IER, IFR = 0x0F00, 0x0F04  # CPU registers, at addresses unused on the chip
+IER, IFR = 0x0F00, 0x0F04  # unused addresses, which stand for the CPU registers IER and IFR
 VECTORS = range(0x0D00, 0x0E00)
 
 SYMBOLS: dict[str, int] = {
@@ -58,13 +58,13 @@ SYMBOLS: dict[str, int] = {
 COPIED = ("RamfuncsLoadStart", "RamfuncsLoadEnd", "RamfuncsRunStart", "RamfuncsLoadSize")
 
 
-WORD = 16  # bits
+WORD = 16  # bits of a word of the chip
 CHIP_BITS = {  # bits of a type on the chip; types that are not listed have 16
     **dict.fromkeys(("float", "long int", "long unsigned int"), 32),
     **dict.fromkeys(("double", "long double", "long long int", "long long unsigned int", "__int128"), 64),
 }
 FIXED_WIDTH = re.compile(r"u?int(?:_least|_fast)?(8|16|32|64)_t")
-SIGNED = (5, 6)  # DW_ATE_signed, DW_ATE_signed_char
+SIGNED = (5, 6)  # DWARF encodings of signed types: DW_ATE_signed, DW_ATE_signed_char
 COMPOUND = ("DW_TAG_structure_type", "DW_TAG_union_type")
 LARGEST = 8  # most bytes of an access
 STORES_ARE_DECODED = platform.machine() == "x86_64"  # True if runtime.c can decode a store instruction of the host
@@ -282,7 +282,7 @@ class RegisterLayout:
     def _bits(self, member: DIE) -> int:
         """Return the number of bits that the numeric type of a member has on the chip."""
         kind, die = _stripped(member), member
-        names = []  # of the typedefs in the declaration of the member
+        names = []  # the names of the typedefs in the declaration of the member
         while "DW_AT_type" in die.attributes and die.tag in (member.tag, "DW_TAG_typedef", *QUALIFIERS):
             die = die.get_DIE_from_attribute("DW_AT_type")
             if die.tag == "DW_TAG_typedef":

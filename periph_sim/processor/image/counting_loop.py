@@ -298,7 +298,7 @@ class CountingLoop(InstructionWatch):
         if not self._cpu.polls.counting:
             self._over(self)
             return
-        if len(self._trace) == MOST_TRACED or cpu.ovm:  # OVM saturates results
+        if len(self._trace) == MOST_TRACED or cpu.ovm:  # with OVM = 1, results are saturated, so they do not count
             self._cpu.polls.soil()
             return
         operand = self._operand(f)

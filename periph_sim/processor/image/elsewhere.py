@@ -35,9 +35,9 @@ L4_TO_L7 = range(0xC000, 0x1_0000)
 FLASH_BEGIN, FLASH_END = FLASH.start, FLASH.stop
 PASSWORD = range(0x33_FFF8, 0x34_0000)
 FOPT, FBANKWAIT, FOTPWAIT = 0x0A80, 0x0A86, 0x0A87
-ENPIPE = 1  # mask of this bit in FOPT
-PAGEWAIT = 8  # lowest bit of this field in FBANKWAIT; RANDWAIT begins at bit 0
-ADC_CAL, LRETR = 0x38_0080, 0x0006  # the address of the routine, and the instruction that it begins with here
+ENPIPE = 1  # mask of the bit ENPIPE in FOPT
+PAGEWAIT = 8  # lowest bit of the field PAGEWAIT in FBANKWAIT; the field RANDWAIT begins at bit 0
+ADC_CAL, LRETR = 0x38_0080, 0x0006  # the address of the routine ADC_cal, and the instruction LRETR
 PARTID, CLASSID, FLOATING_POINT = 0x38_0090, 0x0882, 0x00EF
 FRAME_RESET = {0x0A84: 0x01FF, 0x0A85: 0x01FF, FBANKWAIT: 0x0F0F, FOTPWAIT: 0x001F, CLASSID: FLOATING_POINT}
 FLASH_COMMANDS = range(0x0A88, 0x0AE0)  # undocumented flash registers, which only TI's flash API writes
@@ -69,7 +69,7 @@ class UnmappedMemory:
         self._notes = notes
         self._frames: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END  # words of frames and of XINTF zone 0
         self._states: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END  # properties of these words
-        self._stored = {ADC_CAL: LRETR}  # from a higher address to its word
+        self._stored = {ADC_CAL: LRETR}  # from an address after the frames to its word
         for address, value in FRAME_RESET.items():
             self._frames[address] = value
         self._noted: set[str] = set()

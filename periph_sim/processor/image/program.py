@@ -221,7 +221,7 @@ class ImageProgram(LoadedImage):
             spin = polls.sleep()
         else:
             if polls.may_count():
-                program: Any = self  # as in `ImageCpu._look_at_slots`
+                program: Any = self  # from a typed object, compiled code would pass an unbound method
                 over = program.unwatch_instructions
                 self._counting = CountingLoop(self.cpu, self._processor.time, self._processor.bus.ram, over)
                 self.watch_instructions(self._counting)

@@ -277,7 +277,7 @@ def _errors_at(place: _Place) -> Iterator[None]:
 
 
 def included(name: str, folder: Path) -> Path:
-    """Return the path of the file that .include names: in the folder of the source, or, if it is not there, shipped."""
+    """Return the path of a file that .include names: a file in this folder, or else a file shipped with periph_sim."""
     shipped = SHIPPED / name
     return shipped if not (folder / name).exists() and shipped.is_file() else folder / name
 
@@ -307,11 +307,11 @@ def assemble_file(path: Path) -> tuple[Image, bytes]:
 VERSION = 2
 ADDRESS_BYTES = 4
 COMPILE_UNIT = 0x11
-NAME, STMT_LIST, LANGUAGE, PRODUCER = 0x03, 0x10, 0x13, 0x25  # DW_AT
-STRING, DATA2, DATA4 = 0x08, 0x05, 0x06  # DW_FORM
+NAME, STMT_LIST, LANGUAGE, PRODUCER = 0x03, 0x10, 0x13, 0x25  # codes of DWARF attributes, DW_AT_...
+STRING, DATA2, DATA4 = 0x08, 0x05, 0x06  # codes of DWARF forms, DW_FORM_...
 ASSEMBLER = 0x8001  # DW_LANG_Mips_Assembler, which assemblers for other processors write, too
-COPY, ADVANCE_PC, ADVANCE_LINE, SET_FILE = 1, 2, 3, 4  # DW_LNS
-END_SEQUENCE, SET_ADDRESS = 1, 2  # DW_LNE
+COPY, ADVANCE_PC, ADVANCE_LINE, SET_FILE = 1, 2, 3, 4  # standard opcodes of a DWARF line program, DW_LNS_...
+END_SEQUENCE, SET_ADDRESS = 1, 2  # extended opcodes of a DWARF line program, DW_LNE_...
 OPERANDS = bytes((0, 1, 1, 1, 1, 0, 0, 0, 1))  # number of operands of each of the standard opcodes 1 to 9
 
 Row = tuple[int, str, int]  # address, file and line of an instruction

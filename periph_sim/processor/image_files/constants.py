@@ -20,7 +20,7 @@ from ..c28x.decoder import Instruction
 from ..c28x.encodings import DIRECT, INDEXED, STACK, WIDE, places
 from ..c28x.pipeline import POPS, PUSHES
 
-PAGE = 6  # bits of an address within a data page
+PAGE = 6  # a data page has 2 ** PAGE words
 FPU_REGISTERS = range(0x0F00, 0x0F30)  # a move with an address in this range accesses an FPU register
 XAR = re.compile(r"X?AR([0-7n])")
 CONSTANT = re.compile(r"(MOVL|MOVB|ADDB|SUBB) (X?AR)[0-7n],#\d+")
@@ -158,6 +158,6 @@ def _constant(instruction: Instruction, before: int | None) -> int | None:
         return c
     if before is None:
         return None
-    if register == "AR":  # the upper half is kept
+    if register == "AR":  # a write to ARn keeps the upper half of XARn
         return before & ~0xFFFF | c
     return before + c if mnemonic == "ADDB" else before - c

@@ -42,7 +42,7 @@ class FunctionRange(NamedTuple):
 
 
 class DebugInfo:
-    """Debug data of an image. damaged: the reason why they could not be read completely; "" if there is none."""
+    """Debug data of an image. damaged: why the data could not be read completely; "" if they are undamaged."""
 
     def __init__(self, image: Image) -> None:
         self.damaged = ""
@@ -78,7 +78,7 @@ class DebugInfo:
         try:
             for unit in self._dwarf.iter_CUs():
                 found.extend(parse(self._dwarf, unit))
-        except Exception as error:  # the library raises many types for damaged data
+        except Exception as error:  # for damaged data, the library raises exceptions of many types
             self.damaged = f"{type(error).__name__}: {error}"
         return found
 
@@ -115,7 +115,7 @@ def _lines(dwarf: DWARFInfo, unit: CompileUnit) -> Iterator[tuple[int, SourceLin
         assert state is not None
         if state.end_sequence:
             yield state.address, None
-        elif after is None or after.end_sequence or after.address != state.address:  # the last line of an address wins
+        elif after is None or after.end_sequence or after.address != state.address:  # an address has its last line
             files = program["file_entry"]
             place = state.file if program["version"] >= 5 else state.file - 1
             file = text_of(files[place].name) if 0 <= place < len(files) else "?"

@@ -46,7 +46,7 @@ def read(data: bytes) -> Image:
         )
     except BadImage:
         raise
-    except Exception as error:  # the library raises many types for a damaged file
+    except Exception as error:  # for a damaged file, the library raises exceptions of many types
         raise BadImage(
             f"its ELF structure is damaged ({type(error).__name__}: {error}); link or fetch it again"
         ) from None

@@ -27,7 +27,7 @@ from .load import Image
 
 UNSIGNED, SIGNED, FLOAT = "unsigned", "signed", "float"
 KINDS = {4: FLOAT, 5: SIGNED, 6: SIGNED}  # from a DW_ATE encoding to a number format; all others are unsigned
-FAR = "DW_TAG_lo_user"  # TI's qualifier `far`, 0x4080
+FAR = "DW_TAG_lo_user"  # the name that the library gives to the tag 0x4080, TI's qualifier `far`
 QUALIFIERS = ("DW_TAG_const_type", "DW_TAG_volatile_type", "DW_TAG_restrict_type", "DW_TAG_atomic_type", FAR)
 OF_MEMBERS = ("DW_TAG_structure_type", "DW_TAG_union_type", "DW_TAG_class_type")
 ARRAY = "DW_TAG_array_type"
@@ -167,7 +167,7 @@ def size_of(kind: DIE) -> int:
         return int(plain.attributes["DW_AT_byte_size"].value)
     if plain.tag == ARRAY:
         return size_of(plain.get_DIE_from_attribute("DW_AT_type")) * prod(sizes_of(plain))
-    return 2  # of a pointer; all other types state their size
+    return 2  # the type is a pointer, since all other types state their size
 
 
 LONG = "-long"  # a name in C has no hyphen, so this suffix is unambiguous
@@ -259,7 +259,7 @@ class Variables:
             return Variable(name, found.address + offset, *number)
         except BadVariable:
             raise
-        except Exception as error:  # the library raises many types for damaged data
+        except Exception as error:  # for damaged data, the library raises exceptions of many types
             what = f"the debug data of {outer} cannot be read ({type(error).__name__})"
             raise BadVariable(f"{what}; {_by_word(outer, found.address)}") from None
 

@@ -260,7 +260,7 @@ class Cpu:
             if self._reads == MANY_READS:
                 self._check_for_polling()
         elif spin.made:
-            self.instruction(cpu_costs.SB_NOT_TAKEN)  # the test of the previous value
+            self.instruction(cpu_costs.SB_NOT_TAKEN)  # the branch that tests the previous value
         bus = self.bus
         free = bus.free_from if operand.block else bus.free(operand)
         if time.cycle < free:

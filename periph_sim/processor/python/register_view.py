@@ -303,7 +303,7 @@ class ModulePort:
         if name.startswith("_"):
             object.__setattr__(self, name, value)
             return
-        self[name]  # raises for an unknown name
+        self[name]  # raises AttributeError for an unknown name
         raise AttributeError(f"{self._place.name}.{name} is a register; write {name}.all = ... or a field of it")
 
     def __getitem__(self, name: str) -> RegisterPort:

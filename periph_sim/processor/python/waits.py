@@ -260,7 +260,7 @@ class Waits:
         time.sleep(NEVER)
         try:
             self._cpu.program.yield_turn(SLEEPS)
-        finally:  # also if a reset ends the firmware
+        finally:  # if a reset ends the firmware during the sleep, the lease must end, too
             lease.end()
         woken = time.cycle
         skipped = (woken - first) // period
@@ -285,7 +285,7 @@ class Waits:
             read: Poll = spin.reads[place]
             operand: Operand = read.operand
             if place:
-                cycle += cpu_costs.SB_NOT_TAKEN  # the test of the previous value
+                cycle += cpu_costs.SB_NOT_TAKEN  # the cycles of the branch that tests the previous value
                 if not self._passes(cycle):
                     break
             if not operand.looks or (operand.placed and read.where is None) or cycle < self._cpu.bus.free(operand):

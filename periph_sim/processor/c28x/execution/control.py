@@ -14,7 +14,7 @@ from .registers import M16, IllegalOperation
 
 __all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
 
-INTM, DBGM, PAGE0, VMAP = 1 << 0, 1 << 1, 1 << 2, 1 << 3  # ST1
+INTM, DBGM, PAGE0, VMAP = 1 << 0, 1 << 1, 1 << 2, 1 << 3  # masks of bits of ST1
 EALLOW_BIT, AMODE, OBJMODE, M0M1MAP, XF = 1 << 6, 1 << 8, 1 << 9, 1 << 11, 1 << 12
 NMI, EMUINT = 18, 17
 RA, RC = 1 << 30, M16  # masks of the fields of RB: a block is active, repeat count

@@ -22,7 +22,7 @@ from .cpu import Cpu, Operation
 from .operations import operation
 from .registers import CODE, IllegalOperation
 
-PAGE = 8  # bits of an address within a page of decoded instructions
+PAGE = 8  # a page of decoded instructions covers 2 ** PAGE addresses
 GONE = -1  # value of `Operation.place` after the words were overwritten
 PAGES, PAGE_SIZE, IN_PAGE = CODE + 1 >> PAGE, 1 << PAGE, (1 << PAGE) - 1
 

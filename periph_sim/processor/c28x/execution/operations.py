@@ -50,7 +50,7 @@ def operation(instruction: Instruction) -> Operation:
     made.wide, made.byte = form.wide, form.byte
     made.accesses, made.absolute, made.at_once = form.accesses, form.absolute, form.at_once
     if encoding.mnemonic == "MOV32" and made.absolute and fpu_moves.WINDOW <= made.c < fpu_moves.WINDOW_END:
-        made.cycles = made.not_taken = 1  # a move between registers
+        made.cycles = made.not_taken = 1  # the instruction is a move between registers
         made.absolute = 0
     return made
 

@@ -13,7 +13,7 @@ from ....core.state import State
 
 M16, M32 = 0xFFFF, 0xFFFF_FFFF
 HIGH16 = 0xFFFF_0000
-CODE = 0x3F_FFFF  # bits of a program address
+CODE = 0x3F_FFFF  # mask of the bits of a program address
 SIGN16, SIGN32 = 1 << 15, 1 << 31
 ACC_UNIT = 1 << 32  # weight of bit 0 of ACC in ACC:P
 
@@ -23,7 +23,7 @@ ARP, ARP_MASK = 13, 0xE000  # lowest bit and mask of the field ARP in ST1
 SPA = 1 << 4
 READ_ONLY = 0x00A0  # LOOP and IDLESTAT in ST1
 
-# STF
+# Masks of the bits of STF, the status register of the FPU.
 LVF, LUF, NF, ZF, NI, ZI, TF, RND32 = (1 << bit for bit in (0, 1, 2, 3, 4, 5, 6, 9))
 STF_WRITTEN = LVF | LUF | NF | ZF | NI | ZI | TF | RND32
 SHDWS = 1 << 31

@@ -47,7 +47,7 @@ if TYPE_CHECKING:
     from .host_code.firmware import HostFirmware
     from .image.boot import Boot, Stub
     from .image.program import ImageProgram
-    from .image_files.load import Image
+    from .image_files.model import Image
     from .pin_router import Port, Router
 
 

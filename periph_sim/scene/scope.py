@@ -14,7 +14,7 @@ from .case.origin import Source
 from .case.wiring import Wiring, wiring_of
 
 if TYPE_CHECKING:
-    from ..processor.image_files.load import Image
+    from ..processor.image_files.model import Image
     from ..processor.image_files.variables import Variable, Variables
 
 ADDRESS = re.compile(r"0x[0-9a-f]{6}")
@@ -94,7 +94,7 @@ class _ImageNames:
 
     @cached_property
     def _image(self) -> Image:
-        from ..processor.image_files.load import program_in
+        from ..processor.image_files.program_file import program_in
 
         return program_in(Path(self._path))
 

@@ -136,7 +136,8 @@ def build_unit(
 def _started_image(context: SceneContext, name: str, unit: Unit, dsp: Dsp) -> Firmware:
     """Make the unit run its image. Return a Firmware object that represents the image in lists of firmware."""
     from ..processor.image.boot import BadStub, Stub, stubbed
-    from ..processor.image_files.load import BadImage, program_in
+    from ..processor.image_files.model import BadImage
+    from ..processor.image_files.program_file import program_in
     from .image_watching import watch_image
 
     stubs = []

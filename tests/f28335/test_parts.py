@@ -8,7 +8,7 @@ import pytest
 
 from periph_sim.f28335.descriptor import DescriptorError, Part
 from periph_sim.f28335.parts import f28334, f28335, part_named, part_names
-from periph_sim.processor.image_files.load import BadImage
+from periph_sim.processor.image_files.model import BadImage
 from periph_sim.processor.user_code import FirmwareLost
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase

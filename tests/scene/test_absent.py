@@ -24,7 +24,7 @@ from tests.scene.absent import BARE, DOORS, OTHERS, OURS, ROWS, in_room
 FORMS = (INTERPRETED, COMPILED) if form.usable(PACKAGE, BUILT)[0] else (INTERPRETED,)
 
 # Events of 10 ms of each: one more than these is had by something that the scene does not name.
-EVENTS = {"slave": 56, "sci": 4, "bus": 14}
+EVENTS = {"slave": 50, "sci": 4, "bus": 14}
 
 
 @cache

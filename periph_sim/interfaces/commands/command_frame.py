@@ -144,7 +144,7 @@ MISTAKES = {
     "periph_sim.records.recording.BadRecording",
     "periph_sim.replay.BadReplay",
     "periph_sim.outside.errors.OutsideError",
-    "periph_sim.processor.image_files.load.BadImage",
+    "periph_sim.processor.image_files.model.BadImage",
 }
 
 

@@ -24,7 +24,7 @@ def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_jso
     if cycles != (function is not None):
         raise click.UsageError("--cycles and FUNCTION belong together: periph-sim image --cycles FILE FUNCTION")
     from ...processor.image_files import function_cycles, inspection
-    from ...processor.image_files.load import program_in
+    from ...processor.image_files.program_file import program_in
 
     with usage_errors_in_one_sentence():
         program = program_in(image)

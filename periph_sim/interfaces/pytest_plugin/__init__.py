@@ -17,14 +17,14 @@ from typing import TYPE_CHECKING
 
 import pytest
 
+from .keys import CASES, current
+
 if TYPE_CHECKING:
     from ...supervisor import Completion
     from .fixtures import SceneFactory
     from .runs import Run
 
 
-CASES = "periph_sim_cases"  # the name of the ini option
-current: pytest.StashKey[pytest.Item] = pytest.StashKey()  # the running test, in the stash of the configuration
 MARKER = (
     "case(file, *changes, seconds=None, record=False): "
     "the case that fixture case_run runs, with KEY=VALUE changes as for periph-sim run --set"

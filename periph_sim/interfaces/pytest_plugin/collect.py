@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 from ...scene.case.discover import is_case
-from . import CASES
+from .keys import CASES
 
 HANGS = "hangs nowhere"
 KNOWN = "known to break"

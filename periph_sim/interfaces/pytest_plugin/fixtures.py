@@ -22,8 +22,8 @@ from ...scene.case.model import BadCase, Case
 from ...scene.case.origin import Source
 from ...scene.firmware_loader import Firmware
 from ...timing.verdict import Verdict
-from . import current
 from .figures import properties
+from .keys import current
 from .runs import Plan, Run, run_plan
 
 Program = Callable[[Any, Any], None]

@@ -20,7 +20,7 @@ from ...processor.c28x.decoder import Instruction, sweep
 from ...processor.image.observers import Coverage, Profile
 from ...processor.image.program import ImageProgram
 from ...processor.image_files.debug_info import FunctionMap
-from ...processor.image_files.load import Image
+from ...processor.image_files.model import Image
 from ...processor.source_location import parsed
 from ...scene.case.model import Case
 from ...scene.scene import Scene

@@ -31,7 +31,7 @@ from msgspec import Struct
 
 from ...core.input_files import note_input, note_inputs_of
 from ..image_files.debug_info import DebugInfo
-from ..image_files.load import Image
+from ..image_files.model import Image
 from .register_layout import BYTES_A_WORD, COPIED, LARGEST, SYMBOLS
 
 BYTES = 0x4_0000  # bytes of the host's memory for registers, 4 for each of 2 ** 16 words

@@ -15,7 +15,7 @@ from msgspec import Struct
 
 from ...f28335.memory.address_space import Content, address_of, area_at, full_name
 from ...f28335.memory.memory_map import AddressMap
-from ..image_files.load import BadImage, Image
+from ..image_files.model import BadImage, Image
 
 Boot = Literal["entry", "flash", "ram"]
 BEGINS: dict[Boot, int] = {"flash": 0x33_FFF6, "ram": 0}

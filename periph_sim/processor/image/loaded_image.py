@@ -22,7 +22,7 @@ from ...f28335.memory.address_space import Content, area_at, full_name
 from ..c28x.decoder import Instruction, sweep
 from ..image_files.constants import Known, accesses
 from ..image_files.debug_info import FunctionMap
-from ..image_files.load import Image
+from ..image_files.model import Image
 from ..operand import Operand
 from ..processor import Awaited, Processor, Program
 from ..source_location import SourceLocation, instruction_location

@@ -21,7 +21,7 @@ from ...f28335.memory.ram import MEMORY, Ram
 from ..c28x.decoder import CALLS, INTERRUPTS, RETURNS
 from ..c28x.execution.cpu import Cpu, Operation
 from ..image_files.debug_info import FunctionMap
-from ..image_files.load import Section
+from ..image_files.model import Section
 from ..image_files.variables import Variable
 
 # Instructions ----------------------------------------------------------------------

@@ -25,7 +25,7 @@ from ...form.c_types import Text
 from ..c28x.encodings import SP_FIELD
 from ..c28x.execution.cpu import WRITES, Operation
 from ..c28x.execution.registers import IllegalOperation
-from ..image_files.load import Image
+from ..image_files.model import Image
 from ..polling import Spin
 from ..processor import Awaited, Processor, Stop
 from ..user_code import FirmwareLost, InterruptFault

@@ -31,8 +31,8 @@ from ...core.input_files import read_input
 from ..c28x.assembler import Parsed, evaluate, parse
 from ..c28x.operands import BadInstruction
 from .coff2 import write
-from .load import BadImage, Image, Section, Symbol
 from .load import parse as parse_image
+from .model import BadImage, Image, Section, Symbol
 
 ENTRY = "_c_int00"
 MOST_INCLUDES = 8  # largest nesting depth of .include

@@ -14,7 +14,7 @@ import struct
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
-from .load import BadImage, Image, Section, Symbol, quoted
+from .model import BadImage, Image, Section, Symbol, quoted
 
 VERSIONS = {0xC0: "COFF0", 0xC1: "COFF1", 0xC2: "COFF2"}
 COFF2 = 0xC2

@@ -17,7 +17,7 @@ from typing import NamedTuple, TypeVar
 from elftools.dwarf.compileunit import CompileUnit
 from elftools.dwarf.dwarfinfo import DebugSectionDescriptor, DwarfConfig, DWARFInfo
 
-from .load import Image
+from .model import Image
 
 ADDRESS_BYTES = 4
 T = TypeVar("T")

@@ -17,7 +17,7 @@ from elftools.elf.elffile import ELFFile
 from elftools.elf.sections import Section as ElfSection
 from elftools.elf.sections import SymbolTableSection
 
-from .load import BadImage, Image, Section, Symbol, quoted
+from .model import BadImage, Image, Section, Symbol, quoted
 
 C2000 = "EM_TI_C2000"
 

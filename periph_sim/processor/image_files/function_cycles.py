@@ -18,7 +18,7 @@ from ..c28x.encodings import places
 from ..c28x.execution.operations import operation
 from ..c28x.pipeline import DP, SP, Pipeline, hazards
 from .debug_info import Function, FunctionMap
-from .load import BadImage, Image
+from .model import BadImage, Image
 
 WAITED = range(0xC000, 0x1_0000)  # L4 to L7, where a fetch of 32 bits takes 2 cycles
 OPEN = {"MOVL *SP++,ACC": "push_acc_cycles"}  # from an instruction to the option that decides its cycles

@@ -16,7 +16,8 @@ from ...f28335.pie.register_map import VECTOR_TABLE, VECTORS
 from ..c28x.decoder import Instruction, other_unit, sweep
 from .constants import Access, accesses
 from .debug_info import Function, FunctionMap
-from .load import Image, Section, shared_memory
+from .load import shared_memory
+from .model import Image, Section
 
 VECTOR_NAMES = {address: name for name, address in VECTORS.items()}
 

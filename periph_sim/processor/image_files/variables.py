@@ -23,7 +23,7 @@ from msgspec import Struct
 from ...core.phrases import did_you_mean
 from ...f28335.memory.address_space import Content, area_at
 from .debug_info import DebugInfo, text_of
-from .load import Image
+from .model import Image
 
 UNSIGNED, SIGNED, FLOAT = "unsigned", "signed", "float"
 KINDS = {4: FLOAT, 5: SIGNED, 6: SIGNED}  # from a DW_ATE encoding to a number format; all others are unsigned

@@ -7,7 +7,8 @@ import pytest
 from periph_sim.processor.c28x.decoder import Instruction, sweep
 from periph_sim.processor.c28x.delay_slots import late_results, not_kept, read_registers
 from periph_sim.processor.image_files.assemble import assemble
-from periph_sim.processor.image_files.load import Image, load
+from periph_sim.processor.image_files.load import load
+from periph_sim.processor.image_files.model import Image
 from tests.processor.image_files.public_images import public_image
 
 

@@ -15,7 +15,7 @@ from periph_sim.processor.dsp import Dsp, DspPlan
 from periph_sim.processor.image.boot import Boot, Stub
 from periph_sim.processor.image.program import ImageProgram
 from periph_sim.processor.image_files.assemble import assemble
-from periph_sim.processor.image_files.load import Image
+from periph_sim.processor.image_files.model import Image
 
 HEAD = """
 WDCR .set 0x7029

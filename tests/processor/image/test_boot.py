@@ -6,7 +6,7 @@ import pytest
 
 from periph_sim.f28335.memory.memory_map import AddressMap
 from periph_sim.processor.image.boot import BadStub, Stub, stubbed
-from periph_sim.processor.image_files.load import BadImage
+from periph_sim.processor.image_files.model import BadImage
 from tests.processor.image.rig import HEAD, Rig
 
 FLASH = '.sect "codestart", 0x33FFF6\n LB #_main\n' + HEAD.replace("_c_int00", "_main") + " .entry _main\n"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Sequence
 
-from periph_sim.processor.image_files.load import Image, Section, Symbol
+from periph_sim.processor.image_files.model import Image, Section, Symbol
 
 ENTRY = 0x8000
 

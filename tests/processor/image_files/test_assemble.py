@@ -13,7 +13,8 @@ from periph_sim.processor.image_files import assemble as assemble_module
 from periph_sim.processor.image_files.assemble import assemble, assemble_file, debug_sections, sources_of
 from periph_sim.processor.image_files.debug_info import DebugInfo
 from periph_sim.processor.image_files.inspection import inspect
-from periph_sim.processor.image_files.load import BadImage, Image, load
+from periph_sim.processor.image_files.load import load
+from periph_sim.processor.image_files.model import BadImage, Image
 from tests.interfaces.commands.conftest import Run, periph_sim  # noqa: F401
 
 ROOT = Path(__file__).resolve().parents[3]

@@ -8,7 +8,8 @@ import pytest
 
 from periph_sim.processor.image_files import coff2
 from periph_sim.processor.image_files.coff2 import write
-from periph_sim.processor.image_files.load import Image, Section, Symbol, parse
+from periph_sim.processor.image_files.load import parse
+from periph_sim.processor.image_files.model import Image, Section, Symbol
 from tests.processor.image_files.own_images import CODE, ENTRY, image, text
 from tests.processor.image_files.test_load import GOOD, SECTION_AT, changed, refused
 

@@ -9,7 +9,7 @@ from periph_sim.processor.image_files.assemble import debug_sections
 from periph_sim.processor.image_files.debug_info import DebugInfo, Function
 from periph_sim.processor.image_files.function_cycles import function_cycles
 from periph_sim.processor.image_files.inspection import inspect
-from periph_sim.processor.image_files.load import Image, Section, Symbol
+from periph_sim.processor.image_files.model import Image, Section, Symbol
 
 ABBREVIATIONS = bytes.fromhex(
     "01 11 01 10 06 00 00"  # unit: DW_AT_stmt_list

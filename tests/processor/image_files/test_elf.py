@@ -9,7 +9,7 @@ from typing import NamedTuple
 import pytest
 
 from periph_sim.processor.image_files import elf
-from periph_sim.processor.image_files.load import BadImage, Image, Symbol
+from periph_sim.processor.image_files.model import BadImage, Image, Symbol
 
 HEADER = struct.Struct("<16sHHIIIIIHHHHHH")
 SECTION, SEGMENT, SYMBOL = struct.Struct("<IIIIIIIIII"), struct.Struct("<IIIIIIII"), struct.Struct("<IIIBBH")

@@ -6,7 +6,7 @@ import pytest
 
 from periph_sim.processor.image_files.assemble import assemble
 from periph_sim.processor.image_files.function_cycles import function_cycles
-from periph_sim.processor.image_files.load import BadImage
+from periph_sim.processor.image_files.model import BadImage
 from tests.processor.image.rig import HEAD, Rig
 
 FUNCTION = """

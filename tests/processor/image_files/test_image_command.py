@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim.processor.image_files.coff2 import write
-from periph_sim.processor.image_files.load import Section
+from periph_sim.processor.image_files.model import Section
 from tests.interfaces.commands.conftest import Run, periph_sim  # noqa: F401
 from tests.processor.image_files.own_images import image, text
 

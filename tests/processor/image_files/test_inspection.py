@@ -7,7 +7,8 @@ import pytest
 from periph_sim.processor.image_files import debug_info
 from periph_sim.processor.image_files.debug_info import Function, FunctionMap
 from periph_sim.processor.image_files.inspection import Inspection, inspect
-from periph_sim.processor.image_files.load import Image, Section, Symbol, shared_memory
+from periph_sim.processor.image_files.load import shared_memory
+from periph_sim.processor.image_files.model import Image, Section, Symbol
 from tests.processor.image_files.own_images import CODE, ENTRY, HANDLER, image, text
 
 

@@ -14,7 +14,7 @@ from periph_sim.processor.image_files.inspection import (
     as_json,
     text,
 )
-from periph_sim.processor.image_files.load import Image, Section, Symbol
+from periph_sim.processor.image_files.model import Image, Section, Symbol
 
 SECTIONS = (
     Section(".text", 0x8000, 0x8000, 12, [0] * 12, code=True),

@@ -10,7 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from periph_sim.processor.image_files.coff2 import write
-from periph_sim.processor.image_files.load import BadImage, Section, load, parse
+from periph_sim.processor.image_files.load import load, parse
+from periph_sim.processor.image_files.model import BadImage, Section
 from tests.processor.image_files.own_images import CODE, ENTRY, NAMES, elf, image, text
 
 SECTION_AT = 22 + 28  # the first section header of a COFF file

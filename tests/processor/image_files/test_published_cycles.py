@@ -24,7 +24,7 @@ import pytest
 from periph_sim.core.options import Value
 from periph_sim.processor.image_files.assemble import assemble
 from periph_sim.processor.image_files.coff2 import COPY, EXTERNAL, FILE_HEADER, SECTION_HEADER, SYMBOL
-from periph_sim.processor.image_files.load import Section
+from periph_sim.processor.image_files.model import Section
 from tests.processor.image.rig import HEAD, Rig
 from tests.processor.image_files.public_images import public_file
 

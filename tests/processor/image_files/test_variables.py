@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from periph_sim.processor.image_files.load import Symbol
+from periph_sim.processor.image_files.model import Symbol
 from periph_sim.processor.image_files.variables import BadVariable, Variable, Variables, inside, members_of, number_type
 from tests.processor.image_files.typed_data import typed_image
 

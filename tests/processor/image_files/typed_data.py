@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import struct
 
-from periph_sim.processor.image_files.load import Image, Section, Symbol
+from periph_sim.processor.image_files.model import Image, Section, Symbol
 
 UNIT, BASE, STRUCT, MEMBER, ARRAY, RANGE, VARIABLE, BITS, TYPEDEF, FAR, POINTER, COUNTED = range(1, 13)
 NAME, LOCATION, SIZE, ENCODING, TYPE, UPPER, OFFSET, BIT_SIZE, COUNT = (

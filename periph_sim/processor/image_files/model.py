@@ -1,0 +1,121 @@
+"""Images: the contents of a linker's output file.
+
+Addresses count words of 16 bits. The contents of a section are loaded at `Section.address`. Start-up code may copy them
+to `Section.run`, where they are used. Symbols and source lines have run addresses.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+from ...core.phrases import shorten
+
+LEAST_STACK = 15  # smallest number of words of a stack; an interrupt needs that many
+LONGEST_NAME = 60  # characters of a name in a message
+
+
+def quoted(name: str) -> str:
+    """Return a name from a file, quoted and shortened for a message. In a damaged file it may be of any length."""
+    return f"{shorten(name, LONGEST_NAME)!r}"
+
+
+class BadImage(ValueError):
+    """A file is not an image of this chip; the message is one sentence."""
+
+
+@dataclass(frozen=True, eq=False)
+class Section:
+    """A section of an image.
+
+    address, run: its load address and its run address.
+    size: its number of words.
+    words: the loaded contents; empty if the section only reserves memory, or is not in memory.
+    allocated: True if the section occupies memory of the chip.
+    code: True if the section contains instructions.
+    """
+
+    name: str
+    address: int
+    run: int
+    size: int
+    words: Sequence[int] = ()
+    allocated: bool = True
+    code: bool = False
+
+    @property
+    def loaded(self) -> bool:
+        return len(self.words) > 0
+
+    @property
+    def end(self) -> int:
+        return self.address + self.size
+
+    @property
+    def copied(self) -> bool:
+        """True if start-up code copies the section to its run address."""
+        return self.address != self.run
+
+    def runs_at(self, address: int) -> bool:
+        return self.run <= address < self.run + self.size
+
+
+@dataclass(frozen=True)
+class Symbol:
+    """Symbol of an image.
+
+    address: its run address, or the value of a number.
+    section: the name of its section; "" for a number.
+    external: True if the symbol is visible in other source files.
+    label: True for a label inside a function, which the compiler has generated.
+    """
+
+    name: str
+    address: int
+    section: str
+    external: bool = True
+    label: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Image:
+    """A linked program.
+
+    kind: "TI COFF2", "ELF" or "assembled".
+    entry: the address of the entry point.
+    initial: (address, words) of the initial values that a loader writes into reserved memory.
+    debug: a dictionary from the name of a DWARF section to its contents.
+    tool_version: the version of the linker; 0 if it is not known.
+    """
+
+    kind: str
+    entry: int
+    sections: tuple[Section, ...]
+    symbols: tuple[Symbol, ...] = ()
+    initial: tuple[tuple[int, Sequence[int]], ...] = ()
+    debug: Mapping[str, bytes] = field(default_factory=dict)
+    tool_version: int = 0
+
+    @property
+    def loaded(self) -> tuple[Section, ...]:
+        return tuple(section for section in self.sections if section.loaded)
+
+    @property
+    def code(self) -> tuple[Section, ...]:
+        return tuple(section for section in self.loaded if section.code)
+
+    @property
+    def stack(self) -> tuple[int, int]:
+        """The address range of the stack, (begin, end); (0, 0xFFFF) if .stack is absent or too small."""
+        of_stack = (one for one in self.sections if one.name == ".stack" and one.size >= LEAST_STACK)
+        return next(((one.run, one.run + one.size) for one in of_stack), (0, 0xFFFF))
+
+    @cached_property
+    def symbol_at(self) -> dict[int, str]:
+        """A dictionary from an address to a symbol; symbols of functions are preferred to labels inside functions."""
+        named: dict[int, str] = {}
+        for symbol in sorted(self.symbols, key=lambda symbol: (symbol.label, not symbol.external, symbol.name)):
+            if symbol.section:
+                named.setdefault(symbol.address, symbol.name)
+        return named

@@ -72,7 +72,7 @@ class Bus:
     free_from: from this cycle on, a read in the protected block does not wait for a write.
     free_of: a dictionary from the address of a register outside of the protected block to the cycle from which on a
         read of this register does not wait for a write.
-    issued_at: the statement that issued the write that lands now; None if no write lands now, or it is unknown.
+    issued_at: while a posted write lands, the statement that issued the write, None if unknown; otherwise None.
     """
 
     STATE = State("ram _posted_last issued_at", cycles="free_from free_of _last_pf1_write", chains="_posted")
@@ -276,7 +276,7 @@ class Bus:
         operand.reads.emit(self._clock.tick(at), value, where or "", operand.named)
 
     def _recorded(self, at: int, operand: Operand, where: SourceLocation | None) -> int:
-        """Record a read, then make it and return its value. where: see `record_poll`."""
+        """Record a read of an operand, then make the read and return the value. where: see `record_poll`."""
         recorder = self._recorder
         outer = recorder.cause
         seen = operand.see(at)
@@ -314,7 +314,7 @@ class Bus:
     def modify(self, at: int, operand: Operand, number: int) -> None:
         """Write `number` to a bit field by one instruction that reads and writes the word with the field.
 
-        The compiler emits such instructions. They take the cycles of a read; the write lands while the CPU continues.
+        The compiler emits such instructions. Each takes the cycles of a read, and its write is posted.
         """
         where = self._place() if self._wants_place(operand) else None
         value = self._recorded(at, operand, where) if operand.recorded else self.fetch(at, operand)

@@ -26,7 +26,7 @@ class CpuTime:
 
     cycle: the number of cycles that have passed for this CPU.
     lease: the end of the lease: before this cycle only the program of this CPU can act. 0 if the end is unknown.
-    lands: the cycle at whose end the next posted write takes effect; NEVER if there is none. The lease ends after it.
+    lands: the cycle at whose end the next posted write takes effect, and the lease ends; NEVER if there is none.
     met: the cycle of this CPU to which the kernel's time was set last.
     asleep: True if the CPU sleeps at an instruction boundary, so that an interrupt can wake it.
     watching: True if the CPU executes passes of a wait through which it could sleep.
@@ -51,7 +51,7 @@ class CpuTime:
         self._until = NEVER  # the cycle that the time of a sleeping CPU does not exceed
 
     def instant(self) -> tuple[int, int]:
-        """Return values that differ at each later instant of simulated time."""
+        """Return two numbers, of which at least one changes whenever simulated time passes."""
         return self.cycle, self._kernel.now
 
     @property
@@ -116,9 +116,9 @@ class CpuTime:
         self.watching, self.wakes = True, until
 
     def meet(self) -> None:
-        """Set the kernel's time to that of this CPU. Call it before an access with effects.
+        """Set the kernel's time to that of this CPU. Call this method before an access with effects.
 
-        The lease ends, because such an access may schedule events.
+        The lease ends, because an access with effects may schedule events.
         """
         kernel, cycle = self._kernel, self.cycle
         tick = self._clock.tick(cycle)

@@ -70,8 +70,9 @@ class DspPlan(Struct):
     pulled_down: the GPIO numbers of the pins with an external pull-down resistor.
     part: the part of the F2833x family.
     code: the cycles of compiled code around accesses.
-    system, options: answers to open questions about the CPU, and a dictionary from a group of options to the answers
-        about modules. Modules take their defaults for a missing group.
+    system: answers to open questions about the CPU and system control.
+    options: a dictionary from a group of options to answers to open questions about modules. If a group is missing, its
+        modules use the default answers.
     """
 
     name: str

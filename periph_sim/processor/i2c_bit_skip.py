@@ -104,7 +104,7 @@ class I2cModuleParty(BitParty):
     # Methods of a master ------------------------------------------------------------
 
     def skips(self, bit_skip: BitSkip, times: CycleTimes) -> bool:
-        """Skip the bits of the byte for which SCL has just been released. Return False if they are observable."""
+        """Try to skip bits of the byte that begins now. Return False if their edges could be observed."""
         master, delay = self._chip.master, self._socket.out_delay
         master.begin_skip(delay)
         release = master.skip_release
@@ -137,7 +137,7 @@ class I2cMasterGate(PinReleaseGate):
 
 
 def party_of(socket: Socket, clock: Clock, bit_skip: BitSkip, clocks: bool) -> I2cModuleParty:  # core: python
-    """Return an I2C module as a party. clocks: True if, as a master, it skips bits of the bytes that it clocks."""
+    """Return an I2C module as a party. clocks: True if the module, as a master, can skip bits that it clocks."""
     chip = socket.chip
     assert isinstance(chip, I2c)
     party = I2cModuleParty(socket, chip, clock)

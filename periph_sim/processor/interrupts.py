@@ -71,7 +71,7 @@ class InterruptLines:
         self._sockets["PIE"].publish(cycle)
 
     def held(self, places: Places, cycle: int, held: int) -> None:
-        """Pass to the PIE which interrupt lines a module holds active. held: mask of these lines."""
+        """Pass the levels of a module's interrupt lines to the PIE. held: mask of the lines that are active."""
         for i, (group, line) in enumerate(places):
             self._pie.hold(cycle, group, line, bool(held >> i & 1))
         self._sockets["PIE"].publish(cycle)

@@ -159,7 +159,7 @@ class Router(Agent):
             socket.inputs.put(index, levels >> n & 1)
 
     def _levels_of(self, lines: int) -> BigInt:
-        """Return the levels of pads as a mask by GPIO number. lines: their levels as a mask by line of `pads`."""
+        """Return the levels of pads as a mask by GPIO number. lines: the same levels as a mask by line of `pads`."""
         levels = 0
         for n, line in self._line.items():
             if lines >> line & 1:

@@ -41,13 +41,12 @@ class Spin:
     """A wait in progress.
 
     since: the cycle at which the wait began.
-    pass_cycles: the cycles of a whole pass; None if a pass takes the cycles of its reads, their tests and the branch
-        back.
-    ends: the cycle at which the wait times out; NEVER if it does not.
+    pass_cycles: the cycles of a whole pass; None if they are those of the reads, of their tests and of the branch back.
+    ends: the cycle at which the wait times out; NEVER if it has no timeout.
     made: the number of reads so far in the present pass.
     reads: the reads of the present pass in their order, then those of earlier passes that the pass has not replaced.
-    pure: True if the present pass has made no write and no read with a side effect, and no interrupt or stall has
-        delayed it.
+    pure: True if the present pass has made no write and no read with a side effect, and was not delayed by an interrupt
+        or a stall.
     bare: True if the present pass has taken no time except that of its reads and their tests.
     start: the cycle at which the present pass began.
     held_up: the cycles by which interrupts and stalls have delayed the present pass.

@@ -55,7 +55,7 @@ CODE_ADDRESS = 0x3F_FFFF  # mask of the bits of a vector that the CPU uses
 
 
 class Stop(Enum):
-    """Reason why a program stopped. It is run again at the cycle that it requested."""
+    """Reason why a program has stopped. The processor runs the program again at the requested cycle."""
 
     WAITS = "something else may act before the cycle that it has to reach"
     SLEEPS = "it sleeps at an instruction boundary"
@@ -381,7 +381,7 @@ class Processor(Agent):
     # Requests ------------------------------------------------------------------------
 
     def request(self, cycle: int, number: int) -> None:
-        """Receive a pulse on the line INTn at `cycle`. number: n."""
+        """Receive a pulse on the interrupt line INTn at `cycle`. number: the n of INTn."""
         core = self.core
         core.raise_line(cycle, number)
         if self.time.asleep or self.time.watching:

@@ -143,7 +143,7 @@ class _Watch:
 
 
 def _cpu_seconds(thread: int) -> float:
-    """Return the CPU time of a thread; that of the process if the system does not provide the time of a thread."""
+    """Return the CPU time of a thread, or of the whole process if the system does not provide that of a thread."""
     try:
         return time.clock_gettime(time.pthread_getcpuclockid(thread))
     except (AttributeError, OSError):
@@ -229,7 +229,8 @@ RUNS_NOTHING = CO_COROUTINE | CO_GENERATOR | CO_ASYNC_GENERATOR
 def _takes(function: object, arguments: int) -> bool:
     """Return True for an ordinary function that can be called with this number of arguments.
 
-    Only the code object is checked, because `signature` takes 30 times as long. False means that it is not certain.
+    Only the code object is checked, because `signature` takes 30 times as long. If the result is False, the function
+    may still be callable.
     """
     if type(function) is not FunctionType or function.__dict__:  # attributes may have been set by a decorator
         return False

@@ -104,7 +104,10 @@ def decode(first: int, second: int) -> Encoding | None:
 
 
 def other_unit(first: int) -> str:
-    """Return the name of the unit, present only in other C28x parts, that executes this word; "" if there is none."""
+    """Return the name of the unit of other C28x parts that would execute this word, such as "the TMU of an F2837x".
+
+    Return "" if no other part has such a unit. first: the first word of an instruction.
+    """
     if first in TMU:
         return "the TMU of an F2837x"
     return "the VCU of an F2806x or F2837x" if first >> 8 in VCU else ""
@@ -132,7 +135,7 @@ def sweep(address: int, words: Sequence[int]) -> Iterator[Instruction | int]:
 
 @cache
 def _candidates() -> tuple[tuple[Encoding, ...], ...]:
-    """Return, for each value of the upper byte of the first word, the forms that can match. Aliases are left out."""
+    """Return, for each value of the upper byte of the first word, the forms that can match, without aliases."""
     table: list[list[Encoding]] = [[] for _ in range(256)]
     for encoding in encodings():
         if encoding.alias_of:

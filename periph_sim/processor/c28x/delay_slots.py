@@ -29,7 +29,7 @@ FLAGS = 1 << 8  # the bit of LUF and LVF in a mask whose bits 0 to 7 are R0H to 
 NAMES = (*(f"R{number}H" for number in range(8)), "LUF and LVF")
 FLAG_BITS = LUF | LVF
 CONDITIONS = (12, 13)  # codes of the conditions that test LUF and LVF
-AT_ONCE = "RaH"  # of a pair of instructions with the latency "2p/1": the register that is loaded without a delay slot
+AT_ONCE = "RaH"  # two parallel instructions with the latency "2p/1" load this register without a delay slot
 BLOCKS = frozenset(("RPTB_label_RC", "RPTB_label_loc16"))
 
 

@@ -103,7 +103,7 @@ class Encoding:
         return pair
 
     def cycles_of(self, values: Mapping[str, int]) -> tuple[int, int]:
-        """Return (cycles of a taken branch, cycles of one not taken) for these field values; equal without a branch."""
+        """Return (cycles if a branch is taken, cycles if not) for these field values; equal for other instructions."""
         if where := CYCLES_WHERE.fullmatch(self.cycles_where):
             value, number = values[where[1]], int(where[3], 0)
             if value == number if where[2] == "=" else value & number:

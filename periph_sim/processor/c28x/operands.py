@@ -261,7 +261,7 @@ def _operand(token: str, encoding: Encoding) -> Part:
         found = names.get(spaceless.upper(), names.get(f"@{spaceless.upper()}"))  # a register needs no @
         if found is not None:
             return found
-        if spaceless.startswith("@"):  # an address, of which the field has the offset in the data page
+        if spaceless.startswith("@"):  # the text is an address, and field l has the offset in its data page
             return evaluate(spaceless[1:]) & 0x3F
         stack = re.fullmatch(r"\*-SP\[(.+)\]", spaceless, re.I)
         if stack:

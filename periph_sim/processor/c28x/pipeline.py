@@ -217,10 +217,11 @@ STORES_PACKED = 1 + 3 * STORES  # length of `Pipeline.packed_stores`
 
 @final
 class Pipeline:
-    """Stalls in D2: an instruction waits 3 cycles directly after the write of a register or word that it needs.
+    """Stalls in D2, in which an instruction waits for a register or word that an earlier instruction writes.
 
-    It waits one cycle less for each cycle between the write and itself. Registers are written in phase E, three phases
-    after D2, and memory in phase W. `clock` excludes the wait states of memory, since they stop all instructions alike.
+    Directly after that instruction, the wait is 3 cycles; each cycle between the two instructions makes it one cycle
+    shorter. Registers are written in phase E, three phases after D2, and memory in phase W. `clock` excludes the wait
+    states of memory, since these stop all instructions alike.
 
     enabled: False if no instruction stalls.
     pending: three lanes of 10 bits, the masks of the registers that will be written in 1, 2 and 3 cycles.

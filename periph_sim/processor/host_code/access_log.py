@@ -61,7 +61,7 @@ class AccessLog(NamedTuple):
 
 
 class LoggedRun(Run):
-    """A run that keeps a log. Given the log of an earlier run, it first executes the same accesses again.
+    """A run that keeps a log. If it is given the log of an earlier run, it first makes the same accesses again.
 
     log: the items so far.
     computing: the cycles of the computation in progress; 0 if there is none.
@@ -138,7 +138,10 @@ class LoggedRun(Run):
         self.computing = computing
 
     def _answer(self, item: int) -> int:
-        """Return the value of the next item. Raise NotRestorable if `item`, the present access, differs from it."""
+        """Return the value of the next item of the earlier log. Raise NotRestorable if the present access differs.
+
+        item: the present access.
+        """
         while self._earlier[self._next.value] >> KIND == Access.ENTER:  # a service routine interrupted the access
             offset = self._earlier[self._next.value] & VALUE
             self._next.value += 1

@@ -75,7 +75,7 @@ class Library:
     def write_as_announced(self, at: int, size: int, place: int) -> None:
         """From now on, let C code treat each write announced for these bytes as a write of the place with this number.
 
-        Such an announcement then makes no request.
+        Then the announcement of such a write makes no request.
         """
         self._numbers[at * (LARGEST + 1) + size] = place
 
@@ -303,7 +303,7 @@ def linked(objects: Sequence[str], undefined: bool, base: int, library: Path) ->
 def _compile(command: Sequence[str], folders: Sequence[Path], aliases: Path) -> None:
     """Run gcc. If it does not find a header, make an alias for a file whose name differs only in case, and try again.
 
-    Windows does not distinguish case in names, so sources written there may have wrong cases.
+    Windows does not distinguish case in file names, so sources from Windows may have the wrong case.
     """
     while True:
         try:

@@ -46,7 +46,7 @@ def entry_of(image: Image, boot: Boot) -> int:
 
 
 def stubbed(register: str | int, memory: AddressMap) -> int:
-    """Return the address of an unmodelled register. Raise BadStub if it is modelled, or is no register.
+    """Return the address of an unmodelled register. Raise BadStub if this is a modelled register, or no register.
 
     register: a name, such as ADC.ADCST, or an address.
     """

@@ -144,7 +144,7 @@ class Sum(NamedTuple):
 
 @cache
 def sum_of(encoding: Encoding) -> Sum | None:
-    """Return what an instruction of this form computes; None if it is not exactly one sum, copy or comparison."""
+    """Return the sum, copy or comparison that an instruction of this form computes; None if it does anything else."""
     op = encoding.op
     if found := COPY.fullmatch(op):
         return Sum(found[1], found[2], 1, "0")
@@ -165,14 +165,14 @@ def places_of(name: str, traced: Traced) -> tuple[Place, ...]:
 
 
 def reads(traced: Traced) -> Iterable[Place]:
-    """Return the words with possible counters that an instruction reads. Raise NotCounting if they are unknown."""
+    """Return the words with possible counters that an instruction reads. Raise NotCounting if its reads are unknown."""
     return _used(traced.f.encoding.reads, traced, range(traced.sp[1], traced.sp[0]), traced.needs)
 
 
 def writes(traced: Traced) -> Iterable[Place]:
     """Return the words with possible counters that an instruction writes.
 
-    Raise NotCounting if they are unknown, or if the instruction writes only a byte, or only under a condition.
+    Raise NotCounting if its writes are unknown, or if it writes only a byte, or only under a condition.
     """
     encoding = traced.f.encoding
     if "LSB" in encoding.id or "MSB" in encoding.id or ("_COND" in encoding.id and "PC" not in encoding.writes):
@@ -290,7 +290,7 @@ class CountingLoop(InstructionWatch):
         self._memory = memory
         self._over = over
         self._state = cpu.state()
-        self._arp, self._sp = cpu.arp, cpu.sp  # their values before the next instruction
+        self._arp, self._sp = cpu.arp, cpu.sp  # ARP and SP before the next instruction
         self._trace: list[Traced] = []
         self._steps: dict[Place, int] = {}  # from each counter to its step
 

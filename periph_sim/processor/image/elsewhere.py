@@ -54,7 +54,7 @@ class UnmappedMemory:
     """Words outside of the modelled modules. A stub is a value that reads of such a word return.
 
     changed: called when a stub is added or changed; None to call nothing.
-    stubs: a dictionary from an address to the value that reads of it return now.
+    stubs: a dictionary from an address to the value that reads of the address return now.
     to_come: the addresses for which a stub will be added later in the run.
     """
 
@@ -102,7 +102,7 @@ class UnmappedMemory:
             self.changed()
 
     def read(self, cycle: int, address: int) -> int:
-        """Return the word at an address. Raise IllegalOperation if the chip has nothing there, or it is unknown."""
+        """Return the word at an address. Raise IllegalOperation if the word does not exist, or its value is unknown."""
         if address < FRAMES_END and self._states[address] & (SEEN | STUBBED) == SEEN:
             return self._frames[address]
         if self._flash_begin <= address < FLASH_END:

@@ -124,8 +124,8 @@ class InstructionTiming:
     def read(self, code: int, address: int, cycle: int, waits: int) -> int:
         """Return the cycles that a data read of `address` by the instruction at `code` waits for fetches.
 
-        They are 0 unless both are in flash, where fetches continue during the instruction. waits: the wait states of
-        the read itself.
+        If `code` or `address` is not in flash, return 0. In flash, fetches continue while instructions are executed.
+        waits: the wait states of the read itself.
         """
         if address in FLASH and code in FLASH and self._shared.assume(self._core.touched):
             return self.queue.read(cycle, waits)

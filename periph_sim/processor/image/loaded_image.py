@@ -158,8 +158,9 @@ class LoadedImage(Program):
     def _awaited(self, loop: tuple[int, int], operands: Sequence[Operand], elsewhere: Sequence[int]) -> Awaited:
         """Return a description of the wait in a loop.
 
-        loop: the addresses of its first instruction and of its branch. operands: the registers of modules that it
-        reads. elsewhere: the addresses of the unmodelled words that it reads.
+        loop: the addresses of its first instruction and of its branch.
+        operands: the registers of modules that the loop reads.
+        elsewhere: the addresses of the unmodelled words that the loop reads.
         """
         cpu, (first, branch) = self.cpu, loop
         words: tuple[int, ...] = ()
@@ -253,7 +254,7 @@ def mask_of(first: int, words: tuple[int, ...]) -> int:
 
 
 def _instructions(first: int, words: tuple[int, ...]) -> Iterator[Instruction]:
-    """Yield the instructions that begin in these words, except in the last word, which only completes the last one."""
+    """Yield the instructions in these words. The last word can only be the second word of an instruction."""
     for found in sweep(first, words):
         if isinstance(found, int) or found.address >= first + len(words) - 1:
             return

@@ -250,7 +250,10 @@ class ImageProgram(LoadedImage):
             self._unmodelled = UnmodelledWait(since, loop, cpu.sp, polls.routines, list(polls.elsewhere))
 
     def _sleeps_counting(self) -> Spin | None:
-        """Sleep, at the end of a traced pass, through the passes that only count. Return None if they are too few."""
+        """Sleep, at the end of a traced pass, through the passes that only count, and return the wait.
+
+        Return None, without a sleep, if there are too few such passes.
+        """
         polls, loop = self.cpu.polls, self._counting
         assert loop is not None
         self.unwatch_instructions(loop)

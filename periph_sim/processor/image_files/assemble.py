@@ -226,8 +226,8 @@ def _operands(text: str) -> list[str]:
 def assemble(text: str, path: Path | None = None) -> Image:
     """Return the image of a program. text: the source. Raise BadImage with the source line if it is invalid.
 
-    path: the path of the source. It is in the debug data, and included files are searched in its folder. None: there
-        are no debug data.
+    path: the path of the source, for the debug data; included files are searched in its folder. With None, the image
+        has no debug data.
     """
     source = _Source(Path() if path is None else path.parent)
     source.text(text, str(path))

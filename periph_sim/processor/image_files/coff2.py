@@ -48,7 +48,7 @@ class SectionHeader(NamedTuple):
     run, load: the fields for the physical and the virtual address.
     size: the number of words; of bytes for COPY sections other than text and data.
     raw: the offset of the contents in the file; 0 if there are none.
-    relocations: their number.
+    relocations: the number of relocations; 0 in a linked file.
     """
 
     name: str

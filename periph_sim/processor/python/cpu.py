@@ -76,7 +76,7 @@ class Cpu:
     # Life --------------------------------------------------------------------
 
     def start(self, firmware: Callable[[], None], delay: int = 0) -> None:
-        """Run `firmware` from `delay` cycles after now on."""
+        """Start Python firmware, which begins `delay` cycles after now."""
         self.program.begin(firmware, lambda: self.after_main())
         self.processor.start(self.program, delay)
 
@@ -88,7 +88,10 @@ class Cpu:
     # Code ----------------------------------------------------------------------
 
     def compute(self, cycles: int, name: Text = "") -> None:
-        """Execute single-cycle instructions; interrupts can be taken after each. name: of a span around them, or ""."""
+        """Execute instructions of one cycle each; an interrupt can be taken after each.
+
+        name: the name of a span around the instructions; "" for no span.
+        """
         if name:
             self.mark_span(name, 1)
         self.run(cycles)

@@ -117,8 +117,8 @@ class FirmwareView:
     def compute(self, cost: Spread | Fraction | int, name: Text = "") -> None:  # core: python
         """Let the time of a computation pass. cost: a whole number of cycles, or seconds (rounded up to a cycle).
 
-        For a spread, each call draws a number of cycles within it; all whole numbers are equally likely. name: of a
-        span around the computation; "" for none.
+        For a spread, each call draws a whole number of cycles, each with the same probability. name: the name of a span
+        around the computation; "" for no span.
         """
         if isinstance(cost, Spread):
             cost = self._random.randint(self._cycles(cost.least), self._cycles(cost.most))
@@ -139,7 +139,9 @@ class FirmwareView:
         return self._fitting(cycles, f"a time of {cycles} cycles") if cycles > LONG else cycles
 
     def _fitting(self, cycles: BigInt, what: Text) -> BigInt:
-        """Return the cycles, limited to the end of the longest possible run. Raise Misuse if they exceed a whole run.
+        """Return a number of cycles, limited to the rest of the longest possible run.
+
+        Raise Misuse if the number exceeds the length of a whole run.
 
         what: the number and its use, for the message.
         """
@@ -208,7 +210,7 @@ class FirmwareView:
 
 
 def _require(number: BigInt, numbers: range, what: Text) -> None:
-    """Raise Misuse if a number is none of `numbers`. what: the thing that it should name, for the message."""
+    """Raise Misuse if a number is none of `numbers`. what: the thing that the number should name, for the message."""
     if type(number) is not int or number not in numbers:
         raise Misuse(f"{number!r} does not name {what}; expected a number from {numbers[0]} to {numbers[-1]}")
 

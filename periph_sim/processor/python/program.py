@@ -245,7 +245,7 @@ class PythonProgram(Program):
             self.kill(GreenletExit)
 
     def instant(self) -> tuple[int, int]:
-        """Return values that differ at each later instant of simulated time."""
+        """Return two numbers, of which at least one changes whenever simulated time passes."""
         return self._processor.time.instant()
 
     # Places and routines ---------------------------------------------------------

@@ -225,7 +225,7 @@ class Waits:
         return came
 
     def _new_wait(self, pass_cycles: int | None, ends: int) -> Spin:
-        """Return a wait that begins now. The object of an earlier wait is used again if there is one."""
+        """Return a wait that begins now, in the object of an earlier wait if there is one."""
         spin, self._spare = self._spare, None
         if spin is None:
             return Spin(self._time.cycle, pass_cycles, ends)

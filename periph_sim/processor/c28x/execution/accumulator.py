@@ -272,7 +272,7 @@ def MINCUL_P_loc32(cpu: Cpu, f: Operation) -> None:
 
 
 def negate(cpu: Cpu, value: int) -> int:
-    """Return -value. The most negative value overflows: it sets V, and the result depends on OVM."""
+    """Return -value. An overflow, of the most negative value, sets V; its result depends on OVM."""
     if value == SIGN32:
         cpu.v = 1
         return 0x7FFF_FFFF if cpu.ovm else SIGN32

@@ -26,7 +26,7 @@ class Operation:
     """One decoded instruction, ready to execute.
 
     b to z: the values of the fields with these letters in `encodings.toml`; -1 for a field that the form does not have.
-    address, next: the addresses of this instruction and of the one behind it.
+    address, next: the address of this instruction, and the address after its last word.
     place: equal to `address`; -1 after the words of the instruction were overwritten.
     cycles, not_taken: the cycles of the instruction, and those of a branch that is not taken.
     repeated: the cycles of N + 1 executions after RPT, minus N; 0 if the instruction cannot be repeated.
@@ -34,7 +34,7 @@ class Operation:
     byte: True if the operand is a byte.
     accesses: READS, WRITES, both or 0, for the operand of field l.
     absolute: READS, WRITES or 0, for the operand *(0:16).
-    following: the operation at `next`; None before it was executed.
+    following: the operation at `next`; None until that operation is executed after this one.
     goal: the operation to which this one jumped last; None before the first jump.
     needs, makes, at_once: registers and memory that the pipeline waits for; see `pipeline.hazards`, `writes_at_once`.
     jumps: True if the instruction can write PC.
@@ -298,7 +298,7 @@ class Cpu(Registers):
         self.push16(high)
 
     def pop_pair(self) -> int:  # core: C only
-        """Pop two words, and return them as 32 bits; the lower half is that at the lower address. SP may be odd."""
+        """Pop two words, and return them as 32 bits; the lower half was at the lower address. SP may be odd."""
         high = self.pop16()
         return self.pop16() | high << 16
 

@@ -86,7 +86,7 @@ class Engine(Cpu):
     def finish(self, f: Operation) -> int:
         """Execute the instruction, for which `begin` was called, and return its cycles.
 
-        Then `pc` is the address of the next instruction; it does not change while passes of RPT remain.
+        Then `pc` is the address of the next instruction. While passes of RPT remain, `pc` does not change.
         """
         repeated = self.left
         self.pc, self.cycles = f.next, f.cycles

@@ -62,7 +62,7 @@ def width(value: int) -> int:  # core: noexcept
 def rounded(mantissa: int, exponent: int, to_nearest: bool, sign_of_zero: int = 0) -> int:
     """Return mantissa * 2 ** exponent as a result of this module. The mantissa has up to 62 bits.
 
-    to_nearest: True to round to nearest even, False to round towards zero. sign_of_zero: the result if it is zero.
+    to_nearest: True to round to nearest even, False to round towards zero. sign_of_zero: the bits of a zero result.
     """
     if mantissa == 0:
         return sign_of_zero

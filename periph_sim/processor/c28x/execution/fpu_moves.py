@@ -16,7 +16,7 @@ from .registers import HIGH16, LUF, LVF, M16, NF, NI, SHDWS, STF_WRITTEN, TF, ZF
 __all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
 
 WINDOW, WINDOW_END = 0x0F00, 0x0F30  # a move with an address in this range accesses an FPU register
-MEMORY = -1  # instead of the number of an FPU register
+MEMORY = -1  # result of `register_of` for an address in memory
 
 
 def register_of(address: int) -> int:

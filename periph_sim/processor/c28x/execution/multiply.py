@@ -176,7 +176,7 @@ def XMACD_P_loc16_ind_pma(cpu: Cpu, f: Operation) -> None:
 
 
 def dual(cpu: Cpu, address: int) -> None:
-    """Multiply two pairs of 16-bit numbers: add the product of the upper halves to ACC, of the lower halves to P."""
+    """Add the product of the upper halves of two words of 32 bits to ACC, and the product of the lower halves to P."""
     cpu.xt = cpu.read32()
     factor = program32(cpu, address)
     upper, lower = s16(cpu.xt >> 16) * s16(factor >> 16), s16(cpu.xt & 0xFFFF) * s16(factor & 0xFFFF)

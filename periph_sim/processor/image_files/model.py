@@ -12,7 +12,7 @@ from functools import cached_property
 
 from ...core.phrases import shorten
 
-LEAST_STACK = 15  # smallest number of words of a stack; an interrupt needs that many
+LEAST_STACK = 15  # smallest number of words of a stack, which a single interrupt needs
 LONGEST_NAME = 60  # characters of a name in a message
 
 

@@ -132,7 +132,10 @@ class Bus:
         recorded = self._records_access and (subjects is None or any(name in subjects for name in names))
         operand = Operand(place, register, words, field, self._waits, recorded)
         if operand.recorded:
-            kind, recorder = Kind.ACCESS, self._recorder  # read once: a member of an enumeration is slow to get
+            kind, recorder = (
+                Kind.ACCESS,
+                self._recorder,
+            )  # read once, because reading a member of an enumeration is slow
             reads = recorder.topic(kind, self._name, f"R {operand.name}")
             operand.record(reads, recorder.topic(kind, self._name, f"W {operand.name}"))
         return operand

@@ -93,7 +93,10 @@ class Operand:
         self.looks = self.looks and not reads.makes_records()
 
     def records_place(self) -> bool:
-        """Return True if records of reads contain the statement. For a field, also records of a modify count."""
+        """Return True if records of reads of this operand contain the statement.
+
+        A subscriber may need statements only for modifies. Then records of reads of a field do not contain them.
+        """
         return self.reads.places > (OF_MODIFIES if self.field is not None else NOWHERE)
 
     def see(self, cycle: int) -> int:

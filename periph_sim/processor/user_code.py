@@ -47,7 +47,7 @@ PERIOD = 0.1  # seconds between two checks
 
 
 class NoProgress(BaseException):
-    """Raised in firmware that lets no simulated time pass; `except Exception` in the firmware does not catch it."""
+    """Raised in user code that lets no simulated time pass. `except Exception` in user code does not catch it."""
 
 
 class RunWatch(Protocol):
@@ -99,9 +99,9 @@ class _Watch:
             while self._stopping:
                 time.sleep(0)
             if thread in self._stopped:
-                # If the exception was cancelled, CPython 3.11 would keep its eval breaker set.
-                # Each later bytecode would be slower, and a traced bytecode would never end.
-                # So the exception is raised and caught here.
+                # After a cancelled exception, the eval breaker of CPython 3.11 stays set.
+                # With the eval breaker set, each bytecode is slower, and a traced bytecode never ends.
+                # So the pending exception is not cancelled, but raised and caught here.
                 _raise_in(thread, NoProgress)
                 while True:
                     time.sleep(0)

@@ -6,8 +6,8 @@
 
 `not_kept` finds instructions in a delay slot that read the register or the flags of the late result. An operation that
 was passed to `delay` models the late result: in the delay slot, R0H still has its old value. The result is written
-after the instruction in the delay slot, even if that instruction wrote R0H, too; or before an interrupt that comes
-between them. LUF and LVF are set together with the result.
+after the instruction in the delay slot, even if that instruction writes R0H, too. If an interrupt is taken before the
+delay slot, the result is written before the interrupt. LUF and LVF are set together with the result.
 
 Source: SPRUEO2A 3.1, 3.2; the column `latency` of `encodings.toml`.
 """

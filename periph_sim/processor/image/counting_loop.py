@@ -59,7 +59,7 @@ def register_words(acc: int, xar: Sequence[int]) -> dict[Place, int]:
 
 
 class NotCounting(Exception):
-    """The pass does more than count, so further passes may have other results."""
+    """Raised if a traced pass does more than count, so that further passes may have other results."""
 
 
 class Traced(NamedTuple):

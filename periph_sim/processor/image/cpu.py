@@ -123,7 +123,7 @@ class ImageCpu(ImageMemory):
     def access_at(self, f: Operation, cycle: int) -> int:
         """Return the first cycle, not before `cycle`, in which all accesses of an operation can be made.
 
-        These are the access to the operand of field l, and that to the operand *(0:16) if there is one.
+        An operation may access the operand of field l, the operand *(0:16), or both.
         """
         if self.ea != REGISTER and f.accesses and not in_plain_ram(self.ea):
             self._tested = f.tested

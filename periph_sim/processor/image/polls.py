@@ -210,7 +210,7 @@ class PollSkipper:
             self.clean = False
 
     def soil(self) -> None:
-        """Note an action for which the pass is not clean."""
+        """Note that the examined pass is not clean, because of an action that the next pass may not repeat."""
         self.clean = False
 
     # Sleep -------------------------------------------------------------------------

@@ -119,7 +119,7 @@ def _word(found: Instruction, wide: bool, pages: Mapping[int, int]) -> tuple[int
 
 
 def _written_early(found: Instruction) -> int:
-    """Return the mask of DP and SP, as far as the instruction writes them."""
+    """Return the mask with the bits of DP and SP that are set if the instruction writes the register."""
     writes = places(found.encoding.writes)
     moved = SP if found.values.get("l", 0) in (0xBD, 0xBE) else 0
     return (DP if "DP" in writes else 0) | (SP if "SP" in writes else 0) | moved

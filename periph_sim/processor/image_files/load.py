@@ -40,7 +40,7 @@ def parse(data: bytes) -> Image:
     if coff2.is_coff(data):
         image = coff2.read(data)
     elif data.startswith(ELF_MAGIC):
-        from . import elf  # imported only for ELF files, because it imports a library
+        from . import elf  # imported only for ELF files, because the module imports a large library
 
         image = elf.read(data)
     else:

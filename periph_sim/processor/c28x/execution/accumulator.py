@@ -11,7 +11,7 @@ from __future__ import annotations
 from .cpu import Cpu, Operation
 from .registers import M32, SIGN32, s32
 
-__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
+__all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it finds the other functions by name
 
 
 def sum32(cpu: Cpu, a: int, b: int, carry: int = 0, saturates: bool = True) -> int:

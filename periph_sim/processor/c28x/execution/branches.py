@@ -11,7 +11,7 @@ from __future__ import annotations
 from .cpu import Cpu, Operation
 from .registers import CODE, M16, M32
 
-__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
+__all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it finds the other functions by name
 
 PMA = 0x3F_0000
 

@@ -31,7 +31,7 @@ from .float32 import (
 )
 from .registers import LUF, LVF, M16, M32, NF, NI, RND32, TF, ZF, ZI, s16, s32
 
-__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
+__all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it finds the other functions by name
 
 UNCF = 15
 

@@ -13,7 +13,7 @@ from .cpu import Cpu, Operation
 from .fpu import UNCF, condition, moved
 from .registers import HIGH16, LUF, LVF, M16, NF, NI, SHDWS, STF_WRITTEN, TF, ZF, ZI, IllegalOperation
 
-__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
+__all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it finds the other functions by name
 
 WINDOW, WINDOW_END = 0x0F00, 0x0F30  # a move with an address in this range accesses an FPU register
 MEMORY = -1  # result of `register_of` for an address in memory

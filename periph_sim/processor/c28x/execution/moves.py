@@ -13,7 +13,7 @@ from .accumulator import logic
 from .cpu import Cpu, Operation
 from .registers import HIGH16, M16, M32, s16
 
-__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
+__all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it finds the other functions by name
 
 PMA = 0x3F_0000
 

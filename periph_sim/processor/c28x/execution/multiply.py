@@ -12,7 +12,7 @@ from .accumulator import add, difference_ovcu, logic, subtract, sum_ovcu
 from .cpu import Cpu, Operation
 from .registers import M32, s16, s32
 
-__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
+__all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it finds the other functions by name
 
 PMA = 0x3F_0000
 

@@ -13,7 +13,7 @@ from .cpu import Cpu, Operation
 from .half_words import put
 from .registers import M16, M32, s16, s32
 
-__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
+__all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it finds the other functions by name
 
 
 def left(cpu: Cpu, value: int, shift: int, bits: int) -> int:

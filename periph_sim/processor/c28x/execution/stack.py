@@ -12,7 +12,7 @@ from __future__ import annotations
 from .cpu import Cpu, Operation
 from .registers import CODE, HIGH16, M16, SPA
 
-__all__ = ("bind",)  # all other functions become C functions, which only `bind` finds by name
+__all__ = ("bind",)  # when compiled, only `bind` is visible from Python; it finds the other functions by name
 
 
 def _push_halves(cpu: Cpu, n: int, shift: int) -> None:

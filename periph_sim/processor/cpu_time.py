@@ -4,7 +4,7 @@
                     --else-------------> a wake-up is scheduled --> kernel --> the processor continues
 
 The lease is the time in which nothing else can act (`Kernel.quiet_until`). In the lease, the CPU advances its time by
-itself; otherwise an event wakes the CPU. Advancing makes no access and takes no interrupt.
+itself; outside of the lease, an event wakes the CPU. Methods of this module make no accesses and take no interrupts.
 """
 
 # core: compiled

@@ -159,8 +159,9 @@ def _section(header: SectionHeader, data: bytes) -> Section:
 def _initial(headers: list[SectionHeader], data: bytes) -> Iterator[tuple[int, tuple[int, ...]]]:
     """Yield (address, words) of each .cinit record that a loader applies, in programs linked with --ram_model.
 
-    A record begins with a count: n is followed by one word of address and n words; -n by two words of address, the low
-    word first, and n words; 0 ends the list.
+    A record begins with a word that is a signed count; 0 ends the list. After a positive count n, one word is the
+    address, and n words are the values. After a negative count -n, two words are the address, the low word first, and n
+    words are the values.
     """
     for header in headers:
         if header.name != ".cinit" or not header.size or header.flags & (COPY | DATA) != COPY | DATA:

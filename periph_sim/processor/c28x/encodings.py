@@ -112,7 +112,7 @@ class Encoding:
 
     @property
     def accesses(self) -> str:
-        """How the operand of field l is accessed: "r" reads, "w" writes, "rw" both, "" if there is no access."""
+        """The kind of access to the operand of field l: "r" reads, "w" writes, "rw" both, "" if there is no access."""
         read, written = (any(name in LOCATIONS for name in places(column)) for column in (self.reads, self.writes))
         return "r" * read + "w" * written
 

@@ -56,7 +56,7 @@ BLOCK_CYCLES = 6  # cycles of a basic block: about three statements with loads, 
 BLOCKS_AT_ONCE = 64  # number of basic blocks after which time passes even without an access
 LOOP_CYCLES = 1_000_000  # cycles that an endless empty loop takes at a time; service routines may interrupt them
 DELAY_PASS, DELAY_CALL = 5, 9  # DSP28x_usDelay: cycles of a pass of its loop, and of the call
-ROUTINES = 0x31_0000  # first of the code addresses that stand for functions whose pointers are stored as vectors
+ROUTINES = 0x31_0000  # first of the code addresses given to functions whose pointers are stored as vectors
 _taken: set[int] = set()  # host addresses of the registers of running programs
 POINTER = 8  # bytes of a pointer on the host
 RPT_NOP = re.compile(r"rpt\s+#(\d+)\s*\|\|\s*nop", re.IGNORECASE)
@@ -288,7 +288,7 @@ class Run:
         self.library.memory[place.at : place.at + place.size] = value.to_bytes(place.size, "little")
 
     def _vector(self, place: Place, pointer: int) -> int:
-        """Return the code address that stands for a function pointer stored in the vector table.
+        """Return the code address for a function pointer that the C code stores in the vector table.
 
         pointer: the host address of the function; 0 is no function. Raise FirmwareLost if it is no pointer.
         """

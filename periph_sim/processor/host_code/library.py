@@ -73,7 +73,7 @@ class Library:
         self._numbers = (ctypes.c_int * (BYTES * (LARGEST + 1))).in_dll(self._library, "c28x_numbers")
 
     def write_as_announced(self, at: int, size: int, place: int) -> None:
-        """From now on, let C code treat each write announced for these bytes as a write of the place with this number.
+        """Make C code treat each later write announced for these bytes as a write of the place with this number.
 
         Then the announcement of such a write makes no request.
         """
@@ -105,7 +105,7 @@ class Library:
         return None if found is None else self.loaded_at + found
 
     def place_of(self, address: int) -> tuple[str, str, int]:
-        """Return (function, file, line) of an instruction at a host address; "" and 0 stand for unknown parts."""
+        """Return (function, file, line) of an instruction at a host address; unknown parts are "" and 0."""
         at = address - self.loaded_at
         file, line = self._debug.line_at(at) or ("", 0)
         by_address = self._by_address

@@ -27,7 +27,7 @@ from ...f28335.parts.f28335 import PART
 from ..image_files.variables import QUALIFIERS, size_of, sizes_of, without_qualifiers
 
 BYTES_A_WORD = 4  # bytes on the host for a word of the chip: the size of an unsigned int on the host
-IER, IFR = 0x0F00, 0x0F04  # unused addresses, which stand for the CPU registers IER and IFR
+IER, IFR = 0x0F00, 0x0F04  # addresses given to the CPU registers IER and IFR, which no module uses
 VECTORS = range(0x0D00, 0x0E00)
 
 SYMBOLS: dict[str, int] = {

@@ -115,7 +115,7 @@ COMPARISON = re.compile(
 
 
 class Sum(NamedTuple):
-    """What an instruction computes: result = left + sign * right. A copy adds 0.
+    """The sum that an instruction computes: result = left + sign * right. A copy adds 0.
 
     result: the name of the place that is written; "" if only the flags are written.
     left: the name of a place.

@@ -19,7 +19,7 @@ APART = 32  # if the exponents of two summands differ by more, the smaller summa
 
 BITS = (1 << 32) - 1
 UNDERFLOW, OVERFLOW = 1 << 32, 1 << 33
-TOP, TOP_BIT = 1 << 62, 62  # `TOP >> TOP_BIT - n` stands for `1 << n`, which has only 32 bits when compiled
+TOP, TOP_BIT = 1 << 62, 62  # `TOP >> TOP_BIT - n` replaces `1 << n`, which has only 32 bits when compiled
 
 
 def is_zero(bits: int) -> bool:  # core: noexcept

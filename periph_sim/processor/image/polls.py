@@ -27,7 +27,7 @@ from ..polling import Lease, Spin
 
 FIRST_EXAMINED = 2  # number of passes of a loop before a pass is examined
 LONGEST = 1024  # most passes between two examined passes of a loop that is no wait
-COUNTS_FROM = 64  # number of passes of a loop before it is analysed as a counting loop; an analysis is slow
+COUNTS_FROM = 64  # number of passes before a loop is analysed for counters, which is slow
 FEWEST = 8  # a smaller number of counting passes is not skipped
 TRIES = 3  # number of failed analyses after which a loop is no longer analysed
 

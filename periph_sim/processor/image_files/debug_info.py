@@ -115,7 +115,9 @@ def _lines(dwarf: DWARFInfo, unit: CompileUnit) -> Iterator[tuple[int, SourceLin
         assert state is not None
         if state.end_sequence:
             yield state.address, None
-        elif after is None or after.end_sequence or after.address != state.address:  # an address has its last line
+        elif (
+            after is None or after.end_sequence or after.address != state.address
+        ):  # of lines at one address, the last counts
             files = program["file_entry"]
             place = state.file if program["version"] >= 5 else state.file - 1
             file = text_of(files[place].name) if 0 <= place < len(files) else "?"

@@ -117,7 +117,10 @@ class Port:
         return field.condition(self, wanted[name]) if wanted else field.masked(self, mask, value)
 
     def comparison(self, name: Text, number: BigInt, test: int, where: SourceLocation | None) -> Condition | None:
-        """Return the condition that compares a field with a number; see `PortField.comparison`. None for no field."""
+        """Return the condition that compares a named field with a number, as `PortField.comparison` does.
+
+        Return None, too, if the register has no such field.
+        """
         found = self._fields.get(name)
         return None if found is None else found.comparison(self, number, test, where)
 

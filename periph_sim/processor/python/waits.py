@@ -45,7 +45,7 @@ NOTHING = frozenset(("RESUME", "COPY_FREE_VARS", "NOP", "CACHE", "PRECALL"))  # 
 FORM = ("LOAD_DEREF", "LOAD_ATTR", "LOAD_ATTR", "LOAD_CONST", "COMPARE_OP", "RETURN_VALUE")
 
 
-# The index of the module among the free variables of a function, register, field, test, number, line of the field.
+# What a function compares: (index of the module in its free variables, register, field, test, number, line).
 FieldComparison = tuple[int, str, str, int, int, int]
 
 

@@ -29,7 +29,7 @@ class Operand:
     mask: the bits of the register that the program reads or writes.
     lsb: the lowest bit of the field; 0 for whole words.
     shift: 16 if only the upper word is transferred, otherwise 0.
-    offset, address: those of the register, in its module and on the chip.
+    offset, address: the offset of the register in its module, and its address on the chip.
     block: True if the register is in the protected block, where a read waits for earlier writes.
     frame1, frame2: True if the register is in peripheral frame 1, or 2.
     protected: True if only firmware with EALLOW = 1 can write the register.

@@ -42,8 +42,7 @@ NAMES |= {bool: "true or false", bytes: "bytes", Path: "a path", list: "a list",
 def expected(kind: Any, found: object) -> str:
     """Return a phrase that describes the valid values of a plain type, for a message. found: the invalid value.
 
-    If the type is a union, the phrase describes the members of the union that accept the Python type of `found` and
-    have limits. If the union has no member of this kind, the phrase describes all members.
+    Of a union it describes the members that accept the Python type of `found` and have limits, or else all members.
     """
     origin, arguments = get_origin(kind), get_args(kind)
     is_enum = isinstance(kind, type) and issubclass(kind, Enum)
@@ -92,11 +91,7 @@ class After(msgspec.Struct, frozen=True):
 
 
 class Mistake(msgspec.Struct, frozen=True):
-    """One mistake and its place.
-
-    error: the exception that a check raised; None if none was raised.
-    known: the valid keys, if the mistake is an unknown key; otherwise None.
-    """
+    """One mistake and its place. error: the exception of a check, or None. known: the valid keys for an unknown key."""
 
     place: Place
     what: str = ""
@@ -139,8 +134,7 @@ def convert(kind: type[T], tree: object) -> T:
 class Key:
     """A key of a table. name: the name of its field. convert: its converter, which is made at the first use.
 
-    Names in its annotation are looked up in the module that defined the class of the table, even if `sys.modules` has
-    another module under the same name by then.
+    Names in its annotation are those of the module that defined the table's class, even if `sys.modules` has changed.
     """
 
     def __init__(self, kind: type, name: str, default: object) -> None:

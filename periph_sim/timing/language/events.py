@@ -80,12 +80,11 @@ class Event(Struct, frozen=True):
 class Group(Struct, frozen=True):
     """A part of a run in which events are counted, such as a transfer.
 
-    name: one of GROUPS.
     begin: the event at which the group begins: a START, the begin of a frame, or the entry of a service routine.
     end: the event at which the group ends: a STOP, the end of a frame, or the return from a service routine.
     """
 
-    name: str
+    name: str  # one of GROUPS
     begin: Matcher
     end: Matcher
 
@@ -128,19 +127,13 @@ class Matcher(Struct, frozen=True, dict=True):
         )
 
     def may_be(self, kind: Kind, where: str, what: str) -> bool:
-        """Return True if a record of this kind, place and thing is this event, provided that its value fits.
-
-        `others` are not checked.
-        """
+        """Return True if a record of this kind, place and thing may be this event, depending on its value."""
         fits = self.what in (what, ANYTHING) and kind is self.kind
         return fits and (self.where is None or where in self.where)
 
     @cached_property
     def subjects(self) -> frozenset[str]:
-        """The wires or registers whose records this matcher needs; empty if it needs the records of all of them.
-
-        The needs of `others` are not included.
-        """
+        """The wires or registers whose records this matcher needs apart from `others`; empty if it needs all."""
         places = self.where or frozenset()
         if self.kind in (Kind.EDGE, Kind.FRAME):
             return places

@@ -266,3 +266,20 @@ def _json_place(place: FirmwarePlace | None) -> dict[str, object]:
 def relative(file: Path) -> Path:
     """Return the path relative to the current directory if the file is below this directory; else the path itself."""
     return file.relative_to(Path.cwd()) if file.is_relative_to(Path.cwd()) else file
+
+
+def in_order(*steps: Iterable[Step]) -> tuple[Step, ...]:
+    """Return the steps of several sources in order of time, each once.
+
+    If the text of one step is the beginning of the texts of other steps at the same place and tick, only the step with
+    the longest text is kept.
+    """
+    together: list[Step] = []
+    for step in (step for some in steps for step in some):
+        there = (one for one in together if (one.at, one.length, one.place) == (step.at, step.length, step.place))
+        same = next((o for o in there if o.what.startswith(step.what) or step.what.startswith(o.what)), None)
+        if same is None:
+            together.append(step)
+        elif len(step.what) > len(same.what):
+            together[together.index(same)] = step
+    return tuple(sorted(together, key=lambda step: step.at))

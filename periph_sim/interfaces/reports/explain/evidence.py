@@ -5,7 +5,7 @@ Window, case --> Evidence: phases on the bus, low phases of SCL, accesses, chang
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property
@@ -394,20 +394,3 @@ ENDS = ("START", "repeated START", "STOP", "arbitration lost")
 
 def _inside(one: Stretch, begin: int, end: int) -> int:
     return min(end, one.end) - max(begin, one.begin)
-
-
-def in_order(*steps: Iterable[Step]) -> tuple[Step, ...]:
-    """Return the steps of several sources in order of time, each once.
-
-    If the text of one step is the beginning of the texts of other steps at the same place and tick, only the step with
-    the longest text is kept.
-    """
-    together: list[Step] = []
-    for step in (step for some in steps for step in some):
-        there = (one for one in together if (one.at, one.length, one.place) == (step.at, step.length, step.place))
-        same = next((o for o in there if o.what.startswith(step.what) or step.what.startswith(o.what)), None)
-        if same is None:
-            together.append(step)
-        elif len(step.what) > len(same.what):
-            together[together.index(same)] = step
-    return tuple(sorted(together, key=lambda step: step.at))

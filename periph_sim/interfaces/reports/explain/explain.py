@@ -30,9 +30,9 @@ from ....timing.measures.expectations import WatchedWire
 from ....timing.verdict import Verdict
 from ....traces.capture.capture import Span
 from ....traces.drawing.capture_lanes import bit_of
-from .chain import Chain, Part, Step, difference, parts_of
+from .chain import Chain, Part, Step, difference, in_order, parts_of
 from .cpu_activity import IN_FIRMWARE, Stretch
-from .evidence import ON_WIRES, Evidence, in_order
+from .evidence import ON_WIRES, Evidence
 from .fault_evidence import is_master, waited_for, wrong_characters
 from .findings import DERIVED_FROM, FINDINGS, PROMPT, Ends, answered, asked, awaited, held, transfers
 from .window import BIT, Window, is_late, windows

@@ -115,9 +115,8 @@ def _lines(dwarf: DWARFInfo, unit: CompileUnit) -> Iterator[tuple[int, SourceLin
         assert state is not None
         if state.end_sequence:
             yield state.address, None
-        elif (
-            after is None or after.end_sequence or after.address != state.address
-        ):  # of lines at one address, the last counts
+        elif after is None or after.end_sequence or after.address != state.address:
+            # Of several lines at one address, only the last one is used.
             files = program["file_entry"]
             place = state.file if program["version"] >= 5 else state.file - 1
             file = text_of(files[place].name) if 0 <= place < len(files) else "?"

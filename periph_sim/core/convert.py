@@ -1,10 +1,11 @@
-"""Conversion of values in files to annotated types. The result is an object, or the list of all mistakes.
+"""Conversion of the values in a file to Python types. The result is an object, or a list of all mistakes.
 
-    3, "250 us", {...}, [...] --converter_of(annotation)--> int, Fraction, a class of keys, a tuple ...
+    3, "250 us", {...}, [...] --converter_of(annotation)--> int, Fraction, a Table, a tuple ...
 
 msgspec checks plain values. Tables are checked here, key by key, so that every mistake is reported with its place. The
-type of a table is a `Table`, another Struct, a dataclass or a TypedDict; its fields are the keys. `Annotated` adds
-functions that run before and after the check (`Before`, `After`), and limits (`msgspec.Meta`).
+type of a table is a class: a `Table`, another subclass of `msgspec.Struct`, a dataclass or a TypedDict. The fields of
+the class are the keys of the table. `Annotated` adds functions that run before and after the check (`Before`, `After`),
+and limits (`msgspec.Meta`).
 """
 
 from __future__ import annotations
@@ -293,7 +294,7 @@ def _by_msgspec(annotation: Any) -> Converter:
         try:
             return msgspec.convert(value, annotation, dec_hook=_made)
         except msgspec.ValidationError as error:
-            if isinstance(value, str):  # `--set` gives numbers with underscores as texts
+            if isinstance(value, str):  # `--set` passes a number with underscores, such as 1_000, as a str
                 try:
                     return msgspec.convert(value.replace("_", ""), annotation, strict=False, dec_hook=_made)
                 except msgspec.ValidationError:

@@ -1,4 +1,4 @@
-"""Parties that sample wires. Each party is notified once in an instant, with the new levels of all its lines."""
+"""Parties that sample wires. In each instant, a party is notified at most once, with the levels of all its lines."""
 
 # core: compiled without checks for None
 

@@ -301,7 +301,10 @@ def _is_plain(value: object) -> bool:
 
 
 def _are_plain(values: Collection[object]) -> bool:
-    """Return True if all values are plain. Types are compared first, which is fast for the 34,816 words of RAM."""
+    """Return True if all values are plain.
+
+    The set of their types is compared with PLAIN first, which is fast for the 34,816 words of RAM.
+    """
     return {*map(type, values)} <= {*PLAIN} or all(map(_is_plain, values))
 
 

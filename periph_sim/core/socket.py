@@ -22,9 +22,9 @@ from .state import State
 from .time import Clock
 from .wire import BITS, MAX_PARTIES, Pin
 
-# Tags of events. WAKE is the chip's wake-up; LOOK is the sampling of its inputs. Other tags are changes of an output.
-# In the tag of an output's change, the bits below bit RECORD are the number 2 * (output + 1) + level.
-# In the tag of an output's change, the bits from bit RECORD up are the number of the record that caused it.
+# Tags of the socket's events. An event with the tag WAKE wakes the chip, and one with LOOK samples the chip's inputs.
+# An event with any other tag changes an output. The RECORD lowest bits of such a tag are 2 * (output + 1) + level.
+# The higher bits are the number of the record that caused the change.
 WAKE, LOOK = 0, 1
 RECORD = 16
 MOVE = (1 << RECORD) - 1
@@ -184,8 +184,8 @@ class Socket(Agent):
     def peek(self, cycle: int, offset: int) -> int:
         """Return the value that a debugger reads.
 
-        A wake-up of the chip that is due by `cycle` is not run, because its outputs, requests and flags would then be
-        published late or never.
+        If a wake-up of the chip is due by `cycle`, the value is that before the wake-up. The wake-up is not run here,
+        because the outputs, requests and flags that it changes would be published late or never.
         """
         if self._kernel.shortcut is not None:
             self._kernel.materialize()

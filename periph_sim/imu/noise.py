@@ -58,7 +58,7 @@ class Gaussian:
         return joined[begin : begin + count]
 
     def near(self, number: int) -> float | None:
-        """Return value `number` with an error of up to NEAR; None if numpy is needed to calculate the value."""
+        """Return value `number` with an error of at most NEAR; None if only numpy can calculate the value."""
         block, place = number // BLOCK, number % BLOCK
         return first_of(self.key, block)[place] if place < FEW and number >= 0 else None
 
@@ -129,7 +129,7 @@ class AxisNoise:
         return self._kept[place]
 
     def near(self, number: int) -> tuple[float, float] | None:
-        """Return sample `number` and its maximum error; None if numpy is needed to calculate the sample."""
+        """Return an approximation of sample `number` and its maximum error; None if only numpy can calculate it."""
         white = None if self._octaves or self._step else self._white.near(number)
         return None if white is None else (white * self._white_sigma, NEAR * self._white_sigma)
 
@@ -194,7 +194,10 @@ class ImuNoise:
         return Noise(*[(x, y, z) for x, y, z in sensors])
 
     def near(self, number: int) -> list[tuple[float, float]] | None:
-        """Return the nine values of sample `number`, each with its maximum error; None if any value needs numpy."""
+        """Return approximations of the nine values of sample `number`, each with its maximum error.
+
+        Return None if only numpy can calculate one of the values.
+        """
         found = []
         for axis in chain(*self._sensors):
             value = axis.near(number)

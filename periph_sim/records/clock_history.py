@@ -41,7 +41,7 @@ class ClockHistory(NamedTuple):
     def of_distances(self, ticks: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
         """Convert distances in ticks to the nearest numbers of cycles.
 
-        at: for each distance, the tick at which the clock is taken.
+        at: for each distance, a tick; the clock in effect at this tick is used.
         """
         periods = np.array([float(period) for period in self.periods])
         cycles: NDArray[np.int64] = (ticks / periods[self._now(at)] + 0.5).astype(np.int64)
@@ -82,7 +82,7 @@ class ClockHistory(NamedTuple):
         return np.maximum(np.searchsorted(self.begins, at, "right") - 1, 0)
 
     def in_words(self, per_second: Fraction) -> str:
-        """Return the clocks as text: "7.5 MHz, from 4.373 ms on 150 MHz".
+        """Return the clocks as text, such as "7.5 MHz, from 4.373 ms on 150 MHz" for a change to 150 MHz at 4.373 ms.
 
         If there are more than three clocks, the text has only the last one and the number of changes.
         """

@@ -131,8 +131,8 @@ def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
 class _Reads(NamedTuple):
     """All reads of one register at a place.
 
-    looked_at: for each read, the code of the name of the field that was read; the name "", or the code -1
-    if no access has this name, means the whole register.
+    looked_at: for each read, the code of the name of the field that was read, which is an index into the table's names.
+        A read of the whole register has the code of the name "", or -1 if the table does not contain this name.
     waits: for each read, True if the next access of the same routine is also one of these reads.
     """
 

@@ -238,9 +238,10 @@ class BusRounds:
 
 
 def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
-    """Return the transfer with the name, the counts and the expected bytes of its request.
+    """Complete a transfer from the request that it fulfils, and return the result.
 
-    Phases of the request that never began are added to the transfer.
+    The result has the name, the counts and the expected bytes of the request. Phases of the request that never began
+    are added, and received bytes beyond the requested count are removed.
     """
     phases = transfer.phases[: len(request.phases)]
     place: int = 0

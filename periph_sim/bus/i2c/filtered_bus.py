@@ -44,7 +44,7 @@ class FilteredBus:
         self.scl_moved = now
         self._filter = filter
         self._lines = IDLE
-        self._scl_seen = SCL  # the level of SCL before its last change, without spikes
+        self._scl_seen = SCL  # the filtered level of SCL before its last change
         self._sda_moved = -filter
         self._sda_event = NOTHING  # the last change of SDA, classified as START, STOP or NOTHING
         self._sda_seen = 1  # the level of SDA after the filter
@@ -56,8 +56,9 @@ class FilteredBus:
         if (before ^ levels) & SDA:
             if before >> 1 != self._sda_seen:
                 self.settle(now)
+            # A fall of SCL that has not lasted for the time of the filter may be a spike, so SCL still counts as high.
             if event == NOTHING and now - self.scl_moved < self._filter and self._scl_seen:
-                event = START if before & SDA else STOP  # just after an edge of SCL, SCL's filtered level decides
+                event = START if before & SDA else STOP
             self._sda_moved, self._sda_event = now, event
         if (before ^ levels) & SCL:
             if now - self.scl_moved >= self._filter:

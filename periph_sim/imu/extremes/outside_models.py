@@ -240,7 +240,7 @@ def received(bit: Fraction, phase: int) -> bool:
     return not errors & SCI_MAP["SCIRXST"]["RXERROR"].mask and bytes(word & 0xFF for word in words) == BYTES
 
 
-LENGTH = 3001  # number of samples, chosen so that their mean is not a whole number
+LENGTH = 3001  # number of samples; their mean is no whole number, so `allan` rounds when it subtracts the mean
 NOISE = 9  # maximum noise in LSB; all samples are whole numbers, so that `exact_variance` does not round
 OFFSETS = (10**9, 10**15)
 RAMPS = (10**3, 10**9)  # slopes in LSB per sample

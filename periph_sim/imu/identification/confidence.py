@@ -52,10 +52,11 @@ def edf(found: Allan) -> Floats:
 def white_covariance(counts: NDArray[np.int64], length: int) -> Floats:
     """Return the exact relative covariances of the overlapping Allan variances of white Gaussian noise, float64[n, n].
 
-    The differences of averages are sums of the samples with the weights -1/m and 1/m. So these differences are
-    Gaussian. The covariance of the squares of two Gaussian values is twice the square of the covariance of both values.
+    Each covariance is divided by the expected values of both variances. A difference of two averages over m samples is
+    a sum of samples with the weights -1/m and 1/m, so it is Gaussian. The covariance of the squares of two Gaussian
+    values is twice the square of the covariance of the values.
 
-    counts: the number of samples in the averages of each variance, int64[n].
+    counts: for each variance, the number m of samples in an average, int64[n].
     length: the number of samples of the recording.
     """
     pairs = [[_covariance(min(m, n), max(m, n), length) * m * n for n in counts.tolist()] for m in counts.tolist()]

@@ -36,7 +36,7 @@ EITHER = "not said; nearest; Table 5.1's emulated means of this sensor lie half 
 
 
 class SensorParameters(Checked, frozen=True):
-    """Parameters of every sensor: the matrix S, and the codes of the converter."""
+    """The parameters that each sensor has, for the matrix S and for the range and rounding of the converter's codes."""
 
     scale: float
     cross_axis: float
@@ -104,13 +104,15 @@ class GyroscopeParameters(SensorParameters, frozen=True):
 class MagnetometerParameters(SensorParameters, frozen=True):
     """Parameters of the HMC5883L (equations 4.6 to 4.8).
 
-    hard_iron: V.
-    earth_field: H_rt.
-    board_azimuth, board_elevation: the inclination of the board, Incl_PCB.
-    spherical: the method for H_rp. "four-quadrant": by azimuth and elevation with atan2, as intended. "plain": with the
-        arctangents as written. "rotation": the values of "four-quadrant" without angles (see `chips.Magnetometer`).
-    norm: the method for lengths. "squares": roots of sums of squares, as written. "mag": magnitudes of two numbers at a
-        time, without large squares.
+    hard_iron: the constant field of magnetised parts near the chip, which is added to the earth's field (V).
+    earth_field: the earth's field if roll, pitch and yaw are 0 (H_rt).
+    board_azimuth, board_elevation: the inclination of the board, by which the field's direction is changed (Incl_PCB).
+    spherical: the method that adds the inclination to the field's azimuth and elevation (H_rp). "plain": with
+        arctangents, as written in section 4.3.3. "four-quadrant": with atan2, which is the intended form. "rotation":
+        with sines and cosines of the inclination only, which gives the values of "four-quadrant". The equations are in
+        `chips.Magnetometer`.
+    norm: the method for the length of a vector. "squares": the root of the sum of squares, as written in section 4.3.3.
+        "mag": `Arithmetic.mag` of two numbers at a time, in which no square overflows.
     """
 
     hard_iron: Annotated[Vector, Quantity("gauss", -8, 8, TABLE)] = (-0.16, 0.17, -0.02)

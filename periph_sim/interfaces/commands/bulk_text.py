@@ -19,7 +19,7 @@ Numbers = NDArray[np.int64]
 
 AT_ONCE = 1 << 15  # number of lines that are formatted at a time; their characters fit into the processor's cache
 BLANK, NONE = b" ", b"\0"
-MAX_TABLE = 1 << 24  # codes up to this value are numbered by a table; larger codes are numbered by sorting
+MAX_TABLE = 1 << 24  # `numbered` uses a table if no code exceeds this number; else it sorts the codes
 
 # The four digits of each number below 10,000, as one machine word.
 # Selecting many machine words from an array is ten times as fast as selecting many rows of four bytes.
@@ -123,7 +123,10 @@ Column: TypeAlias = "Literal | Digits | Words | Sparse"
 
 
 def numbered(codes: Numbers) -> tuple[Numbers, Numbers]:
-    """Return the different codes in increasing order, and for each element of `codes` its index in this array."""
+    """Return the different codes in increasing order, and the index of each element of `codes` in this array.
+
+    codes: integers from 0, each of which stands for a text.
+    """
     if len(codes) and int(codes.max()) > MAX_TABLE:
         return np.unique(codes, return_inverse=True)
     there = np.zeros(int(codes.max()) + 1 if len(codes) else 0, bool)

@@ -109,9 +109,9 @@ class FrameHistory:
 
 RECENT = 8  # number of recent frames with which each read is compared
 KEPT = 64  # number of recent frames from which a model run may have taken its input
-COMPLETE = 256  # if there are at most this number of chains (possible sequences of frames), all chains are followed
-PASSED_OVER = 3  # if there are more chains, only chains that skip at most this number of frames are followed
-MOST = 64  # if there are more chains, at most this number of chains is followed: the chains with the youngest frames
+COMPLETE = 256  # maximum number of chains (possible sequences of frames) up to which all chains are followed
+PASSED_OVER = 3  # with more chains than COMPLETE, a model run can pass over at most this number of younger frames
+MOST = 64  # with more chains than COMPLETE, at most this number of them is followed, with younger frames preferred
 
 
 @final
@@ -195,7 +195,7 @@ class Chain:
     """A possible sequence of the frames that the model runs used, of which only the end is stored.
 
     sent: the frame that the last run used.
-    before: the number of the frame that the run before used; the values depend on it as well.
+    before: the number of the frame that the previous run used. The values depend on this frame, too.
     shown: the values that the last run produced.
     """
 
@@ -219,7 +219,7 @@ class Run:
 
 
 class ModelOrigins(Origins):
-    """Origins for chips whose values firmware computes from frames with models.
+    """Origins for chips whose values are computed by the firmware: its sensor models calculate them from host frames.
 
     Call `model_pin` at every change of the firmware's MODEL pin, which is high while the models run.
     """

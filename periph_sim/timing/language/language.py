@@ -62,9 +62,11 @@ LEVELS, BUS_STATES, CPU_STATES = ("high", "low"), ("busy", "free"), ("busy", "id
 
 
 class During(Struct, frozen=True):
-    """A state of the run. It begins with an event in `enters`, and ends with an event in `leaves` but not in `enters`.
+    """A state of the run.
 
-    cpu: "busy" or "idle" for the state of a CPU, which has no `enters` and `leaves`; "" for other states.
+    enters: the events that begin the state. It has none if it is the state of a CPU.
+    leaves: the events that end the state. An event that is also in `enters` does not end it.
+    cpu: "busy" or "idle" if it is the state of a CPU; else "".
     unit: the unit of this CPU.
     """
 

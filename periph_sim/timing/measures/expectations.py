@@ -56,8 +56,8 @@ class _Occasion(Struct):
     first: int = NO_TIME  # begin of the first character
     ended: int = NO_TIME  # end of the last character so far
     wrong_at: int = NO_TIME
-    ends: int = NO_TIME  # a wrong character that begins later does not belong to this reply
-    shut: bool = False  # True after a wrong character that does not belong to this reply
+    ends: int = NO_TIME  # a wrong character that begins after this tick does not belong to the reply
+    shut: bool = False  # True after a wrong character that begins after `ends`; all later characters are ignored
 
 
 class Reply(Measure):

@@ -22,12 +22,14 @@ class Sentence(Struct, frozen=True):
 
     about: a description for the documentation; "" if the text of the measure explains it.
     cost: the number of records that the measure handles in 0.1 s (five rounds) of timing/imu_hil_published.toml.
-    looks_back: as in `Measure`. The range includes the records from which `timing/derived` makes the needed records.
+    looks_back: the range of past records on which the next value can depend; one of LOOKS_BACK. If the measure needs
+        records that `timing/derived` makes, the range includes the records from which they are made.
     asked: a noun in the plural for the events of the clause `for each`, at which a value should be measured.
     nothing: a phrase that says why nothing was measured; None if the measure finds the reason itself.
     unproven: a phrase that says why nothing is proven if the event of the clause `given` did not happen.
     cut_off: a phrase that names the event of the clause `unfinished`.
-    unknown: for each clause `unless`, a pair of a noun and a reason, such as "read" and "may carry other frames".
+    unknown: for each clause `unless`, a pair (noun, reason). If the event of the clause happened, the budget is not
+        judged, with a reason such as "3 reads may carry other frames" from ("read", "may carry other frames").
     """
 
     text: str

@@ -50,7 +50,7 @@ class StateEvents(Struct, frozen=True):
 
     @property
     def free(self) -> bool:
-        """True if the state is a span, whose name is free text."""
+        """True if the state is a span whose name is not checked against the spans of the firmware."""
         return bool(self.enters) and self.enters[0].free
 
     def holds(self, scene: MeasuredScene) -> bool:
@@ -156,7 +156,11 @@ class TimeIn(EventMeasure):
 
     @property
     def silent(self) -> bool:
-        """True if nothing was measured. A sum of 0 is a measured value, except for a span, which may be misspelled."""
+        """True if nothing was measured. If the state never occurred, a sum has the measured value 0.
+
+        If the state is a span whose name is not checked, a sum of 0 does not count as measured, because the name may be
+        misspelled.
+        """
         return not self.count and (self.series or self._is_share or self.state.free)
 
     def listen(self, scene: MeasuredScene) -> None:

@@ -1,6 +1,6 @@
 """Events of all protocols as rows with the same columns, so that several buses of a capture share one list.
 
-I2cTable, UartTable, events of an SPI line --> Rows (numbers) --> in order of time
+I2cTable, UartTable, spi.Event --> Rows (numbers) --> in order of time
 
 Source of the purposes of reserved addresses: UM10204, section 3.1.12, table "Reserved addresses", and sections 3.1.11
 (10-bit), 3.1.13 (general call), 3.1.15 (START byte), 3.1.17 (device ID), 5.3 (Hs-mode).
@@ -73,7 +73,7 @@ class Rows(NamedTuple):
     at, end  int64   positions, as in `I2cTable`, `UartTable` and `spi.Event`
     bus      uint8   number of the bus in the list of buses to decode
     event    uint8   index into EVENTS
-    value    int32   address, byte or bits; -1 if there is no value. The type is int64 for an SPI line
+    value    int32   address, byte or bits; -1 if there is no value. The type is int64 for a data line of an SPI bus
     bits     uint8   number of bits on the wire; 10 for the first byte of a 10-bit address after a repeated START
     detail   uint8   index into DETAILS
     """
@@ -154,7 +154,7 @@ def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np
     """Return the rows grouped by transfers, and the numbers of the rows with which transfers begin.
 
     silence: for each bus a number of positions; a longer time without events separates two transfers. For a bus with
-        None, a transfer begins at each START of an I2C bus or at each selection of an SPI line.
+        None, a transfer begins at each START of an I2C bus, or whenever the chip select of an SPI bus is asserted.
 
     Transfers are in the order of their first rows.
     """
@@ -163,7 +163,7 @@ def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np
         part = select(rows, rows.bus == bus)
         if quiet is None:
             first = (part.event == START) | (part.event == SELECT)
-            first[:1] = True  # a capture may begin while an SPI line is selected
+            first[:1] = True  # the chip select of an SPI bus may be asserted before the capture begins
         else:
             first = np.concatenate(([True], part.at[1:] - np.maximum.accumulate(part.end)[:-1] > quiet))[: len(part.at)]
         parts.append(part)

@@ -50,11 +50,11 @@ class I2cStream:
 
     levels: the levels of the last sample; SCL is bit 0 and SDA bit 1.
     busy: True between a START and its STOP.
-    index: the number of the last complete byte since the START, counted from 0, which is the address; -1 if no byte is
-        complete yet.
+    index: the number of the last complete byte of the phase: 0 for the address byte, 1 for the first data byte; -1 if
+        no byte is complete yet. A phase begins at each START and repeated START.
     byte: the first eight bits of the last complete byte.
     acked: True if the last complete byte was acknowledged.
-    address, read: the address and the direction of the phase, valid after the address byte of the phase.
+    address, read: the address and the direction of the phase, valid if `index` is 0 or more.
     bits: the number of received bits of the present byte, including the ninth.
     """
 

@@ -290,7 +290,7 @@ class _Keeper:
 
 
 def event_of(verdict: Verdict) -> Event | None:
-    """Return the last event of a verdict's measure; None if MEASURES does not contain this measure."""
+    """Return the last event that the text of a verdict's measure names; None if MEASURES has no such measure."""
     sentence = MEASURES.get(verdict.measure.partition(" of ")[0])
     return None if sentence is None else measure_of(sentence.text.format(of="")).events[-1]
 

@@ -85,9 +85,11 @@ def distribution(values: Values, per_ns: int) -> Distribution:
 
 
 def scale_of(unit: str, largest: int, per_ns: int) -> tuple[str, int, int]:
-    """Return the unit to show, and two numbers in units of the values: the size of this unit and the minimum bin width.
+    """Return (name, size, width) for the unit in which values are shown.
 
-    A time is shown in the unit in which the largest value is below 1000.
+    name: the name of this unit. For a time, it is the first of UNITS in which the largest value is below 1000.
+    size: the size of this unit in the unit of the recorded values, such as ticks.
+    width: the minimum width of a bin in the unit of the recorded values.
     """
     if unit == "time":
         name, ns = next((one for one in UNITS if largest < 1000 * one[1] * per_ns), UNITS[-1])
@@ -120,7 +122,7 @@ class Rule:
     """A vertical line with a text above it.
 
     anchor: the alignment of the text at the line: start, middle or end.
-    row: the row of the text, counted from below from 0.
+    row: the number of the text's row; 0 is the lowest row.
     """
 
     x: float

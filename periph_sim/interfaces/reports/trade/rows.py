@@ -41,14 +41,19 @@ class Row:
     def case(self, make: Make) -> Case:
         """Return the case to run. Raise BadCase if the changes do not fit the case.
 
-        make: a function that returns the case with some changes.
+        make: as in `rows_of`.
         """
         case = make(self.changes)
         return case if self.units is None else case.model_copy(update={"unit": self.units.unit})
 
 
 def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
-    """Return all rows of a case. make: as in `Row.case`. others: other cases; the units of each are a row, too."""
+    """Return all rows of a case.
+
+    make: a function that returns the case with some changes, which are given as for `--set`.
+    others: other cases. For each of them there is a row in which its units, with their firmware, replace those of the
+        case.
+    """
     case = make(())
     firmware = [(kind_of(case), [*_arithmetics(case, Row(AS_GIVEN))])]
     firmware += [(kind, [Row(f"{kind} of {other.name}", units=other)]) for other in others if (kind := kind_of(other))]

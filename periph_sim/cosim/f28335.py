@@ -105,7 +105,7 @@ class F28335:
             for name, signal in read.items():
                 _level(name, signal, "the beginning")
         per_second = get_sim_steps(1, "sec")
-        if begin:  # start the case later, so that times in records are those of the simulator
+        if begin:  # the case starts at the present simulation time, so its records show the simulator's times
             case = case.model_copy(update={"start": case.start + Fraction(begin, per_second)})
         self._files = ExitStack()
         subscribe, self._ended_at = self._files.enter_context(

@@ -97,7 +97,7 @@ class Class:
 
     @property
     def attributes(self) -> dict[str, Type]:
-        """A dictionary from the name of each attribute that the class adds to its base to the attribute's type.
+        """The types of the attributes that the class has in addition to those of its base, by name.
 
         Raise BadDeclaration if a type is unknown.
         """
@@ -109,7 +109,7 @@ class Class:
 
     @cached_property
     def known(self) -> dict[str, Type]:
-        """A dictionary from the name of an attribute to its type, if an annotation or the first value determines it."""
+        """The types of attributes, by name, if an annotation or the first value determines the type."""
         inherited = {name for base in self.bases for name in (*base.known, *base.defined)}
         found: dict[str, Type] = {}
         self.__dict__["known"] = found  # set while `found` is incomplete, because values may refer to other attributes

@@ -36,7 +36,7 @@ def declarations(source: Source) -> str:
 
 
 class Writer:
-    """Writer of one module's declarations. needed: a dictionary from another module to the names to cimport from it."""
+    """Writer of one module's declarations. needed: the names to cimport from other modules, by module."""
 
     def __init__(self, source: Source) -> None:
         self.source = source

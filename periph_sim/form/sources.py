@@ -86,7 +86,7 @@ class Source:
 
     @cached_property
     def classes(self) -> dict[str, Class]:
-        """A dictionary from a name to the compiled class of the module."""
+        """The compiled classes of the module, by name."""
         found: dict[str, Class] = {}
         self.__dict__["classes"] = found  # set while incomplete, because a class may have a base in this module
         for node in self.tree.body if self.is_compiled else ():
@@ -112,7 +112,7 @@ class Source:
 
     @cached_property
     def imports(self) -> dict[str, tuple[str, str]]:
-        """A dictionary from each name that is imported from the same package to (module, name in this module)."""
+        """The names that this module imports from its own package, each with (source module, name there)."""
         found = {}
         for node in walked(self.tree):
             if isinstance(node, ast.ImportFrom) and node.level:
@@ -123,7 +123,7 @@ class Source:
 
     @cached_property
     def assigned(self) -> dict[str, ast.expr]:
-        """A dictionary from each name that the module assigns to the assigned expression.
+        """The expressions that the module assigns, by the name to which each is assigned.
 
         If an expression is unpacked into several names, each of these names has the whole expression.
         """
@@ -183,7 +183,7 @@ class Source:
 
     @cached_property
     def fused(self) -> dict[str, list[ast.expr]]:
-        """A dictionary from each constrained type variable to its constraints.
+        """The constraints of each constrained type variable, by its name.
 
         Cython compiles a function with such a type variable once for each constraint.
         """
@@ -194,7 +194,7 @@ class Source:
 
     @cached_property
     def pointers(self) -> dict[str, list[ast.expr]]:
-        """A dictionary from the name of each function pointer type to the types of its arguments."""
+        """The types of the arguments of each function pointer type, by the name of this type."""
         found = {}
         for name, value in self.assigned.items():
             if isinstance(value, ast.Subscript) and ast.unparse(value.value) == "CFunction":
@@ -219,7 +219,7 @@ class Source:
         """Return the type of an expression; None if it cannot be derived from the expression alone.
 
         within: the class that contains the expression, or None.
-        known: a dictionary from names that the expression may contain to their annotations.
+        known: the annotations of names that may occur in the expression, by name.
         """
         match value:
             case ast.Constant(value=bool() | int() | str() | bytes() as constant):
@@ -301,7 +301,7 @@ class Source:
 
     @cached_property
     def cimported(self) -> dict[str, str]:
-        """A dictionary from each imported C function that this module only calls to the module that defines it."""
+        """The imported C functions that this module only calls, each with the module that defines it."""
         found = {}
         calls = (node.func for node in walked(self.tree) if isinstance(node, ast.Call))
         called = {one.id for one in calls if isinstance(one, ast.Name)} - read_names(self.tree, "")

@@ -78,7 +78,7 @@ class Reaction(Agent):
         self._now = scene.kernel.now  # the next tick
         self._levels = dict.fromkeys(lines, 1)  # levels of the lines just before tick `_now`
         self._put: list[tuple[int, str, int]] = []  # moves from `_now` on, in order of time
-        self._fresh = False  # True if the values in the following lines are up to date
+        self._fresh = False  # True if the attributes that `_look` computes are up to date
         self._due = NEVER
         self._silent = -1  # number of further edges of SCL that cause no answer; -1 if any edge may cause one
         self._widest = 0  # length in ticks of the longest pulse that a filter may remove

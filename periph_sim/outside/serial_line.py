@@ -57,7 +57,7 @@ class SerialLine:
         self._begins: deque[int] = deque()  # ticks of the future start bits that are already scheduled
         self.broken = False
         self._parts = 1  # number of parts into which a tick is divided, so that a bit is a whole number of parts
-        self._free = 0  # the earliest time for the next frame, in parts of a tick
+        self._free = 0  # the earliest time for the next frame, in units of 1 / `_parts` tick
         self.set(baud, form)
         reader = UartReader(session.scene.wire(tx), lambda: (self._bit, self._format))
         reader.on_end.append(self._heard)
@@ -66,7 +66,7 @@ class SerialLine:
         """Set the rate and format of all later frames. Raise OutsideError if they are invalid."""
         free = self._free_at()
         self._bit, self._format = self.checked(baud, form)
-        # Times are counted in parts of a tick, because the next frame may begin between two ticks.
+        # The unit of times is 1 / `_parts` tick, because the next frame may begin between two ticks.
         self._parts = self._bit.denominator
         self._parts_of_bit = self._bit.numerator
         self._free = free * self._parts
@@ -156,7 +156,7 @@ class SerialLine:
         return self._begin() // self._parts if self._queue else NEVER
 
     def _begin(self) -> int:
-        """Return the time at which the first entry of `_queue` may begin, in parts of a tick."""
+        """Return the time at which the first entry of `_queue` may begin, in units of 1 / `_parts` tick."""
         return max(self._free, self._session.now * self._parts)
 
     def begins(self, tick: int) -> bool:
@@ -167,7 +167,7 @@ class SerialLine:
         return True
 
     def _frame(self, begin: int, byte: int, wrong: Wrong) -> None:
-        """Schedule the edges of a frame. begin: the time of its start bit, in parts of a tick."""
+        """Schedule the edges of a frame. begin: the time of its start bit, in units of 1 / `_parts` tick."""
         form, parts, bit = self._format, self._parts, self._parts_of_bit
         levels = form.levels(byte)
         if wrong == "parity":

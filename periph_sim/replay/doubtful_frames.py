@@ -8,8 +8,8 @@ read as 0 or 1. After a glitch in the start bit, or a nearly valid start bit, a 
 decides differently from the decoder, it may also read other frames up to the next pause. The comparison resumes at the
 frame before that pause after which the most words agree.
 
-A line that is read at a wrong rate, in a wrong format or inverted decodes into frames with errors. A receiver with the
-same settings reads the same bytes with the same errors, so agreement between capture and receiver proves nothing.
+If a line is decoded at a wrong rate, in a wrong format or inverted, frames have errors. A receiver with the same wrong
+settings reads the same bytes with the same errors, so agreement between capture and receiver proves nothing.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ AHEAD = 8  # maximum number of words that are compared to find where the compari
 EXTRA = 2  # maximum number of words that a receiver may read in addition to the decoded frames
 MOST = Fraction(1, 10)  # maximum share of frames with errors that is plausible if the format is right
 SCI_BITS = 8  # maximum number of data bits in a word of an SCI
-SURE = 0.5  # minimum certainty of a guessed format that casts doubt on the given one
+SURE = 0.5  # the given format is doubtful if a guessed one has at least this certainty
 
 
 class Word(NamedTuple):
@@ -141,7 +141,7 @@ class Settled:
 
 
 def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequence[Event]) -> tuple[int, str]:
-    """Return the errors of a channel that was decoded as `line`, and the doubt about that format that follows.
+    """Return the errors of a channel that was decoded as `line`, and a doubt about this format.
 
     The errors are the number of frames with a framing or parity error, except breaks and frames that a glitch makes
     ambiguous. The doubt is a sentence with the evidence that the channel has another format; empty if there is none.

@@ -48,14 +48,14 @@ class _OpenWires(SceneWires):
 
 
 class OpenScene(Scene):
-    """A scene whose units do not drive SCL and SDA, but separate back wires."""
+    """A scene whose units drive separate back wires instead of SCL and SDA."""
 
     WIRES = _OpenWires
 
 
 @dataclass(frozen=True)
 class _Held:
-    """A low phase of SCL before a bit of a transfer with the chip. Times are in seconds."""
+    """A low phase of SCL before a bit of a transfer that addresses the chip. Times are in seconds."""
 
     at: Fraction  # the time at which SCL rises in the capture
     captured: Fraction  # the low time of SCL in the capture
@@ -139,7 +139,7 @@ class I2cOpenReplay(SlaveReplay):
         return self.origin + int(position * self._per_position)
 
     def _holds(self, scl: Channel) -> list[_Held]:
-        """Return the low phases of SCL in transfers with the chip, and the times for which the chip holds SCL low."""
+        """Return the low phase before each bit that is addressed to the chip. scl: SCL as driven by the chip alone."""
         edges = scl.edges[scl.levels == 0].tolist(), scl.edges[scl.levels == 1].tolist()
         own = [
             phase

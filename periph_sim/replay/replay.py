@@ -35,7 +35,7 @@ class Replay:
     """A capture played against the firmware of a unit.
 
     KIND, LOOP, ROLE: the values of `kind`, `loop` and `role` in the report.
-    SIDE: the chip's role.
+    SIDE: the module and the registers from which the history of a divergence is made.
     origin: the tick at which the capture begins.
     """
 
@@ -118,7 +118,10 @@ class Replay:
 
 
 class BusReplay(Replay):
-    """A replay of SCL and SDA. log: the edges of both, or of the pulls of our side if the capture drives them alone."""
+    """A replay of SCL and SDA.
+
+    log: the edges of SCL and SDA. If only the capture drives these, the edges of the back wires, which the chip drives.
+    """
 
     NAME = "replay"  # name of the replayed side in a picture
     _filled: list[str]  # names of the settings taken from the capture
@@ -178,9 +181,10 @@ class BusReplay(Replay):
         return captured, replayed, part.bit
 
     def _replayed_transfers(self) -> tuple[Sequence[i2c.Transfer], tuple[Fraction, int] | None]:
-        """Return the transfers of the replay, and (rate, origin) of their positions.
+        """Return the transfers of the replay, and the pair (rate, origin) of their positions.
 
-        None instead of (rate, origin): the positions are those of `log`.
+        rate: positions per second. origin: the position at which the capture begins. If the positions are ticks, as in
+        `log`, None is returned instead of the pair.
         """
         return i2c.transfers(self._replayed, *LINES), None
 

@@ -176,6 +176,8 @@ class Report:
     captured_events, captured_transfers: numbers of events and transfers in the whole capture.
     transfers: number of replayed transfers.
     captured_errors: number of UART frames with a framing or parity error in the capture, without breaks.
+    errors: UART: for FE and PE, the number of words that the firmware read with this flag; for other flags, how often
+        the flag was set.
     ambiguous: number of events that are not judged, because receivers may read them in different ways.
     filled: names of the firmware's settings that were taken from the capture.
     unjudged: the reason why nothing was judged.
@@ -207,7 +209,7 @@ class Report:
     tolerance_us: float = 0.0
     addresses: list[str] = field(default_factory=list)  # I2C: addresses of the firmware, or of its targets as a master
     nacks: int = 0
-    errors: dict[str, int] = field(default_factory=dict)  # UART: how often each error flag was read or set
+    errors: dict[str, int] = field(default_factory=dict)
     stretch_worst_us: float = 0.0
     stretch_total_us: float = 0.0
     captured_stretch_us: float = 0.0  # longest stretch or pause in the capture

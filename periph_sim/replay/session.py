@@ -135,7 +135,10 @@ class SessionReplay(I2cReplay):
     # The host's frames ---------------------------------------------------------------
 
     def _plan_frames(self) -> None:
-        """Decode RX in the wanted format, or else the SCI's. Report each frame at the end of its last stop bit."""
+        """Decode RX, and schedule a report of each frame to the scene at the end of the frame's last stop bit.
+
+        RX is decoded in the format `wanted`, or in the format of the SCI if `wanted` is None.
+        """
         scene = self._session_scene
         dsp = scene.units[self._answering.unit]
         line = line_of(dsp) if self._wanted is None else self._wanted

@@ -78,7 +78,7 @@ class DerivedRecords:
                 StuckWatch(scene.wires[name], limit, scene.stuck.report, scene.bus.bit_skip)
 
     def finish(self, scene: Scene) -> None:
-        """Record transfers, hold times and reads that are incomplete at the end of the run."""
+        """Record transfers that the end of the run cuts off, and the number of bytes that could not be judged."""
         now, monitor = scene.kernel.now, scene.bus.monitor
         if self._transfers is not None and monitor is not None:
             unfinished = None if scene.case.controller is not None else monitor.open_transfer

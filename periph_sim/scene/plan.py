@@ -83,7 +83,7 @@ class ScenePlan:
         return self._limits
 
     def _limits_as(self, other: ScenePlan | None) -> tuple[BudgetPlan, ...]:
-        """Return the plans of budgets of another plan if they are also those of this case; () if they are not."""
+        """Return the budget plans of `other` if both cases have the same budgets, names and ticks; else ()."""
         try:
             if other is None or other.case.budget is not self.case.budget or self.scope != other.scope:
                 return ()

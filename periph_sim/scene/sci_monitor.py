@@ -42,7 +42,7 @@ class SciMonitor(ChipObserver):
         self._socket: Socket = dsp.sockets[module]
         self._clock: Clock = dsp.clock
         self._words = 0
-        self._waiting = 0  # number of words in the FIFO, or in SCIRXBUF if there is no FIFO
+        self._waiting = 0  # number of words in the FIFO, or in SCIRXBUF if FIFO mode is off
         self._overrun = False
         self._socket.watch(self)
 

@@ -63,7 +63,7 @@ LSB_PER_DEG_S = Fraction(115, 8)  # LSB in one deg/s: 14.375
 REGISTER_ACCESS = Fraction(20, 1000)  # seconds from power-on to the first register access
 START_UP = Fraction(50, 1000)  # seconds from power-on, or from the end of sleep, until the gyroscopes run
 PLL_SETTLING = Fraction(1, 1000)
-FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # the pointer stops at each register of this range, decimal 35 to 60
+FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # decimal 35 to 60; the pointer does not advance from these
 SHOWN = ("TEMP_OUT_H", "TEMP_OUT_L", *DATA)
 ROOM = 25.0  # default temperature in degrees Celsius
 
@@ -141,9 +141,10 @@ class Itg3200(RegisterChip):
         return super().begin(now)
 
     def following(self, number: int) -> int:
-        """Return the next register. The pointer stops at a reserved register.
+        """Return the register after `number`; `number` itself if it is reserved.
 
-        The sheet reserves the registers 33 to 60, although 33 and 34 are GYRO_ZOUT; here 35 to 60 are reserved.
+        With the option pointer_stops = last_before, the pointer does not advance to the reserved registers either. The
+        data sheet reserves the registers 33 to 60, although 33 and 34 are GYRO_ZOUT. This model reserves 35 to 60.
         """
         if FIRST_RESERVED <= number <= LAST_RESERVED:
             return number

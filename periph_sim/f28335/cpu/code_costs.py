@@ -7,7 +7,7 @@ functions) of eight public repositories, without pipeline stalls. docs/fidelity.
 sequences.
 
 Source: SPRU430F chapter 6, the CYC line of each instruction; SPRUEO2A (FPU), SPRS439M Table 3-5 (wait states). The
-comments at the interrupt delays have the sources of these.
+comments at the interrupt delays cite their sources.
 """
 
 from __future__ import annotations
@@ -44,10 +44,10 @@ class CodeCosts(Struct, frozen=True):
     isr_epilogue: restoring of these registers, without IRET.
     """
 
-    between_accesses: int = 5  # quartiles 1 and 15; 0 for stores in a row
-    poll_pass: int = 10  # 7 (TBIT, SBF) to 21 (a function that returns the bit)
-    isr_prologue: int = 17  # 6 in a routine without calls to 22 with all FPU registers in use
-    isr_epilogue: int = 13  # 3 to 18
+    between_accesses: int = 5  # quartiles 1 and 15; 0 between consecutive stores
+    poll_pass: int = 10  # range: 7 (TBIT, SBF) to 21 (a function that returns the bit)
+    isr_prologue: int = 17  # range: 6 (a routine without calls) to 22 (a routine that uses all FPU registers)
+    isr_epilogue: int = 13  # range: 3 to 18
 
 
 # BARE: costs of code that consists of accesses and computations only.

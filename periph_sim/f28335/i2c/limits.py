@@ -62,7 +62,7 @@ class I2cLimits:
             )
 
     def scl(self, low: int, high: int) -> None:
-        """Check the phases of SCL, in cycles of SYSCLKOUT."""
+        """Check the rate of SCL and its low and high times, which are given in SYSCLKOUT cycles."""
         given = low, high, self.sysclk_hz
         if given == self._within:
             return

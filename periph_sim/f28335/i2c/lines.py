@@ -176,9 +176,9 @@ class I2cLines(Chip):
     def silent_edges(self, behind_filter: bool = False) -> int:
         """Return how many of the next SCL edges change no line and no readable register; -1 if any edge may change one.
 
-        The edges must be further apart than the filter width. Edges of SDA while SCL is low do not change anything
-        either.
-        behind_filter: count edges at the output of the noise filter, else edges at the pins.
+        The number is valid if the edges are further apart than the filter width. Edges of SDA while SCL is low also
+        change nothing.
+        behind_filter: True to count edges at the output of the noise filter, False to count edges at the pins.
         """
         if self.state.mdr & MDR_DLB or self._suspended or self.master.answers_edges():
             return -1
@@ -192,9 +192,9 @@ class I2cLines(Chip):
     # Skipped bits (see `bus.i2c.bit_skip`) -----------------------------------------
 
     def waits_for_byte(self, clocks: bool) -> bool:
-        """Return True if the module waits for the first bit of a byte, and only SDA changes before the eighth bit.
+        """Return True if the first bit of a byte is next, and the module only shifts bits before the eighth one.
 
-        clocks: True if this module generates the clock of the byte.
+        clocks: True if this module generates SCL during the byte.
         """
         state, lines, master = self.state, self._lines, self.master
         if (not clocks) if master.active else master.due != NEVER:

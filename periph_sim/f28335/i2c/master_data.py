@@ -46,8 +46,8 @@ NO_BYTE, START_BYTE, ADDRESS, SEND, RECEIVE = range(5)
 class I2cMasterData(I2cMasterLines):
     """Sending and receiving of bytes by the master.
 
-    deliver_at: the cycle at which a byte is received in loopback, 8 module clocks after it was sent or written; or
-    NEVER.
+    deliver_at: the cycle at which a byte is received in loopback, or NEVER. It is 8 module clocks after the byte's last
+        bit or after the write of I2CDXR, as the option dlb_delay selects.
     """
 
     STATE = State(

@@ -235,7 +235,11 @@ class I2cRegisters(I2cRequests):
         return self.bcm if self.emdr_written else self.options.bcm_reset.assume(self.touched)
 
     def bcm_at_address(self) -> int:
-        """Return BCM as it applies to a transfer: the written value, else the reset value if I2CEMDR exists."""
+        """Return the value of BCM that applies to a transfer.
+
+        This is the value last written to I2CEMDR. Before the first write it is the reset value. It is 1 if the chip has
+        no I2CEMDR.
+        """
         if not self.emdr_written and not self.options.bcm_reset.assume(self.touched):
             return 0 if self.options.emdr_present.assume(self.touched) else 1
         return self.bcm
@@ -252,7 +256,7 @@ class I2cRegisters(I2cRequests):
     # Queries of the engines and the module ----------------------------------------------
 
     def stored(self, offset: int) -> int:
-        """Return the value of a register that only holds a value; 0 where there is none."""
+        """Return the value of a register that only stores its value; 0 at an offset without such a register."""
         if offset == i2c_map.CNT:
             return self.cnt
         if offset == i2c_map.DXR:

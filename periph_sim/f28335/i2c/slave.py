@@ -96,7 +96,7 @@ class I2cSlave(I2cSlaveData):
     def waits_for_byte(self) -> bool:
         """Return True if SCL is low before the first bit of a byte of eight bits.
 
-        Return False if the byte needs more than clock edges.
+        Return False if anything besides edges of SCL must happen before the byte, such as a write of I2CDXR.
         """
         if self.bit or self._n != 8 or self.due != NEVER or self.pulls & SCL:
             return False

@@ -4,8 +4,8 @@
 
 Receiver and transmitter count in ticks, so a change of the rate or a stopped clock does not affect them; it changes
 only this mapping. Ticks fall on LSPCLK edges, which are at cycles = phase mod divider. Receiver and transmitter each
-have a clock. The two clocks are equal unless the transmitter's clock is restarted, or a debugger stop lets only one of
-the two finish.
+have a clock. The two clocks are equal, with two exceptions: the transmitter's clock can be restarted, and after a
+debugger halt one clock may run on until its frame is complete while the other is stopped.
 
 Chosen: the divider runs whenever the module has a clock; SW RESET does not affect it. A change of LSPCLK keeps the
 number of LSPCLK edges left to the next tick.

@@ -81,24 +81,24 @@ class SpiFifo(InterruptFifo):
         return word
 
     def update_flag(self) -> None:
-        """Set the interrupt flag if the level has been reached."""
+        """Set the interrupt flag if the number of words has reached the interrupt level."""
         self.request = self.watch(self.on and self.accepts) or self.request
 
     def write_register(self, value: int) -> None:
-        """Write SPIFFTX or SPIFFRX; the owner applies SPIRST and SPIFFENA with `hold` and `turn`."""
+        """Write SPIFFTX or SPIFFRX. The owner then applies SPIRST by `hold` and SPIFFENA by `turn`."""
         if self.write(value) and self.on:
             self.request = True
         self.update_flag()
 
     def turn(self, on: bool) -> None:
-        """Turn FIFO mode on or off."""
+        """Switch FIFO mode on or off, as SPIFFENA does."""
         if on and not self.on and self.is_requesting():
             self.request = True
         self.on = on
         self.update_flag()
 
     def hold(self, held: bool) -> None:
-        """Hold the FIFO empty with its flags at 0, as SPIRST = 0 does, or release it."""
+        """Hold the FIFO empty with its flags at 0 (held = True, as SPIRST = 0 does), or release it."""
         self._held = held
         if held:
             self.clear()
@@ -284,6 +284,6 @@ class SpiShifter:
             self.level = self.dat >> 15
 
     def finish(self) -> None:
-        """End the character; the bits shifted in stay in SPIDAT."""
+        """End the character, complete or not. The bits shifted in so far stay in SPIDAT."""
         self.bits = 0
         self.loaded = False

@@ -39,7 +39,10 @@ PRESCALE = (1, 1, 2, 4, 8, 16, 32, 64)
 
 
 class Watchdog:
-    """Watchdog. All times are OSCCLK positions in `oscclk.PARTS`. touched: receives the names of the options used."""
+    """Watchdog. All times are in parts, of which an OSCCLK period has `oscclk.PARTS`.
+
+    touched: receives the names of the options used.
+    """
 
     STATE = State("wdcr scsr wdint interrupt reset_requested next_due _armed _origin _since _count _low_until")
 
@@ -67,14 +70,14 @@ class Watchdog:
         return not self.wdcr & WDDIS
 
     def count(self, position: int) -> int:
-        """Return WDCNTR at a position, after `advance` to it."""
+        """Return WDCNTR at a position. Call `advance` with this position first."""
         if not self.enabled:
             return self._count
         period = self._period()
         return self._count + (position - self._origin) // period - (self._since - self._origin) // period
 
     def rounds(self, parts: int) -> int:
-        """Return the number of overflows in this number of parts, if the count is not restarted."""
+        """Return the number of overflows of WDCNTR within a time of `parts`, if WDCNTR is not restarted."""
         return parts // (OVERFLOW * self._period())
 
     def advance(self, position: int) -> None:

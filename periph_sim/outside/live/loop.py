@@ -18,7 +18,10 @@ STEP = "1 ms"  # simulated time of a step, which is the maximum delay of a byte
 
 
 class Door(Protocol):
-    """A connection between a session and clients. `files` returns the files whose input the loop waits for."""
+    """A connection between a session and clients, which the loop serves between steps.
+
+    `files` returns the files whose input the loop waits for.
+    """
 
     def files(self) -> Sequence[int]: ...
 

@@ -1,4 +1,6 @@
-"""Doors at a pseudo-terminal, among them the serial door: an SCI receives what a client writes, and sends to it.
+"""Doors at a pseudo-terminal. A door connects a session with clients, as `loop.Door` describes.
+
+The serial door, `PtyDoor`, connects an SCI: the SCI receives what a client writes, and sends to this client.
 
     client --/dev/pts/N, or LINK--> terminal --bytes--> SerialLine --bits--> RX
                   rate set by the client -------------> length of a bit
@@ -28,7 +30,7 @@ RATES = {value: int(name[1:]) for name, value in vars(termios).items() if name[0
 
 OPENED, CLOSED = 0x20, 0x08 | 0x10  # IN_OPEN; IN_CLOSE_WRITE and IN_CLOSE_NOWRITE, in sys/inotify.h
 EVENT = struct.Struct("iIII")  # an inotify event: watch, mask, cookie, length of a name
-EVENTS_AT_ONCE = 4096  # maximum number of bytes of events that are read in one call
+EVENTS_AT_ONCE = 4096  # maximum number of bytes of inotify events that one read returns
 
 
 class Openings:
@@ -141,11 +143,11 @@ class PseudoTerminal:
 
 
 class TerminalDoor:
-    """A door at a pseudo-terminal.
+    """A connection between a session and clients that open a pseudo-terminal (see `loop.Door`).
 
     path: the path that clients open.
     file: the file descriptor of the server's side of the terminal.
-    back: bytes for the client that the terminal has not accepted yet.
+    back: waiting bytes for the client, which the terminal has not accepted yet.
     unread: number of bytes from clients that were not read when the door was closed.
     """
 
@@ -161,7 +163,7 @@ class TerminalDoor:
 
 
 class PtyDoor(TerminalDoor):
-    """Passes bytes between a pseudo-terminal and a line. Raise OutsideError if `link` exists already.
+    """Door that passes bytes between a pseudo-terminal and a serial line. Raise OutsideError if `link` exists.
 
     If a client is a megabyte ahead of the line, its writes wait, as at a port with flow control. When the next client
     comes, unsent bytes of the previous one are discarded and reported, unless they take at most a tenth of a second.

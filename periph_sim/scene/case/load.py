@@ -209,7 +209,7 @@ class CaseFile:
 
     @cached_property
     def case(self) -> Case:
-        """The case without further changes. Raise BadCase if the file is not a valid case."""
+        """The case with `self.changes` applied, and no others. Raise BadCase if this case is not valid."""
         return _loaded(self.path, self._text, self.changes)[0]
 
     def changed(self, changes: Sequence[str]) -> Case:

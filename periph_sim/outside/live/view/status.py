@@ -28,7 +28,7 @@ from .last_round import LastRound, Wave
 
 WINDOW = 2.0  # seconds over which rates are averaged
 SELDOM = 10.0  # seconds between calculations of a percentile, which needs all values
-SAID = 3  # number of the doors' last sentences that are shown
+SAID = 3  # number of messages that are shown, the latest ones
 FLAGS = {
     "SCI": ("SCIRXST.BRKDT", "SCIRXST.FE", "SCIRXST.OE", "SCIRXST.PE", "SCIFFRX.RXFFOVF"),
     "I2C": ("I2CSTR.AL", "I2CSTR.NACK", "I2CSTR.NACKSNT", "I2CSTR.RSFULL", "I2CSTR.SDIR", "I2CSTR.BB"),
@@ -134,7 +134,7 @@ class Status:
             wave.listen(scene)
 
     def say(self, sentence: str) -> None:
-        """Add a sentence from a door about clients that come and go."""
+        """Add a message about a client that connects or disconnects."""
         self._said.append(sentence)
 
     def snapshot(self, over: bool = False) -> Snapshot:
@@ -260,7 +260,7 @@ EVERY = 0.25  # seconds between two snapshots
 
 
 class ViewDoor:
-    """A door that puts a snapshot of the session on a board several times per second."""
+    """Publisher that the loop runs as a `Door`: it puts a snapshot on a board several times per second."""
 
     def __init__(self, status: Status, board: Board, clock: Callable[[], float] = time.monotonic) -> None:
         self._status, self._board, self._clock = status, board, clock

@@ -95,14 +95,14 @@ def register_bytes(chip: ChipData, xyz: Sequence[Any]) -> bytes:
 
 
 def known_sensors() -> Mapping[str, ChipData]:
-    """Return a dictionary from the names that a case can use in `order` to the registered sensors."""
+    """Return the registered sensors, by the names that a case can use in `order`."""
     return cast(Mapping[str, ChipData], registered("sensors").SENSORS)
 
 
 class Schedule(Struct, frozen=True):
     """When a sensor head begins rounds. Times are in ticks.
 
-    first: the time from the begin of the run to the first round.
+    first: the time from the beginning of the run to the first round.
     period: the exact period of the rounds.
     gap: the pause between two transfers of a round, in addition to the bus-free time.
     jitter: the maximum delay of each round, uniformly distributed.
@@ -112,9 +112,9 @@ class Schedule(Struct, frozen=True):
 
     first: int
     period: Fraction | int
-    gap: int  # pause between two transfers of a round, in addition to the bus-free time
+    gap: int
     jitter: int = 0
-    rounds: int | None = None  # None for no end
+    rounds: int | None = None
     ahead: int = 0
 
 
@@ -135,5 +135,5 @@ class Round(Struct):
     due: int
     start: int
     end: int = 0
-    nacked: int = 0  # number of transfers with an address that was not acknowledged
+    nacked: int = 0
     transfers: int = 0

@@ -225,7 +225,7 @@ def link(modules: list[str], folder: Path, cc: str, kind: Kind = NORMAL) -> None
 
 
 def types_of(module: str, folder: Path) -> dict[str, str]:
-    """Return a dictionary from names to .pxd texts, for a module and all modules on which it depends.
+    """Return the .pxd texts of a module and of all modules on which it depends, by module.
 
     folder: the folder of the prepared sources and their .pxd files.
     """
@@ -267,7 +267,7 @@ def fingerprint(
 
 
 def last_build(built: Path) -> dict[str, str]:
-    """Return a dictionary from a module to the fingerprint of its object file in the existing build."""
+    """Return the fingerprints of the object files in the existing build, by module."""
     try:
         found = json.loads((built / MANIFEST).read_text("utf-8"))["modules"]
         return {module: made_of for module, made_of in found.items() if (built / OBJECTS / f"{module}.o").is_file()}

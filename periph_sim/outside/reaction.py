@@ -75,9 +75,9 @@ class Reaction(Agent):
         self._pins: list[list[Pin]] = []  # for each module in `_modules`: its pins of SCL, then its pins of SDA
         self._scl = self._sda = ""  # the lines on which all these modules are; "" if they are on different lines
         self._at_once = True  # True if a listener may answer without the delay of a filter
-        self._now = scene.kernel.now  # the next tick
+        self._now = scene.kernel.now  # the first tick that has not run yet
         self._levels = dict.fromkeys(lines, 1)  # levels of the lines just before tick `_now`
-        self._put: list[tuple[int, str, int]] = []  # moves from `_now` on, in order of time
+        self._put: list[tuple[int, str, int]] = []  # moves (tick, line, level) in order of time
         self._fresh = False  # True if the attributes that `_look` computes are up to date
         self._due = NEVER
         self._silent = -1  # number of further edges of SCL that cause no answer; -1 if any edge may cause one

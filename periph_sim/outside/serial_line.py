@@ -51,7 +51,7 @@ class SerialLine:
         self.wrong = self.sent = self.received = 0
         self.waiting = 0
         self._got = bytearray()
-        # An entry is bytes with the bit to send wrongly, or the level of RX that begins (0) or ends (1) a break.
+        # An entry is a pair (bytes, wrong bit, as in `write`), or the level that begins (0) or ends (1) a break on RX.
         self._queue: deque[tuple[bytes, Wrong] | int] = deque()
         self._place = 0  # index of the next byte in the first entry of `_queue`
         self._begins: deque[int] = deque()  # ticks of the future start bits that are already scheduled

@@ -5,8 +5,8 @@
 
 Receivers may read an ambiguous frame in different ways. After a glitch in a data, parity or stop bit, this bit may be
 read as 0 or 1. After a glitch in the start bit, or a nearly valid start bit, a receiver may read a frame or none. If it
-decides differently from the decoder, it may also read other frames up to the next pause. The comparison resumes at the
-frame before that pause after which the most words agree.
+decides differently from the decoder, it may also read other frames up to the next pause. Among these frames and the
+first one after the pause, the comparison resumes at the one from which on the most words agree.
 
 If a line is decoded at a wrong rate, in a wrong format or inverted, frames have errors. A receiver with the same wrong
 settings reads the same bytes with the same errors, so agreement between capture and receiver proves nothing.

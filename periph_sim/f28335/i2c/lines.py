@@ -170,7 +170,7 @@ class I2cLines(Chip):
         return self.state.code_at if self.state.code_at < timer else timer
 
     def next_output(self) -> int:
-        """Return the cycle of the next timer, or of a filtered edge that does more than shift a bit."""
+        """Return the cycle of the next timer, or of an earlier filtered edge that does more than shift a bit."""
         return min(self._timer, self._lines.visible_due(self.silent_edges(behind_filter=True)))
 
     def silent_edges(self, behind_filter: bool = False) -> int:
@@ -184,7 +184,7 @@ class I2cLines(Chip):
             return -1
         if (
             self._lines.unequal_arrival.unrecorded()
-        ):  # SDA can delay an edge of SCL, and so cancel a pulse wider than the filter
+        ):  # SDA can delay an edge of SCL with this option, which may remove a pulse longer than the filter
             return -1
         silent = self.target.silent_edges(bool(self._lines.levels & SCL))
         return silent - 1 if silent > 0 and not behind_filter and self._lines.scl_moves() else silent

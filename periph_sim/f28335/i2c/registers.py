@@ -135,7 +135,7 @@ class I2cRegisters(I2cRequests):
         return self.options.fifo_extra_stage.assume(self.touched) == "dxr_drr_behind"
 
     def copy_to_xsr(self, now: int, xrdy: bool = True) -> bool:
-        """Copy I2CDXR (or the TX FIFO's head) to I2CXSR; return False if it is empty. xrdy: also set XRDY."""
+        """Copy I2CDXR, or the TX FIFO's oldest byte, to I2CXSR. Return False if there is none. xrdy: also set XRDY."""
         if self.fifo:
             if self._extra_stage():
                 if not self.dxr_full:
@@ -178,7 +178,10 @@ class I2cRegisters(I2cRequests):
         return self.options.rrdy_point.assume(self.touched) == edge
 
     def store(self, now: int, shifted: int, bits: int) -> bool:
-        """Copy a received byte of `bits` bits to I2CDRR. If that is unread, keep the byte in I2CRSR and return True."""
+        """Copy a received byte of `bits` bits to I2CDRR.
+
+        If I2CDRR is unread, keep the byte in I2CRSR and return True.
+        """
         value = shifted & 0xFF
         if bits < 8 and self.options.bc_less_than_8_upper_bits.assume(self.touched) == "zeros":
             value = shifted & (1 << bits) - 1

@@ -241,7 +241,7 @@ class Board:
             self._changed.notify_all()
 
     def close(self) -> None:
-        """Mark the latest snapshot as the last one, so that no reader waits for another."""
+        """Mark the latest snapshot as the last one, so that readers do not wait for a later one."""
         with self._changed:
             self.closed = True
             self._changed.notify_all()

@@ -39,7 +39,7 @@ class Kind(Enum):
     WAIT = "wait"  # firmware begins (value 1) or ends (value 0) a wait: what = the fields it polls, or IDLE
     HOLD = "hold"  # the set of parties that pull a wire has changed, and the wire stays low: text = the pulling parties
     # `scene/derived_records.py` derives the following kinds from the kinds above, if a subscriber names them.
-    # A derived record has the same number as the record before it. The tick of a derived record may be earlier.
+    # A derived record has the number of the record before it. Its tick may be earlier than the tick of that record.
     TRANSFER = "transfer"  # a complete I2C transfer: its phases, acknowledges, stretches
     ROUND = "round"  # a round of requests is due, complete or missed
     RECEIVER = "receiver"  # an SCI's number of waiting words changes, or a character is received or lost

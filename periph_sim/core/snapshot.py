@@ -141,7 +141,10 @@ class Snapshot(NamedTuple):
 def take_snapshot(
     modules: Mapping[str, Module], tick: int, number: int, identity: tuple[tuple[str, str], ...]
 ) -> Snapshot:
-    """Return the state of these modules at tick `tick`. The modules do not change. number: that of the last record."""
+    """Return the state of these modules at tick `tick`, without changing them.
+
+    number: the number of the last record.
+    """
     collector = _Collector(modules, tick, number)
     return Snapshot(identity, tick, number, {name: one.cycle for name, one in modules.items()}, collector.values)
 

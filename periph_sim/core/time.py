@@ -89,7 +89,7 @@ class Timebase:  # core: python
         self.per_ns = self.per_second // GHZ
 
     def ticks(self, length: Fraction | str, rounding: Rounding = "exact") -> int:
-        """Return a length of time in ticks. Raise TimeError if that is no whole number and no rounding is given."""
+        """Return a length of time in ticks. Raise TimeError if the number is not whole and `rounding` is "exact"."""
         value = seconds(length) if isinstance(length, str) else length
         return self.fitting(round_ratio(value * self.per_second, rounding))
 
@@ -102,7 +102,7 @@ class Timebase:  # core: python
         return ticks
 
     def end_of_run(self, start: int, length: Fraction) -> int:
-        """Return the tick at which a run of `length` seconds ends. Raise TimeError if that is after LAST_TICK."""
+        """Return the tick at which a run of `length` seconds ends. Raise TimeError if this tick is after LAST_TICK."""
         end = start + round_ratio(length * self.per_second, "nearest")
         if end > LAST_TICK:
             most = self.seconds(LAST_TICK - start)
@@ -123,7 +123,7 @@ class Timebase:  # core: python
         return Fraction(ticks, self.per_second)
 
     def show(self, ticks: int) -> str:
-        """Return a time as text in us, ms or s, rounded to nearest."""
+        """Return a time in ticks as text: in us or ms with three decimals, or in s with six decimals."""
         us = Fraction(ticks * 1_000_000, self.per_second)
         if abs(us) < 10_000:
             return f"{float(us):.3f} us"

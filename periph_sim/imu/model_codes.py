@@ -120,7 +120,7 @@ def model_codes(parameters: ImuParameters, arithmetic: str, noise_seed: int | No
 def _rounded(a: Q, near: list[tuple[float, float]] | None) -> list[Any] | None:
     """Convert noise values to a Q format. Return None if an error might change the number to which a value is rounded.
 
-    near: each value with its maximum error; None if there are no such values, so that the result is None.
+    near: approximate values, each with its maximum error. If it is None, the result is None, too.
     """
     if near is None:
         return None

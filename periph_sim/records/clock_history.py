@@ -84,7 +84,7 @@ class ClockHistory(NamedTuple):
     def in_words(self, per_second: Fraction) -> str:
         """Return the clocks as text, such as "7.5 MHz, from 4.373 ms on 150 MHz" for a change to 150 MHz at 4.373 ms.
 
-        If there are more than three clocks, the text has only the last one and the number of changes.
+        If there are more than three clocks, the text has only the last clock and the number of changes.
         """
         clocks = [f"{float(per_second / period / 1_000_000):.8g} MHz" for period in self.periods]
         if len(clocks) > MOST_TOLD:

@@ -88,7 +88,7 @@ def as_json(races: Races) -> dict[str, object]:
 
 
 def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
-    """Return two rows: one for the read that is closest before a change, one for the read that is closest after one.
+    """Return two rows: one for the closest read before a change, one for the closest read after a change.
 
     Only the first row has the names of the register and of the place in the firmware.
     """

@@ -7,10 +7,10 @@
 A transfer fulfils a request if it begins with the same address and R/W bit, and writes the same bytes. A transfer that
 matches no request belongs to no round. A round begins with its first START, or at the latest time that its schedule
 allows if the START comes later. It ends with the STOP of its last request. A round is missed if it does not begin. It
-is also missed if a request is not made: a later request, or the first one of the next round, comes in its place.
+is also missed if a request is not made: a later request, or the first request of the next round, comes in its place.
 
 The rounds of an agent are due by a fixed schedule. Firmware and captures have a clock of their own: a round is due one
-period after the begin of the round before, and is missed if it has not begun half a period after that.
+period after the begin of the round before, and is missed if it has not begun half a period after its due time.
 """
 
 # core: compiled

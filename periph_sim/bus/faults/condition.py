@@ -22,7 +22,7 @@ from . import FaultContext, Length, Repeated, SdaPuller, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """A false START or STOP. condition: which of them. late: the time from the rise of SCL to the condition."""
+    """A false START or STOP. condition: "START" or "STOP". late: the time from the rise of SCL to the condition."""
 
     condition: Literal["START", "STOP"] = "START"
     late: Length = Fraction(1, 1_000_000)

@@ -63,7 +63,7 @@ class I2cMonitor(BitParty):
         self._let_go_at = NO_TIME  # the tick of the master's release of SCL, until SCL rises
         self._rose_at = NO_TIME
         self._ended_at = NO_TIME  # the tick of a STOP by another party, until the master's next clock
-        self._pulled_at = self._clock_length = 0  # tick of the master's last pull of SCL; ticks since the pull before
+        self._pulled_at = self._clock_length = 0  # tick of the master's last pull of SCL; ticks since the previous pull
         self._transfer = Transfer("", [])
         self._phase = Phase(0, False)
         self._stretch = 0  # the longest clock stretch in the present phase, in ticks

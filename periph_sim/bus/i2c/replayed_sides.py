@@ -65,7 +65,7 @@ class I2cPlayer:
         return 0 if self.waiting_since == NO_TIME else now - self.waiting_since
 
     def play(self, moves: Sequence[Move], done: Callable[[], None]) -> None:
-        """Make the moves, the first one `Move.after` ticks from now. `done()` is called after the last one."""
+        """Make the moves, the first move `Move.after` ticks from now. `done()` is called after the last move."""
         self._moves, self._next, self._done = moves, 0, done
         self._go_on()
 
@@ -134,6 +134,6 @@ class ScriptedTarget(TargetSide):
         super().__init__(kernel, scl, sda, self._next, hold, who)
 
     def _next(self, address_byte: int) -> Answer | None:
-        """Return the answer to this address byte; None if none is left."""
+        """Return the next answer to this address byte; None if no answer is left."""
         waiting = self._left.get(address_byte >> 1)
         return waiting.popleft() if waiting else None

@@ -1,8 +1,8 @@
 """Records of the time for which only one unit holds SCL low, transfer by transfer.
 
-thing       tick                      value
-held alone  START of each transfer    the sum of these times in the transfer, in ticks
-unfinished  START of the last one     the same sum, for a transfer that the end of the run cuts off
+thing       tick                        value
+held alone  START of each transfer      the sum of these times in the transfer, in ticks
+unfinished  START of the last transfer  the same sum, for a transfer that the end of the run cuts off
 """
 
 # core: compiled

@@ -12,8 +12,8 @@ every frame since the one that the chip showed last. The measure `age` judges ho
 If firmware computes the chips' values with models (`ModelOrigins`), each run of the models may have used any frame that
 ended before the MODEL pin rose. A chain is one possible sequence of the frames that the runs used. It never goes back
 to an older frame. Each read removes the chains whose values disagree with its bytes. The number of chains is limited:
-if chains had to be left out, a read that agrees with none of the others is not judged. The firmware provides nothing
-but the level of the MODEL pin.
+if chains had to be left out, a read that agrees with none of the remaining chains is not judged. The firmware provides
+only the level of the MODEL pin.
 """
 
 # core: compiled
@@ -353,5 +353,5 @@ def _nearest(got: bytes, candidates: Iterable[tuple[Sent, bytes]]) -> Origin:
 
 
 def _agreement(got: bytes, wanted: bytes) -> int:
-    """Return the number of places at which both have the same byte."""
+    """Return the number of places at which both arguments have the same byte."""
     return sum(a == b for a, b in zip(got, wanted, strict=False))

@@ -15,7 +15,8 @@
 A chip shows a frame while its registers contain values of the frame.
 
 Every read has an age. If the values are of no frame, the age counts from the frame that the chip showed last. Until a
-chip has shown a frame, the age counts from the first frame. If several frames have the same values, the last counts.
+chip has shown a frame, the age counts from the first frame. If several frames have the same values, the age counts from
+the last of them.
 
 The model age is for firmware whose chips do not show the values of frames, but results of models that it computes from
 them. The firmware's span "model" marks each run of the models. A run uses the last frame that ended before it began.

@@ -32,8 +32,9 @@ I2C = "I2C"  # the place (`where`) of these records
 
 
 def begin_of(transfer: Transfer, phase: Phase) -> int:
-    """Return the tick of a phase's START. If the phase never began, because an earlier one was refused, return the
-    tick of its transfer's START.
+    """Return the tick of a phase's START.
+
+    If the phase never began, because an earlier phase was refused, return the tick of the transfer's START.
     """
     if phase.start_at != NO_TIME:
         return phase.start_at
@@ -94,8 +95,8 @@ class RoundRecords:
     missed    START of a transfer       0; recorded if this transfer came in place of a request of the round
     begin     begin of the round        0; recorded for each complete round, at its end
     end       last STOP of the round    0; recorded for each complete round
-    next      due time of the next one  0; recorded for each complete round, even if it ended after this time
-    refused   due time of the round     number of its requests whose address was not acknowledged; no record for 0
+    next      due time of next round    0; recorded for each complete round, even if it ended after this time
+    refused   due time of the round     number of its requests whose address was not acknowledged; recorded if not 0
 
     period: the number of ticks from the due time of a round to the due time of the next round.
     """

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 class Thing(NamedTuple):
     """A kind of derived record.
 
-    needs: what the scene must contain, as in `Measure`.
+    needs: what the scene must contain; one of the values of `Measure.needs`.
     unit: the unit of the record's value.
     by_read: True if there is one record for each read phase.
     """

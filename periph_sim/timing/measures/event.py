@@ -104,9 +104,9 @@ class Hearing:
 class EventMeasure(Measure):
     """The occurrences of an event, measured in a form of the language of budgets.
 
-    count   the number of events. `worst` is that number, `worst_at` the tick of the first event. Zero is a value,
-            except for free-text names, which may be misspelled. If the measure has occasions, verdicts show how many of
-            them were measured.
+    count   the number of events. `worst` is that number, `worst_at` the tick of the first event. A count of 0 is a
+            measured value, unless the event's name is free text, which may be misspelled. If the measure has occasions,
+            verdicts show how many of them were measured.
     value   the value of each event: the words in a FIFO, the age of data that was read, a register field at a change
     level   the last value of the second event, at each occurrence of the first event
     sum     the sum of the events' values, which are numbers of things. `count` is the number of things that were
@@ -274,7 +274,7 @@ class EventMeasure(Measure):
             self._counts(place, tick, value)
 
     def _settle(self, place: int, counts: int) -> None:
-        """Decide about the newest event number `place`.
+        """Decide whether the last occurrence of event number `place` in its group counts.
 
         counts: 1 if this event counts, 0 if a later event of its group replaces it.
         """

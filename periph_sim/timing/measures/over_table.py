@@ -51,7 +51,7 @@ def between(
     """Return the times from each `begin` to the `end` that belongs to it, if there is one.
 
     rule: the rule after the comma in a budget: "in order", "next" or "last"; "same transfer" or "same round" for pairs
-    within a transfer or round, which lasts from its START to the START of the next one; or both: "last, same transfer".
+    within a transfer or round, which ends at the START of the next transfer or round; or both: "last, same transfer".
     transfers_in_round: the number of transfers in a round; needed for "same round", because no record contains it.
 
     Raise BadEvent if a text names no event, or an event that this run cannot contain. Raise it also if a second `begin`

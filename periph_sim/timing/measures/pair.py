@@ -7,9 +7,9 @@
          |---------|
          |---------|           last: each B with only the last A before it
 
-If no pairing is given and another A comes before the B of the first one, it is not known which events belong together,
+If no pairing is given and another A comes before the B of the first A, it is not known which events belong together,
 so nothing is proven. With the rule `same unit`, only events of the same unit are paired. A period is the time from an
-event to the next one of its kind.
+event to the next event of the same kind.
 """
 
 # core: compiled

@@ -16,7 +16,7 @@ Rules, from the I2C-bus specification (UM10204, section 3.1):
   pulse of a byte: its ACK was already transferred when SCL rose. The bits of an incomplete byte are decoded as CUT.
 - The first byte after a START is the address. After R/W = 1 the target drives the data bytes and the controller the
   ACKs; otherwise the controller drives the bytes and the target the ACKs. The `driver` of a bit is this party, which
-  should drive SDA; the lines do not show which party does.
+  should drive SDA; the lines do not show which party drives it.
 - The two bytes of a 10-bit address are not combined: 11110xx is decoded as an address and the second byte as data.
 """
 

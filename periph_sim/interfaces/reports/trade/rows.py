@@ -41,7 +41,7 @@ class Row:
     def case(self, make: Make) -> Case:
         """Return the case to run. Raise BadCase if the changes do not fit the case.
 
-        make: as in `rows_of`.
+        make: a function that returns the case with some changes.
         """
         case = make(self.changes)
         return case if self.units is None else case.model_copy(update={"unit": self.units.unit})

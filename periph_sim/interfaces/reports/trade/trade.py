@@ -144,7 +144,7 @@ def trade(
     All rows are run for half of `length` seconds and for `length` seconds. If the errors of a row differ between the
     two, all rows are also run for twice `length` seconds.
 
-    make: as in `Row.case`.
+    make: a function that returns the case with some changes, which are given as for `--set`.
     max_error_s: the maximum error of times in the recommended row.
     on_progress: a function that is called with the completed share, 0 to 1.
 

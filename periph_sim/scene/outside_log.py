@@ -53,7 +53,7 @@ class Instant(NamedTuple):
     """The changes at one tick.
 
     levels: the new levels of the wires that the outside party changes.
-    sent: a dictionary from a wire to the number of bytes that begin on it. The number 0 means that no byte begins yet,
+    sent: the number of bytes that begin on each wire, by wire. The number 0 means that no byte begins yet,
         but that bytes drive the wire after this instant.
     """
 

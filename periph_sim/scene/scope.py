@@ -49,7 +49,7 @@ def scope_of_case(case: Case, wiring: Wiring | None = None) -> Scope:
 
 
 def _own_measures(case: Case) -> dict[str, str]:
-    """Return a dictionary from the name of a user's own measure to its text.
+    """Return the texts of the user's own measures, by name.
 
     The measures are in [measures] of the case and in the file of `measures_from`. Example: `"late rounds" = "count of
     record round missed"`. They are checked as far as possible without a scene. Raise BadCase, with file and line, for

@@ -91,7 +91,7 @@ class Family(Protocol):
 
 @cache
 def families() -> Mapping[str, Family]:
-    """Return a dictionary from the name of each model to its family."""
+    """Return the family of each model, by the model's name."""
     modules = modules_with("MODELS", __name__, __path__).values()
     return {model: cast(Family, module) for module in modules for model in module.MODELS}
 

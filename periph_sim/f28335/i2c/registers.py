@@ -178,9 +178,9 @@ class I2cRegisters(I2cRequests):
         return self.options.rrdy_point.assume(self.touched) == edge
 
     def store(self, now: int, shifted: int, bits: int) -> bool:
-        """Copy a received byte of `bits` bits to I2CDRR.
+        """Copy a received byte of `bits` bits to I2CDRR or to the RX FIFO.
 
-        If I2CDRR is unread, keep the byte in I2CRSR and return True.
+        If there is no room for it, keep the byte in I2CRSR and return True.
         """
         value = shifted & 0xFF
         if bits < 8 and self.options.bc_less_than_8_upper_bits.assume(self.touched) == "zeros":

@@ -23,7 +23,7 @@ from .options import I2cOptions
 from .register_map import I2C_MAP, MDR_IRS, STR_AAS, STR_XRDY
 
 SRC_AL, SRC_NACK, SRC_ARDY, SRC_RRDY, SRC_XRDY, SRC_SCD, SRC_AAS = (1 << n for n in range(7))
-# CODE_CLEARS is a dictionary from codes in I2CISRC to the flag that a read of I2CISRC with this code clears (Table 11).
+# CODE_CLEARS has, for each code in I2CISRC, the flag that a read of I2CISRC with this code clears (Table 11).
 CODE_CLEARS = {1: SRC_AL, 2: SRC_NACK, 6: SRC_SCD}
 INT1, INT2 = 1, 2
 FFEN = I2C_MAP["I2CFFTX"]["I2CFFEN"].mask

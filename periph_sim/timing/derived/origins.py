@@ -264,7 +264,7 @@ class ModelOrigins(Origins):
         if not fitting and _fitting(self._before, address, got):
             return _nearest(
                 got, [(chain.sent, chain.shown.data(address)) for chain in self._before]
-            )  # the read began before the last run was complete, so it returned values of the run before the last run
+            )  # the read began before the last run was complete, so it returned values of the previous run
         if not fitting:
             fitting = _fitting(self._anew(), address, got)
         if fitting:

@@ -320,7 +320,7 @@ class LongLows(NamedTuple):
 def long_lows(capture: Capture, scl: Channel, sda: Channel, glitch: int = 0) -> LongLows:
     """Return the low phases of SCL that are longer than both 1.5 times the median and the median plus two samples.
 
-    glitch: as in `i2c_table`.
+    glitch: pulses of SCL or SDA that are shorter than this number of positions are removed first.
     """
     bits = i2c_bits(capture, scl.index, sda.index, glitch)
     seen = bits.low[bits.low >= 0]

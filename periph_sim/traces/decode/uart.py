@@ -168,7 +168,7 @@ def frames_of(
 
     width: the length of a bit in positions.
     step: the length of a sample in positions.
-    vote: as for `uart_table`.
+    vote: True if each bit is the majority of three samples.
     """
     low = int(line.invert)  # level of the wire during a start bit
     edges = wire.edges

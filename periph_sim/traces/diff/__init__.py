@@ -62,7 +62,7 @@ def diff_uart(
 
     line: the rate and the frame format of both lines.
     channel: the name of the line in A, and also in B unless `channel_b` is given.
-    tolerance: as for `diff_i2c`.
+    tolerance: the allowed lateness or earliness in seconds, by default one position of A plus one position of B.
 
     Raise LookupError if a channel is missing, and ValueError if a capture has no rate, or fewer than two positions per
     bit.

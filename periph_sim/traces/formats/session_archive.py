@@ -1,7 +1,7 @@
 """Reader of packed samples in zip archives, in blocks that fit into the cache of a processor.
 
     central directory, or local headers if it is broken --> Archive.members --> blocks of unpacked bytes
-    block --> words --> words that differ from the one before --> their changed bits --> edges per channel
+    block --> words --> words that differ from the previous word --> their changed bits --> edges per channel
 
 Sizes, CRC-32 and the end of the deflate stream are checked while blocks are read. A mismatch raises `Damage`. The
 caller converts this to an error, or uses the data before the damage. The directory is read by `zipfile`, but members

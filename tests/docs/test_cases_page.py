@@ -89,7 +89,10 @@ def test_every_key_with_its_default(heading: str):
     keys = keys_of(kind)
     fields = {name: keys[name] for name in sorted(keys, key=lambda name: name in shared)}  # its own ones first
     shown = {one.strip("`"): default for key, _, default in rows(heading) for one in key.split(", ")}
-    assert list(shown) == list(fields)
+    if issubclass(kind, SerialEntry):  # the page has the keys of both tables where a reader expects them
+        assert sorted(shown) == sorted(fields)
+    else:
+        assert list(shown) == list(fields)
     for name, default in shown.items():
         about = fields[name]
         if default == "as there":

@@ -105,9 +105,14 @@ def test_spi_that_is_woken_late_has_done_at_a_pin_what_was_due_before_it():
     assert rig.chip.peek(latch + 1, 7) == 0
 
 
-@pytest.mark.parametrize(("address", "read", "said"), [(OTHER, 0, (46, 2)), (OTHER, 1, (46, 2)), (OWN, 0, (50, 4))])
-def test_i2c_edges_without_a_flag_move_outputs_alone(address: int, read: int, said: tuple[int, int]):
-    """Flags rise with START and STOP, and with the address (AAS) and the byte (RRDY) that are for us."""
+@pytest.mark.parametrize(
+    ("address", "read", "pins", "wakes"), [(OTHER, 0, 48, (38, 2)), (OTHER, 1, 48, (38, 2)), (OWN, 0, 54, (36, 4))]
+)
+def test_i2c_edges_without_a_flag_move_outputs_alone(address: int, read: int, pins: int, wakes: tuple[int, int]):
+    """Flags rise with START and STOP, and with the address (AAS) and the byte (RRDY) that are for us.
+
+    Changes of SDA while SCL is low wake nobody.
+    """
     rig = Rig(noise_filter_cycles=1).begin()
     found = counted(rig.chip)
     rig.address(address, read)
@@ -115,7 +120,7 @@ def test_i2c_edges_without_a_flag_move_outputs_alone(address: int, read: int, sa
     rig.stop()
     rig.wait(100)
     edges = 2 * 18 + 2  # SCL up and down with each bit, once more for START and STOP
-    assert found == of((0, sum(said), 0, 0), said) and sum(said) > edges
+    assert found == of((0, pins, 0, 0), wakes) and pins > sum(wakes) >= edges
 
 
 def test_i2c_byte_read_moves_outputs_alone():
@@ -128,7 +133,7 @@ def test_i2c_byte_read_moves_outputs_alone():
     rig.take(ack=False)
     rig.stop()
     rig.wait(100)
-    assert said == of((0, 52, 0, 0), (47, 5))
+    assert said == of((0, 52, 0, 0), (35, 5))
 
 
 def test_i2c_master_is_looked_at_where_a_flag_moves():
@@ -137,7 +142,7 @@ def test_i2c_master_is_looked_at_where_a_flag_moves():
     said = counted(rig.chip)
     rig.write_other()
     rig.wait(30_000)
-    assert said == of((0, 27, 0, 0), (43, 4))
+    assert said == of((0, 27, 0, 0), (36, 4))
     assert rig.chip.pins(rig.now, rig.line) == NO_CHANGE
 
 

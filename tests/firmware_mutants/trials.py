@@ -221,7 +221,7 @@ def unchanged(firmware: str) -> Any:
 def broken(limit: BudgetJudge) -> bool:
     """True if what was measured so far is beyond a limit that no later value can make good."""
     measure = limit.measure
-    most, least = limit.limits.get("max"), limit.limits.get("min")
+    most, least = limit.plan.limits.get("max"), limit.plan.limits.get("min")
     if measure.silent or not measure.count:
         return False
     return (most is not None and measure.worst > most) or (least is not None and measure.least < least)

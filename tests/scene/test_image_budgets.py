@@ -164,7 +164,7 @@ def test_a_change_of_a_variable_tells_who_made_it_and_why_knows_it(tmp_path: Pat
     (tmp_path / "own.toml").write_text(f'name = "own"\nduration = "1 ms"\n[unit.dsp]\n{unit}\n[[budget]]\n{budget}\n')
     run = recorded(load(tmp_path / "own.toml"))
     line = SOURCE.splitlines().index(" ADD @_count,AL") + 1
-    (change, *_) = run.records(run.rows(Kind.FLAG, "dsp.memory", "_count"))
+    change = run.record(run.rows(Kind.FLAG, "dsp.memory", "_count")[0])
     at = float(run.seconds(change.tick) * 10**6)
     assert change.value == 1 and change.text.startswith(f"_work (own.asm:{line}, 0x")
     told = text(why(run, f"_count@{at + 1:.3f}us"))

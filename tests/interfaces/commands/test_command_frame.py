@@ -25,7 +25,7 @@ def by_rich(styled: bool, *lines: tuple[str, str]) -> str:
         console.print(Text(text, style=style), soft_wrap=True)
     written = console.file
     assert isinstance(written, StringIO)
-    return written.getvalue()
+    return written.getvalue().replace("\x1b[0m\x1b[1m", "")  # rich ends and repeats a style at a tab
 
 
 @pytest.fixture(params=["a pipe", "a terminal"])

@@ -10,7 +10,7 @@ import sys
 def test_start():
     ours = {name.removeprefix("periph_sim") for name in sys.modules if name.startswith("periph_sim")}
     plugin = ".interfaces.pytest_plugin"
-    assert ours == {"", ".form", ".interfaces", plugin}  # form: the choice of the core
+    assert ours == {"", ".form", ".interfaces", plugin, plugin + ".keys"}  # form: the choice of the core
     assert not {"pydantic", "numpy", "greenlet", "rich", "click", "drawsvg"} & set(sys.modules)
 """
 

@@ -21,6 +21,13 @@ wire.
 
 from __future__ import annotations
 
-from .window import Window, windows, windows_of_table
+from typing import TYPE_CHECKING
+
+from ....core.registered import lazy_names
+
+if TYPE_CHECKING:
+    from .window import Window, windows, windows_of_table
 
 __all__ = ["Window", "windows", "windows_of_table"]
+
+__getattr__ = lazy_names(__name__, {"window": tuple(__all__)})

@@ -41,10 +41,7 @@ NAMES |= {bool: "true or false", bytes: "bytes", Path: "a path", list: "a list",
 
 
 def expected(kind: Any, found: object) -> str:
-    """Return a phrase that describes the valid values of a plain type, for a message. found: the invalid value.
-
-    Of a union it describes the members that accept the Python type of `found` and have limits, or else all members.
-    """
+    """Return a phrase that describes the valid values of a plain type, for a message. found: the invalid value."""
     origin, arguments = get_origin(kind), get_args(kind)
     is_enum = isinstance(kind, type) and issubclass(kind, Enum)
     if origin is Literal or is_enum:
@@ -55,6 +52,7 @@ def expected(kind: Any, found: object) -> str:
         return limits_of(arguments[1]) if is_of_kind else expected(arguments[0], found)
     if origin in UNIONS:
         there = [one for one in arguments if one is not NoneType]
+        # The members that accept the Python type of `found` and have limits are described, or else all members.
         alike = [one for one in there if get_origin(one) is Annotated and type(found) is get_args(one)[0]]
         return ", or ".join(expected(one, found) for one in alike or there)
     if origin is tuple and ... not in arguments:

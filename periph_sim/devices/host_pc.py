@@ -29,7 +29,7 @@ PacedBy = Literal["schedule", "pause"]
 
 
 class HostSchedule(msgspec.Struct, frozen=True):
-    """When the host sends frames. Times are in ticks.
+    """The times at which the host sends frames, in ticks.
 
     first: the time from the begin of the run to the first frame.
     period: the exact period of the frames.

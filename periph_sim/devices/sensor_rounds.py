@@ -100,7 +100,7 @@ def known_sensors() -> Mapping[str, ChipData]:
 
 
 class Schedule(Struct, frozen=True):
-    """When a sensor head begins rounds. Times are in ticks.
+    """The times at which a sensor head begins rounds, in ticks.
 
     first: the time from the beginning of the run to the first round.
     period: the exact period of the rounds.

@@ -130,7 +130,7 @@ class UdpFrames:
 
 @dataclass
 class Sent:
-    """What the host unit has sent and received.
+    """The numbers of frames and bytes that the host unit has sent and received.
 
     frames: the number of frames sent.
     bytes: the number of bytes sent.

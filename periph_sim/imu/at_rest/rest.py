@@ -52,11 +52,11 @@ class Expected:
     fourth: float
 
     def mean_error(self, samples: int) -> float:
-        """Return the standard error of the mean of so many samples."""
+        """Return the standard error of the mean of a number of samples."""
         return sqrt(self.variance / samples)
 
     def variance_error(self, samples: int) -> float:
-        """Return the standard error of the variance of so many samples."""
+        """Return the standard error of the variance of a number of samples."""
         return sqrt((self.fourth - self.variance**2 * (samples - 3) / (samples - 1)) / samples)
 
 

@@ -73,7 +73,7 @@ class Codes(NamedTuple, Generic[T]):
 
 
 class State(NamedTuple, Generic[T]):
-    """What the models need to know of the previous sample.
+    """The values of the previous sample that the models need.
 
     attitude: roll, pitch, yaw in rad.
     body: the body rates p, q, r in rad/s.

@@ -1,12 +1,13 @@
 """Compilation of the core: one library and a manifest from the Python sources marked `# core: compiled`.
 
-python -m periph_sim.form.build [--hard]
+python -m periph_sim.form.build [--hard] [PREFIX ...]
 
     core/kernel.py --declarations--> kernel.pxd --Cython--> C --compiler--> core.kernel.o --+--> compiled/core.SUFFIX
     core/wire.py --- ... ------------------------------------------------> core.wire.o ----+    compiled/manifest.json
 
 The build needs Cython (the extra `core`) and a C compiler. It compiles each module with the line `# core: compiled`,
-unless the last build has an object file that was made from the same source, declarations and options.
+unless the last build has an object file that was made from the same source, declarations and options. With prefixes
+("core", "f28335.i2c") it compiles only the modules whose names begin with one of them, and the modules they need.
 
 --hard makes a separate build for tests, which stops at the first fault (see `HARD`). `python -m tests.hard` runs the
 tests with it.
@@ -41,7 +42,7 @@ from typing import NamedTuple
 from . import BUILT, HARD_BUILT, LIBRARY, MANIFEST, PACKAGE, digest, source_of, stamps, symbol, usable
 from .c_checks import CHECK, REFUSAL, arrays_of, never_none, with_index_checks, with_none_refused
 from .compiled_class import BadDeclaration
-from .declarations import declarations
+from .declarations import declarations, used_by
 from .directives import disobeyed
 from .source_copy import declared, prepared, with_constants
 from .sources import UNCHECKED, Sources, header_of
@@ -275,6 +276,15 @@ def last_build(built: Path) -> dict[str, str]:
         return {}
 
 
+def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
+    """Return the compiled modules with these prefixes and the modules whose types they use; all without prefixes."""
+    found = sources.compiled()
+    chosen = [one for one in found if any(f"{one}.".startswith(f"{prefix}.") for prefix in prefixes)]
+    if prefixes and not chosen:
+        raise NoBuild(f"no compiled module's name begins with {' or '.join(map(repr, prefixes))}")
+    return sorted({more for one in chosen for more in used_by(sources, one)}) if prefixes else found
+
+
 def note_stamps(built: Path, written: list[list[int]]) -> None:
     """Update the modification times in the manifest, because a source may have been saved again with equal content."""
     manifest = json.loads((built / MANIFEST).read_text("utf-8"))
@@ -284,13 +294,13 @@ def note_stamps(built: Path, written: list[list[int]]) -> None:
         anew.replace(built / MANIFEST)
 
 
-def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL) -> None:
+def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: Sequence[str] = ()) -> None:
     """Compile the marked modules. If all succeed, replace the build in the folder `built`.
 
     An existing build of the same modules is kept if it matches the sources.
     """
     sources = Sources(package)
-    cc, modules, last = compiler(), sources.compiled(), last_build(built)
+    cc, modules, last = compiler(), needed(prefixes, sources), last_build(built)
     written, made_of = stamps(package, modules), digest(package, modules)
     if usable(package, built)[0] == modules:
         note_stamps(built, written)
@@ -329,10 +339,9 @@ def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL) -> None:
 
 def main(options: Sequence[str] = ()) -> int:
     """Build the core. Return the exit status: 0, or 1 if the core was not compiled."""
+    prefixes, hard = [one for one in options if one != "--hard"], "--hard" in options
     try:
-        if unknown := [one for one in options if one != "--hard"]:
-            raise NoBuild(f"unknown argument {unknown[0]!r}; expected --hard or nothing")
-        build(PACKAGE, HARD_BUILT if options else BUILT, jobs(), HARD if options else NORMAL)
+        build(PACKAGE, HARD_BUILT if hard else BUILT, jobs(), HARD if hard else NORMAL, prefixes)
     except (
         NoBuild,
         BadDeclaration,

@@ -13,7 +13,7 @@ import ast
 from collections.abc import Iterator
 
 from .compiled_class import INTEGER, NUMBERS, OBJECT, VOID, Class, Function, Type
-from .sources import Source
+from .sources import Source, Sources
 
 # LOCALS maps a C type to its name in the module `cython`.
 LOCALS = {"long long": "longlong", "unsigned int": "uint", "int": "int", "bint": "bint"}
@@ -33,6 +33,20 @@ cdef extern from *:
 def declarations(source: Source) -> str:
     """Return the text of the .pxd file of a module."""
     return Writer(source).text()
+
+
+def used_by(sources: Sources, module: str) -> set[str]:
+    """Return the module and all modules whose types it uses, directly or indirectly."""
+    found: set[str] = set()
+    waiting = [module]
+    while waiting:
+        one = waiting.pop()
+        if one not in found:
+            found.add(one)
+            writer = Writer(sources[one])
+            writer.text()
+            waiting += writer.needed
+    return found
 
 
 class Writer:

@@ -70,9 +70,9 @@ def test_a_number_of_jobs_that_is_none_is_told(monkeypatch, capsys, said: str):
     )
 
 
-def test_an_unknown_argument_is_told(capsys):
+def test_an_unknown_prefix_is_told(capsys):
     assert build.main(["--hrad"]) == 1
-    said = "the core stays interpreted: unknown argument '--hrad'; expected --hard or nothing\n"
+    said = "the core stays interpreted: no compiled module's name begins with '--hrad'\n"
     assert capsys.readouterr().err == said
 
 

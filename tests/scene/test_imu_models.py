@@ -19,7 +19,7 @@ FLOAT = "unit.dsp.settings.arithmetic=float64"
 
 
 def expected(frames: int) -> list[list[str]]:
-    """What the sensor head reads after 0, 1, 2 ... frames, from recordings: zeros at rest, then the frames alone."""
+    """The bytes that the sensor head reads after 0, 1, 2 ... frames, from recordings: at rest, then of each frame."""
     rows = []
     for sent in ([(0,) * 6], [ramp(n) for n in range(frames)]):
         counts = np.array(sent, dtype=np.float64).reshape(-1, 6)

@@ -1,4 +1,4 @@
-"""Readers of a UART line: they read or count its frames, whoever sends them.
+"""Readers of a UART line, which read or count the frames of all senders.
 
     wire  --|___+---|___...---+------      start bit, data, parity, stop
             on_begin          on_end(Heard)

@@ -17,7 +17,7 @@ from ...core.state import State
 from ...form.c_types import UInt16
 from ..pie.register_map import VECTOR_TABLE
 
-MEMORY = "memory"  # stands in records in place of a module's name
+MEMORY = "memory"  # the place of a record about memory, where other records have a module's name
 PAGE = 8  # number of address bits within a page
 IN_PAGE = (1 << PAGE) - 1
 END = 0x1_0000  # end of the addresses mapped here

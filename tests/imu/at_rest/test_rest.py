@@ -83,7 +83,7 @@ def test_rounding_adds_a_twelfth_of_an_lsb_squared():
 
 
 def sensed_at_rest(imu: ImuParameters, name: str) -> np.ndarray:
-    """What is before the matrix S, in the sensor's unit."""
+    """The values to which the matrix S is applied, in the sensor's unit."""
     return np.linalg.solve(getattr(imu, name).matrix, lsb_at_rest(imu)[name])
 
 

@@ -1,4 +1,4 @@
-"""What the equations cost in operations, what a format cannot hold of them, and a step of the input."""
+"""The operations that the equations need, their values beyond the range of a format, and a step of the input."""
 
 from __future__ import annotations
 

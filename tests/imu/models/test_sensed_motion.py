@@ -33,7 +33,7 @@ TIMES = np.linspace(0.0, 9.0, 50)
 
 
 def lsb(imu: ImuParameters, motion: Motion, name: str) -> np.ndarray:
-    """What a chip shows at each of TIMES."""
+    """The readings of a chip at each of TIMES."""
     felt = SensedMotion(imu, motion)
     return np.array([felt.at(seconds)[name] for seconds in TIMES.tolist()])
 

@@ -30,7 +30,7 @@ from ....timing.verdict import Verdict
 from ..processes import DIED, processes
 from .runs import Changes, Job, Row, rows_of, runs_of, texts_of
 
-NO_RESULT = Result("", "error", 0.0, 0.0, 0, 0, 0, [], {}, [], [], [])  # stands for a run that could not be made
+NO_RESULT = Result("", "error", 0.0, 0.0, 0, 0, 0, [], {}, [], [], [])  # the result of a run that could not be made
 Column = NDArray[Any]
 Floats = NDArray[np.float64]
 

@@ -10,13 +10,13 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from periph_sim.core.kernel import Kernel
-from periph_sim.core.records import Recorder
+from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
 from periph_sim.f28335.cpu.code_costs import BARE
 from periph_sim.f28335.system_options import SystemOptions
 from periph_sim.processor.dsp import Dsp, DspPlan
-from tests.processor.bench import Bench
+from tests.processor.bench import Bench, recorder_of
 
 flag_changes = st.lists(
     st.tuples(st.integers(1, 400), st.integers(0, 3), st.sampled_from([-1, -1, -1, 0, 1])), max_size=14
@@ -187,6 +187,21 @@ def test_a_wait_is_skipped_on_behind_an_interrupt_that_cut_into_it():
 
     assert bench.run(main, 10_000) == [("served", 115), ("seen", 9007)]
     assert bench.cpu.program.polls_skipped > 1490 and bench.kernel.events == 5
+
+
+def test_waits_with_thousands_of_reads_in_a_pass_are_recorded():
+    recorder, records = recorder_of(Kind.WAIT)
+    bench = Bench([(60_000, 1, -1)], recorder=recorder)
+
+    def all_read() -> bool:
+        return max([bench.flags.STATUS.A for _ in range(3000)]) == 1
+
+    def main() -> None:
+        bench.waits.spin(all_read)
+        bench.waits.spin(lambda: not all_read(), timeout=1)
+
+    bench.run(main, 200_000)
+    assert [(record.what, record.value) for record in records] == 2 * [("FLAGS.STATUS.A", 1), ("FLAGS.STATUS.A", 0)]
 
 
 def test_an_interrupt_asked_for_behind_a_wait_waits_for_the_end_of_an_instruction():

@@ -26,7 +26,7 @@ from ...form.c_types import Text
 from ..bus import Bus
 from ..cpu_time import CpuTime
 from ..operand import Operand
-from ..polling import Poll, Spin
+from ..polling import Spin
 from ..processor import Processor, Stop
 from ..source_location import SourceLocation
 from ..user_code import warn
@@ -65,7 +65,7 @@ class Cpu:
         self._clock = clock
         self._recorder = recorder
         self._records_spans = recorder.wants(Kind.SPAN)
-        self._topics: dict[object, Topic] = {}  # from the operand, or pairs of operands, that a wait polls to its topic
+        self._topics: dict[tuple[Operand, ...], Topic] = {}  # from the operands that a wait polls to its topic
         self._prologue: int = code.isr_prologue
         self._epilogue: int = code.isr_epilogue
         self._between: int = code.between_accesses
@@ -109,11 +109,7 @@ class Cpu:
 
     def waited_for(self, spin: Spin) -> Topic:
         """Return the topic of waits that poll the same operands as this one."""
-        polled: object = None
-        place: int
-        for place in range(spin.made):
-            read: Poll = spin.reads[place]
-            polled = (polled, read.operand) if place else read.operand
+        polled = tuple([read.operand for read in spin.reads[: spin.made]])
         topic = self._topics.get(polled)
         if topic is None:
             what = spin.waits_for() or "nothing"

@@ -348,9 +348,15 @@ class _Nowhere(io.TextIOBase):
 
 
 class _Aside:
-    """A stream that writes to standard error. Closing this object leaves standard error open."""
+    """A stream that writes to standard error. Its close method and a with statement leave standard error open."""
 
     def close(self) -> None:
+        pass
+
+    def __enter__(self) -> _Aside:
+        return self
+
+    def __exit__(self, *_: object) -> None:
         pass
 
     def __getattr__(self, name: str) -> Any:

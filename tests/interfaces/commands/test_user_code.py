@@ -165,6 +165,12 @@ def test_prints_appear_once_and_not_on_standard_output(periph_sim: Run, tmp_path
         assert json.loads(came.out)["verdict"] == "pass"
 
 
+def test_firmware_may_use_standard_output_in_a_with_statement(periph_sim: Run, tmp_path: Path):
+    code = "with sys.stdout as out: out.write('hel')\n    print('lo')"
+    came = periph_sim("run", str(case_of(tmp_path, firmware="main", code=code)))
+    assert (came.status, came.err) == (0, "hello\n") and "hello" not in came.out
+
+
 def test_prints_of_a_check_appear_once(periph_sim: Run, tmp_path: Path):
     case = case_of(tmp_path, firmware="main", code="print('hello')")
     came = periph_sim("check", str(case), "--jobs", "1", "--json", "--html", str(tmp_path / "page.html"))

@@ -19,6 +19,7 @@ from ..devices.host_frames import ByteOrder
 from .motion import VALUES, BadMotion, Motion, sampled
 from .motion.quantities import Acceleration, Angle
 
+FAR = float(1 << 69)  # All floats from here on, infinity included, have the same count: 0 if it wraps, else the limit.
 LEAST, MOST = -0x8000, 0x7FFF
 
 KEPT = 256  # number of frames whose counts are cached
@@ -63,12 +64,13 @@ class Encoding:
         counts: list[int] = []
         beyond: list[str] = []
         for name, value, scale in zip(VALUES, values, self.scales, strict=True):
-            count = round(value / scale)
+            exact = value / scale
+            count = round(max(-FAR, min(exact, FAR)))
             if not LEAST <= count <= MOST:
                 if self.beyond == "refuse":
                     raise BadMotion(
-                        f"{name} is {value:.6g}, which is {count} counts of {scale:g}; expected {LEAST * scale:g} to "
-                        f'{MOST * scale:g}, or another scale, or beyond = "saturate" or "wrap"'
+                        f"{name} is {value:.6g}, which is {exact:.0f} counts of {scale:g}; expected {LEAST * scale:g} "
+                        f'to {MOST * scale:g}, or another scale, or beyond = "saturate" or "wrap"'
                     )
                 beyond.append(name)
                 count = (count - LEAST) % 0x10000 + LEAST if self.beyond == "wrap" else max(LEAST, min(MOST, count))

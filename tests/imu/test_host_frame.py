@@ -48,6 +48,15 @@ def test_a_value_beyond_is_refused_with_its_name_range_and_the_way_out():
     )
 
 
+@pytest.mark.parametrize(("value", "saturated"), [(1e308, MOST), (-1e308, LEAST)])
+def test_a_value_whose_count_is_beyond_every_float(value: float, saturated: int):
+    values = [value, 0.0, 0.0, 0.0, 0.0, 0.0]
+    with pytest.raises(BadMotion, match=r"^phi is -?1e\+308, which is -?inf counts of 0.0001; expected "):
+        Encoding().counts(values)
+    assert Encoding(beyond="saturate").counts(values) == ((saturated, 0, 0, 0, 0, 0), ("phi",))
+    assert Encoding(beyond="wrap").counts(values) == ((0, 0, 0, 0, 0, 0), ("phi",))
+
+
 def test_values_beyond_are_counted_once_a_frame_by_name():
     motion = static.motion(static.Settings(theta=4.0, psi=-4.0))
     saturating, wrapping = (frames(motion, Encoding(beyond=beyond)) for beyond in ("saturate", "wrap"))

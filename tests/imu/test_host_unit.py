@@ -88,6 +88,7 @@ def test_datagrams_are_values_as_simulink_sends_them(order: str, mark: str) -> N
         (bytes(60_000), "it has 60000 bytes"),
         (struct.pack("<6d", 0, 0, 0, float("nan"), 0, 0), "a value is infinite or no number"),
         (struct.pack("<6f", 0, 0, 9.0, 0, 0, 0), "psi is 9, which is 90000 counts"),
+        (struct.pack("<6d", 0, 0, 1e308, 0, 0, 0), "psi is 1e+308, which is inf counts"),
     ],
 )
 def test_a_bad_datagram_changes_nothing(data: bytes, sentence: str) -> None:

@@ -23,6 +23,7 @@ from .quantities import Angle, Rate, Seconds
 
 DEGREE = pi / 180  # a degree in rad
 RPM = 2 * pi / 60  # a revolution per minute in rad/s
+LEAST_RESOLUTION = 1e-300  # in rad; the number of smaller steps in an angle can exceed every float
 MOST_READS = 1_000_000  # maximum number of positions that are held in memory
 
 
@@ -116,7 +117,10 @@ class Servo(Motion):
 
 
 def motion(settings: Settings) -> Servo:
-    """Build the motion. Raise BadMotion if the resolution is negative, or if positions would be read too often."""
+    """Build the motion. Raise BadMotion if the resolution is impossible, or if positions would be read too often."""
     if settings.resolution < 0:
         raise BadMotion(f"resolution: it is {settings.resolution:g} rad; expected 0 rad or more")
+    if 0 < settings.resolution < LEAST_RESOLUTION:
+        expected = f"0 rad, or {LEAST_RESOLUTION:g} rad or more"
+        raise BadMotion(f"resolution: it is {settings.resolution:g} rad; expected {expected}")
     return Servo(settings)

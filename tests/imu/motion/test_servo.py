@@ -90,3 +90,5 @@ def test_too_many_readings_and_a_negative_resolution_are_refused():
         motion(Settings(read_every=1e-6))
     with pytest.raises(BadMotion, match=r"^resolution: it is -0.1 rad; expected 0 rad or more$"):
         motion(Settings(resolution=-0.1))
+    with pytest.raises(BadMotion, match=r"^resolution: it is 1e-310 rad; expected 0 rad, or 1e-300 rad or more$"):
+        motion(Settings(resolution=1e-310))

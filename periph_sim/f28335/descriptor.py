@@ -23,7 +23,7 @@ from ..core.chip import Chip
 from ..core.options import Answers
 from ..core.registers import RegisterMap
 from .gpio.pin_mux_table import FUNCTIONS
-from .pie.register_map import VECTORS
+from .pie.register_map import CPU_VECTORS, VECTORS
 from .system_control.register_map import PCLKCR0, PCLKCR3
 
 ARGUMENTS = frozenset(("name", "options"))  # arguments that the class of a chip can have
@@ -107,6 +107,8 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
         for interrupt in self.interrupts:
             if interrupt.vector not in VECTORS:
                 raise self._error(f"there is no interrupt {interrupt.vector!r} in the PIE's table")
+            if not 0 < CPU_VECTORS.get(interrupt.vector, 1) <= CPU_VECTORS["NMI"]:
+                raise self._error(f"no module can request {interrupt.vector}, which the CPU itself raises")
             for name in interrupt.fields:
                 register_name, _, field_name = name.partition(".")
                 if register_name not in self.registers or field_name not in self.registers[register_name]:
@@ -118,8 +120,8 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
         for gate in filter(None, (self.gate, self.input_gate)):
             if gate not in PCLKCR0 and gate not in PCLKCR3:
                 raise self._error(f"there is no field {gate!r} in PCLKCR0 or PCLKCR3")
-        signals = {*(self.inputs or ()), *self.outputs}
-        for signal in sorted(signals):
+        signals = dict.fromkeys((*(self.inputs or ()), *self.outputs))
+        for signal in signals:
             if not 0 <= self.pins.get(signal, -1) < len(FUNCTIONS):
                 raise self._error(f"signal {signal} has no pin")
             if signal not in FUNCTIONS[self.pins[signal]]:

@@ -68,6 +68,10 @@ def test_a_chip_has_the_pins_and_interrupts_of_its_descriptor(one: ModuleDescrip
     [
         ({"size": 3}, "register CTL at offset 0x3 lies beyond its 3 words"),
         ({"interrupts": (Interrupt("NEWINT"),)}, "there is no interrupt 'NEWINT' in the PIE's table"),
+        *[
+            ({"interrupts": (Interrupt(name),)}, f"no module can request {name}, which the CPU itself raises")
+            for name in ("RESET", "ILLEGAL", "USER1", "USER12")
+        ],
         (
             {"interrupts": (Interrupt("ADCINT", ("CTL.ENB",)),)},
             "ADCINT names CTL.ENB, which is no field of its registers",

@@ -49,7 +49,8 @@ def sine_and_cosine(angle: int, bits: int) -> tuple[int, int]:
     is s + x (c + x (-s/2 - x c/6)), and the cosine is c + x (-s + x (-c/2 + x s/6)).
     """
     exact: int = abs(angle) * STEPS_PER_RADIAN  # with bits + 24 fraction bits, in 62 bits
-    exact = exact >> (bits - 8) if bits >= 8 else exact << (8 - bits)  # now with 32 fraction bits
+    # Now with 32 fraction bits. Only the lower 41 bits count; without the mask, the left shift would exceed 64 bits.
+    exact = exact >> (bits - 8) if bits >= 8 else (exact & 0x1FF_FFFF_FFFF) << (8 - bits)
     k: int = (exact >> 32) & (TURN - 1)
     x: int = (exact & 0xFFFFFFFF) * RADIANS_PER_STEP >> 32  # in rad with 32 fraction bits
     s: int = SINE[k]

@@ -63,7 +63,7 @@ FOR_ALL_CLASSES = {"trashcan": True}
 NEVER_NONE = "self"  # this argument is never None, because its caller has already checked the object
 CIMPORT = re.compile(r"^from (\.+)([\w.]*) cimport", re.MULTILINE)
 NOTHING_TO_DO = "all modules are built already"
-# A function begins at a cache line, and nothing inside it is aligned, so that an event touches few lines of code.
+# Functions begin at cache lines, and nothing inside them is aligned: the code of an event is in few cache lines.
 DENSE = ("-falign-functions=64", "-fno-align-jumps", "-fno-align-loops", "-fno-align-labels")
 FLAGS = ("-c", "-O2", *DENSE, "-DNDEBUG", "-fPIC", "-fwrapv", "-fno-strict-aliasing", "-ffunction-sections", "-w")
 SANITIZERS = "-fsanitize=address,undefined"  # `c_checks` checks the array indices that sanitizers miss

@@ -358,6 +358,7 @@ def test_a_master_that_does_not_return_fails_after_the_patience_given(call, tmp_
         ([IMU_ROUND, "--as", "master", "--address", "0x53"], "--address is for a slave"),
         ([IMU_ROUND, "--offset", "1 ms"], "--offset needs --uart"),
         ([IMU_ROUND, "--uart", HOST_FRAMES, "--offset", "1"], "--offset: '1' has no unit"),
+        ([IMU_ROUND, "--uart", HOST_FRAMES, "--offset", ""], "--offset: '' has no unit"),
         ([IMU_ROUND, "--uart", f"{HOST_FRAMES},rx=7"], "has no single channel '7'"),
         ([IMU_ROUND, "--uart", IMU_ROUND], "which channel is RX? give --uart FILE,rx=CHANNEL"),
         ([IMU_ROUND, "--uart", f"{HOST_FRAMES},rate=quick"], "'quick' is no sample rate"),

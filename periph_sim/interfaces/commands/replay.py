@@ -158,7 +158,7 @@ def replay(
         for sentence, applies in refused.items():
             if applies:
                 raise click.ClickException(sentence)
-        later = (offset or "0 s").strip()
+        later = "0 s" if offset is None else offset.strip()
         after = time_given("--offset", later.removeprefix("-").strip()) * (-1 if later.startswith("-") else 1)
         with recording(record, case.recorded_modules) as (subscribe, ended_at):
             player: UartReplay | I2cReplay | I2cOpenReplay | I2cMasterReplay

@@ -188,9 +188,9 @@ def test_a_register_is_made_once_and_only_if_firmware_names_it(monkeypatch: pyte
     made: list[str] = []
     make = register_view.register_port
 
-    def counted(accesses: Cpu, place: ModuleRange, register: Register) -> register_view.RegisterPort:
+    def counted(cpu: Cpu, place: ModuleRange, register: Register) -> register_view.RegisterPort:
         made.append(register.name)
-        return make(accesses, place, register)
+        return make(cpu, place, register)
 
     monkeypatch.setattr(register_view, "register_port", counted)
     flags = Bench([]).flags

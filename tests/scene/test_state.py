@@ -9,7 +9,8 @@ import pytest
 
 from periph_sim.core.records import RECORDED, Record
 from periph_sim.core.restore import NotRestorable, restore
-from periph_sim.core.snapshot import Absent, Foreign, Snapshot
+from periph_sim.core.snapshot import Absent, Foreign, Made, Snapshot, class_name
+from periph_sim.processor.image.counting_loop import CountingLoop
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene
@@ -156,6 +157,37 @@ def test_no_record_depends_on_what_is_not_declared(name: str):
             scene.advance(at + ms(whole, 25))
         assert other_records[other_before:] == records[before:]
     assert moved > 60
+
+
+COUNTS_AND_CALLS = """
+ .reserve ".stack", 0x400, 0x40
+ .sect ".text", 0x9000
+_main: MOV SP,#0x400
+loop: MOV AL,#200
+count: ADDB AL,#-1
+ SB count,NEQ
+ LCR _work
+ SB loop,UNC
+_work: LRETR
+ .entry _main
+"""
+
+
+def test_an_image_with_a_stack_budget_is_restored_while_a_loop_is_traced(tmp_path: Path):
+    (tmp_path / "own.asm").write_text(COUNTS_AND_CALLS)
+    budget = '[[budget]]\nname = "stack"\nmeasure = "stack high-water"\nmax = 9\n'
+    unit = '[unit.dsp]\nimage = "own.asm"\nmodules = ["GPIO"]\n'
+    (tmp_path / "own.toml").write_text(f'name = "own"\nduration = "1 ms"\n{unit}{budget}')
+    case = load(tmp_path / "own.toml")
+    scene, traced = Scene(case), 0
+    cycle = scene.timebase.per_second // 7_500_000
+    for at in range(700, 900, 3):
+        scene.advance(scene.start + at * cycle)
+        state, again = scene.state(), Scene(case)
+        again.restore(state)
+        assert state.differences(again.state()) == {}
+        traced += Made(class_name(CountingLoop)) in state.values.values()
+    assert traced
 
 
 def test_every_image_case_can_be_restored_whole():

@@ -200,7 +200,7 @@ def _level(words: Words) -> Said:
 
 def _calls(words: Words) -> Said:
     words.one_of(["of"])
-    return Said(events=(event_of(f"span {_span(words)} begin"),))
+    return Said(events=_span(words)[:1])
 
 
 def _latency(words: Words) -> Said:
@@ -244,14 +244,17 @@ def _during(words: Words) -> During:
     return During(words.between(begin), enters, leaves)
 
 
-def _span(words: Words) -> str:
-    """Read the word "span", if it is there, and the name of a span, and return the name as it is written."""
+def _span(words: Words) -> tuple[Event, Event]:
+    """Read the word "span", if it is there, and the name of a span, and return the begin and the end of the span.
+
+    All words that follow are the name. Read as an event, a name such as "wait to send" would end at "to".
+    """
     words.took("span")
     begin = words.place
-    words.name("a span's name")
-    while words.next:
-        words.take("a span")
-    return words.between(begin)
+    unit, name = words.name("a span's name")
+    name = " ".join(filter(None, (name, words.rest())))
+    text = f"span {words.between(begin)}"
+    return Event("span", f"{text} begin", unit, name, "begin"), Event("span", f"{text} end", unit, name, "end")
 
 
 def _state(words: Words) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
@@ -261,8 +264,8 @@ def _state(words: Words) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
         begins, ends = (event_of("bus START"),), (event_of("bus STOP"), event_of("bus arbitration lost"))
         return (begins, ends) if words.one_of(list(BUS_STATES)) == "busy" else (ends, begins)
     if kind not in STATES:
-        span = _span(words)
-        return (event_of(f"span {span} begin"),), (event_of(f"span {span} end"),)
+        entered, left = _span(words)
+        return (entered,), (left,)
     expected, enter, leave = STATES[words.take("a state")]
     begin = words.place
     words.name(expected)

@@ -185,6 +185,16 @@ def test_a_state_is_what_begins_and_what_ends_it(text: str, enters: list[str], l
             assert "'" in event.text or event == event_of(event.text)  # the same as if it had been written out
 
 
+@pytest.mark.parametrize("name", ["wait to send", "read or write", "end of frame", "load, run"])
+def test_all_words_after_in_are_the_name_of_a_span(name: str):
+    state = measure_of(f"time in {name}").state
+    assert state is not None
+    begin, end = (*state.enters, *state.leaves)
+    called = measure_of(f"calls of span {name}").events
+    assert (begin.name, begin.how, end.name, end.how) == (name.replace(",", " ,"), "begin", begin.name, "end")
+    assert called == (begin,)
+
+
 @pytest.mark.parametrize("form", FORMS.values())
 def test_every_form_that_messages_name_can_be_said(form: str):
     text = form.replace("MODULE.REGISTER.FIELD", "I2C-A.I2CSTR.XRDY").replace("NAME", "SCIRXINTA")

@@ -88,6 +88,8 @@ def test_the_speeds_are_the_published_ones():
 def test_too_many_readings_and_a_negative_resolution_are_refused():
     with pytest.raises(BadMotion, match=r"^read_every: \d+ positions in 107.517 s; expected at most 1000000, or 0 s"):
         motion(Settings(read_every=1e-6))
+    with pytest.raises(BadMotion, match=r"^read_every: inf positions in 107.517 s; expected at most 1000000, or 0 s"):
+        motion(Settings(read_every=1e-320))
     with pytest.raises(BadMotion, match=r"^resolution: it is -0.1 rad; expected 0 rad or more$"):
         motion(Settings(resolution=-0.1))
     with pytest.raises(BadMotion, match=r"^resolution: it is 1e-310 rad; expected 0 rad, or 1e-300 rad or more$"):

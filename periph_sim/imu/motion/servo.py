@@ -88,13 +88,13 @@ class Servo(Motion):
         self._resolution = settings.resolution
         self._read: Straight | Held | None = None
         if settings.read_every:
-            reads = self.ends / settings.read_every + 2  # inf if the quotient exceeds every float
-            if reads > MOST_READS:
+            steps = self.ends / settings.read_every  # inf if the quotient exceeds every float
+            if steps + 2 > MOST_READS:
                 raise BadMotion(
-                    f"read_every: {reads:.0f} positions in {self.ends:g} s; expected at most {MOST_READS}, "
+                    f"read_every: {steps + 2:.0f} positions in {self.ends:g} s; expected at most {MOST_READS}, "
                     "or 0 s for no interpolation"
                 )
-            times = [number * settings.read_every for number in range(ceil(reads))]
+            times = [number * settings.read_every for number in range(ceil(steps) + 2)]
             shape = Straight if settings.interpolate == "straight" else Held
             self._read = shape(times, [self._positions(seconds) for seconds in times])
             self.ends = self._read.ends

@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 
 from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.i2c_open_loop import I2cOpenReplay, _edges
-from periph_sim.replay.report import Report
-from periph_sim.replay.setup import Played
+from periph_sim.replay.report import Report, i2c_words
+from periph_sim.replay.setup import Played, events_of
 from periph_sim.scene.case.load import load
 from periph_sim.traces import formats
 from periph_sim.traces.capture.capture import Channel
@@ -69,6 +69,13 @@ def test_an_address_that_the_firmware_does_not_have_is_a_wrong_ack():
     assert other.verdict == "fail" and other.divergences[0].kind in ("byte", "ACK")
     ack = next(divergence for divergence in other.divergences if divergence.kind == "ACK")
     assert (ack.index, ack.expected, ack.found) == (2, "ACK", "NACK")
+
+
+def test_a_chip_that_holds_sda_low_clears_every_bit_of_the_address_and_the_direction():
+    replay = I2cOpenReplay(load(RESPONDER), formats.read(FOLDER / "imu_round.sr"), "SCL", "SDA")
+    held = Channel("SDA", 1, 0, np.empty(0, np.int64))
+    found = {words.words for words in i2c_words(events_of(replay._would_be(held)), replay._part.rate)}
+    assert {words for words in found if words.startswith("address")} == {"address 00 write"}
 
 
 def test_a_given_address_stays_in_reach_where_the_captured_target_refused_it():

@@ -198,11 +198,13 @@ def events_of(transfer: Transfer) -> Iterator[Event]:
         read = bool(phase.read)
         for place, byte in enumerate(phase.bytes):
             sent = byte.bits[:8]
-            kind = I2cRowKind.DATA if place else I2cRowKind.ADDRESS
+            at, last, value, count = byte.at, sent[-1].at, number_of(sent), len(sent)
             if byte.value is None:
-                kind = I2cRowKind.CUT
-            value = number_of(sent) >> (kind is I2cRowKind.ADDRESS)
-            yield Event(kind, byte.at, sent[-1].at, value, len(sent), read)
+                yield Event(I2cRowKind.CUT, at, last, value, count, read)
+            elif place == 0:
+                yield Event(I2cRowKind.ADDRESS, at, last, value >> 1, count, bool(value & 1))
+            else:
+                yield Event(I2cRowKind.DATA, at, last, value, count, read)
             if byte.acked is not None:
                 ninth = byte.bits[8].at
                 yield Event(I2cRowKind.ACK if byte.acked else I2cRowKind.NACK, ninth, ninth, -1, 1, read)

@@ -44,7 +44,7 @@ class _Queue:
 
     line: the line; None after the end of its session.
     came: bytes from the line that the client has not read.
-    changed: the condition that guards the queue; it is notified of each turn.
+    changed: the condition that guards the queue; it is notified of each turn and of the end of the session.
     """
 
     def __init__(self, line: SerialLine) -> None:
@@ -191,6 +191,7 @@ class Serial(SerialBase):  # type: ignore[misc]
         self.lost = self._queue.came.lost
         with self._queue.changed:
             self._queue.line = None
+            self._queue.changed.notify_all()
         self._loop = None
         del self._session
 

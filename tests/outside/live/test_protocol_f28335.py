@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import json
+import threading
 import time
 from itertools import pairwise
 from pathlib import Path
@@ -99,6 +100,19 @@ def test_bytes_that_wait_are_given_up_as_the_port_is_closed(tmp_path: Path) -> N
         line.write(bytes(30))
         assert (line.in_waiting, line.out_waiting) == (0, 30), "they are the line's"
     assert line._queue.waits() == 0
+
+
+def test_a_flush_in_another_thread_ends_as_the_port_is_closed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    line = port(tmp_path, "&pace=1", baudrate=300)
+    line.write(bytes(300))  # ten seconds
+    begun, waits = threading.Event(), line._queue.waits
+    monkeypatch.setattr(line._queue, "waits", lambda: begun.set() or waits())
+    flush = threading.Thread(target=line.flush, daemon=True)
+    flush.start()
+    assert begun.wait(30)
+    line.close()
+    flush.join(30)
+    assert not flush.is_alive()
 
 
 def test_its_clock_is_as_fast_as_its_pace(tmp_path: Path) -> None:

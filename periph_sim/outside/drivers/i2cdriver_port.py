@@ -80,11 +80,11 @@ class I2cDriverPort:
             raise self._failed
 
     def _run(self) -> None:
-        from ..live.i2cdriver_door import I2cDriverDoor  # imported here, because Windows has no pseudo-terminals
-
         case, outside, log = self._session
         run_up, pause = self._times
         try:
+            from ..live.i2cdriver_door import I2cDriverDoor  # imported here, because Windows has no pseudo-terminals
+
             with Session(case, outside, log=log) as session:
                 session.advance(session.ticks(run_up))
                 door = I2cDriverDoor(session, self._link, pause)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import select
+import sys
 import threading
 from collections.abc import Callable
 from functools import partial
@@ -94,6 +95,12 @@ def test_what_cannot_be_is_said_before_a_program_opens_it(tmp_path: Path) -> Non
         pass
     assert taken.read_text() == "mine"
     assert len(os.listdir("/proc/self/fd")) == before
+
+
+def test_a_system_without_pseudo_terminals_is_said_before_a_program_opens_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "periph_sim.outside.live.i2cdriver_door", None)
+    with pytest.raises(ImportError, match="i2cdriver_door"), I2cDriverPort(case(), BUS):
+        pass
 
 
 def test_a_port_is_raw_and_a_program_that_reads_no_answers_keeps_no_block_from_ending(tmp_path: Path) -> None:

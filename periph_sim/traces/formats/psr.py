@@ -53,6 +53,8 @@ MOST_BYTES = 4 << 30  # maximum size of all columns together: more than 80 milli
 ROW = sum(np.dtype(dtype).itemsize for _, dtype in COLUMNS.values())
 EDGE = Kind.EDGE.value
 COPY = "copy or record it again"
+# Exceptions that zipfile raises for a damaged archive.
+BROKEN_ZIP = (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError)
 # Exceptions that numpy raises for a damaged header of an array, because numpy parses the header as a Python literal.
 UNREADABLE = (ValueError, SyntaxError, TokenError, TypeError, KeyError, AttributeError, MemoryError, RecursionError)
 
@@ -74,7 +76,7 @@ def read_table(path: Path) -> RecordTable:
 
 
 def holds_run(path: Path) -> bool:
-    """Return True if the file is a recorded run; False if the file is a capture, of another kind, or missing."""
+    """Return True if the file is a recorded run; False if it is a capture, of another kind, damaged or missing."""
     try:
         with open_regular(path) as file:
             known = recognises(path, file.read(38))
@@ -82,7 +84,7 @@ def holds_run(path: Path) -> bool:
             return False
         with zipfile.ZipFile(path) as archive:
             return _head(path, archive).get("capture") is None
-    except (OSError, BadCapture, zipfile.BadZipFile):
+    except (BadCapture, *BROKEN_ZIP):
         return False
 
 
@@ -171,7 +173,7 @@ def _load(path: Path) -> tuple[dict[str, Any], RecordTable]:
                 _bad(path, "its members", f"{total} bytes unpacked", f"at most {MOST_BYTES}", "record a shorter run")
             head = _head(path, archive)
             columns = {name: _column(path, archive, name, WIDTHS) for name in STORED}
-    except (zipfile.BadZipFile, zlib.error, EOFError, OSError, NotImplementedError, RuntimeError) as error:
+    except BROKEN_ZIP as error:
         raise BadCapture(path, "the archive", f"a broken zip ({_said(error)})", "an undamaged file", COPY) from error
     lengths = {name: len(values) for name, values in columns.items()}
     if len(set(lengths.values())) != 1:

@@ -137,8 +137,10 @@ def test_only_a_run_holds_a_run(tmp_path: Path):
     formats.write(formats.read(saved(tmp_path / "run.psr", RUN)), tmp_path / "capture.psr")
     (tmp_path / "x.vcd").write_text("$date $end")
     (tmp_path / "broken.psr").write_bytes((tmp_path / "run.psr").read_bytes()[:100])
-    held = [psr.holds_run(tmp_path / name) for name in ("run.psr", "capture.psr", "x.vcd", "broken.psr", "none.psr")]
-    assert held == [True, False, False, False, False]
+    whole = (tmp_path / "run.psr").read_bytes()
+    (tmp_path / "flipped.psr").write_bytes(whole[:60] + bytes(byte ^ 0xFF for byte in whole[60:90]) + whole[90:])
+    names = ("run.psr", "capture.psr", "x.vcd", "broken.psr", "flipped.psr", "none.psr")
+    assert [psr.holds_run(tmp_path / name) for name in names] == [True, False, False, False, False, False]
 
 
 def changed(path: Path, change: Callable[[dict[str, Any]], object]) -> Path:

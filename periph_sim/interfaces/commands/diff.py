@@ -87,7 +87,7 @@ def _line(text: str) -> tuple[str | None, Line]:
 
     given = pairs_given("--uart", text, ("rx", "baud", "format"))
     if given.get("baud", "auto") == "auto":
-        raise click.ClickException(f"--uart {text}: baud is missing; expected baud=RATE, such as baud=115200")
+        raise click.ClickException(f"--uart {text}: the rate is not stated; expected baud=RATE, such as baud=115200")
     try:
         return given.get("rx"), line_of(given["baud"], given.get("format", "8n1"))
     except ValueError as error:

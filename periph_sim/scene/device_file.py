@@ -6,14 +6,15 @@ The file is imported like a firmware file: in a package of its own, together wit
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from ..devices.python_device import HOOKS, NEEDED, DeviceBus, PythonTarget
 from ..devices.targets import TargetContext
 from ..processor.user_code import PASSES, FirmwareStalled, UserCode, defined_at, flaw_of
 from .case.device_tables import DeviceTable
+from .case.model import BadCase
 from .context import SceneContext
 from .firmware_loader import BadSetting, existing, filled, imported, module_of_file
 
@@ -34,9 +35,11 @@ def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: 
     if table.address is None:
         raise mistake("a device of a file has no address of its own; give it address = 0x42, for instance", "address")
     guard = UserCode(f"device {name}", float(context.case.stall_limit))
-    existing(path, "file", mistake)
-    load = partial(guard.in_time, module_of_file, path)
-    module = imported(path.name, load, path.parent, mistake, (*PASSES, FirmwareStalled))
+
+    def load() -> ModuleType:
+        return guard.in_time(module_of_file, existing(path, "file", mistake))
+
+    module = imported(path.name, load, path.parent, mistake, (*PASSES, FirmwareStalled, BadCase))
     made: Any = getattr(module, CLASS, None)
     if not isinstance(made, type):
         raise mistake(f"{path.name} has no class {CLASS}")

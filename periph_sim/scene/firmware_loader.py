@@ -197,14 +197,8 @@ def load_firmware(name: str) -> Firmware:
 
 
 def _loaded(name: str) -> Firmware:
-    load = partial(shipped_module, name)
-    path = Path(name)
-    if name.endswith(".py"):
-        load = partial(module_of_file, existing(path, "firmware file", BadFirmware))
-    elif not is_shipped(name):
-        names = sorted(file.stem for file in SHIPPED.glob("*.py") if file.stem != "__init__")
-        raise BadFirmware(f"there is no firmware {name!r}; {did_you_mean(name, names)}")
-    module = imported(f"firmware {name!r}", load, path.parent, BadFirmware)
+    load = partial(_module_of, name)
+    module = imported(f"firmware {name!r}", load, Path(name).parent, BadFirmware, (*PASSES, BadFirmware))
     if not callable(getattr(module, "main", None)):
         raise BadFirmware(f"firmware {name!r} has no function main(dsp, settings)")
     what = flaw_of(module.main, 2)
@@ -212,6 +206,15 @@ def _loaded(name: str) -> Firmware:
         at = defined_at(module.main)
         raise BadFirmware(f"firmware {name!r}, {at}: main {what}; expected a plain function main(dsp, settings)")
     return Firmware(name, module.main, getattr(module, "Settings", None), _replay_settings(name, module))
+
+
+def _module_of(name: str) -> ModuleType:
+    if name.endswith(".py"):
+        return module_of_file(existing(Path(name), "firmware file", BadFirmware))
+    if is_shipped(name):
+        return shipped_module(name)
+    names = sorted(file.stem for file in SHIPPED.glob("*.py") if file.stem != "__init__")
+    raise BadFirmware(f"there is no firmware {name!r}; {did_you_mean(name, names)}")
 
 
 _loaded_once = lru_cache(maxsize=64)(_loaded)  # for shipped programs

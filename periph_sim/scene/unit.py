@@ -125,7 +125,7 @@ def build_unit(
         inside = (error.name,) if error.name else ()  # no name if several settings do not fit together
         raise case.mistake(str(error), "unit", name, "settings", *inside) from None
     model: FirmwareModel | None = None
-    if getattr(settings, "sensors", None) is not None:
+    if guard(getattr, settings, "sensors", None) is not None:
         model = guard(registered("firmware model").firmware_model, settings)
     if model is not None:
         model.check(case, name)

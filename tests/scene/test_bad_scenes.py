@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.processor.user_code import FirmwareError
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.firmware_loader import BadFirmware, load_firmware
@@ -167,6 +168,12 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ),
         (
             'max = "60 us"',
+            "max = [250]",
+            'small.toml, line 20: budget.answer.max: expected a duration with its unit ("250 us"), or a whole number '
+            "for counts, but it is [250]",
+        ),
+        (
+            'max = "60 us"',
             'max = "60 us"\nmin = "61 us"',
             "small.toml, line 21: budget.answer.min: min 61 us is above max 60 us, so no run can keep both; "
             "raise max or lower min",
@@ -208,6 +215,37 @@ def test_firmware_without_settings_takes_none(case_file: Path):
 def test_firmware_is_a_name_of_the_folder_not_a_module_path():
     with pytest.raises(BadFirmware, match="there is no firmware 'os'"):
         load_firmware("os")
+
+
+@pytest.mark.parametrize("name", ["x" * 300, f"{'x' * 300}.py"])
+def test_a_file_name_that_the_system_refuses_is_told_in_one_sentence(case_file: Path, name: str):
+    told = f"unit.dsp.firmware: firmware {name!r} cannot be loaded: OSError: [Errno 36] File name too long"
+    assert told in refusal(case_file, f"unit.dsp.firmware={name}")
+    if name.endswith(".py"):
+        told = refusal(case_file, f"device.own={{model = '{name}', address = 80}}")
+        assert f"device.own.model: {name} cannot be loaded: OSError: [Errno 36] File name too long" in told
+
+
+SENSORS = """\
+from dataclasses import dataclass
+
+
+@dataclass
+class Settings:
+    @property
+    def sensors(self):
+        return 1 // 0
+
+
+def main(dsp, settings):
+    pass
+"""
+
+
+def test_an_error_in_a_property_of_the_settings_is_one_of_the_firmware(case_file: Path):
+    Path("own.py").write_text(SENSORS, encoding="utf-8")
+    with pytest.raises(FirmwareError, match=r"firmware own\.py: ZeroDivisionError at line 8 of own\.py"):
+        Scene(load(case_file, ["unit.dsp.firmware=own.py", "unit.dsp.settings={}"]))
 
 
 def test_an_edit_of_firmware_counts_at_once_and_nothing_is_left_beside_it(tmp_path: Path):

@@ -40,10 +40,11 @@ def complaint(first: Mistake) -> str:
         return "it is missing"
     found = repr(first.found)
     told = first.found is NOTHING
-    # The value is not quoted a second time if the message of the check quotes it, or an entry of it, already.
+    # The value is not quoted a second time if the message of the check quotes it, or a text in it, already.
     # A BadCase is about a file that the value names, so its message is complete without the value.
     if first.error is not None:
-        quoted = [found, *map(repr, first.found if isinstance(first.found, list) else ())]
+        entries = first.found if isinstance(first.found, list) else []
+        quoted = [found, *(repr(one) for one in entries if isinstance(one, str))]
         told |= (
             any(one in first.what for one in quoted) or "but it is" in first.what or isinstance(first.error, BadCase)
         )

@@ -82,9 +82,11 @@ bench: $(DEV)
 
 # Compiles the core beside its sources; without a C compiler, or after a change of them, the sources run. JOBS=1: one at a time.
 # HARD=1: a build for tests that stops at the first fault, beside the usual one; `python -m tests.hard` runs tests with it.
+# CASES="timing/imu_hil.toml": a build that gcc optimizes for what these cases execute; it takes twice as long.
 HARD ?=
+CASES ?=
 core: $(CORE)
-	$(BIN)/python -m periph_sim.form.build $(if $(HARD),--hard)
+	$(BIN)/python -m periph_sim.form.$(if $(CASES),profiled $(CASES),build $(if $(HARD),--hard))
 
 # The same, where it can be: without a C compiler, or the network for Cython, all else goes on.
 try-core:

@@ -9,7 +9,8 @@ A build stores one digest of all sources from which it was made. A build is igno
 - The size of its library has changed. Loading a truncated library would end the process without a message.
 
 The digest is calculated only if the size or the modification time of a source differs from the value in the build.
-PERIPH_SIM_FORM=interpreted ignores every build. PERIPH_SIM_FORM=hard uses the test build of `make core HARD=1`.
+PERIPH_SIM_FORM=interpreted ignores every build. PERIPH_SIM_FORM=hard uses the test build of `make core HARD=1`, and
+PERIPH_SIM_FORM=FOLDER/ the build in that folder.
 """
 
 from __future__ import annotations
@@ -143,8 +144,9 @@ def way() -> str:
 def choose() -> None:
     """Make later imports use the compiled modules, if a build exists and matches the sources."""
     global running, note
-    built = HARD_BUILT if os.environ.get(VARIABLE) == HARD else BUILT
-    if os.environ.get(VARIABLE) == INTERPRETED or not built.is_dir():
+    said = os.environ.get(VARIABLE, "")
+    built = HARD_BUILT if said == HARD else Path(said) if os.sep in said else BUILT
+    if said == INTERPRETED or not built.is_dir():
         return
     modules, why = usable(PACKAGE, built)
     if why:

@@ -73,7 +73,7 @@ class Kind(NamedTuple):
     """Settings of a build.
 
     directives: Cython directives that are added to DIRECTIVES or replace them.
-    flags: flags of the C compiler.
+    flags: flags of the C compiler. "{folder}" stands for the folder in which it runs.
     link: flags of the linker.
     """
 
@@ -161,7 +161,8 @@ def compile_one(
     text = with_index_checks(text, arrays_of(types.values()))
     c_file.write_text(text, "utf-8")
     begins = f"-DPyInit_{module.split('.')[-1]}=PyInit_{symbol(f'{package}.{module}')}"
-    command = [*cc.split(), *kind.flags, begins, f"-I{sysconfig.get_path('include')}", str(c_file), "-o", f"{module}.o"]
+    flags = [flag.format(folder=Path.cwd()) for flag in kind.flags]
+    command = [*cc.split(), *flags, begins, f"-I{sysconfig.get_path('include')}", str(c_file), "-o", f"{module}.o"]
     done = run(command, capture_output=True, text=True, check=False)
     if done.returncode:
         raise NoBuild(f"{module} does not compile; {command[0]} says:\n{done.stderr or done.stdout}")
@@ -294,15 +295,17 @@ def note_stamps(built: Path, written: list[list[int]]) -> None:
         anew.replace(built / MANIFEST)
 
 
-def build(package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: Sequence[str] = ()) -> None:
+def build(
+    package: Path, built: Path, jobs: int, kind: Kind = NORMAL, prefixes: Sequence[str] = (), *, keep: bool = True
+) -> None:
     """Compile the marked modules. If all succeed, replace the build in the folder `built`.
 
-    An existing build of the same modules is kept if it matches the sources.
+    keep: do nothing if the folder has a build of the same modules that matches the sources.
     """
     sources = Sources(package)
     cc, modules, last = compiler(), needed(prefixes, sources), last_build(built)
     written, made_of = stamps(package, modules), digest(package, modules)
-    if usable(package, built)[0] == modules:
+    if keep and usable(package, built)[0] == modules:
         note_stamps(built, written)
         print(NOTHING_TO_DO, flush=True)
         return

@@ -1,0 +1,99 @@
+"""Compilation of the core for the cases that a user runs most: gcc optimizes what these cases execute.
+
+python -m periph_sim.form.profiled CASE [CASE ...]
+
+    sources --gcc, counting--> a library --runs of the cases--> counts --gcc, using them--> compiled/
+
+Every module is compiled twice. Records and verdicts are equal to those of every other build. Later builds keep the
+result until a source changes. clang stores counts in another way, so the compiler must be gcc.
+"""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+from collections.abc import Sequence
+from concurrent.futures import BrokenExecutor
+from pathlib import Path
+from subprocess import run
+
+from . import BUILT, PACKAGE, VARIABLE
+from .build import NORMAL, Kind, NoBuild, build, compiler, jobs
+from .compiled_class import BadDeclaration
+
+RELATIVE = "-fprofile-prefix-path={folder}"  # files of counts are named after modules, without the folder
+# Code that no run has executed is optimized as in an ordinary build, because other cases may execute it.
+PARTIAL = "-fprofile-partial-training"
+
+
+def counting(counts: Path) -> Kind:
+    """Return the settings of a build whose runs write counts into the folder `counts`."""
+    generate = f"-fprofile-generate={counts}"
+    return NORMAL._replace(flags=(*NORMAL.flags, generate, RELATIVE), link=(generate,))
+
+
+def using(counts: Path) -> Kind:
+    """Return the settings of a build that is optimized with the counts in the folder `counts`."""
+    return NORMAL._replace(flags=(*NORMAL.flags, f"-fprofile-use={counts}", PARTIAL, RELATIVE))
+
+
+def require_gcc(cc: str) -> None:
+    """Raise NoBuild if the compiler does not know the flags of this build."""
+    with tempfile.TemporaryDirectory() as folder:
+        flags = ["-Werror", "-fprofile-use", PARTIAL, RELATIVE.format(folder=folder)]
+        command = [*cc.split(), *flags, "-c", "-x", "c", os.devnull, "-o", os.path.join(folder, "empty.o")]
+        done = run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise NoBuild(
+            f"{cc} cannot optimize for a case; name gcc 12 or newer in the variable CC. {cc} says:\n{done.stderr}"
+        )
+
+
+def count(case: str, package: Path, built: Path) -> None:
+    """Run a case with the build in the folder `built`. Raise NoBuild with the error's last line if the run fails."""
+    # gcc's library writes the counts when the process ends. The command `run` ends by `os._exit`, which skips that.
+    # -P: the package of the current folder, if there is one, must not be imported.
+    command = [sys.executable, "-P", "-c", f"import sys, {package.name}; {package.name}.run(sys.argv[1])", case]
+    done = run(command, env={**os.environ, VARIABLE: str(built)}, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise NoBuild(f"{case} does not run, so nothing was counted; {done.stderr.strip().splitlines()[-1]}")
+
+
+def build_for(cases: Sequence[str], package: Path, built: Path, jobs: int) -> None:
+    """Compile the core for these cases, and replace the build in the folder `built`.
+
+    Raise NoBuild if the compiler is not gcc, a module does not compile, or a case does not run.
+    """
+    require_gcc(compiler())
+    with tempfile.TemporaryDirectory() as name:
+        counts, counted = Path(name, "counts"), Path(name, "counted")
+        counts.mkdir()
+        build(package, counted, jobs, counting(counts))
+        for case in cases:
+            count(case, package, counted)
+            print(f"counted {case}", flush=True)
+        if not any(counts.iterdir()):
+            raise NoBuild("the runs did not use the compiled core, so nothing was counted")
+        build(package, built, jobs, using(counts), keep=False)
+
+
+def main(cases: Sequence[str]) -> int:
+    """Build the core for these cases. Return the exit status: 0, or 1 if the build was left as it was."""
+    try:
+        if not cases:
+            raise NoBuild(
+                "no case is named; name the cases to optimize for: python -m periph_sim.form.profiled CASE ..."
+            )
+        build_for(cases, PACKAGE, BUILT, jobs())
+    except (NoBuild, BadDeclaration, OSError, BrokenExecutor) as why:
+        print(f"the build is left as it was: {why}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("stopped: the build is left as it was", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

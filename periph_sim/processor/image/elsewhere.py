@@ -3,7 +3,8 @@
     flash, OTP       contain the words of the image; all other words are erased
     PARTID           contains the number of the part
     ADC_cal          returns at once; on the chip, this routine only sets trims of the ADC
-    boot ROM         reads as 0, with a note; a use of its math tables, its routines or its version ends the run
+    math tables      of the boot ROM contain what TI's IQmath and fast floating-point libraries read (`rom_tables`)
+    boot ROM         otherwise reads as 0, with a note; a use of its routines or its version ends the run
     XINTF zones      are memory with one wait state, the minimum, regardless of XTIMING, with a note
     frames           of modules that are not modelled, or not in the unit, keep what is written, with a note
     stubs            are values that reads of a word return, regardless of writes
@@ -109,7 +110,9 @@ class UnmappedMemory:
             return self._stored.get(address, ERASED)
         area = self._area(address, "read")
         if address in MATH_TABLES:
-            raise IllegalOperation(f"{address:#08x} is read: the image needs the math tables of the boot ROM")
+            from .rom_tables import words
+
+            return words()[address - MATH_TABLES.start]
         if address == FLASH_API_CHECK:
             raise IllegalOperation(f"{address:#08x} of the boot ROM is read: {NO_FLASH_API}")
         self._note(cycle, address, area)

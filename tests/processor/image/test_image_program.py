@@ -174,7 +174,6 @@ def test_code_in_flash_and_data_at_both_ends():
         (" .word 0", "0x0000 is the illegal instruction"),
         (" LB #0x3F0000", "code is fetched from 0x3f0000, where there is no memory"),
         (" LB #0x7100", "code is fetched from 0x007100, where there is no memory"),
-        (" MOVL XAR4,#0x3FE000\n MOV AL,*XAR4", "math tables of the boot ROM"),
         (" MOVL XAR4,#0x3FFFB9\n CMP *XAR4,#-2", "0x3fffb9 of the boot ROM is read: erasing and programming"),
         (" LB #0x3FF34C", "code is fetched from 0x3ff34c: routines of the boot ROM are not modelled"),
         (" SETC AMODE", "C2xLP"),

@@ -22,7 +22,6 @@ from ..core.chip import NEVER
 from ..core.wire import Wire
 from ..f28335.i2c.register_map import STR_NACK
 from ..f28335.pie.register_map import CPU_VECTORS, GROUPS, LINES, PIEIER
-from .stuck_lines import doing, waits
 
 if TYPE_CHECKING:
     from ..f28335.gpio.module import Gpio
@@ -194,15 +193,7 @@ def deadlocks_of(scene: Scene) -> list[str]:
         before, may_move = len(stuck), partial(_may_move, scene, set(stuck))
         found = {name: deadlock_reason(scene.units[name], may_move, instant) for name in stuck}
         stuck = {name: why for name, why in found.items() if why}
-    return [f"{name} {_wait(scene, scene.units[name])} and would for ever: {why}" for name, why in stuck.items()]
-
-
-def _wait(scene: Scene, dsp: Dsp) -> str:
-    """Return a phrase for the wait of a unit, also if a service routine has interrupted this wait."""
-    found = dsp.program.unanswered_wait()
-    if found is None:
-        return doing(dsp, scene.timebase, scene.start)
-    return waits(found.what, found.place, _instant(scene, dsp.clock.tick(found.since)))
+    return [f"{name} {scene.doing(scene.units[name])} and would for ever: {why}" for name, why in stuck.items()]
 
 
 def _instant(scene: Scene, tick: int) -> str:

@@ -31,6 +31,7 @@ class Result:
     sci_bytes: number of characters that other parties sent to SCIs of units.
     sci_bytes_sent: number of characters that SCIs of units sent.
     estimated: names of the units that run C sources. The cycles between the accesses of these units are estimated.
+    ends: what each image does at the end, unless `stuck` or a note says that.
     """
 
     case: str
@@ -50,6 +51,7 @@ class Result:
     estimated: list[str] = field(default_factory=list)
     sci_bytes_sent: int = 0
     bytes_skipped: int = 0
+    ends: list[str] = field(default_factory=list)
     fidelity: str = "exact"  # the only value; kept for programs that read `--json` of earlier versions
 
 
@@ -100,6 +102,12 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         first_wrong="" if compared is None else compared.first_wrong,
         bytes_skipped=min(scene.bus.passed, scene.bytes_on_bus()),
         estimated=[name for name, unit in scene.case.unit.items() if unit.sources],
+        ends=[
+            f"{name} {scene.doing(dsp)}"
+            for name, dsp in scene.units.items()
+            if scene.case.unit[name].image and not dsp.program.finished
+            if not any(sentence.startswith(f"{name} ") for sentence in deadlocks)
+        ],
     )
 
 

@@ -51,6 +51,9 @@ def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
     """Return a phrase that says what a unit's firmware does now. start: the tick from which times are counted."""
     if dsp.program.returned_at is not None:
         return "has returned from main"
+    found = dsp.program.unanswered_wait()  # a service routine may have interrupted it
+    if found is not None:
+        return waits(found.what, found.place, timebase.show(dsp.clock.tick(found.since) - start))
     spin = dsp.program.spin
     if spin is None:
         where = dsp.processor.causing_statement()
@@ -61,6 +64,6 @@ def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
 
 
 def waits(what: str, where: SourceLocation | None, since: str) -> str:
-    """Return a phrase that says for what firmware waits, where, and since when."""
+    """Return a phrase that says for what firmware waits, where, and since when. what: "" if nothing ends its loop."""
     at = f" at {where}" if isinstance(where, InstructionLocation) else ""
-    return f"waits for {what}{at} since {since}"
+    return f"{f'waits for {what}' if what else 'is in an endless loop'}{at} since {since}"

@@ -265,3 +265,28 @@ def test_a_loop_over_memory_that_a_service_routine_may_change(tmp_path: Path):
 
 def test_an_endless_loop_without_a_way_out_is_how_programs_end(tmp_path: Path):
     assert ran(tmp_path, ENDLESS).stuck == []
+
+
+@pytest.mark.parametrize(
+    ("before", "loop", "end"),
+    [
+        ("NOP", ENDLESS, r"is in an endless loop at _c_int00 \(waits.asm:15, 0x.*\) since .*"),
+        (RUNS + TINT0, "IDLE", r"waits in IDLE for an interrupt at _c_int00 \(waits.asm:\d+, 0x.*\)"),
+        (
+            RUNS + TINT0 + "CLRC INTM\n MOVW DP,#_flag >> 6",
+            FLAG,
+            r"waits for _flag\+1 at _c_int00 \(waits.asm:\d+, 0x.*\) since .*",
+        ),
+        ("NOP", "INC @_flag\n SB again,UNC", r"computes at _c_int00 \(waits.asm:\d+, 0x.*\)"),
+    ],
+)
+def test_a_result_says_where_the_image_is_at_the_end(tmp_path: Path, before: str, loop: str, end: str):
+    result = ran(tmp_path, loop, before)
+    (told,) = result.ends
+    assert re.fullmatch(f"dsp {end}", told), told
+
+
+@pytest.mark.parametrize(("loop", "us"), [("IDLE", 500), ("ESTOP0", 500)])
+def test_an_image_that_is_stuck_or_over_is_not_said_twice(tmp_path: Path, loop: str, us: float):
+    result = ran(tmp_path, loop)
+    assert result.ends == [] and len(result.stuck) + len(result.notes) == 1

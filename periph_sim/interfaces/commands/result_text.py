@@ -37,7 +37,8 @@ def show(result: Result, case: Case, verbose: bool = False) -> None:
     if result.first_wrong:
         say(f"first wrong: {result.first_wrong}")
     say(*(f"wrong: {place}, {counted(times, 'time')}" for place, times in list(result.wrong.items())[:MOST_WRONG]))
-    say(*(f"stuck: {line}" for line in result.stuck), *(f"note: {line}" for line in result.notes))
+    say(*(f"stuck: {line}" for line in result.stuck), *(f"at the end: {line}" for line in result.ends))
+    say(*(f"note: {line}" for line in result.notes))
     say(*assumptions(result.unknowns, case, verbose))
 
 

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 KINDS = (Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA, Kind.BUS)
 OF_UNITS = {"held alone", "unfinished"}
-OF_BYTES = {"wrong bytes", "bytes compared"}
+OF_BYTES = {"wrong bytes", "bytes compared", "expected byte"}
 OF_MODELS = {"model age", "model run"}
 
 

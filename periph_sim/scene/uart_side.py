@@ -10,6 +10,7 @@ wire. If no sender is known, it is read with the settings of the SCI whose RX is
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from fractions import Fraction
 from functools import partial
 from typing import TYPE_CHECKING, cast
 
@@ -17,6 +18,7 @@ from ..core.records import Kind
 from .context import SceneContext
 
 if TYPE_CHECKING:
+    from ..bus.uart.frame_format import UartFormat
     from ..bus.uart.reader import Line, UartCounter
     from ..core.wire import Wire
     from ..f28335.sci.module import Sci
@@ -75,6 +77,10 @@ class UartSide:
                 from ..bus.uart.reader import UartMonitor
 
                 UartMonitor(wires[name], line)
+
+    def formats(self) -> dict[str, tuple[Fraction, UartFormat]]:
+        """Return the present bit length, in ticks, and frame format of each line."""
+        return {name: line() for name, line in self._lines.items()}
 
     @property
     def characters(self) -> int:

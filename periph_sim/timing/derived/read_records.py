@@ -25,6 +25,7 @@ them. The firmware's span "model" marks each run of the models. A run uses the l
     bytes asked      START of the read  number of bytes requested
     bytes compared   START of the read  number of bytes whose right values are known
     wrong bytes      START of the read  number of these bytes that are wrong
+    expected byte    START of the read  256 * place in the read, from 0, + right value; for each wrong byte
     zeros            end of the run     number of bytes read as 0 from chips that never returned a host frame's values
     unknown bytes    end of the run     number of bytes that may be values of frames that were not compared with them
 """
@@ -141,6 +142,7 @@ class ByteRecords:
         self._asked: Topic = recorder.topic(Kind.DATA, I2C, "bytes asked")
         self._compared: Topic = recorder.topic(Kind.DATA, I2C, "bytes compared")
         self._wrong: Topic = recorder.topic(Kind.DATA, I2C, "wrong bytes")
+        self._expected: Topic = recorder.topic(Kind.DATA, I2C, "expected byte")
         self._never_shown: Topic = recorder.topic(Kind.DATA, I2C, "zeros")
         self._not_known: Topic = recorder.topic(Kind.DATA, I2C, "unknown bytes")
         # `_zeros` maps a chip's address to the number of bytes that were read as 0 before any values of a frame.
@@ -198,6 +200,7 @@ class ByteRecords:
             self.first_wrong = f"{transfer.name} read {phase.got.hex(' ')} where {wanted.hex(' ')} was expected"
         self._wrong.emit(phase.start_at, len(wrong))
         for i in wrong:
+            self._expected.emit(phase.start_at, i << 8 | wanted[i])
             place = f"{transfer.name} byte {i}"
             self.wrong_places[place] = self.wrong_places.get(place, 0) + 1
 

@@ -5,7 +5,7 @@ Capture --cut to span--> SCL, SDA, bytes, other wires that change
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
@@ -20,17 +20,26 @@ BYTE = 9  # number of bits of a byte with its ACK
 Seconds = Callable[[float], float]  # converts a position of the capture to seconds on the axis of the diagram
 
 
-def wire_lanes(capture: Capture, span: Span, seconds: Seconds, columns: int, colour: str = BLACK) -> list[Lane]:
+def wire_lanes(
+    capture: Capture,
+    span: Span,
+    seconds: Seconds,
+    columns: int,
+    colour: str = BLACK,
+    expected: Mapping[tuple[int, int], int] | None = None,
+) -> list[Lane]:
     """Return the lanes of the bus and of its bytes, followed by the lanes of other wires that change within the span.
 
     columns: the number of columns of the diagram. If a bit is narrower than a column, the lane of bytes shows whole
         phases of transfers. If a byte is narrower than a column, there is no lane of bytes.
+    expected: a dictionary from each wrong byte, as the position of its START and its place after the address, from 0,
+        to the expected value.
     """
     lanes: list[Lane] = []
     names = [channel.name for channel in capture.channels]
     if all(name in names for name in BUS):
         bus = [_wave(capture.channel(name), span, seconds, colour) for name in BUS]
-        boxes = _boxes(capture, span, seconds, columns)
+        boxes = _boxes(capture, span, seconds, columns, expected or {})
         if boxes or any(lane.edges for lane in bus):
             lanes += [*bus, *([Lane("bytes", "bus", colour, boxes=boxes)] if boxes else [])]
     for channel in capture.channels:
@@ -58,19 +67,26 @@ def _wave(channel: Channel, span: Span, seconds: Seconds, colour: str) -> Lane:
     return Lane(channel.name, "bus" if channel.name in BUS else "wires", colour, initial=cut.initial, edges=edges)
 
 
-def _boxes(capture: Capture, span: Span, seconds: Seconds, columns: int) -> tuple[Box, ...]:
+def _boxes(
+    capture: Capture, span: Span, seconds: Seconds, columns: int, expected: Mapping[tuple[int, int], int]
+) -> tuple[Box, ...]:
     bit = bit_of(capture, 0)
     column = (span.end - span.begin) / columns
     if not bit or column > BYTE * bit:
         return ()
-    drawn_as = _bytes if column <= bit else _phases
-    boxes = [box for transfer in i2c.transfers(_around(capture, span)) for box in drawn_as(transfer, bit, span.end)]
+    boxes = [
+        box
+        for transfer in i2c.transfers(_around(capture, span))
+        for box in (_bytes(transfer, bit, expected) if column <= bit else _phases(transfer, span.end))
+    ]
     return tuple(
-        Box(seconds(begin), seconds(end), text) for begin, end, text in boxes if end > span.begin and begin < span.end
+        Box(seconds(begin), seconds(end), text, wrong)
+        for begin, end, text, wrong in boxes
+        if end > span.begin and begin < span.end
     )
 
 
-Stretch = tuple[float, float, str]  # begin and end of a box in positions, and its text
+Stretch = tuple[float, float, str, bool]  # begin and end of a box in positions, its text, and True for a wrong byte
 
 
 # The texts of the boxes of events other than addresses and bytes. An incomplete byte has no box.
@@ -84,17 +100,25 @@ LETTERS = {
 }
 
 
-def _bytes(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
+def _bytes(transfer: i2c.Transfer, bit: int, expected: Mapping[tuple[int, int], int]) -> Iterator[Stretch]:
     """Yield a box for each START, complete byte, ACK, NACK and STOP of a transfer."""
+    start = place = 0
     for event in i2c.events_of(transfer):
+        if event.kind in (I2cRowKind.START, I2cRowKind.REPEATED_START):
+            start, place = event.at, 0
+        wanted = None
+        if event.kind is I2cRowKind.DATA:
+            wanted = expected.get((start, place))
+            place += 1
         text = LETTERS.get(event.kind, f"0x{event.value:02X}")
         if event.kind is I2cRowKind.ADDRESS:
             text += " R" if event.read else " W"
+        text += "" if wanted is None else f" not 0x{wanted:02X}"
         if text:
-            yield event.at, event.last + bit / 2, text
+            yield event.at, event.last + bit / 2, text, wanted is not None
 
 
-def _phases(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
+def _phases(transfer: i2c.Transfer, end: int) -> Iterator[Stretch]:
     """Yield a box for each phase of a transfer, with the address, the direction and the number of data bytes."""
     stops = [phase.start.at for phase in transfer.phases[1:]]
     stops.append(end if transfer.stop is None else transfer.stop.at)
@@ -102,7 +126,7 @@ def _phases(transfer: i2c.Transfer, bit: int, end: int) -> Iterator[Stretch]:
         if phase.address is not None:
             acked = phase.bytes[0].acked is not False
             text = f"0x{phase.address:02X} {'R' if phase.read else 'W'} {len(phase.data)}"
-            yield phase.start.at, stop, text if acked else f"0x{phase.address:02X} N"
+            yield phase.start.at, stop, text if acked else f"0x{phase.address:02X} N", False
 
 
 def _around(capture: Capture, span: Span) -> Capture:

@@ -237,9 +237,11 @@ class _Diagram:
         self.page.append(
             svg.Rectangle(x, high, width, low - high, fill=fill, stroke=edge, stroke_width=2 if box.wrong else 1, rx=2)
         )
-        if len(box.text) * CHARACTER <= width + 2:
+        long = len(box.text) * CHARACTER > width + 2
+        text = box.text.partition(" ")[0] if long and box.wrong else box.text
+        if len(text) * CHARACTER <= width + 2:
             weight = "bold" if box.wrong else "normal"
-            self._words(box.text, x + width / 2, low - 5, 11, anchor="middle", fill=edge, weight=weight, family=MONO)
+            self._words(text, x + width / 2, low - 5, 11, anchor="middle", fill=edge, weight=weight, family=MONO)
 
     def _draw_ticks(self, lane: Lane, low: float, high: float) -> None:
         taken = float("-inf")

@@ -114,19 +114,19 @@ def _boxes(boxes: Sequence[Box], slices: _Slices) -> str:
         last = min(max(slices.last(box.end), first), slices.count - 1)
         if first > last:
             continue
-        row[first : last + 1] = _boxed(box.text + "!" * box.wrong, last - first + 1)
+        row[first : last + 1] = _boxed(box.text, "!" * box.wrong, last - first + 1)
         taken = last + 1
     return "".join(row)
 
 
-def _boxed(text: str, width: int) -> str:
+def _boxed(text: str, mark: str, width: int) -> str:
+    text, short = text + mark, text.strip().partition(" ")[0] + mark
     if len(text) + 6 <= width:
         return f"[{f' {text} ':-^{width - 2}}]"
     if len(text) + 2 <= width:
         return f"[{text:^{width - 2}}]"
     if len(text) <= width:
         return f"{text:^{width}}"
-    short = text.strip().partition(" ")[0]
     return f"{short:^{width}}" if len(short) <= width else "|" * width
 
 

@@ -33,7 +33,7 @@ from ....traces.drawing.capture_lanes import bit_of
 from .chain import Chain, Part, Step, difference, in_order, parts_of
 from .cpu_activity import IN_FIRMWARE, Stretch
 from .evidence import ON_WIRES, Evidence
-from .fault_evidence import is_master, waited_for, wrong_characters
+from .fault_evidence import is_master, request_of, waited_for, wrong_characters
 from .findings import DERIVED_FROM, FINDINGS, PROMPT, Ends, answered, asked, awaited, held, transfers
 from .window import BIT, Window, is_late, windows
 
@@ -116,12 +116,12 @@ def chain_of(case: Case, window: Window) -> Chain:
     if window.begin == window.end or isinstance(ends.measure, WatchedWire):
         return _instant(evidence, ends)
     steps = _on_the_bus(evidence, ends) if ends.on_the_bus else _between(evidence, ends)
-    request, wrong = wrong_characters(evidence)
+    wrong = [write for _, write, _ in wrong_characters(evidence)]
     blame = Part("code", wrong[0].what, 0, 1, wrong[0].place) if wrong else None
     again = {(step.at, step.place) for step in wrong}
     steps = [step for step in steps if (step.at, step.place) not in again]
     stretches = [] if _between_rounds(evidence, ends) else places(evidence, ends)
-    return evidence.chain(in_order(request, steps, wrong), parts_of(stretches), blame)
+    return evidence.chain(in_order(request_of(evidence), steps, wrong), parts_of(stretches), blame)
 
 
 def _between(evidence: Evidence, ends: Ends) -> list[Step]:
@@ -310,7 +310,12 @@ def _explained(case: Case, window: Window, usual: Window | None) -> Explained:
         there = chain_of(case, usual)
         more = difference(chain.parts, there.parts) if chain.parts and (there.parts or not there.length) else ()
         chain = replace(chain, typical=there.length, typical_holds=usual.verdict.within, more=more)
-    return Explained(_reaching(window, chain), chain)
+    characters = {
+        (frame.where, frame.tick, 0): wanted
+        for frame, _, wanted in wrong_characters(Evidence(window, case))
+        if wanted is not None
+    }
+    return Explained(_reaching(replace(window, expected={**window.expected, **characters}), chain), chain)
 
 
 def _reaching(window: Window, chain: Chain) -> Window:

@@ -26,6 +26,7 @@ from ....timing.budget_schema import REPLY
 from .chain import Part, Step
 from .cpu_activity import phrase
 from .evidence import I2C, Evidence, RecordedPhase
+from .window import I2C_BUS
 
 ONES = 0xFF  # the byte that is read when no party drives SDA
 LETS_GO = "the module releases SDA"
@@ -55,7 +56,7 @@ def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Recor
         begins = int(rises[0]) if len(rises) else byte.tick  # the tick by which the first bit must be driven
         before = byte.tick
         write = next((w for w in reversed(writes) if w.tick < begins and w.value & 0xFF == value), None)
-        said = f"byte {number}: {carried}"
+        said = _byte_text(evidence, phase, number - 1)
         if write is None:
             yield byte, None, f"{said}, which was not written to I2CDXR within the records kept"
             continue
@@ -63,6 +64,12 @@ def bytes_sent(evidence: Evidence, phase: RecordedPhase) -> Iterator[tuple[Recor
         other = next((p for p in evidence.phases if p.begin <= write.tick <= p.end and p.begin < phase.begin), None)
         where = "" if write.tick >= phase.begin else f", for {other}" if other else ", before the read's START"
         yield byte, write, f"{said}{early}{where}"
+
+
+def _byte_text(evidence: Evidence, phase: RecordedPhase, place: int) -> str:
+    """Format a byte of a read, and the expected value if the byte is wrong. place: from 0."""
+    wanted = evidence.window.expected.get((I2C_BUS, phase.begin, place))
+    return f"byte {place + 1}: {bus_byte(phase.data[place])}{'' if wanted is None else f', not 0x{wanted:02X}'}"
 
 
 def missing_condition(evidence: Evidence, tick: int) -> list[Step]:
@@ -208,7 +215,7 @@ def bytes_of_device(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
     written = dict(_writes(evidence, phase)) if memory is not None else {}
     steps = []
     for number, byte in enumerate(phase.data):
-        said = f"byte {number + 1}: {bus_byte(byte)}, sent by {who}"
+        said = f"{_byte_text(evidence, phase, number)}, sent by {who}"
         if memory is not None and first is not None:
             word = (first + number) % memory.size
             said += f" from {word:#06x}"
@@ -281,14 +288,20 @@ def _writes(evidence: Evidence, read: RecordedPhase) -> Iterator[tuple[int, Reco
 MOST_CHARACTERS = 8  # maximum number of wrong characters that are listed
 
 
-def wrong_characters(evidence: Evidence) -> tuple[list[Step], list[Step]]:
-    """Return a step for the request of a reply, and steps for the writes of wrong characters in the reply."""
-    window = evidence.window
-    if not window.verdict.measure.startswith(REPLY):
-        return [], []
-    asked = _asked(evidence)
-    last = [evidence.say(r.tick, f"{r.where}: the last character of what asks for it") for r in asked[-1:]]
-    return last, _wrong(evidence, asked) if window.verdict.until_s is not None else []
+WrongCharacter = tuple[Record, Step, int | None]  # the begin of its frame, its write, and the expected value if any
+
+
+def request_of(evidence: Evidence) -> list[Step]:
+    """Return a step for the last character of the request of a reply; an empty list if it is unknown."""
+    last = _asked(evidence)[-1:] if evidence.window.verdict.measure.startswith(REPLY) else []
+    return [evidence.say(r.tick, f"{r.where}: the last character of what asks for it") for r in last]
+
+
+def wrong_characters(evidence: Evidence) -> list[WrongCharacter]:
+    """Return the wrong characters of a wrong reply."""
+    verdict = evidence.window.verdict
+    wrong = verdict.measure.startswith(REPLY) and verdict.until_s is not None
+    return _wrong(evidence, _asked(evidence)) if wrong else []
 
 
 def _asked(evidence: Evidence) -> list[Record]:
@@ -306,8 +319,8 @@ def _asked(evidence: Evidence) -> list[Record]:
     return [r for r in frames if r.what == "begin" and r.where == last.where and r.tick < last.tick]
 
 
-def _wrong(evidence: Evidence, asked: list[Record]) -> list[Step]:
-    """Return steps for the writes of wrong characters in a reply.
+def _wrong(evidence: Evidence, asked: list[Record]) -> list[WrongCharacter]:
+    """Return the wrong characters in a reply.
 
     A character is wrong if it differs from the expected character at the same position of the reply. Return an empty
     list if the positions are unknown.
@@ -321,14 +334,14 @@ def _wrong(evidence: Evidence, asked: list[Record]) -> list[Step]:
         return []
     bits = serial.form(table).bits
     expected = content_of(evidence.case, table, bits, "serial", "expect", number)
-    steps = []
-    for at, write in enumerate(_written(evidence, table.from_, since)):
+    found = []
+    for at, (frame, write) in enumerate(_written(evidence, table.from_, since)):
         wanted = expected[at] if at < len(expected) else None
         if write.value & (1 << bits) - 1 != wanted:
             right = "" if wanted is None else f", not {wanted:#04x}"
             what = f"SCITXBUF written, {write.value & 0xFF:#04x}: character {at} of the reply{right}"
-            steps.append(evidence.step(write, f"{write.where}: {what}"))
-    return steps[:MOST_CHARACTERS]
+            found.append((frame, evidence.step(write, f"{write.where}: {what}"), wanted))
+    return found[:MOST_CHARACTERS]
 
 
 def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: list[Record]) -> int | None:
@@ -345,12 +358,12 @@ def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: l
     return None if early else begin
 
 
-def _written(evidence: Evidence, source: str, since: int) -> list[Record]:
-    """Return the writes of SCITXBUF for the frames between a tick and the end of the occurrence, in order."""
+def _written(evidence: Evidence, source: str, since: int) -> list[tuple[Record, Record]]:
+    """Return the frames between a tick and the end of the occurrence with their writes of SCITXBUF, in order."""
     unit, _, module = source.rpartition(".")
     found = []
     for frame in evidence.window.between(since, evidence.window.end - 1, Kind.FRAME):
         if frame.what == "begin":
             causes = (cause for cause, _ in evidence.walk(frame, 2))
-            found += [r for r in causes if r.what == f"W {module}.SCITXBUF" and unit in ("", r.where)]
+            found += [(frame, r) for r in causes if r.what == f"W {module}.SCITXBUF" and unit in ("", r.where)]
     return found

@@ -10,7 +10,7 @@ Time 0 of the axis is the beginning of the worst occurrence.
 from __future__ import annotations
 
 import re
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 from ....core.records import Kind
 from ....records.register_maps import register_of
@@ -18,8 +18,9 @@ from ....timing.verdict import in_words
 from ....traces.drawing.capture_lanes import wire_lanes
 from ....traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, timing_diagram
 from ....traces.drawing.text_diagram import text_diagram
+from .characters import characters
 from .cpu_activity import Stretch, episodes, timeline, units
-from .window import Window, event_of
+from .window import I2C_BUS, Window, event_of
 
 ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
 RECEIVED = ("SCIFFRX.RXFFINT",)
@@ -55,12 +56,43 @@ def svg_picture(window: Window) -> str:
 
 
 def _lanes(window: Window, columns: int) -> list[Lane]:
-    lanes = wire_lanes(window.edges, window.drawn, lambda at: _seconds(window, at), columns)
+    expected = {(tick, place): value for (bus, tick, place), value in window.expected.items() if bus == I2C_BUS}
+    of_characters = _characters(window, columns)
+    lanes = []
+    for lane in wire_lanes(window.edges, window.drawn, lambda at: _seconds(window, at), columns, expected=expected):
+        lanes += [lane, *of_characters.get(lane.name, ())]
     lanes += [_flag_lane(window, where, what) for where, what in flags_shown(window)]
     there = units(window)
     for unit in there:
         lanes += _firmware(window, unit, unit if len(there) > 1 else "firmware")
     return lanes
+
+
+def _characters(window: Window, columns: int) -> dict[str, list[Lane]]:
+    """Return the lanes of each serial line: its characters, and their bits if a bit is at least three columns wide.
+
+    If a bit is narrower than a column, the start and stop bits are not drawn apart. If a character is narrower than
+    four columns, there is no lane.
+    """
+    begin, end = window.drawn
+    column = (end - begin) / columns
+    found: dict[str, list[Lane]] = {}
+    shown = sorted(one for one in characters(window) if one.end > begin and one.begin < end)
+    for wire, several in groupby(shown, key=lambda one: one.wire):
+        of = list(several)
+        if min(one.end - one.begin for one in of) < 4 * column:
+            continue
+        bit = min((b - a for one in of for a, b, _ in one.bits), default=0)
+        whole, bits = [], []
+        for one in of:
+            for a, b, text in one.parts() if bit >= column else [(one.begin, one.end, one.text)]:
+                wrong = text == one.text and (one.expected is not None or one.error)
+                whole.append(Box(_seconds(window, a), _seconds(window, b), text, wrong))
+            bits += [Box(_seconds(window, a), _seconds(window, b), text) for a, b, text in one.bits]
+        found[wire] = [Lane(f"{wire} bytes", "wires", BLACK, boxes=tuple(whole))]
+        if bits and bit >= 3 * column:
+            found[wire].append(Lane(f"{wire} bits", "wires", BLACK, boxes=tuple(bits)))
+    return found
 
 
 def _firmware(window: Window, unit: str, group: str) -> list[Lane]:

@@ -18,6 +18,7 @@ from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
 
+from ....bus.uart.frame_format import UartFormat
 from ....core.records import RECORDED, Kind, Record, Recorder
 from ....core.time import Timebase
 from ....processor.user_code import output_muted
@@ -41,6 +42,11 @@ LEAD = Fraction(25, 1000)  # seconds that are kept before a range, so that a tra
 BITS = 18  # minimum extent of a picture in bits: two bytes with their ACKs
 BIT = Fraction(1, 100_000)  # length of a bit in seconds if there is no SCL
 
+I2C_BUS = "I2C"  # the bus of a wrong byte on I2C
+# A wrong byte: the bus, and the tick of the START and the place of the byte in the read, from 0; or the wire of a
+# character, the tick of its start bit, and 0.
+WrongByte = tuple[str, int, int]
+
 
 @dataclass(frozen=True, eq=False)
 class Window:
@@ -59,6 +65,8 @@ class Window:
     chain_texts: the texts of the steps of the explanation; empty without an explanation. A picture shows the fields
         that these texts name.
     modules: a dictionary from units to the names of their modules.
+    expected: a dictionary from each wrong byte to the expected value.
+    formats: a dictionary from serial lines to the length of a bit in ticks and the frame format, at the end of the run.
     """
 
     verdict: Verdict
@@ -73,6 +81,8 @@ class Window:
     start: int
     chain_texts: tuple[str, ...] = ()
     modules: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    expected: Mapping[WrongByte, int] = field(default_factory=dict)
+    formats: Mapping[str, tuple[Fraction, UartFormat]] = field(default_factory=dict)
 
     @cached_property
     def all_records(self) -> tuple[Record, ...]:
@@ -126,11 +136,14 @@ def windows(
         end = start + timebase.ticks(case.duration if length is None else length, "nearest")
         keepers.append(_Keeper(wanted, timebase, start, end))
         recorder.subscribe(RECORDED, keepers[0].add)
+        if any(verdict.measure == "wrong bytes" for verdict in wanted):
+            recorder.subscribe((Kind.DATA,), keepers[0].expect, things={(Kind.DATA, "expected byte")})
 
     scene = Scene(case, subscribe, programs)
     (keeper,) = keepers
     scene.advance(keeper.ends)
-    return keeper.windows(case.name, scene.wires, {name: unit.modules for name, unit in case.unit.items()})
+    found = keeper.windows(case.name, scene.wires, {name: unit.modules for name, unit in case.unit.items()})
+    return [replace(window, formats=scene.uart.formats()) for window in found]
 
 
 def windows_of_table(case: str, table: RecordTable, verdicts: Iterable[Verdict], start: int) -> list[Window]:
@@ -190,6 +203,7 @@ class _Keeper:
         self._records: list[Record] = []
         self._before: list[dict[object, Record]] = []  # the last records before each range that has begun
         self._seen: dict[object, Record] = {}
+        self._expected: dict[WrongByte, int] = {}
 
     @property
     def ends(self) -> int:
@@ -226,6 +240,11 @@ class _Keeper:
                 self._records.append(record)
         self._seen[thing] = record
 
+    def expect(self, record: Record) -> None:
+        """Add a record of an expected byte."""
+        place, value = divmod(record.value, 256)
+        self._expected[I2C_BUS, record.tick, place] = value
+
     def windows(self, name: str, wires: Collection[str], modules: Mapping[str, tuple[str, ...]]) -> list[Window]:
         self._before += [self._seen] * (len(self._ranges) - len(self._before))  # the remaining ranges have no records
         self._records.sort(key=lambda r: r.tick)
@@ -257,6 +276,7 @@ class _Keeper:
             timebase=self._timebase,
             start=self._start,
             modules=modules,
+            expected=self._expected,
         )
 
     def _drawn(self, one: _Wanted, bit: int) -> Span:

@@ -226,9 +226,7 @@ def _budget(
 
 def _timeline(case: Case, per_second: int, one: Explained, most: int) -> Timeline:
     cycles = {name: float(per_second / _sysclk(unit)) for name, unit in case.unit.items()}
-    host = case.host
-    bit = 0 if host is None else round(per_second / (Fraction(host.baud) * (1 + host.error / 100)))
-    return Lanes(one.window, cycles, bit, most).timeline()
+    return Lanes(one.window, cycles, most).timeline()
 
 
 def _ticks(seconds: float | None, per_second: int) -> int:

@@ -7,12 +7,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import NamedTuple
 
-from ....core.records import Kind
 from ....traces.decode import i2c
-from ..explain.window import Window
+from ..explain.characters import characters
+from ..explain.window import I2C_BUS, Window, WrongByte
 
 LONGEST = 24  # maximum number of bytes in a row of characters
 
@@ -26,7 +26,8 @@ class Row(NamedTuple):
     address: the address, as in "0x68"; "" for characters.
     way: the direction, "R" or "W"; "" for characters.
     ack: the answer to the address, "ACK" or "NACK"; "" if there is none.
-    data: for each byte, the value in hexadecimal and the answer; for each character, the value and "error" or "".
+    data: for each byte, the value in hexadecimal, the answer, and the expected value if the byte is wrong, else "". For
+        a character, "error" or "" takes the place of the answer.
     stop: True if the row ends with a STOP.
     """
 
@@ -37,7 +38,7 @@ class Row(NamedTuple):
     address: str
     way: str
     ack: str
-    data: tuple[tuple[str, str], ...]
+    data: tuple[tuple[str, str, str], ...]
     stop: bool
 
 
@@ -68,7 +69,10 @@ def _i2c_rows(window: Window) -> Iterator[Row]:
                 address="" if phase.address is None else f"0x{phase.address:02X}",
                 way="" if phase.read is None else "R" if phase.read else "W",
                 ack=_ack(head[0].acked) if head else "",
-                data=tuple((f"{byte.value:02X}", _ack(byte.acked)) for byte in data),
+                data=tuple(
+                    (f"{byte.value:02X}", _ack(byte.acked), _hex(window.expected.get((I2C_BUS, phase.start.at, place))))
+                    for place, byte in enumerate(data)
+                ),
                 stop=over is not None and over is transfer.stop,
             )
 
@@ -77,30 +81,34 @@ def _ack(acked: bool | None) -> str:
     return "" if acked is None else "ACK" if acked else "NACK"
 
 
+def _hex(value: int | None) -> str:
+    return "" if value is None else f"{value:02X}"
+
+
 def _frame_rows(window: Window) -> list[Row]:
     """Return rows of characters for each wire. A new row starts after a pause of at least one character's length."""
     found: dict[str, list[Row]] = {}
-    begun: dict[str, int] = {}
-    for record in window.records:
-        wire = record.where
-        if record.kind is Kind.FRAME and record.what == "begin":
-            begun[wire] = record.tick
-        elif record.kind is Kind.FRAME and record.what in ("end", "error") and wire in begun:
-            begin = begun.pop(wire)
-            byte = (f"{record.value:02X}", "error" if record.what == "error" else "")
-            rows = found.setdefault(wire, [])
-            if rows and begin - rows[-1].end < record.tick - begin and len(rows[-1].data) < LONGEST:
-                rows[-1] = rows[-1]._replace(end=record.tick, data=(*rows[-1].data, byte))
-            else:
-                rows.append(Row(begin, record.tick, wire, "", "", "", "", (byte,), False))
+    for one in characters(window):
+        byte = (_hex(one.value), "error" if one.error else "", _hex(one.expected))
+        rows = found.setdefault(one.wire, [])
+        if rows and one.begin - rows[-1].end < one.end - one.begin and len(rows[-1].data) < LONGEST:
+            rows[-1] = rows[-1]._replace(end=one.end, data=(*rows[-1].data, byte))
+        else:
+            rows.append(Row(one.begin, one.end, one.wire, "", "", "", "", (byte,), False))
     return [row for rows in found.values() for row in rows]
 
 
 Box = tuple[int, int, str, str]  # the begin and the end as positions in the capture, the label, and the text of a box
 
 
-def bytes_of(transfers: Iterable[i2c.Transfer], end: int) -> Iterator[Box]:
-    """Yield a box for each condition, byte and ACK bit. end: the position at which incomplete boxes end."""
+def bytes_of(
+    transfers: Iterable[i2c.Transfer], end: int, expected: Mapping[WrongByte, int] | None = None
+) -> Iterator[Box]:
+    """Yield a box for each condition, byte and ACK bit.
+
+    end: the position at which incomplete boxes end.
+    expected: a dictionary from each wrong byte to the expected value, which is named in the label.
+    """
     for transfer in transfers:
         for number, phase in enumerate(transfer.phases):
             start = phase.start
@@ -109,12 +117,12 @@ def bytes_of(transfers: Iterable[i2c.Transfer], end: int) -> Iterator[Box]:
             until = start.at + start.hold if start.hold is not None else begins
             yield start.at, min(until, begins), name, "repeated START" if number else "START"
             for place, byte in enumerate(phase.bytes):
-                yield from _byte(phase, place, byte, end)
+                yield from _byte(phase, place, byte, end, (expected or {}).get((I2C_BUS, start.at, place - 1)))
         if transfer.stop is not None and transfer.phases:
             yield transfer.stop.at - (transfer.stop.high or 0), transfer.stop.at, "P", "STOP"
 
 
-def _byte(phase: i2c.Phase, place: int, byte: i2c.Byte, end: int) -> Iterator[Box]:
+def _byte(phase: i2c.Phase, place: int, byte: i2c.Byte, end: int, wanted: int | None) -> Iterator[Box]:
     bits = byte.bits if byte.value is None else byte.bits[:8]
     over = [end if bit.high is None else bit.at + bit.high for bit in byte.bits]
     until = over[len(bits) - 1]
@@ -123,7 +131,8 @@ def _byte(phase: i2c.Phase, place: int, byte: i2c.Byte, end: int) -> Iterator[Bo
         yield byte.at, until, values, f"cut off: bits {values}"
     elif place:
         who = "from the target" if phase.read else "from the controller"
-        yield byte.at, until, f"0x{byte.value:02X}", f"byte {place} = 0x{byte.value:02X}\n{who}"
+        text = f"0x{byte.value:02X}{'' if wanted is None else f' not 0x{wanted:02X}'}"
+        yield byte.at, until, text, f"byte {place} = {text}\n{who}"
     else:
         address, way = f"0x{byte.value >> 1:02X}", "read" if byte.value & 1 else "write"
         yield byte.at, until, f"{address} {way[0].upper()}", f"address {address}, {way}"

@@ -1,7 +1,8 @@
 """The timeline around a worst occurrence: lanes with events in ticks, from a Window, as compact JSON for the page.
 
 edges     --decoder--> SCL, SDA, bytes; RX, TX; other wires; rows of the protocol table
-BUS, FRAME -----------> transfers of the controller, frames of the host
+BUS -------------------> transfers of the controller
+FRAME -----------------> characters on serial lines, and their bits
 FLAG      -----------> one lane per register field that changed
 SPAN, WAIT, IRQ ------> spans of firmware, its waits with the polled field, service routines
 ACCESS    -----------> one lane per register: reads and writes with their firmware location
@@ -24,6 +25,7 @@ from ....records.record_text import happened, number
 from ....records.register_maps import register_of
 from ....traces.capture.capture import Span
 from ....traces.decode import i2c
+from ..explain.characters import characters
 from ..explain.cpu_activity import all_episodes, polled
 from ..explain.picture import flags_shown
 from ..explain.window import Window
@@ -34,7 +36,7 @@ SERIAL_WORDS = re.compile(r"\b(RX|TX|SCI\w*|frames?|host|FIFO)\b")
 BUS = ("SCL", "SDA")
 SERIAL = ("RX", "TX")
 MOST = 24_000  # maximum number of events of a timeline; events farther from the occurrence are left out
-FRAME_BITS = 10  # number of bits of a character from the host: a start bit, 8 data bits and a stop bit
+BITS = {"S": "start bit", "A": "address bit", "P": "parity bit", "T": "stop bit"}
 EPISODES = (("span", "span"), ("wait", "waits for"), ("interrupt", "service routine of"))
 OPTIONAL = ("chosen", "long", "labels", "strong", "places")  # keys of a lane that are left out if they are empty
 
@@ -56,7 +58,8 @@ class Lane:
     chosen: True if the explanation is about the lane. At first, only chosen lanes are drawn.
     at, end: the ticks of the events. Only boxes have an end.
     says, labels: the indices of each event's text and label in `Texts`. Edges have no label.
-    strong: 1 for each mark that is drawn as more important, such as a write among reads; 0 for the other marks.
+    strong: 1 for each event that is drawn as more important, such as a write among reads or a wrong byte; 0 for the
+        others; empty if the lane has no such events.
     places: the index of each mark's location in the firmware in `Texts`; empty if the locations are unknown.
     """
 
@@ -81,7 +84,7 @@ class Lane:
             "long": [end - at for at, end in zip(self.at, self.end, strict=False)],
             "labels": self.labels,
             "says": self.says,
-            "strong": self.strong,
+            "strong": self.strong if any(self.strong) else [],
             "places": self.places,
         }
         return {key: value for key, value in keys.items() if value or key not in OPTIONAL}
@@ -147,14 +150,12 @@ class Lanes:
     """Builder of the timeline of a window.
 
     cycles: a dictionary from units to ticks per cycle of SYSCLKOUT.
-    frame_bit: the number of ticks per bit of the host's characters; 0 if there is no host.
     most: the maximum number of records that the timeline shows.
     says: the texts that lanes refer to by index.
     """
 
     window: Window
     cycles: dict[str, float]
-    frame_bit: int
     most: int
     says: Texts = field(default_factory=Texts)
 
@@ -200,7 +201,7 @@ class Lanes:
 
         begin, end: the ticks of the event in the run; `end` is None for an instant.
         says, label: the text and the label of the event.
-        strong: 1 or 0 for a mark (see `Lane`).
+        strong: 1 or 0 (see `Lane`).
         """
         lane.at.append(begin - self.zero)
         lane.says.append(self.says.place(says))
@@ -244,9 +245,10 @@ class Lanes:
         if len(wires) < len(BUS):
             return wires
         lane = Lane("boxes", "bytes", chosen=self.about_bus)
-        for begin, end, label, says in bytes_of(i2c.transfers(self.window.edges), self.kept[-1].end):
+        transfers = i2c.transfers(self.window.edges)
+        for begin, end, label, says in bytes_of(transfers, self.kept[-1].end, self.window.expected):
             if self._seen(begin, end):
-                self._add(lane, begin, says, label, end)
+                self._add(lane, begin, says, label, end, int(" not 0x" in label))
         return [*wires, lane, *self._transfers()]
 
     def _transfers(self) -> list[Lane]:
@@ -266,12 +268,22 @@ class Lanes:
         return [lane] if lane.at else []
 
     def _serial(self) -> list[Lane]:
-        frames = Lane("boxes", "frames", chosen=self.about_serial)
-        for record in self.records:
-            if record.kind is Kind.FRAME and record.what == "byte":
-                byte, end = f"{record.value:02X}", record.tick + FRAME_BITS * self.frame_bit
-                self._add(frames, record.tick, f"frame 0x{byte} from {record.where}", byte, end)
-        return [*self._waves(SERIAL), *([frames] if frames.at else [])]
+        """Return for each serial line its wave, its characters and their bits."""
+        lanes = []
+        for wave in self._waves(SERIAL):
+            whole = Lane("boxes", f"{wave.name} bytes", chosen=wave.chosen)
+            bits = Lane("boxes", f"{wave.name} bits", chosen=wave.chosen)
+            for one in (one for one in characters(self.window) if one.wire == wave.name):
+                if self._seen(one.begin, one.end):
+                    wrong = "\nwith a wrong parity or stop bit" if one.error else ""
+                    says = f"character {one.text}{wrong}"
+                    for begin, end, text in one.parts():
+                        strong = int(text == one.text and (one.error or one.expected is not None))
+                        self._add(whole, begin, says, text, end, strong)
+                    for begin, end, text in one.bits:
+                        self._add(bits, begin, BITS.get(text, f"data bit {text}"), text, end)
+            lanes += [wave, *(lane for lane in (whole, bits) if lane.at)]
+        return lanes
 
     # A unit's inside ------------------------------------------------------------------
 

@@ -16,7 +16,8 @@ from periph_sim.interfaces.reports.explain.evidence import Evidence, RecordedPha
 from periph_sim.interfaces.reports.explain.explain import Explained
 from periph_sim.interfaces.reports.explain.fault_evidence import answering, bytes_sent
 from periph_sim.interfaces.reports.explain.findings import FINDINGS, Ends
-from periph_sim.interfaces.reports.explain.picture import text_picture
+from periph_sim.interfaces.reports.explain.picture import svg_picture, text_picture
+from periph_sim.interfaces.reports.html.protocol import rows as rows_of
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware
@@ -221,6 +222,7 @@ def test_a_wrong_byte_is_told_with_the_line_that_wrote_it_and_when():
     (told,) = [step for step in one.chain.steps if step.what.startswith("byte 2: 0x03")]
     assert "written" in told.what and told.place is not None
     assert f"{told.place.function}:{told.place.line}" == line_of(answer_late, 6)
+    assert {(place, value) for (_, _, place), value in one.window.expected.items()} == {(1, 2)}  # byte 1 is right
 
 
 def test_a_byte_of_another_transfer_is_told_as_one():
@@ -229,10 +231,15 @@ def test_a_byte_of_another_transfer_is_told_as_one():
     result = scene.run(Fraction(12, 1000))
     one = explain(run, result.budgets, length=Fraction(12, 1000))["wrong bytes"]
     assert any(
-        what.startswith("byte 1: 0x12 ACK, written to I2CDXR") and what.endswith("for gyroscope (0x68 W)")
+        what.startswith("byte 1: 0x12 ACK, not 0x11, written to I2CDXR") and what.endswith("for gyroscope (0x68 W)")
         for what in said(one)
     )
     assert one.chain.blamed is not None and one.chain.blamed.place is not None
+    boxes = next(line for line in text_picture(one.window, 120) if line.startswith("bytes"))
+    assert boxes.count("!") == 6 and " 0x13! " in boxes
+    assert svg_picture(one.window).count(">0x12 not 0x11</text>") == 1
+    rows = [row.data for row in rows_of(one.window, lambda at, end: True, 0) if row.bus == "I2C" and row.way == "R"]
+    assert [expected for _, _, expected in rows[0]] == ["11", "12", "13", "14", "15", "16"]
 
 
 def reset_in_read(i2c: Any, dsp: Dsp) -> None:

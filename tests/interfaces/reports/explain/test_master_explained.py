@@ -63,7 +63,7 @@ def test_a_byte_that_a_memory_sends_is_told_with_the_write_that_it_came_of():
     steps = [step.what for step in read_back("10 11 22", "10", "11 23").steps]
     assert steps[:2] == ["repeated START, memory (0x50 R)", "address acknowledged"]
     assert steps[2].startswith("byte 1: 0x11 ACK, sent by memory from 0x0010, last written 0x11, ")
-    assert steps[3].startswith("byte 2: 0x22 NACK, sent by memory from 0x0011, last written 0x22, ")
+    assert steps[3].startswith("byte 2: 0x22 NACK, not 0x23, sent by memory from 0x0011, last written 0x22, ")
     assert len(steps) == 4
 
 
@@ -72,12 +72,14 @@ def test_a_page_overrun_that_the_memory_noted_is_the_cause():
     noted = "memory: the write at 0x001f went beyond its page's end, 0x001f, on to 0x0000"
     assert found.steps[0].what == noted and found.steps[0].at < 0
     assert str(found.blamed) == noted
-    assert found.steps[-1].what == "byte 2: 0xFF NACK, sent by memory from 0x0020"
+    assert found.steps[-1].what == "byte 2: 0xFF NACK, not 0x22, sent by memory from 0x0020"
 
 
 def test_the_word_that_an_overrun_went_round_to_is_told_as_written():
     found = read_back("1f 11 22", "00", "ff ff")
-    assert "byte 1: 0x22 ACK, sent by memory from 0x0000, last written 0x22" in "\n".join(s.what for s in found.steps)
+    assert "byte 1: 0x22 ACK, not 0xFF, sent by memory from 0x0000, last written 0x22" in "\n".join(
+        s.what for s in found.steps
+    )
     assert str(found.blamed).startswith("memory: the write at 0x001f")
 
 
@@ -90,7 +92,7 @@ def test_where_a_memory_is_read_without_a_word_address_before_the_bytes_are_told
     """A read goes on behind the one before; its word is not known, since no write to the same address tells it."""
     asked = [{**REQUEST, "write": "10", "count": 2}, {"address": 0x50, "count": 1, "expect": "33"}]
     steps = chain("wrong bytes", ["50 W 00 10 Sr 50 R 2", "50 R 1"], asked).steps
-    assert steps[-1].what == "byte 1: 0xFF NACK, sent by memory"
+    assert steps[-1].what == "byte 1: 0xFF NACK, not 0x33, sent by memory"
 
 
 def test_a_page_begins_at_a_multiple_of_its_length():

@@ -10,6 +10,7 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.core.records import Kind
+from periph_sim.interfaces.reports.explain.characters import characters
 from periph_sim.interfaces.reports.explain.explain import Explained
 from periph_sim.interfaces.reports.explain.picture import text_picture
 from periph_sim.interfaces.reports.html.gather import failure
@@ -47,6 +48,9 @@ def test_a_wrong_reply_is_shown_up_to_its_end_with_the_writes_of_its_wrong_chara
         "dsp: SCITXBUF written, 0x52: character 1 of the reply, not 0x4b",
     ]
     assert {step.place.function for step in told.chain.steps if step.place and "SCITXBUF" in step.what} == {"send"}
+    sent = [one for one in characters(window) if one.wire == "TX"]
+    assert [one.text for one in sent] == ["0x45 not 0x4F", "0x52 not 0x4B"]
+    assert "".join(text for _, _, text in sent[0].bits) == "S10100010T"
     lanes = {line.split(" ")[0] for line in text_picture(window, 100)}
     assert {"RX", "TX"} <= lanes
     said = failure(verdict, False, told.chain, None, window.timebase.per_second)

@@ -20,13 +20,13 @@ def test_each_start_is_a_row_with_its_address_bytes_and_end(response, records: l
         "0x68",
         "W",
         "ACK",
-        (("1D", "ACK"),),
+        (("1D", "ACK", ""),),
         False,
     )
     assert (second.way, second.stop, len(second.data)) == ("R", True, 6)
-    assert [ack for _, ack in second.data] == ["ACK"] * 5 + ["NACK"]
+    assert [ack for _, ack, _ in second.data] == ["ACK"] * 5 + ["NACK"]
     assert second.end == next(r.tick for r in bus if r.what == "STOP") - response.origin and first.end == second.at
-    assert [f"{r.value >> 1:02X}" for r in bus if r.what == "byte"] == [byte for row in rows for byte, _ in row.data]
+    assert [f"{r.value >> 1:02X}" for r in bus if r.what == "byte"] == [byte for row in rows for byte, *_ in row.data]
 
 
 def test_frames_without_a_pause_are_one_row(small: CaseReport, records: list[Record]) -> None:
@@ -34,7 +34,7 @@ def test_frames_without_a_pause_are_one_row(small: CaseReport, records: list[Rec
     assert timeline is not None
     rows = [row for row in timeline.rows if row.bus == "RX"]
     sent = [r for r in within(timeline, records) if r.kind is Kind.FRAME and r.what == "byte"]
-    assert [byte for row in rows for byte, _ in row.data] == [f"{r.value:02X}" for r in sent]
+    assert [byte for row in rows for byte, *_ in row.data] == [f"{r.value:02X}" for r in sent]
     assert 1 <= len(rows) < len(sent) and rows[0].at == sent[0].tick - timeline.origin
 
 

@@ -132,17 +132,21 @@ def test_bytes_are_those_that_the_controller_put_on_the_wire(response: Timeline,
     assert [text for text in said if len(text) == 4] == data
 
 
-def test_frames_last_ten_bits_within_which_rx_moves(small: CaseReport, records: list[Record]) -> None:
+def test_characters_on_rx_are_divided_into_their_ten_bits(small: CaseReport, records: list[Record]) -> None:
     timeline = small.budgets[3].timeline
     assert timeline is not None
-    boxes, wave = lane(timeline, "UART", "frames"), lane(timeline, "UART", "RX")
-    assert boxes.kind == "boxes" and wave.kind == "wave"
+    boxes, bits, wave = (lane(timeline, "UART", name) for name in ("RX bytes", "RX bits", "RX"))
+    assert boxes.kind == bits.kind == "boxes" and wave.kind == "wave"
     sent = [r for r in within(timeline, records) if r.kind is Kind.FRAME and r.what == "byte"]
-    assert [timeline.says[place] for place in boxes.labels] == [f"{r.value:02X}" for r in sent]
-    for begin, end in zip(boxes.at, boxes.end, strict=True):
+    labels = [timeline.says[place] for place in boxes.labels]
+    assert labels == [text for r in sent for text in ("S", f"0x{r.value:02X}", "T")]
+    for begin, end in zip(boxes.at[::3], boxes.end[2::3], strict=True):
         assert begin in wave.at  # the start bit falls
         assert abs((end - begin) / timeline.per_second - 10 / 115_200) < 1e-7
     assert all(any(b <= at < e for b, e in zip(boxes.at, boxes.end, strict=True)) for at in wave.at)
+    levels = "".join(timeline.says[place] for place in bits.labels)
+    assert levels == "".join(f"S{f'{r.value:08b}'[::-1]}T" for r in sent)
+    assert bits.at[1:10] == bits.end[:9] and bits.end[9] == boxes.end[2]
 
 
 def test_transfers_last_from_start_to_stop(response: Timeline, records: list[Record]) -> None:
@@ -189,7 +193,7 @@ def test_a_window_with_too_much_in_it_is_cut_around_the_occurrence(
 def test_lanes_of_an_answer_are_those_that_its_explanation_is_about(response: Timeline) -> None:
     chosen = {one.name for _, lanes_ in response.groups for one in lanes_ if one.chosen}
     assert {"SCL", "SDA", "bytes", "I2CSTR.XRDY", "I2CSTR.SDIR", "wait", "I2CDXR"} <= chosen
-    assert not chosen & {"RX", "frames", "MODEL", "SCIFFRX.RXFFST", "I2CSTR.NACK"}
+    assert not chosen & {"RX", "RX bytes", "MODEL", "SCIFFRX.RXFFST", "I2CSTR.NACK"}
     assert len(chosen) < sum(len(lanes_) for _, lanes_ in response.groups) / 2
 
 
@@ -197,7 +201,7 @@ def test_lanes_of_a_full_fifo_are_those_of_the_host(small: CaseReport) -> None:
     timeline = small.budgets[3].timeline
     assert timeline is not None
     chosen = {one.name for _, lanes_ in timeline.groups for one in lanes_ if one.chosen}
-    assert {"RX", "frames", "SCIFFRX.RXFFINT"} <= chosen and not chosen & {"SCL", "SDA"}
+    assert {"RX", "RX bytes", "SCIFFRX.RXFFINT"} <= chosen and not chosen & {"SCL", "SDA"}
 
 
 def test_without_the_other_lanes_each_event_still_says_the_same(response: Timeline) -> None:

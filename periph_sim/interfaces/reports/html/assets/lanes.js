@@ -51,12 +51,16 @@ const drawLane = {
       const width = Math.max(Math.min(scale.x(lane.end[place]), scale.right + 2) - begin, 1);
       if (width < 1.5 && begin - taken < 0.5) continue;
       taken = begin + width;
-      drawn.push(svg("rect", { class: "box", x: begin.toFixed(2), y: top, width: width.toFixed(2), height: HIGH, rx: 2 }));
-      const label = says[lane.labels[place]];
+      const kind = lane.strong?.[place] ? " wrong" : "";
+      drawn.push(svg("rect", { class: `box${kind}`, x: begin.toFixed(2), y: top, width: width.toFixed(2), height: HIGH, rx: 2 }));
       const from = Math.max(begin, scale.left);
       const room = Math.min(begin + width, scale.right) - from;
-      if (label.length * CHARACTER + 4 <= room) {
-        drawn.push(svg("text", { x: (from + room / 2).toFixed(1), y: top + HIGH - 3, "text-anchor": "middle" }, label));
+      const fits = (text) => text.length * CHARACTER + 4 <= room;
+      const long = says[lane.labels[place]];
+      // Of a wrong byte, a short text: what was received, with what was expected if there is room.
+      const label = (kind ? [long, long.replaceAll("0x", ""), long.split(" ")[0]] : [long]).find(fits);
+      if (label) {
+        drawn.push(svg("text", { class: `label${kind}`, x: (from + room / 2).toFixed(1), y: top + HIGH - 3, "text-anchor": "middle" }, label));
       }
     }
     return drawn;
@@ -68,7 +72,7 @@ const drawLane = {
     let free = -Infinity;
     for (let place = upTo(lane.at, scale.from - 1); place < lane.at.length && lane.at[place] <= scale.to; place += 1) {
       const x = scale.x(lane.at[place]);
-      const strong = lane.strong[place];
+      const strong = lane.strong?.[place];
       if (x - taken < 1 && !strong) continue;
       taken = x;
       const shape = strong ? `M${(x - 4).toFixed(2)} ${top + 7}h8l-4 7z` : `M${(x - 3.5).toFixed(2)} ${top + 7.5}h7l-3.5 6z`;

@@ -18,7 +18,7 @@ class Protocol {
     this.filter();
   }
 
-  /** [at, end, bus, start, address, way, ack, [[byte, ack] ...], stop] as a row of the table. */
+  /** [at, end, bus, start, address, way, ack, [[byte, ack, expected] ...], stop] as a row of the table. */
   row([at, end, bus, start, address, way, ack, data, stop]) {
     const put = (name, text, className = "") => Object.assign(document.createElement(name), { textContent: text, className });
     const answer = (text, wrong) => put("small", text, wrong ? "wrong" : "");
@@ -26,8 +26,9 @@ class Protocol {
     const cells = [put("td", "", "number"), put("td", bus), put("td", ""), put("td", "")];
     cells[0].append(go);
     if (start) cells[2].append(put("small", start), ` ${[address, way].filter(Boolean).join(" ")} `, answer(ack, ack === "NACK"));
-    for (const [byte, said] of data) {
-      const one = put("span", byte);
+    for (const [byte, said, expected] of data) {
+      const one = put("span", byte, expected ? "wrong" : "");
+      if (expected) one.append(" ", answer(`not ${expected}`, true));
       if (said) one.append(" ", answer(said, said === "error" || (said === "NACK" && way === "W"))); // a read ends with NACK
       cells[3].append(one, " ");
     }

@@ -1,0 +1,59 @@
+"""Characters and their bits, held against the levels of which a line is made.
+
+tick 100   110                        bits of 10 ticks
+S 1 0 1 0 0 0 0 P T T                 7 data bits, even parity, 2 stop bits
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from fractions import Fraction
+
+import pytest
+
+from periph_sim.bus.uart.frame_format import UartFormat
+from periph_sim.core.records import Kind, Record
+from periph_sim.interfaces.reports.explain.characters import Character, characters
+from periph_sim.interfaces.reports.explain.picture import svg_picture
+from periph_sim.traces.capture.capture import Span, channel_of
+
+from .made import drawn
+
+FORM = UartFormat(7, "even", 2)
+BIT = 10
+
+
+def character(what: str = "end", end: int = 100 + BIT * FORM.length, expected: int | None = None) -> Character:
+    """The character 0x05 on TX."""
+    window = drawn("span model 0 240", end=240, kept=(Span(0, 250),))
+    line = channel_of("TX", 0, [99, *range(100, 210, BIT)], [1, *FORM.levels(5)], 250)
+    frame = [Record(n, t, Kind.FRAME, "TX", s, 5, "", 0) for n, t, s in ((8, 100, "begin"), (9, end, what))]
+    window = replace(
+        window,
+        records=(*window.records, *frame),
+        edges=replace(window.edges, channels=(line,)),
+        formats={"TX": (Fraction(BIT), FORM)},
+        expected={} if expected is None else {("TX", 100, 0): expected},
+    )
+    assert (">TX bits<" in svg_picture(window)) == bool(characters(window)[0].bits)
+    (found,) = characters(window)
+    return found
+
+
+def test_a_character_is_divided_at_the_ends_of_its_bits() -> None:
+    found = character()
+    assert [text for _, _, text in found.bits] == [*"S1010000PTT"]
+    assert [(begin, end) for begin, end, _ in found.bits] == [(at, at + BIT) for at in range(100, 210, BIT)]
+    assert [*found.parts()] == [(100, 110, "S"), (110, 180, "0x05"), *found.bits[8:]]
+
+
+def test_a_character_of_another_length_is_not_divided() -> None:
+    """Its format was another one than at the end of the run."""
+    found = character(end=190)
+    assert (found.bits, [*found.parts()]) == ((), [(100, 190, "0x05")])
+
+
+@pytest.mark.parametrize(("what", "expected", "text"), [("error", None, "0x05"), ("end", 7, "0x05 not 0x07")])
+def test_a_wrong_character_says_what_was_expected(what: str, expected: int | None, text: str) -> None:
+    found = character(what, expected=expected)
+    assert (found.text, found.error) == (text, what == "error")

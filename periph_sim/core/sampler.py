@@ -70,7 +70,7 @@ class Sampler(SampledParty):
         self.plain = True  # True while changes of the lines cannot have a record as their cause
         self._lines: list[_Line] = []  # lines set by `listen` or `put`, the lowest first
         self._put_under = 0  # the number of the record that caused the last `put`
-        self._seen = levels
+        self._seen = levels  # the levels at the last notification; not used while `plain` is True
 
     def listen(self, line: int, wire: Wire) -> None:
         """Connect this line to a wire. Raise ValueError if the number of the line is too large."""
@@ -78,7 +78,7 @@ class Sampler(SampledParty):
             raise ValueError(f"wire {wire.name} would be line {line}; a sampler has lines 0 to {MAX_PARTIES - 1}")
         self._leave(line).wire = wire
         if wire.recorded:
-            self.plain = False
+            self._record_causes()
         wire.add(self, BITS[line])
         self._set(line, wire.level)
 
@@ -87,13 +87,14 @@ class Sampler(SampledParty):
         self._leave(line)
         self._put_under = self._recorder.cause
         if self._put_under:
-            self.plain = False
+            self._record_causes()
         self._set(line, level)
 
     def jump(self, bits: int) -> None:
         """Invert the levels of the lines in the mask `bits`. No party is notified, since a shortcut skips the edges."""
         self.levels ^= bits
-        self._seen ^= bits
+        if not self.plain:
+            self._seen ^= bits
 
     def restored(self) -> None:
         """Clear `due`: nothing is due in a restored state."""
@@ -112,6 +113,12 @@ class Sampler(SampledParty):
             recorder.cause = self._moved_under(moved)
         self.agent.sampled(now, self.levels)
         recorder.cause = outer
+
+    def _record_causes(self) -> None:
+        """From now on, compare the levels at each notification, since records can be the causes of changes."""
+        if self.plain:
+            self.plain = False
+            self._seen = self.levels
 
     def _set(self, line: int, level: int) -> None:
         if self.levels >> line & 1 != level:

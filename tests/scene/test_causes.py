@@ -37,14 +37,24 @@ class Causes:
         return [(record, self.by_number.get(record.cause)) for record in found]
 
 
-def recorded(table: Case, seconds: str, programs: dict[str, Firmware] | None = None) -> Causes:
+def recorded(
+    table: Case, seconds: str, programs: dict[str, Firmware] | None = None, kinds: frozenset[Kind] = frozenset(RECORDED)
+) -> Causes:
     records: list[Record] = []
 
     def subscribe(recorder: Recorder, timebase: Timebase) -> None:
-        recorder.subscribe(RECORDED, records.append)
+        recorder.subscribe(kinds, records.append)
 
     Scene(table, subscribe, programs).run(Fraction(seconds))
     return Causes(records)
+
+
+def test_the_cause_of_a_level_is_the_last_write_also_without_records_of_edges():
+    """The first write that changed any pin of the unit, at its set-up, was recorded as the cause."""
+    kinds = frozenset({Kind.ACCESS, Kind.FLAG})
+    found = recorded(load(TIMING / "imu_hil.toml"), "0.01", kinds=kinds).of(Kind.FLAG, "GPBDAT.GPIO34")
+    causes = {(record.value, cause.what) for record, cause in found if cause is not None}
+    assert causes == {(0, "W GPIO.GPBDIR"), (1, "W GPIO.GPBSET"), (0, "W GPIO.GPBCLEAR")}
 
 
 @pytest.fixture(scope="module")

@@ -108,6 +108,16 @@ def test_taking_a_state_changes_nothing():
     assert len(records) > 2000 and looked_records == records
 
 
+@pytest.mark.parametrize("name", ["imu_hil", "eeprom_log", "imu_hil_reset"])
+def test_the_state_of_a_scene_without_records_does_not_depend_on_earlier_stops(name: str):
+    """Neither does it on the begin of skipped bits, which a stop in the middle of them divides."""
+    straight, stopped = Scene(case_of(name)), Scene(case_of(name))
+    for at in (1.0001, 3.0009, 7.0049, 16.0256):
+        stopped.advance(ms(stopped, at))
+    straight.advance(stopped.kernel.now)
+    assert straight.state().differences(stopped.state()) == {}
+
+
 # Restored scenes -----------------------------------------------------------------
 
 

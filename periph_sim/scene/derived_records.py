@@ -61,7 +61,8 @@ class DerivedRecords:
         if named[Kind.TRANSFER] - OF_UNITS:
             from ..timing.derived.transfer_records import TransferRecords
 
-            self._transfers = TransferRecords(self._recorder)
+            asked = scene.bus.asked
+            self._transfers = TransferRecords(self._recorder, polls=asked is None or asked.ack_polling)
             scene.on_transfer(self._transfers.transfer)
         if named[Kind.ROUND]:
             from ..timing.derived.transfer_records import RoundRecords

@@ -10,12 +10,13 @@ from pathlib import Path
 
 import pytest
 
+from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_i2c
 from periph_sim.processor.dsp import Dsp
 from periph_sim.records.recording import recording
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
-from tests.scene.runs import TIMING, run_file
+from tests.scene.runs import TIMING, run_case, run_file
 from tests.scene.small import scene_with
 
 LOG = "eeprom_log"
@@ -49,6 +50,46 @@ def test_a_device_without_power_is_missed_and_a_held_line_is_stuck():
     ran = run_file(LOG, "0.017", *QUICK, HELD, "rounds.stuck_after=2 ms")
     assert "bus stuck" in ran.broken()
     assert ran.result.stuck[0].startswith("SDA is held low by eeprom at ")
+
+
+def test_the_busy_time_is_what_the_acknowledges_of_a_recorded_run_show():
+    """From the STOP of each write to the next address that is acknowledged: the stored time and at most a poll more."""
+    case = load(TIMING / f"{LOG}.toml", [*QUICK, "budget.stored.measure=busy time of 0x50", "budget.stored.max=450 us"])
+    seen: list[Record] = []
+    ran = run_case(case, "0.024", lambda recorder, timebase: recorder.subscribe([Kind.BUS], seen.append))
+    times: list[int] = []
+    writes, stored_at = "", 0
+    for record in seen:
+        if record.what == "address" and not record.value & 1:
+            times += [record.tick - stored_at] if stored_at else []
+            writes, stored_at = "" if record.value & 2 else "address", 0
+        elif record.what == "byte" and writes:
+            writes = "data"
+        elif record.what == "STOP":
+            stored_at, writes = record.tick if writes == "data" else stored_at, ""
+    busy = ran.result.budgets[2]
+    assert (busy.word, busy.count) == ("seen", len(times)) and len(times) >= 4
+    assert busy.worst == pytest.approx(max(times) / ran.scene.timebase.per_second * 1e6, abs=0.001)
+    assert 300 < busy.worst < 300 + 150
+
+
+def test_a_busy_time_over_its_limit_breaks_and_one_without_end_counts_to_the_end_of_the_run():
+    budget = ("budget.stored.measure=busy time of 0x50", "budget.stored.max=450 us")
+    for slow in ("device.eeprom.write_time=600 us", "device.eeprom.write_time=1 s"):
+        busy = run_file(LOG, "0.016", *QUICK, *budget, slow).result.budgets[2]
+        assert busy.broken and busy.found == "0x50 was not acknowledged again before the run ended" * ("1 s" in slow)
+    other = run_file(LOG, "0.016", *QUICK, "budget.stored.measure=busy time of 0x51").result.budgets[2]
+    assert other.verdict == "not judged"
+    assert other.found == "no write to 0x51 was over before its address was acknowledged again"
+
+
+def test_refused_ack_polls_are_no_occasions_of_stretch():
+    """Most polls are refused, and every phase that was acknowledged was measured."""
+    stretch = run_file(LOG, "0.016", *QUICK, "budget.stored.measure=stretch").result.budgets[2]
+    assert (stretch.word, stretch.measured) == ("seen", stretch.occasions)
+    counted = run_file(LOG, "0.016", *QUICK, "budget.stored.measure=stretch", "rounds.ack_polling=false")
+    stretch = counted.result.budgets[2]
+    assert stretch.occasions is not None and stretch.measured < stretch.occasions
 
 
 SIGROK = shutil.which("sigrok-cli")

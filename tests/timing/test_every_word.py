@@ -12,7 +12,7 @@ from periph_sim.timing.language.scope import BadEvent
 from periph_sim.timing.measures.factory import measure_named
 from periph_sim.timing.measures.registry import MEASURES
 from tests.docs.pages import ROOT
-from tests.scene import test_event_budgets, test_image_budgets
+from tests.scene import test_event_budgets, test_image_budgets, test_master_with_eeprom
 from tests.timing import (
     test_age,
     test_derived_values,
@@ -46,6 +46,7 @@ ANOTHER_WAY: dict[str, Callable[..., None]] = {
     "stack": test_image_budgets.test_the_deepest_stack_in_words,
     "interrupt": test_event_budgets.test_each_is_what_the_recorded_run_shows,
     "reaction": test_rounds.test_reaction_is_from_the_last_flag_before_each_write,
+    "busy": test_master_with_eeprom.test_the_busy_time_is_what_the_acknowledges_of_a_recorded_run_show,
     "gap": test_rounds.test_round_slack_and_gap_are_those_of_the_recorded_bytes,
     "margin": test_margins.test_it_is_the_time_to_the_controllers_release_less_what_the_module_takes,
     "SCL": test_rounds.test_what_scl_is_held_for_is_the_sum_of_a_transfers_lows,
@@ -73,6 +74,7 @@ MISUSE = {
     "stack": ("stack highwater", "'highwater' where high-water is expected"),
     "interrupt": ("interrupt latency SCIRXINTA to access", "'access' where first is expected"),
     "reaction": ("reaction of dps", "there is no unit 'dps'; did you mean dsp?"),
+    "busy": ("busy time of eeprom", "the address of a memory is expected after of"),
     "gap": ("gap between round", "'round' where rounds is expected"),
     "margin": ("margin of I2CDRR", "only I2CDXR has a margin; write margin of I2CDXR"),
     "SCL": ("SCL held by dsp", "'by' where per is expected"),

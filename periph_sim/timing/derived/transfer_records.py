@@ -3,11 +3,12 @@
 The records of a transfer and its phases are made when the transfer is over:
 
 thing     tick                                                          value
-phase     START of each addressed phase                                 its address
+phase     START of each addressed phase, ACK polls excluded             its address
 read      START of each phase that reads                                its address
 acknowledge  SCL fall that ends the ACK slot of a read's address        0; for each read with a first data bit
 answer    SCL rise of the first data bit of a read                      0
 stretch   START of each acknowledged phase                              longest time others held SCL low, in ticks
+write end STOP of a transfer whose last phase wrote at least one byte  its address
 refused   START of a transfer whose address was not acknowledged        number of its phases
 held      release of SCL by the master, if others hold it till the end  ticks up to the end of the run
 """
@@ -43,15 +44,20 @@ def begin_of(transfer: Transfer, phase: Phase) -> int:
 
 
 class TransferRecords:
-    """Makes the records of the transfers of one bus."""
+    """Makes the records of the transfers of one bus.
 
-    def __init__(self, recorder: Recorder) -> None:
+    polls: True if a refused write of only the address is an ACK poll, because no request of a controller can be one.
+    """
+
+    def __init__(self, recorder: Recorder, polls: bool) -> None:
+        self._polls = polls
         self._phase: Topic = recorder.topic(Kind.TRANSFER, I2C, "phase")
         self._read: Topic = recorder.topic(Kind.TRANSFER, I2C, "read")
         self._acknowledge: Topic = recorder.topic(Kind.TRANSFER, I2C, "acknowledge")
         self._answer: Topic = recorder.topic(Kind.TRANSFER, I2C, "answer")
         self._stretch: Topic = recorder.topic(Kind.TRANSFER, I2C, "stretch")
         self._refused: Topic = recorder.topic(Kind.TRANSFER, I2C, "refused")
+        self._write_end: Topic = recorder.topic(Kind.TRANSFER, I2C, "write end")
         self._held: Topic = recorder.topic(Kind.TRANSFER, I2C, "held")
 
     def transfer(self, transfer: Transfer) -> None:
@@ -60,7 +66,8 @@ class TransferRecords:
         phase: Phase
         for phase in transfer.phases:
             begin = begin_of(transfer, phase)
-            self._phase.emit(begin, phase.address)
+            if phase.acked or phase.read or not self._polls:
+                self._phase.emit(begin, phase.address)
             if phase.acked:
                 self._stretch.emit(phase.start_at, phase.stretch)
             if phase.read:
@@ -68,6 +75,8 @@ class TransferRecords:
                 if phase.answer_at != NO_TIME:
                     self._acknowledge.emit(phase.answer_from)
                     self._answer.emit(phase.answer_at)
+        if phase.acked and phase.data and not phase.read:
+            self._write_end.emit(transfer.stop_at, phase.address)
 
     def finish(self, now: int, unfinished: Transfer | None, held_since: int) -> None:
         """Record the transfer that the end of the run cuts off.

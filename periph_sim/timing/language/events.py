@@ -8,11 +8,12 @@
             | "interrupt" vector ( "enter" | "leave" )
             | "span" span ( "begin" | "end" )                    unit "any": in any unit
             | "bus" ( "START" | "repeated" "START" | "STOP" | "arbitration" "lost" | "stuck" | "clear"
-                    | "NACK" [ "address" | "byte" ] | "address" [ number ] [ "read" | "write" ] | "byte" [ number ] )
+                    | "NACK" [ "address" | "byte" ] | "byte" [ number ]
+                    | "address" [ number ] [ "read" | "write" ] [ "ACK" | "NACK" ] )
             | "frame" [ line ] [ number ] [ "begin" | "end" | "error" | "cut" | "collision" ]
             | "variable" variable ( "change" | "=" number )
             | "note" ( "duty" | "lost" | "unknown" | "overflow" )
-            | "record" ( "transfer" | "round" | "receiver" | "data" | "bus" ) thing [ "of" ( chip | unit ) ]
+            | "record" ( "transfer" | "round" | "receiver" | "data" | "bus" ) thing [ "of" ( chip | unit | number ) ]
 
     Event + Scope --> Matcher(kind, where, what, mask, want)
                         |-- may_be(kind, where, what), value & mask == want   during the run
@@ -34,7 +35,7 @@ from msgspec.structs import replace
 from ...core.phrases import did_you_mean
 from ...core.records import Kind, Record
 from ...devices.sensor_rounds import known_sensors
-from .scope import LINES, RECORDS, BadEvent, Scope, Thing
+from .scope import LINES, RECORDS, WRITE_END, BadEvent, Scope, Thing
 from .tokens import Words, name_text
 
 EVERYTHING = -1  # the mask of all bits of a value
@@ -42,6 +43,7 @@ CHANGES = ("rise", "fall", "change")
 NOTES = ("duty", "lost", "unknown", "overflow")
 BUS = ("START", "repeated START", "STOP", "address", "byte", "arbitration lost", "stuck", "clear", "NACK")
 OF_AGENT = ("arbitration lost", "clear")  # events that only the controller of a case records
+WAYS, ACKS = ("read", "write"), ("ACK", "NACK")
 OF_PAIRS = ("cut", "collision")
 FRAME_PARTS = ("begin", "end", "error", *OF_PAIRS)
 # In the text of a measure, only these words can follow an event; "" is the end of the text.
@@ -258,8 +260,8 @@ def _read_bus(words: Words) -> Parts:
         return "", what, words.one_of(["address", "byte"]) if words.next in ("address", "byte") else "", None
     if what == "address":
         number = words.number(0x7F)
-        how = words.one_of(["read", "write"]) if words.next in ("read", "write") else ""
-        return "", what, how, number
+        way, ack = (words.take("a word") if words.next in choices else "" for choices in (WAYS, ACKS))
+        return "", what, f"{way} {ack}".strip(), number
     return "", what, "", words.number(0xFF) if what == "byte" else None
 
 
@@ -282,10 +284,12 @@ def _read_note(words: Words) -> Parts:
 def _read_record(words: Words) -> Parts:
     kind = words.one_of(list(RECORDS))
     thing = words.phrase(list(RECORDS[kind]))
-    whose = ""
+    whose, number = "", None
     if kind in ("data", "transfer") and words.took("of"):
-        whose = words.one_of(list(known_sensors())) if kind == "data" else words.take("a unit")
-    return whose, kind, thing, None
+        number = words.number(0x7F) if thing == WRITE_END else None
+        if number is None:
+            whose = words.one_of(list(known_sensors())) if kind == "data" else words.take("a unit")
+    return whose, kind, thing, number
 
 
 def _match_edge(event: Event, scope: Scope) -> Matcher:
@@ -342,8 +346,9 @@ def _match_bus(event: Event, scope: Scope) -> Matcher:
     if event.name == "address":  # bits of the value: NACK (0), R/W (1), address (2 and up)
         if event.number is not None:
             mask, want = -4, event.number << 2
-        if event.how:
-            mask, want = mask | 2, want | (2 if event.how == "read" else 0)
+        for word in event.how.split():
+            bit = 2 if word in WAYS else 1
+            mask, want = mask | bit, want | (bit if word in ("read", "NACK") else 0)
     elif event.name == "NACK" and event.how:
         mask, want = EVERYTHING, int(event.how == "byte")
     elif event.number is not None:
@@ -380,7 +385,8 @@ def _match_note(event: Event, scope: Scope) -> Matcher:
 
 def _match_record(event: Event, scope: Scope) -> Matcher:
     place = frozenset((event.unit,)) if event.unit else None
-    return Matcher(event.text, Kind(event.name), place, event.how, thing=RECORDS[event.name][event.how])
+    value = (0, 0) if event.number is None else (EVERYTHING, event.number)
+    return Matcher(event.text, Kind(event.name), place, event.how, *value, thing=RECORDS[event.name][event.how])
 
 
 # EVENTS maps the first word of an event to the parser of the next words and the function that makes the matcher.

@@ -12,6 +12,7 @@
             | "stack" "high-water" [ "of" unit ]
             | "interrupt" "latency" vector [ "to" "first" "access" ]
             | "reaction" [ "of" unit ]
+            | "busy" "time" "of" number
             | "gap" "between" "rounds"
             | "margin" "of" [ unit ":" ] "I2CDXR"
             | "SCL" "held" "per" "transfer" [ "by" unit ]
@@ -292,6 +293,15 @@ STATES = {
 }
 
 
+def _busy(words: Words) -> Said:
+    for word in ("time", "of"):
+        words.one_of([word])
+    address = words.next
+    if words.number(0x7F) is None:
+        raise BadEvent(f"{words.text!r}: the address of a memory is expected after of; write for instance 0x50")
+    return Said(name=address)
+
+
 def _margin(words: Words) -> Said:
     words.one_of(["of"])
     unit, name = words.name("I2CDXR")
@@ -371,6 +381,7 @@ _MEASURES: dict[str, tuple[str, Callable[[Words], Said]]] = {
     "stack": ("stack high-water", lambda words: _phrase(words, "high-water", unit="of")),
     "interrupt": ("interrupt latency NAME", _latency),
     "reaction": ("reaction", lambda words: _phrase(words, unit="of")),
+    "busy": ("busy time of ADDRESS", _busy),
     "gap": ("gap between rounds", lambda words: _phrase(words, "between rounds")),
     "margin": ("margin of I2CDXR", _margin),
     "SCL": ("SCL held per transfer", lambda words: _phrase(words, "held per transfer", unit="by")),

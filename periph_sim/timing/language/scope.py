@@ -46,10 +46,11 @@ OF_HOST = Thing("host")
 BYTES = Thing("rounds", "bytes")
 AGE = Thing("host", "time", by_read=True)
 ERROR = Thing("host", "LSB", by_read=True)
+WRITE_END = "write end"  # a thing of a transfer; its value is the address, which an event may name
 
 RECORDS: dict[str, dict[str, Thing]] = {
     "transfer": {
-        **dict.fromkeys(("phase", "read", "acknowledge", "answer", "refused"), ON_BUS),
+        **dict.fromkeys(("phase", "read", "acknowledge", "answer", "refused", WRITE_END), ON_BUS),
         "stretch": Thing("I2C-A", "time", by_read=True),
         "held": Thing("I2C-A", "time"),
         **dict.fromkeys(("held alone", "unfinished"), Thing("", "time")),

@@ -123,6 +123,7 @@ WORDS: dict[str, Callable[[Said, Scope], str]] = {
     "event": lambda said, scope: said.events[0].text,
     "cpu": lambda said, scope: scope.unit(said.unit),
     "i2c": lambda said, scope: scope.owner(said.unit, "I2C-A"),
+    "address": lambda said, scope: said.name,
     "time": lambda said, scope: f"any {said.window}" if said.window else "time",
     "of": lambda said, scope: said.name and f" of {said.name}",
     "chips": lambda said, scope: said.name or " or ".join(known_sensors()),
@@ -132,7 +133,7 @@ WORDS: dict[str, Callable[[Said, Scope], str]] = {
 
 def _of_sentence(sentence: Sentence, said: Said, scope: Scope, **given: str) -> Maker:
     """Return the maker of a named measure. said: the parsed text of the budget. given: parameters not in WORDS."""
-    named = f"{sentence.text} {sentence.nothing}"
+    named = f"{sentence.text} {sentence.nothing} {sentence.cut_off}"
     words = given | {name: word(said, scope) for name, word in WORDS.items() if f"{{{name}}}" in named}
     meant = measure_of(sentence.text.format_map(words))
     if meant.state is not None:
@@ -279,6 +280,7 @@ _MAKERS: dict[str, Callable[[Said, Scope], Maker]] = {
     "stack": _stack,
     "interrupt": _latency,
     "reaction": _phrase,
+    "busy": _phrase,
     "gap": _gap,
     "margin": lambda said, scope: partial(Margin, scope.owner(said.unit, "I2C-A")),
     "SCL": _phrase,

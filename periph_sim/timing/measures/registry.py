@@ -179,6 +179,12 @@ PHRASES = {
         nothing=None,
         cost=391,
     ),
+    "busy": Sentence(
+        "from record transfer write end of {address} to bus address {address} ACK",
+        looks_back="this transfer",
+        nothing="no write to {address} was over before its address was acknowledged again",
+        cut_off="{address} was not acknowledged again before the run ended",
+    ),
     "interrupt": Sentence(
         "from flag {asked} rise to interrupt {vector} enter, last",
         nothing=None,

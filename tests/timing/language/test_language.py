@@ -33,6 +33,7 @@ from periph_sim.timing.language.tokens import Words
         ("bus address 0x68", "bus", "", "address", "", 0x68),
         ("bus address 104 read", "bus", "", "address", "read", 104),
         ("bus address write", "bus", "", "address", "write", None),
+        ("bus address 0x50 read ACK", "bus", "", "address", "read ACK", 0x50),
         ("bus byte 0xFF", "bus", "", "byte", "", 255),
         ("bus NACK", "bus", "", "NACK", "", None),
         ("frame", "frame", "", "RX", "begin", None),
@@ -95,6 +96,7 @@ def test_an_event(text: str, kind: str, unit: str, name: str, how: str, number: 
         ("stack high-water of imu", "stack", [], "", "imu", ""),
         ("interrupt latency SCIRXINTA", "interrupt", [], "", "", "SCIRXINTA"),
         ("reaction of imu", "reaction", [], "", "imu", ""),
+        ("busy time of 0x50", "busy", [], "", "", "0x50"),
         ("gap between rounds", "gap", [], "", "", ""),
         ("cpu load", "cpu", [], "", "", ""),
         ("cpu load of imu", "cpu", [], "", "imu", ""),
@@ -197,7 +199,11 @@ def test_all_words_after_in_are_the_name_of_a_span(name: str):
 
 @pytest.mark.parametrize("form", FORMS.values())
 def test_every_form_that_messages_name_can_be_said(form: str):
-    text = form.replace("MODULE.REGISTER.FIELD", "I2C-A.I2CSTR.XRDY").replace("NAME", "SCIRXINTA")
+    text = (
+        form.replace("MODULE.REGISTER.FIELD", "I2C-A.I2CSTR.XRDY")
+        .replace("NAME", "SCIRXINTA")
+        .replace("ADDRESS", "0x50")
+    )
     assert measure_of(text.replace("EVENT", "frame").replace("STATE", "model").replace("CHIP", "gyroscope"))
 
 
@@ -242,6 +248,7 @@ def test_every_form_that_messages_name_can_be_said(form: str):
         ("bus load per 0 s", "'bus load per 0 s': a window is longer than 0"),
         ("interrupt latency XINT1 to access", "'interrupt latency XINT1 to access': 'access' where first is expected"),
         ("gap between transfers", "'gap between transfers': 'transfers' where rounds is expected"),
+        ("busy time of it", "'busy time of it': the address of a memory is expected after of; write for instance 0x50"),
         ("reaction of", "'reaction of' ends where a unit is expected"),
         ("margin of I2CDRR", "'margin of I2CDRR': only I2CDXR has a margin; write margin of I2CDXR"),
         ("margin I2CDXR", "'margin I2CDXR': 'I2CDXR' where of is expected"),

@@ -28,12 +28,13 @@ class HandMadeRun:
         checks_host: bool = True,
         period: int = 2000,
         origins: FrameOrigins | None = None,
+        polls: bool = False,
     ) -> None:
         self.recorder = Recorder()
         self.measure = make(measure) if isinstance(measure, str) else measure
         self.measure.subscribe(self.recorder)
         self.origins = origins or FrameOrigins(host_frames())
-        self.transfers = TransferRecords(self.recorder)
+        self.transfers = TransferRecords(self.recorder, polls)
         self.bytes = ByteRecords(self.recorder, self.origins if checks_host else None)
         self.ages = AgeRecords(self.recorder, self.origins)
         self.recorder.subscribe((Kind.SPAN,), self.ages)

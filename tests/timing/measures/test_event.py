@@ -304,6 +304,7 @@ EXAMPLES += [
     "stack high-water",
     "interrupt latency SCIRXINTA",
     "reaction",
+    "busy time of 0x50",
     "gap between rounds",
 ]
 EXAMPLES += ["margin of I2CDXR", "SCL held per transfer", "time in model"]

@@ -56,13 +56,18 @@ class Condition(Limited, frozen=True, kw_only=True):
 
 
 class Budget(Limited, frozen=True, kw_only=True):
-    """A limit on a measure.
+    """A measure with at least one limit. A budget with too few measurements is *not judged*, which is not a pass.
 
-    p50 to p99_9: upper limits for the smallest 50 % to 99.9 % of the values.
-    after: a time since the begin of the run. Occurrences that begin before this time are left out.
-    coverage: the minimum share of the events at which a value should be measured. If values were measured at fewer of
-        these events, the budget is not judged.
-    also: the conditions that are joined to the budget. In a file, the key is `and`.
+    name: name
+    measure: a measure
+    max: upper limit: duration, `"40 %"`, `"2.5 LSB"`, or a count
+    min: lower limit
+    exactly: only allowed value; excludes other limits
+    p50, p95, p99, p99_9: upper limit of that percentile
+    after: occurrences that began earlier are ignored
+    coverage: part of the occasions that must be measured
+    and: further conditions on the same occurrence: tables of `measure` and `max`, `min` or `exactly`
+    why, source: reason, and origin of the number
     """
 
     name: str

@@ -45,12 +45,12 @@ Count = Annotated[int, Meta(ge=1)]
 
 @dataclass(frozen=True, kw_only=True)
 class When:
-    """Times at which a fault occurs.
+    """A fault disturbs a wire or resets a unit at these times. Its key `kind` names one of the kinds below.
 
-    at: the time of the first fault, counted from the begin of the run.
-    every: the time from one fault to the next; without it there is only one fault.
-    spread: the maximum random delay of each fault.
-    times: the maximum number of faults.
+    at: time of the first fault, from the start of the run
+    every: time from one fault to the next; without it there is only one fault
+    spread: maximum random delay of each fault
+    times: maximum number of faults, with `every`
     """
 
     at: Duration

@@ -22,7 +22,11 @@ from . import FaultContext, Length, Repeated, SdaPuller, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """A false START or STOP. condition: "START" or "STOP". late: the time from the rise of SCL to the condition."""
+    """A false START or STOP: SDA falls or rises within the next 1 bit.
+
+    condition: "START" or "STOP"
+    late: time from the rise of SCL to the condition
+    """
 
     condition: Literal["START", "STOP"] = "START"
     late: Length = Fraction(1, 1_000_000)

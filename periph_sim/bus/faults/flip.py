@@ -16,7 +16,7 @@ from . import FaultContext, Repeated, SdaPuller, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """A wrong bit: the first bit that is 1 after the time of the fault becomes 0."""
+    """A wrong bit: the next bit on the bus that is 1, or a NACK, becomes 0."""
 
 
 class Flip(SdaPuller):

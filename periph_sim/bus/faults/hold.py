@@ -15,11 +15,11 @@ from . import Count, FaultContext, HeldLine, Length, Repeated, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """A wire that is held low.
+    """A wire that is held low, for a time or for a number of falls of SCL.
 
-    wire: the name of the wire, such as "SDA".
-    length: the time for which it is held low.
-    clocks: instead of `length`, the number of falls of SCL after which it is released.
+    wire: the wire, such as "SDA"
+    length: time
+    clocks: number of falls of SCL
     """
 
     wire: str

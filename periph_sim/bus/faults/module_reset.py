@@ -16,7 +16,11 @@ from . import FaultContext, Length, Repeated, When, pulse
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """A reset of a unit's I2C module. unit: the name of the unit. length: the time from IRS = 0 to IRS = 1."""
+    """A reset of a unit's I2C module by I2CMDR.IRS, without the firmware's knowledge.
+
+    unit: the unit
+    length: time from IRS = 0 to IRS = 1
+    """
 
     unit: str
     length: Length = Fraction(1, 1_000_000)

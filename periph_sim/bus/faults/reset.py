@@ -13,7 +13,11 @@ from . import FaultContext, Length, Repeated, When, pulse
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """A reset of a unit by its XRS pin. unit: the name of the unit. length: the time for which XRS is low."""
+    """A reset of a unit by its XRS pin. The firmware restarts.
+
+    unit: the unit
+    length: time for which XRS is low
+    """
 
     unit: str
     length: Length = Fraction(1, 1000)

@@ -15,7 +15,11 @@ from . import FaultContext, Length, Repeated, When, pulse
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """A spike on a wire. wire: the name of the wire, such as "SCL". width: the time for which it is pulled low."""
+    """A short low pulse on a wire.
+
+    wire: the wire, such as "SCL"
+    width: time
+    """
 
     wire: str
     width: Length

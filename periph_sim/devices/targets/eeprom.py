@@ -89,11 +89,12 @@ def _contents(value: object) -> object:
 
 
 class Settings(Table, frozen=True, kw_only=True):
-    """The settings of a serial memory.
+    """An EEPROM: `24c`, `24lc` or `24aa`, then 02, 04, 08, 16, 32, 64, 128, 256 or 512.
 
-    contents: the bytes from address 0 on, or a file with them; the rest is 0xFF.
-    page: the bytes of a page; the default is that of the model.
-    write_protect: true, or the wire that is high while the memory is protected.
+    contents: bytes from address 0, or a `.bin` or Intel `.hex` file; the rest is 0xFF
+    page: page size in bytes; otherwise 8 (02), 16 (04 to 16), 32 (32, 64), 64 (128, 256), 128 (512)
+    write_time: duration or range of a write
+    write_protect: `true`, or a wire of `pins` that protects while high
     """
 
     contents: Annotated[bytes | Path, Before(_contents, str | list[int])] = b""

@@ -22,7 +22,13 @@ class Sets(Table, frozen=True, kw_only=True):
 
 
 class Interrupt(Table, frozen=True, kw_only=True):
-    """A pin that is active while any of these bits of a register is set. wire: its name in a unit's `pins`."""
+    """A pin that is active while any of these bits of a register is set.
+
+    wire: a name in `pins`
+    register: source register
+    bits: the pin is active while any of these is set
+    active: `"low"` or `"high"`
+    """
 
     wire: str
     register_name: str = field(name="register")
@@ -31,16 +37,21 @@ class Interrupt(Table, frozen=True, kw_only=True):
 
 
 class RegisterTable(Table, frozen=True, kw_only=True):
-    """A register of the device.
+    """A register of the device. Bits are a number, `0x80`, or `true` for all.
 
-    at: the pointer of its first byte.
-    read_only, write_1_clears, read_clears: the bits with this property, or true for all bits.
-    updates: times and values of updates by the device, or the path of a .csv file with them.
-    every: instead of `updates`, the period of updates by the device.
-    first: the time of the first update of this period; the default is one period.
-    values: the values of these updates, one after the other; the last one remains.
-    step: instead of `values`, the amount that each of these updates adds.
-    sets: bits that each update sets in another register.
+    name: name in messages and for `sets` and `interrupt`
+    at: pointer of the first byte
+    width: 8 or 16 bits
+    reset: value at start and after power loss
+    read_only: bits that writes do not change
+    write_1_clears: bits cleared by writing 1
+    read_clears: bits cleared by reading
+    updates: values by time: `[["5 ms", 0x12], ["7 ms", 0x34]]`, or a `.csv` file with rows `5 ms,0x12`
+    every: period of `values` or `step`
+    first: time of the first update; otherwise one period
+    values: successive values; the last stays
+    step: added at each update, modulo the width
+    sets: bits of another register set by each update: `{ register = "STATUS", bits = 0x01 }`
     """
 
     name: str
@@ -92,11 +103,17 @@ class RegisterTable(Table, frozen=True, kw_only=True):
 
 
 class Settings(Table, frozen=True, kw_only=True):
-    """The register map of the device.
+    """Registers behind a pointer. A write begins with the pointer; a read continues from it.
 
-    pointer_counts: what one step of the pointer is, a byte or a register.
-    wrap: where the pointer wraps: at the end of its own range, or at the end of the map.
-    unmapped: the byte that is read where there is no register.
+    register: registers, `[[device.NAME.register]]`
+    pointer_bytes: 1 or 2, high byte first
+    pointer_counts: a 16-bit register takes two pointer values (`"bytes"`) or one (`"registers"`)
+    byte_order: of 16 bits: `"big"` or `"little"`
+    auto_increment: the pointer advances by itself
+    wrap: after the last pointer value: `"pointer"` continues at 0 after 0xFF (0xFFFF), `"map"` at the first
+        register after the last
+    unmapped: value read where no register is
+    interrupt: interrupt pin, `[device.NAME.interrupt]`
     """
 
     registers: Annotated[tuple[RegisterTable, ...], Meta(min_length=1)] = field(name="register")

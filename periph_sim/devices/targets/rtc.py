@@ -110,12 +110,12 @@ def _plain(value: datetime | None) -> datetime | None:
 
 
 class Settings(Table, frozen=True, kw_only=True):
-    """The settings of a clock.
+    """A real-time clock with two-byte register addresses.
 
-    time: the time at the begin of the run. Without it the clock is stopped until it is set, as after the loss of all
-    supplies.
-    ppm: the error of the crystal.
-    battery: true if a battery keeps the clock running while the supply is off.
+    time: initial time, `2012-02-29 23:59:58`; otherwise the clock is stopped with RTCF set
+    ppm: crystal error, parts per million
+    battery: runs on without supply
+    write_time: duration of a nonvolatile write
     """
 
     time: Annotated[datetime | None, After(_plain)] = None

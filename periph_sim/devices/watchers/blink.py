@@ -21,10 +21,10 @@ KIND = "blink"
 class Settings(Table, frozen=True, kw_only=True):
     """The expected blinking of a wire.
 
-    rate: periods a second.
-    duty: the part of a period for which the wire is high; without it the on-times are not checked.
-    after: edges up to this time are ignored.
-    first: the deadline of the first rise; the default is two periods after `after`.
+    rate: frequency, `"1 Hz"`
+    duty: high part of a period; otherwise not checked
+    after: earlier edges are ignored
+    first: latest first rise; otherwise two periods after `after`
     """
 
     rate: Frequency

@@ -24,9 +24,10 @@ KIND = "edges"
 class Settings(Table, frozen=True, kw_only=True):
     """The expected edges of a wire.
 
-    edges: the time of each edge, counted from `since`, and its kind.
-    after: edges up to this time are ignored.
-    more: further edges are allowed.
+    edges: expected edges in order: `[["10 ms", "rise"], ["20 ms", "fall"]]`
+    since: zero of these times: `"start"` or `"first edge"`
+    after: earlier edges are ignored
+    more: `true`: further edges are allowed
     """
 
     edges: Annotated[tuple[tuple[Duration, Literal["rise", "fall"]], ...], Meta(min_length=1)]

@@ -18,7 +18,14 @@ Access = Literal["read", "write", "any"]
 
 
 class Strikes(Table, frozen=True, kw_only=True):
-    """The bytes that a stretch or a fault affects, and the time during which bytes are affected."""
+    """The bytes that a stretch or a fault affects, and the time during which bytes are affected.
+
+    bytes: byte numbers, `[3]`, in which 0 is the address; otherwise all
+    access: `"read"`, `"write"` or `"any"`
+    phases: numbers, from 1, of addresses that match `access`: `[1, 4]`; otherwise all
+    share: random part of these bytes
+    after, until: times between which bytes are affected; otherwise all
+    """
 
     bytes: tuple[ByteNumber, ...] = ()
     access: Access = "any"
@@ -29,9 +36,11 @@ class Strikes(Table, frozen=True, kw_only=True):
 
 
 class StretchTable(Strikes, frozen=True, kw_only=True):
-    """Clock stretching: the bytes after which SCL is held low, and for how long.
+    """Clock stretching: SCL is held low before the ACK of a received byte or the first bit of a sent byte.
 
-    In a case file, a duration in place of this table means that SCL is held low for this time after every byte.
+    A duration in place of this table holds SCL low for this time at every byte.
+
+    length: duration or range of each hold
     """
 
     length: DurationRange
@@ -47,7 +56,16 @@ WHICH_BYTES = ("bytes", "access", "phases", "share")  # the keys that a fault of
 
 
 class DeviceFault(Strikes, frozen=True, kw_only=True):
-    """A fault of a device: the kind of fault, the bytes and the time that it affects, and the keys of this kind."""
+    """A fault of a device.
+
+    kind: `"nack"`: a byte is neither acknowledged nor stored. `"wrong"`: `value` is sent. `"flip"`: one bit of a
+        sent byte is wrong. `"hold"`: SDA is held low from before the byte's ACK or first bit. `"off"`: no power from
+        `after` to `until`, and volatile contents are lost.
+    value: byte of `"wrong"`
+    bit: 7 to 0, of `"flip"`; otherwise random
+    length: duration of `"hold"`
+    clocks: SCL falls that end `"hold"`
+    """
 
     kind: Literal["nack", "wrong", "flip", "hold", "off"]
     value: Byte | None = None
@@ -73,7 +91,12 @@ class DeviceFault(Strikes, frozen=True, kw_only=True):
 
 
 class BusParty(Table, frozen=True, kw_only=True):
-    """Keys of each chip and device. output_delay: the time from a fall of SCL until the chip or device changes SDA."""
+    """Keys of each chip and device.
+
+    output_delay: SCL fall to SDA change
+    stretch: clock stretching, `[device.NAME.stretch]`, or a duration for each byte: `"20 us"`
+    fault: faults, `[[device.NAME.fault]]`
+    """
 
     output_delay: Length = Fraction(300, 10**9)
     stretch: STRETCH | None = None
@@ -81,7 +104,11 @@ class BusParty(Table, frozen=True, kw_only=True):
 
 
 class DeviceTable(BusParty, frozen=True, kw_only=True):
-    """A device on the bus. model: a name in `devices.targets`, or a Python file. Each model adds keys of its own."""
+    """A device on SDA and SCL. Its model adds keys.
+
+    model: `"24c02"` to `"24lc512"`, `"isl12026"`, `"x1226"`, `"registers"`, or a `.py` file with your class
+    address: 7 bits, right-aligned; memory 0x50, clock 0x6F if omitted
+    """
 
     OTHERS = "own"
 
@@ -91,7 +118,15 @@ class DeviceTable(BusParty, frozen=True, kw_only=True):
 
 
 class WatchTable(Table, frozen=True, kw_only=True):
-    """A watcher of a wire. kind: a name in `devices.watchers`. Each kind adds keys of its own."""
+    """Expected edges of a wire, such as a LED's. Its kind adds keys.
+
+    Each watch is a budget of its name with the measure `watch:NAME`; a missing or wrong edge breaks it.
+
+    kind: `"edges"` or `"blink"`
+    wire: a name in `pins`
+    tolerance: largest deviation of an edge or period
+    why: reason, shown with the verdict
+    """
 
     OTHERS = "own"
 

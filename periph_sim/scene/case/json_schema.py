@@ -40,6 +40,7 @@ Schema = dict[str, Any]
 
 # LIMITS maps an attribute of msgspec.Meta to the keyword of a JSON schema with the same meaning.
 LIMITS = {"ge": "minimum", "le": "maximum", "pattern": "pattern", "examples": "examples"}
+KEY_LINE = re.compile(r"\n(\w+(?:, \w+)*): ")
 PLAIN: dict[Any, Schema] = {
     bool: {"type": "boolean"},
     int: {"type": "integer"},
@@ -100,17 +101,36 @@ def _annotated(kind: Any, checks: tuple[Any, ...], definitions: Schema) -> Schem
 def schema_of_table(kind: Any, definitions: Schema) -> Schema:
     """Return the schema of a table: its keys, with their defaults where a file can express the default."""
     keys = keys_of(kind)
+    about, of_keys = descriptions(kind)
     properties = {said: _property(key, definitions) for said, key in keys.items()}
+    for said, what in of_keys.items():
+        # Draft 7 ignores other keywords beside a reference.
+        one = properties[said]
+        properties[said] = {"description": what, **({"allOf": [one]} if "$ref" in one else one)}
     schema: Schema = {
         "type": "object",
         "properties": properties,
         "additionalProperties": bool(getattr(kind, "OTHERS", "")),
     }
-    about = inspect.cleandoc(kind.__doc__ or "")
     if about:
         schema["description"] = about
     required = [said for said, key in keys.items() if key.is_required]
     return schema | {"required": required} if required else schema
+
+
+def descriptions(kind: type) -> tuple[str, dict[str, str]]:
+    """Return the description of a table, and that of each of its keys, from the docstrings of its class and bases.
+
+    In a docstring, the description of a key is a line such as "low, high: time ...", and lines that continue it are
+    indented. The description of the table is the text above these lines.
+    """
+    keys, found, about = keys_of(kind), dict[str, str](), ""
+    for base in reversed(kind.__mro__):
+        of_table, *lines = KEY_LINE.split("\n" + inspect.cleandoc(vars(base).get("__doc__") or ""))
+        about = of_table.strip()
+        for names, what in zip(lines[::2], lines[1::2], strict=True):
+            found |= dict.fromkeys(names.split(", "), " ".join(what.split()))
+    return about, {said: found[said] for said in keys if said in found}
 
 
 def _property(key: Key, definitions: Schema) -> Schema:

@@ -45,7 +45,16 @@ SHORTEST_ROUND = Fraction(1, 1_000_000)  # minimum period of rounds, in seconds:
 
 
 class RequestTable(Table, frozen=True, kw_only=True):
-    """One request of a round. It has either `chip`, the name of a known sensor, or `address`, `pointer` and `count`."""
+    """One request of a round. It has either `chip` or `address`.
+
+    chip: gyroscope, accelerometer or magnetometer; implies address, pointer and count
+    name: name in messages; otherwise chip or address
+    address: 7 bits, right-aligned; required without `chip`
+    pointer: register pointer, written first
+    count: bytes to read
+    write: bytes to write after the pointer
+    expect: expected bytes, `count` of them
+    """
 
     chip: str | None = None
     name: str | None = None
@@ -66,11 +75,36 @@ class RequestTable(Table, frozen=True, kw_only=True):
 
 
 class Controller(Table, frozen=True, kw_only=True):
-    """The sensor head, or another I2C controller that makes requests in rounds. ppm: error of its clock."""
+    """An external I2C controller that sends its requests in periodic rounds.
+
+    A round that is due while the previous one runs is missed.
+
+    rate: SCL frequency, up to 5 MHz
+    ppm: clock error, parts per million; rounds do not drift, SCL phases round to the nearest tick
+    low, high: SCL low and high time; otherwise half a period
+    hold: SCL fall to SDA change; at most `low`
+    filter: shorter pulses on SDA are ignored (Fast-mode: 50 ns)
+    first: first round
+    period: time between rounds
+    jitter: random delay of each round; at most `period`
+    gap: time between transfers of a round; at least the bus-free time
+    rounds: number of rounds; otherwise until the end
+    pointer_by: between pointer and read: `"repeated START"` or `"STOP"`
+    order: known chips to read: gyroscope, accelerometer, magnetometer, or a plugin's
+    request: further requests, `[[controller.request]]`
+    initialise: the known chips are identified and set up this long before the first round
+    check: `"host"`: compare known chips with the host's frames or the firmware's sensor models; the latter need
+        `pins = { MODEL = 34 }`, high while they run
+    on_nack: after a refused data byte: `"go on"` with the next phase or `"give up"` with a STOP
+    stuck_after: a line low this long is reported with its holder
+    clear_after: time from a START refused with SCL high to a bus clear (UM10204 section 3.1.16): up to nine clocks,
+        then STOP
+    beside_outside: `true`: stays active if an outside party drives SDA and SCL
+    """
 
     rate: BusRate = Fraction(100_000)
     ppm: Ppm = Fraction(0)
-    low: Length | None = None  # None: half a period of SCL
+    low: Length | None = None
     high: Length | None = None
     hold: Duration = Fraction(300, 10**9)
     filter: Duration = Fraction(0)
@@ -82,14 +116,11 @@ class Controller(Table, frozen=True, kw_only=True):
     pointer_by: Literal["repeated START", "STOP"] = "repeated START"
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
-    initialise: Length | None = None  # time from the set-up of chips to the first round; None: no chip is set up
-    # `check`: the measure "wrong bytes" compares the bytes with the keys `expect` of requests, or with host frames.
+    initialise: Length | None = None
     check: Literal["expect", "host"] = "expect"
-    # `on_nack`: after a NACK of a data byte, "go on" continues the transfer, and "give up" makes a STOP.
     on_nack: Literal["go on", "give up"] = "go on"
     stuck_after: Length = Fraction(25, 1000)
-    clear_after: Length | None = None  # None: the bus is never cleared
-    # `beside_outside`: an outside party on SDA and SCL replaces the [controller] if False; both are on the bus if True.
+    clear_after: Length | None = None
     beside_outside: bool = False
 
     def as_rounds(self) -> RoundsTable:
@@ -111,15 +142,26 @@ class Controller(Table, frozen=True, kw_only=True):
 
 
 class RoundsTable(Table, frozen=True, kw_only=True):
-    """The requests that are expected from a master other than a [controller]. Measures recognize rounds by them."""
+    """The requests of a unit or an outside party that is the controller. The table generates no traffic.
+
+    Measures such as `round`, `missed rounds` and `wrong bytes` need it. A round is due one period after the
+    previous one began, and missed half a period later.
+
+    order, request: as in `[controller]`
+    period: time between rounds
+    rounds: number of rounds due; otherwise until the end
+    pointer_by, check: as in `[controller]`
+    ack_polling: `true`: an address-only write is no request, but EEPROM polling
+    stuck_after: limit of measure `stuck`
+    """
 
     order: tuple[str, ...] = ()
     request: tuple[RequestTable, ...] = ()
     period: Length
     rounds: Annotated[int, Meta(ge=1)] | None = None
     pointer_by: Literal["repeated START", "STOP"] = "repeated START"
-    check: Literal["expect", "host"] = "expect"  # as in [controller]
-    ack_polling: bool = False  # True: a write of only the address polls an EEPROM, so it is not counted as a request
+    check: Literal["expect", "host"] = "expect"
+    ack_polling: bool = False
     stuck_after: Length = Fraction(25, 1000)
 
     def check_together(self, given: Set[str]) -> None:
@@ -128,11 +170,14 @@ class RoundsTable(Table, frozen=True, kw_only=True):
 
 
 class ValueTable(Table, frozen=True, kw_only=True):
-    """Input of a sensor chip: exactly one of the keys `fixed`, `rows` and `ramp`.
+    """Input of a sensor chip: exactly one of `fixed`, `rows` and `ramp`. Times count from the start of the run.
 
-    fixed: the values x, y, z for the whole run.
-    rows: rows of a time and the values x, y, z. The values hold from this time until the time of the next row.
-    ramp: "angles" or "accelerations": the input follows these values of the frames that a host without motion sends.
+    fixed: constant x, y, z
+    rows: time, x, y, z, held until the next row: `[["0 s", 0, 0, -1], ["2 s", 0, 0.5, -0.9]]`
+    ramp: `"angles"` or `"accelerations"` of the host's frames, in LSB
+    first: time of the first frame's numbers, with `ramp`
+    period: time between frames, with `ramp`
+    unit: `"physical"` (deg/s, g, gauss) or `"LSB"` of the scale that `registers` sets
     """
 
     fixed: Axes | None = None
@@ -152,9 +197,12 @@ class ValueTable(Table, frozen=True, kw_only=True):
 class ChipTable(BusParty, frozen=True, kw_only=True):
     """A sensor chip on SDA and SCL.
 
-    model: the name of a model in `devices.chips`.
-    registers: values of registers by name, which are written before the run.
-    powered: the time for which the supply of the chip has been on when the run begins.
+    model: adxl345, hmc5883l or itg3200
+    address: one of the chip's addresses; otherwise its first
+    values: physical input, `[chip.NAME.values]`
+    registers: registers set before the run: `{ POWER_CTL = 0x08 }`
+    powered: time since power-up when the run begins
+    options: choices for undocumented behaviour
     """
 
     model: str
@@ -166,10 +214,10 @@ class ChipTable(BusParty, frozen=True, kw_only=True):
 
 
 class OutsideTable(Table, frozen=True, kw_only=True):
-    """Wires that a party outside of the case drives in a `periph_sim.outside.Session`, such as an HDL simulator.
+    """Wires that another program drives in a `periph_sim.outside.Session`. A plain run needs `log`.
 
-    wires: the names of these wires.
-    log: the path of a session's log, relative to the case's folder. With a log, a run drives the wires as the session.
+    wires: driven wires: `["SDA", "SCL", "RX"]`
+    log: log of a session
     """
 
     wires: Annotated[tuple[str, ...], Meta(min_length=1)]
@@ -177,17 +225,23 @@ class OutsideTable(Table, frozen=True, kw_only=True):
 
 
 class HostTable(Table, frozen=True, kw_only=True):
-    """The host that sends frames over the UART.
+    """Sends 12-byte frames on RX: six signed 16-bit values, low byte first unless `encoding` changes it.
 
-    ppm: error of the clock by which frames are scheduled.
-    error: error of the bit rate.
-    lose: pairs [frame, byte] of bytes that are not sent.
-    silent: pairs [begin, length] of spans in which no frame begins.
-    twice: the numbers of frames that are sent twice.
-    motion: `kind`, the name of a motion, and that motion's settings.
-    encoding: settings that determine how the values of the motion are encoded in a frame.
-
-    `devices.host_frames` defines the keys of motion and encoding.
+    baud: bits per second
+    error: bit rate error in percent, -50 to 50
+    ppm: error of the frame clock, parts per million
+    first: first frame
+    period: time between frames
+    jitter: random delay of each frame; at most `period`
+    paced_by: `"schedule"`: frame n is due n periods after the first; `"pause"`: one period after the previous frame
+        began, so delays add up
+    gap: idle bits between bytes
+    frames: number of frames; otherwise until the end
+    lose: omitted bytes as [frame, byte] from 0: `[[3, 5]]`
+    silent: spans without frames, [begin, length]: `[["1 s", "200 ms"]]`
+    twice: frames sent twice, from 0: `[7]`
+    motion: frame contents, `[host.motion]`; otherwise a ramp; see sensors.md
+    encoding: scale, byte order and overflow, `[host.encoding]`; see sensors.md
     """
 
     baud: Annotated[int, Meta(ge=1, le=10_000_000)] = 115_200
@@ -219,12 +273,24 @@ def _begins_in_order(table: Controller | HostTable) -> None:
 class Case(Table, frozen=True, kw_only=True):
     """A case: the parts of a scene, how long it runs, and the budgets that must hold.
 
-    fault: the faults on wires, each with its `kind` in `bus.faults` and the settings of that kind.
-    disable: the optimizations that are switched off.
-    fidelity: an obsolete key of earlier versions, which has no effect.
-    measures: a dictionary from the name of a measure that the user defines to its text.
-    measures_from: a file with more measures that the user defines.
-    breaks: names of the budgets that a known bug breaks. `periph-sim check` passes only if exactly these budgets break.
+    name: name in messages and tables
+    about: description
+    duration: simulated time
+    start: clock time at the run's begin
+    seed: of random values; equal seeds give equal runs
+    disable: names of optimizations to switch off, or `"all"`; they change no result
+    fidelity: obsolete; accepted without effect
+    strict: the run ends with status 2 and the firmware's line as soon as firmware breaks a rule of the manuals,
+        such as the range of the I2C module clock
+    stall_limit: CPU time that your Python code may take while simulated time stands still; then the run fails with
+        status 1 and the line. Off under a debugger; `"0 s"` is no limit
+    unit, cable, transceiver, chip, device, controller, rounds, host, serial, watch, outside, fault: tables of the
+        parts
+    measures: measures of your own: `"late" = "count of record round missed"`
+    measures_from: TOML file of measures
+    budget: limits, `[[budget]]`
+    breaks: budgets that a known bug breaks; `periph-sim check` requires exactly these to break, `run` ignores the
+        key
     """
 
     name: str

@@ -37,7 +37,16 @@ NAMES = {"data": "bytes", "low": "break"}  # names of keys in a file, for fields
 
 
 class SerialEntry(Table, frozen=True, kw_only=True):
-    """The keys that the tables of sends and of expected replies have in common: content, trigger, rate and format."""
+    r"""The keys that sends and expected replies have in common: content, trigger, rate and format.
+
+    text: the characters as text, with TOML escapes: `"\r\n"`
+    bytes: the characters as bytes
+    file: a file with the bytes
+    encoding: of texts: `"ascii"`, `"latin-1"` or `"utf-8"`
+    at: time from the start of the run
+    after: each such event: `"edge READY rise"`, `"frame TX 0x06"`
+    baud, bits, parity, stop, multiprocessor: replace those of `[serial]`
+    """
 
     text: str | None = None
     data: HexBytes | None = field(default=None, name="bytes")
@@ -68,10 +77,22 @@ class SerialEntry(Table, frozen=True, kw_only=True):
 
 
 class SendTable(SerialEntry, frozen=True, kw_only=True):
-    """Data to send to an SCI.
+    """Characters to send: exactly one of `text`, `bytes`, `file` and `break`.
 
-    wrong_parity: the numbers, from 0, of the characters that are sent with a wrong parity bit.
-    missing_stop: the numbers, from 0, of the characters that are sent without a stop bit.
+    The time is exactly one of `at`, `after`, `after_text` and `after_bytes`. A busy line delays the send.
+
+    name: for `after_send`, messages and `--set`
+    to: `"dsp.SCI-A"`, or `"SCI-A"` if one unit has it
+    break: time the line is held low
+    address: character sent first: with address bit 1 or after 11 idle bits, by `multiprocessor`
+    after_text, after_bytes: characters just received from the SCI
+    delay: from the event to the first start bit
+    period: repetition after the first event
+    times: maximum number: with `period` unlimited if omitted; otherwise 1, or `"all"` for every event
+    gap: idle time between characters
+    wrong_parity: characters sent with wrong parity, numbered from 0, address included
+    missing_stop: characters with low stop bits; an idle bit follows
+    ppm: replaces that of `[serial]`
     """
 
     name: str | None = None
@@ -99,7 +120,20 @@ class SendTable(SerialEntry, frozen=True, kw_only=True):
 
 
 class ExpectTable(SerialEntry, frozen=True, kw_only=True):
-    """A reply that an SCI must send. anywhere: True if other characters may come before it."""
+    """A reply that an SCI must send: exactly one of `text`, `bytes` and `file`, after one of `after_send`, `after` and
+    `at`.
+
+    Each entry is a budget of its name with the measure `reply:NAME`. A different reply breaks it. Without a request
+    it is not judged.
+
+    name: name, distinct from those of budgets
+    from: the SCI, as in `to`
+    after_send: each send of this name: characters count from its begin, time from its end
+    within: time limit for the last character's end; takes the place of `max`, also in `--set`. Less than the line
+        needs is refused
+    anywhere: `true`: other characters may precede the reply
+    why: reason, shown with the verdict
+    """
 
     name: str
     from_: str = field(name="from")
@@ -115,10 +149,17 @@ class ExpectTable(SerialEntry, frozen=True, kw_only=True):
 
 
 class SerialTable(Table, frozen=True, kw_only=True):
-    """The outside parties that exchange characters with SCIs.
+    """Sends characters to SCIs and checks replies. Line settings do not follow the firmware.
 
-    ppm: error, in parts per million, of the clock by which the parties count their times and rates.
-    turnaround: the time for which a party keeps driving an RS-485 pair after the last stop bit.
+    baud: bits per second
+    bits: data bits, 1 to 8
+    parity: `"none"`, `"even"` or `"odd"`
+    stop: stop bits, 1 or 2
+    multiprocessor: `"none"`, `"address-bit"` or `"idle-line"`
+    ppm: clock error, parts per million
+    turnaround: time an RS-485 pair stays driven after the last stop bit
+    send: characters to send, `[[serial.send]]`
+    expect: expected replies, `[[serial.expect]]`
     """
 
     baud: Baud = 115_200

@@ -16,9 +16,13 @@ COMPILED = CodeCosts()
 
 
 class Code(Table, frozen=True, kw_only=True):
-    """Numbers of cycles that compiled code takes in addition to register accesses and computations.
+    """Cycles of code between the register accesses of Python firmware. The defaults were counted in compiled programs.
 
-    The defaults were counted in compiled images.
+    between_accesses: before each register access outside wait conditions; found: 1 to 15
+    poll_pass: of a wait that reads one register of frame 2 (SCI, I2C); found: 7 to 21; per wait: `dsp.spin(...,
+        pass_cycles=21)`
+    isr_prologue: register saves beyond the CPU's 14 words; found: 6 to 22
+    isr_epilogue: restores before IRET; found: 3 to 18
     """
 
     between_accesses: CodeCycles = COMPILED.between_accesses
@@ -28,7 +32,12 @@ class Code(Table, frozen=True, kw_only=True):
 
 
 class StubTable(Table, frozen=True, kw_only=True):
-    """The value that a register without a model returns from the time `after` on. register: the name or the address."""
+    """The value that an image reads from a register that is not modelled.
+
+    register: name as `periph-sim image` shows it, `ADC.ADCST`, `eCAN-A + 0x08`, or address
+    value: value read, whatever was written
+    after: valid from this time; a register may have several entries
+    """
 
     register_: str | int = field(name="register")
     value: Annotated[int, Meta(ge=0, le=0xFFFF)]
@@ -36,11 +45,11 @@ class StubTable(Table, frozen=True, kw_only=True):
 
 
 class Compile(Table, frozen=True, kw_only=True):
-    """Settings for compiling C sources.
+    """Settings of the PC's gcc for C sources.
 
-    include: folders of headers.
-    defines: a dictionary from the name of a macro to its value.
-    undefined: True to compile with the undefined behaviour sanitizer (UBSan).
+    include: header folders
+    defines: macros, `{ CPU_FRQ_150MHZ = 1 }`
+    undefined: UBSan reports undefined behaviour on standard error
     """
 
     include: tuple[str, ...] = ()
@@ -49,15 +58,29 @@ class Compile(Table, frozen=True, kw_only=True):
 
 
 class Unit(Table, frozen=True, kw_only=True):
-    """An F28335 with its program: one of `firmware`, `image` and `sources`.
+    """One F28335 with its program: exactly one of `firmware`, `image` and `sources`.
 
-    firmware: a Python program.
-    image: a linker's .out file, or assembly (.asm).
-    sources: C sources, which are compiled for the computer that runs periph_sim.
-    boot: where the execution of an image begins.
-    memory: a dictionary from the name of an image's variable to its initial value.
-    part: the name of the device in the F2833x family: F28335 or F28334.
-    pins: a dictionary from the name of a wire to the GPIO number of its pin. SDA, SCL, RX and TX need no entry.
+    firmware: shipped program (file of `firmware/python` without suffix) or `.py` file; `from .NAME import ...`
+        imports files beside it and shipped programs
+    image: `.out` file of TI's linker, or assembly (`.asm`); see images.md. Excludes `settings`, `code`, `pll` and
+        `from_boot`
+    sources: C files, compiled for the PC
+    compile: compiler settings, `[unit.NAME.compile]`
+    boot: start of an image: `entry`, `flash`, `ram`
+    stub: values of unmodelled registers, `[[unit.NAME.stub]]`
+    memory: initial values of an image's variables: `{ _gain = 3, "table[2]" = 1 }`
+    settings: values of the firmware's `Settings`
+    part: `F28335`, or `F28334` with half the flash
+    modules: any of SCI-A, SCI-B, SCI-C, I2C-A, SPI-A, GPIO, XINT, TIMER0, TIMER1, TIMER2
+    oscclk: crystal or XCLKIN, 4 to 150 MHz
+    pll: PLLCR.DIV; SYSCLKOUT is oscclk * pll / 2
+    ppm: crystal error, parts per million
+    from_boot: `true`: main starts with reset clocks and a running watchdog; `false`: after TI's start-up code
+    skip_polls: `false` executes each pass of a wait, with equal results
+    pins: wire names of GPIO pins: `{ MODEL = 34 }`
+    code: cycles of compiled code, `[unit.NAME.code]`
+    options: choices for undocumented behaviour, `[unit.NAME.options.i2c]`, `.sci`, `.spi`, `.system`; see
+        options.md
     """
 
     firmware: str = ""

@@ -49,7 +49,12 @@ Node = Pin | str  # a pin, or the name of a wire
 
 
 class Cable(Table, frozen=True, kw_only=True):
-    """A wire between the ends `from` and `to`. An end is UNIT.SCI-A.TX, UNIT.GPIO34, or the name of another wire."""
+    """A wire between two pins. An end is a module's pin (`left.SCI-A.TX`), a numbered pin (`left.GPIO34`), or a wire.
+
+    name: wire name; otherwise the full name of `from`
+    from: one end
+    to: other end
+    """
 
     name: str | None = None
     from_: str = field(name="from")
@@ -262,9 +267,13 @@ def _full_name(case: Case, unit: str, pin: int) -> str:
 
 
 class TransceiverTable(Table, frozen=True, kw_only=True):
-    """An RS-485 transceiver between an SCI and a pair of wires. de: the pin that switches its driver on.
+    """A half-duplex RS-485 transceiver at an SCI.
 
-    pull: the direction in which a resistor pulls the pin DE while the unit does not drive it.
+    on: the SCI, `"dsp.SCI-A"`
+    de: driver-enable pin, `"dsp.GPIO34"` or a name in `pins`; needs module GPIO
+    pair: name of the pair
+    hears_itself: `true`: the receiver stays on while driving
+    pull: resistor at `de`: `"down"` or `"up"`
     """
 
     on: str

@@ -8,6 +8,9 @@
 The comparison decodes the wires and the capture by the same code, which the agents and the chip do not use. Firmware
 whose `REPLAY` names `address`, `replies`, `asleep` and `busy` is set to answer like the captured target.
 
+The controller decides how often it polls the firmware (see `polling`), so the expected events are those of the capture
+with as many polls as it made. In a session it does not decide, because the UART capture has fixed times.
+
 The agents can deviate from the capture even if the firmware behaves as captured, for instance because `longest_low`
 shortens a pause of the controller. `without_firmware` runs the agents with the captured answers in place of the
 firmware. A difference that also occurs in this run is caused by the agents. It is not judged, nor are later ones.
@@ -22,15 +25,17 @@ from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
-from ..bus.i2c.replayed_sides import I2cPlayer, ScriptedTarget
+from ..bus.i2c.replayed_sides import I2cPlayer, Move, ScriptedTarget
 from ..core.kernel import Kernel
 from ..core.records import Recorder
-from ..core.time import Timebase
+from ..core.time import NO_TIME, Timebase
 from ..core.wire import Wire
 from ..scene.case.model import Case
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c as decode
-from .i2c_script import controllers_half, hurried, moves, stretched_answers, usual_hold
+from .i2c_script import controllers_half, hurried, is_addressed, moves, stretched_answers, turns, usual_hold
+from .picture import LINES
+from .polling import PolledCapture, busy_bounds, refusals
 from .replay import Progress, SlaveReplay
 from .report import (
     CONDITIONS,
@@ -83,13 +88,31 @@ class CapturedController:
     """Player of the controller's half of each transfer, and of the answers of all targets except the firmware.
 
     player: the agent that drives the edges.
-    begun: the number of transfers that have begun.
     on_end: a function that is called after the last transfer.
+    patience: the maximum time, in ticks, for which the firmware is polled. None: polls are played as captured.
+
+    polled: the transfers, with the polls that were made.
+    gave_up: the address that the firmware refused for longer than `patience`, and the tick of the first refusal; or
+        None.
     """
 
-    def __init__(self, plan: Plan, kernel: Kernel, scl: Wire, sda: Wire, on_end: Callable[[], None]) -> None:
-        self.begun = 0
+    def __init__(
+        self,
+        plan: Plan,
+        kernel: Kernel,
+        scl: Wire,
+        sda: Wire,
+        on_end: Callable[[], None],
+        patience: int | None = None,
+    ) -> None:
         self.player = I2cPlayer(kernel, scl, sda)
+        self.polled = PolledCapture(plan.part.transfers, plan.own)
+        self.gave_up: tuple[int, int] | None = None
+        self._patience = patience
+        self._refused_since = NO_TIME
+        self._sda_level = sda
+        self._moves: list[Move] = []
+        self._answers: list[tuple[int, int]] = []  # of each phase: its number, and the moves up to SCL's ninth rise
         self._plan = plan
         self._kernel = kernel
         self._on_end = on_end
@@ -105,26 +128,64 @@ class CapturedController:
         """Play the remaining transfers, each at the time when it is due."""
         self._late = max(0, self._late + self.player.delay - self._delay - self._cut)
         self._delay = self.player.delay
-        if self.begun == len(self._plan.part.transfers):
+        if not self.polled.left:
             self._on_end()
         else:
             self._kernel.call_at(max(self._due(), self._kernel.now), self._play)
 
     def _due(self) -> int:
         plan = self._plan
-        captured = plan.origin + int(plan.part.transfers[self.begun].phases[0].start.at * plan.per_position)
+        captured = plan.origin + int(self.polled.next_start * plan.per_position)
         if plan.least_gap is None:
             return captured + self._late
         return max(captured, self._kernel.now + plan.least_gap)
 
     def _play(self) -> None:
-        plan = self._plan
-        captured = edges = controllers_half(plan.part.transfers[self.begun], self._hold, plan.part.half_sample)
+        self.polled.begin()
+        self._prepare()
+        self._play_from(0, 0)
+
+    def _prepare(self) -> None:
+        """Create the moves of the last transfer, and find the answers of the firmware in it."""
+        plan, transfer = self._plan, self.polled.transfers[-1]
+        captured = edges = controllers_half(transfer, self._hold, plan.part.half_sample)
         if plan.longest_low is not None:
             edges = hurried(captured, plan.longest_low, plan.part.step)
         self._cut = int((captured[-1].at - edges[-1].at) * plan.per_position) if edges else 0
-        self.begun += 1
-        self.player.play(moves(edges, plan.per_position), self.go_on)
+        self._moves = moves(edges, plan.per_position)
+        after = {edge.at: index for index, edge in enumerate(captured, 1) if edge.clock and edge.level}
+        self._answers = [
+            (number, after[Fraction(phase.bytes[0].bits[8].at)])
+            for number, phase in enumerate(transfer.phases)
+            if is_addressed(phase) and phase.address in plan.own
+        ]
+
+    def _play_from(self, phase: int, move: int) -> None:
+        """Play the last transfer from a move on, up to the next answer of the firmware to its address.
+
+        phase: the number of the first phase whose answer was not yet judged.
+        """
+        number, end = next((one for one in self._answers if one[0] >= phase), (None, 0))
+        if number is None or self._patience is None:
+            self.player.play(self._moves[move:], self.go_on)
+        else:
+            self.player.play(self._moves[move:end], partial(self._answered, number, end))
+
+    def _answered(self, phase: int, move: int) -> None:
+        """React to the firmware's answer to its address. SCL has just risen for it."""
+        acked, now = not self._sda_level.level, self._kernel.now
+        if self.polled.answered(phase, acked):
+            self._prepare()
+        if acked:
+            self._refused_since = NO_TIME
+        elif self._refused_since == NO_TIME:
+            self._refused_since = now
+        elif now - self._refused_since > (self._patience or 0):
+            address = self.polled.transfers[-1].phases[phase].address
+            self.gave_up = address or 0, self._refused_since
+            self._on_end()
+            return
+        self._play_from(phase + 1, move)
 
 
 def without_firmware(plan: Plan, start: int, end: int, tolerance: Fraction) -> Comparison:
@@ -223,7 +284,8 @@ class I2cReplay(SlaveReplay):
         part, found, scene = self._part, self._answering, self._scene
         low = None if longest_low is None else longest_low * part.rate
         self._agents = Plan(part, found.own, scene.timebase, self.origin, low, self._least_gap())
-        self._controller = CapturedController(self._agents, scene.kernel, *self._wires, self._plan_end)
+        wait = None if self._agents.least_gap is not None else scene.timebase.ticks(patience, "nearest")
+        self._controller = CapturedController(self._agents, scene.kernel, *self._wires, self._plan_end, wait)
         self._player = self._controller.player
         self._over = False
         others = ", ".join(f"{address:02X}" for address in sorted(part.answers_of_others(found.own)))
@@ -252,7 +314,13 @@ class I2cReplay(SlaveReplay):
                     f"{timebase.show(patience)}; --patience sets this limit"
                 )
             if progress is not None:
-                progress(self._controller.begun / len(self._part.transfers))
+                progress(1 - len(self._controller.polled.left) / len(self._part.transfers))
+        if self._controller.gave_up is not None:
+            refused, begun = self._controller.gave_up
+            stuck = (
+                f"the firmware does not acknowledge {refused:02X} since {timebase.show(begun - self.origin)}: the "
+                f"replay ends there, after {timebase.show(patience)}; --patience sets this limit"
+            )
         return stuck
 
     def _plan_end(self) -> None:
@@ -270,7 +338,8 @@ class I2cReplay(SlaveReplay):
     def _report(self, stuck: list[str]) -> Report:
         part, own = self._part, self._answering
         events, found = self._decoded()
-        self._compared = i2c_words(part.expected, part.rate), found
+        polled = self._controller.polled
+        self._compared = polled.expected(part.rate), found
         outcome = self._with_agents(compare(*self._compared, self._allowed))
         failed = outcome.divergence is not None or (self._tolerance is not None and bool(outcome.ranked))
         verdict = verdict_of(bool(stuck) or failed, bool(own.asked))
@@ -279,6 +348,8 @@ class I2cReplay(SlaveReplay):
             verdict, unjudged = NOT_JUDGED, self._agents_parted
         us = Fraction(1_000_000, self.timebase.per_second)
         held = self._player.held(self.kernel.now)
+        replayed = decode.transfers(self._replayed, *LINES)
+        busy = busy_bounds(replayed, own.own), busy_bounds(part.transfers, own.own)
         return self._bus_summary(
             outcome,
             events,
@@ -290,6 +361,10 @@ class I2cReplay(SlaveReplay):
             transfers=len(part.transfers),
             stretch_worst_us=float(max(self._player.longest, held) * us),
             stretch_total_us=float((self._player.delay + held) * us),
+            refusals=refusals(replayed, own.own),
+            captured_refusals=refusals(part.transfers, own.own),
+            busy_us=_in_us(busy[0], self.timebase.per_second),
+            captured_busy_us=_in_us(busy[1], part.rate),
         )
 
     def _with_agents(self, outcome: Comparison) -> Comparison:
@@ -302,7 +377,10 @@ class I2cReplay(SlaveReplay):
         self._other_events = False  # True if the agents cause the first judged divergence and it is not of kind TIMING
         if not outcome.ranked:
             return outcome
-        alone = without_firmware(self._agents, self._scene.start, self.kernel.now, self._allowed)
+        played = self._controller.polled.played()
+        part = replace(self._part, transfers=played, turns=list(turns(played)))
+        agents = replace(self._agents, part=part)
+        alone = without_firmware(agents, self._scene.start, self.kernel.now, self._allowed)
         outcome = replace(outcome, ranked=tuple(_marked(one, alone.ranked, self._allowed) for one in outcome.ranked))
         judged = [one for one in outcome.ranked if self._tolerance is not None or one.kind != TIMING]
         first = min(judged, key=lambda one: one.index, default=None)
@@ -310,3 +388,7 @@ class I2cReplay(SlaveReplay):
             self._other_events = first.kind != TIMING and bool(first.cause)
             self._agents_parted = first.cause or asked_once_more(self._compared[0], first, self._answering.own)
         return outcome
+
+
+def _in_us(bounds: tuple[int, int] | None, per_second: Fraction | int) -> list[float]:
+    return [] if bounds is None else [float(bound * 1_000_000 / Fraction(per_second)) for bound in bounds]

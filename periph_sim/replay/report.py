@@ -34,10 +34,15 @@ CONDITIONS = ("START", "repeated START", "STOP", NOTHING)
 
 @dataclass(frozen=True, slots=True)
 class Happened:
-    """An event in words. at: seconds since the capture began; None if unknown."""
+    """An event in words.
+
+    at: seconds since the capture began; None if unknown.
+    due: the time at which a replay should have this event, if it differs from `at`.
+    """
 
     words: str
     at: Fraction | None
+    due: Fraction | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,7 +124,7 @@ def compare(expected: Sequence[Happened], found: Sequence[Happened], tolerance: 
             if not same:
                 break
         elif was.at is not None and came.at is not None:
-            off = came.at - was.at
+            off = came.at - (was.at if was.due is None else was.due)
             if not parted:
                 lag = max(lag, abs(off))
             if tolerance is not None and abs(off) > tolerance and TIMING not in first:
@@ -173,6 +178,10 @@ class Report:
         exceeds the tolerance. It makes the replay fail only if the user has given a tolerance.
     bytes: I2C: number of bytes on the replayed wires, addresses included. UART: number of bytes that the firmware read.
     nacks: number of NACKs on the replayed wires.
+    refusals, captured_refusals: closed loop: how often the firmware, and the captured target, refused its address. They
+        may differ, since the controller polls until the firmware answers.
+    busy_us, captured_busy_us: two bounds of the time for which the firmware, or the captured target, was busy after a
+        write: the latest NACK of its address and the earliest ACK, from the STOP on. Empty if there are not both.
     captured_events, captured_transfers: numbers of events and transfers in the whole capture.
     transfers: number of replayed transfers.
     captured_errors: number of UART frames with a framing or parity error in the capture, without breaks.
@@ -209,6 +218,10 @@ class Report:
     tolerance_us: float = 0.0
     addresses: list[str] = field(default_factory=list)  # I2C: addresses of the firmware, or of its targets as a master
     nacks: int = 0
+    refusals: int = 0
+    captured_refusals: int = 0
+    busy_us: list[float] = field(default_factory=list)
+    captured_busy_us: list[float] = field(default_factory=list)
     errors: dict[str, int] = field(default_factory=dict)
     stretch_worst_us: float = 0.0
     stretch_total_us: float = 0.0
@@ -263,7 +276,7 @@ def headline(report: Report) -> str:
 
 def _coverage(report: Report) -> str:
     """Return a phrase with the replayed part of the capture; "" if the whole capture was replayed."""
-    if report.captured_events <= report.events:
+    if report.captured_events <= report.events or 0 < report.captured_transfers <= report.transfers:
         return ""
     transfers = f", {report.transfers} of {report.captured_transfers} transfers" if report.captured_transfers else ""
     return f"{report.events} of {report.captured_events} events{transfers}"

@@ -63,8 +63,9 @@ def told(report: Report) -> dict[str, object]:
 
 def test_what_is_not_said_of_a_replay_is_nothing():
     report = Report("case", "capture", "i2c", "pass", 3, 2, None, 1)
-    lists = ("filled", "divergences", "addresses", "budgets", "unknowns", "notes")
+    lists = ("filled", "divergences", "addresses", "budgets", "unknowns", "notes", "busy_us", "captured_busy_us")
     counts = ("captured_events", "transfers", "captured_transfers", "captured_errors", "ambiguous", "nacks")
+    counts += ("refusals", "captured_refusals")
     times = ("tolerance_us", "stretch_worst_us", "stretch_total_us", "captured_stretch_us", "late_worst_us")
     more = ("lag_worst_us", "lag_samples", "simulated_s", "wall_s", "kernel_events")
     assert asdict(report) == {

@@ -73,7 +73,7 @@ BEFORE, AFTER = 14, 4  # maximum numbers of changes of registers that are shown 
 @click.option(
     "--patience",
     metavar="TIME",
-    help="I2C: end if SCL is held low, or a script makes no progress, for longer: '1 s'. [200 ms]",
+    help="I2C: end if SCL is held low, polls are refused, or a script makes no progress, for longer. [200 ms]",
 )
 @click.option("--baud", type=click.IntRange(min=1), help="UART: the line's rate; else as the firmware sets it.")
 @click.option("--format", "frame", metavar="FORMAT", help="UART: data bits, parity and stop bits with --baud: 8n1.")
@@ -269,9 +269,20 @@ def rows(report: Report) -> list[tuple[str, str]]:
         plural = "es" * (len(report.addresses) != 1)
         found.append((who, f"address{plural} {', '.join(report.addresses) or 'none'}"))
         found.append(("NACKs", str(report.nacks)))
+        if report.refusals != report.captured_refusals:
+            found.append(("address refused", f"{report.refusals} times; {report.captured_refusals} in the capture"))
+        for name, bounds in (("busy after a write", report.busy_us), ("in the capture", report.captured_busy_us)):
+            if bounds:
+                found.append((name, _busy(*bounds)))
         found += _times(report)
     found.append(("simulated", f"{report.simulated_s:.6f} s in {report.wall_s:.3f} s"))
     return found
+
+
+def _busy(refused: float, acknowledged: float) -> str:
+    if refused < acknowledged:
+        return f"{refused / 1000:.3f} to {acknowledged / 1000:.3f} ms"
+    return f"varies: NACK at {refused / 1000:.3f} ms, ACK at {acknowledged / 1000:.3f} ms"
 
 
 def _times(report: Report) -> list[tuple[str, str]]:

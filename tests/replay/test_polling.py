@@ -1,0 +1,229 @@
+"""A replayed controller polls a busy target until it answers, as often as the firmware needs and not as captured."""
+
+from __future__ import annotations
+
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from periph_sim.replay.i2c_closed_loop import I2cReplay
+from periph_sim.replay.report import Report
+from periph_sim.replay.session import SessionReplay
+from periph_sim.scene.case.load import load
+from periph_sim.traces.decode.uart import Line
+from periph_sim.traces.formats import Capture
+from tests.replay.test_i2c_replay import CASES, ask, captured, new_wave, replay
+from tests.traces.decode.drawing import of_bytes
+
+MEMORY = 0x50
+RATE = 4_000_000
+NINTH = 90  # us from a START to the rise of SCL for the ACK of the address
+FIRST = 5 + 200 + NINTH  # us from the STOP of a write to the first ACK
+US = Fraction(1, 10**6)
+
+EEPROM = """
+from dataclasses import dataclass
+
+from periph_sim.firmware import start_i2c
+
+
+@dataclass
+class Settings:
+    busy_us: int
+    broken: bool = False
+
+
+def main(dsp, settings):
+    start_i2c(dsp, own_address=0x50)
+    i2c = dsp.module("I2C-A")
+    i2c.I2CMDR.IRS = 1
+    memory, pointer = [0xFF] * 256, 0
+    while True:
+        dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
+        if i2c.I2CSTR.SDIR == 1:
+            while i2c.I2CSTR.AAS == 1:
+                i2c.I2CDXR.all = memory[pointer]
+                pointer += 1
+                dsp.spin(lambda: i2c.I2CSTR.XRDY == 1 or i2c.I2CSTR.AAS == 0)
+            continue
+        received = []
+        while dsp.spin_either(lambda: i2c.I2CSTR.RRDY == 1, lambda: i2c.I2CSTR.AAS == 0) == 0:
+            received.append(i2c.I2CDRR.all)
+        if not received:
+            continue
+        pointer = received[0]
+        memory[pointer : pointer + len(received) - 1] = received[1:]
+        if received[1:]:
+            if settings.broken:
+                memory[pointer] ^= 1
+            i2c.I2CMDR.IRS = 0
+            dsp.compute(150 * settings.busy_us)
+            i2c.I2CMDR.IRS = 1
+"""
+
+
+def stored_and_read(refused: int, *, wait_us: int = 200, again: bool = False, writes: int = 2) -> Capture:
+    """Writes of two bytes, each followed by polls until the memory answers, and a read of what was stored last.
+
+    again: polls follow by a repeated START instead of STOP and START.
+    """
+    wave = new_wave()
+    for number in range(writes):
+        wave.transfer(MEMORY << 1, 0x10, 0x20 + number)
+        wave.idle(wait_us * RATE // 10**6)
+        wave.start()
+        for _ in range(refused):
+            wave.byte(MEMORY << 1, ack=False)
+            if again:
+                wave.again()
+            else:
+                wave.stop()
+                wave.idle(wait_us * RATE // 10**6)
+                wave.start()
+        wave.byte(MEMORY << 1)
+        wave.byte(0x10)
+        wave.stop()
+        wave.idle(400)
+    ask(wave, MEMORY, bytes([0x20 + writes - 1]))
+    return captured(wave)
+
+
+@pytest.fixture
+def memory(tmp_path: Path) -> Path:
+    (tmp_path / "memory.py").write_text(EEPROM)
+    case = tmp_path / "memory.toml"
+    case.write_text(
+        'name = "memory"\nabout = "a memory"\nduration = "1 ms"\n[unit.dsp]\nfirmware = "memory.py"\n'
+        'modules = ["I2C-A"]\nsettings = { busy_us = 0 }\n'
+    )
+    return case
+
+
+def played(case: Path, capture: Capture, busy_us: int, *changes: str, **options) -> Report:
+    busy = f"unit.dsp.settings.busy_us={busy_us}"
+    return replay(capture, busy, *changes, case=case, addresses=[MEMORY], tolerance=2 * US, **options)
+
+
+@pytest.mark.parametrize("again", [False, True], ids=["by STOP", "by repeated START"])
+@pytest.mark.parametrize("polls", [0, 1, 3, 7])
+def test_firmware_is_polled_as_often_as_it_is_busy_and_all_else_agrees(memory: Path, polls: int, again: bool):
+    """The firmware is ready shortly before the START of a poll. A module that misses a START does not answer."""
+    busy = FIRST + (105 if again else 310) * polls - NINTH - 5
+    report = played(memory, stored_and_read(3, again=again), busy)
+    assert report.verdict == "pass" and report.divergences == [] and report.agreed == report.events
+    assert (report.refusals, report.captured_refusals) == (2 * polls, 6)
+    assert report.lag_worst_us < 1
+    if polls:
+        refused, acknowledged = report.busy_us
+        assert refused < busy < acknowledged
+        assert acknowledged - refused == pytest.approx(105 if again else 310, abs=1)
+    assert (report.busy_us == report.captured_busy_us) == (polls == 3)
+
+
+@pytest.mark.parametrize("busy", [0, 900, 4000])
+@pytest.mark.parametrize("again", [False, True])
+def test_a_wrong_byte_is_found_at_its_time_in_the_capture_however_long_the_firmware_is_busy(memory, busy, again):
+    capture = stored_and_read(3, again=again)
+    report = played(memory, capture, busy, "unit.dsp.settings.broken=true")
+    reference = played(memory, capture, 1000, "unit.dsp.settings.broken=true")
+    (wrong,), (same,) = report.divergences, reference.divergences
+    assert (report.verdict, wrong.expected, wrong.found) == ("fail", "data read 21", "data read 20")
+    assert wrong.capture_s == same.capture_s == pytest.approx(float(capture.length) / RATE, abs=250e-6)
+    assert (report.refusals > 6) == (wrong.replay_s > wrong.capture_s + 1e-6)
+    assert wrong.history, "the second run polls as the first one did"
+
+
+def polled_at_first(again: bool) -> Capture:
+    """Three writes, polled once after 200 us and once after 500 us, then not at all, and a read of the last byte."""
+    wave = new_wave()
+    for number, wait in enumerate((800, 2000, 0)):
+        wave.transfer(MEMORY << 1, 0x10, 0x40 + number)
+        wave.idle(400)
+        if wait:
+            wave.start()
+            wave.byte(MEMORY << 1, ack=False)
+            if again:
+                wave.samples += bytes([0b00]) * wait
+                wave.again()
+            else:
+                wave.stop()
+                wave.idle(wait)
+                wave.start()
+            wave.byte(MEMORY << 1)
+            wave.byte(0x10)
+            wave.stop()
+            wave.idle(400)
+    wave.transfer(MEMORY << 1, 0x10)
+    wave.idle(400)
+    ask(wave, MEMORY, b"\x42")
+    return captured(wave)
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_a_controller_that_polled_elsewhere_polls_here_as_it_did_last(memory: Path, again: bool):
+    capture = polled_at_first(again)
+    (wrong,) = played(memory, capture, 300, "unit.dsp.settings.broken=true").divergences
+    report = played(memory, capture, 2000, "unit.dsp.settings.broken=true")
+    (later,) = report.divergences
+    assert (later.expected, later.found, later.capture_s) == (wrong.expected, wrong.found, wrong.capture_s)
+    assert later.capture_s == pytest.approx(capture.length / RATE - 110e-6, abs=1e-6), (
+        "of the capture, not of the replay"
+    )
+    assert report.refusals == 7 + 4 + 4, "every 310 us after the first write, every 610 us after the others"
+
+
+def test_an_address_that_was_never_polled_is_not_polled(memory: Path):
+    wave = new_wave()
+    for refused in (1, 0):
+        wave.transfer(MEMORY << 1, 0x10, 0x33)
+        for _ in range(refused):
+            wave.idle(400)
+            wave.transfer(MEMORY << 1, nack_last=True)
+        wave.idle(400)
+    ask(wave, MEMORY, b"\x33")
+    report = played(memory, captured(wave), 2000)
+    assert report.verdict == "fail" and report.divergences[0].found == "NACK" and report.refusals > 3
+
+
+def test_a_memory_that_never_answers_ends_the_replay_after_patience(memory: Path):
+    report = played(memory, stored_and_read(1), 10**6, patience=Fraction(1, 100))
+    assert report.verdict == "fail" and 30 < report.refusals < 36
+    assert report.notes[0] == (
+        "the firmware does not acknowledge 50 since 680.000 us: the replay ends there, after 10.000 ms; --patience "
+        "sets this limit"
+    )
+
+
+def test_polls_of_other_targets_and_polls_without_a_write_are_played_as_captured(memory: Path):
+    wave = new_wave()
+    for acked in (False, True):
+        wave.transfer(MEMORY << 1, *[0x10] * acked, nack_last=not acked)
+        wave.idle(400)
+    report = played(memory, captured(wave), 0)
+    assert report.verdict == "fail" and report.divergences[0].found == "ACK", "not busy at the start"
+    wave = new_wave()
+    wave.transfer(MEMORY << 1, 0x10, 0x33)
+    for address, acked in ((MEMORY, False), (0x51, False), (0x51, True), (MEMORY, True)):
+        wave.idle(400)
+        wave.transfer(address << 1, *[0x10] * acked, nack_last=not acked)
+    report = played(memory, captured(wave), 0)
+    assert report.verdict == "fail" and report.divergences[0].found == "ACK", "another target is addressed in between"
+    assert played(memory, captured(wave), 400).verdict == "pass"
+
+
+def test_a_session_keeps_the_captured_polls(memory: Path):
+    case = load(memory, ["unit.dsp.settings.busy_us=3000", 'unit.dsp.modules=["I2C-A", "SCI-A"]'])
+    idle = of_bytes(bytes([1]) * 4000, ("RX",), RATE)
+    capture = stored_and_read(3)
+    report = SessionReplay(
+        case, capture, "SCL", "SDA", idle, "RX", wanted=Line(Fraction(115200)), addresses=[MEMORY]
+    ).run()
+    assert report.verdict == "not judged" and "polls as often as in the capture" in report.unjudged
+
+
+def test_without_a_change_of_the_polls_the_replay_is_that_of_the_capture(memory: Path):
+    """The responder takes its busy times from the capture, so it refuses exactly the captured polls."""
+    report = I2cReplay(load(CASES / "responder.toml", []), stored_and_read(3), "SCL", "SDA").run()
+    assert report.verdict == "pass" and report.refusals == report.captured_refusals == 6
+    assert report.busy_us == pytest.approx(report.captured_busy_us, abs=0.2)

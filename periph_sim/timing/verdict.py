@@ -5,6 +5,7 @@ This module imports no other module of the package, so that showing verdicts doe
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -16,6 +17,7 @@ NOT_JUDGED: Final = "not judged"  # no limit is broken, but too little was measu
 
 SEEN: Final = "seen"  # the word for a pass: every limit held in this run
 BROKEN: Final = "broken"
+PASS_TITLE: Final = "PASS, as seen in this run"
 
 NOTHING_PROVEN: Final = "nothing is proven yet: a verdict holds for the run that was made, and for no other timing"
 
@@ -151,3 +153,9 @@ def broken(verdict: Verdict) -> str:
     found = f" ({verdict.found})" if verdict.found else ""
     worst, limit = (in_words(value, verdict.unit) for value in (verdict.worst, verdict.limit))
     return f"{worst} is {over} its limit of {limit}{at}{found}"
+
+
+def legend(words: Collection[str]) -> list[str]:
+    """Return what the columns and words of a table of verdicts mean. words: the words in the table."""
+    count = "count: occurrences" + "; seen: held in this run, other timings are not covered" * (SEEN in words)
+    return [count, *["not judged: too little was measured; no pass"] * (NOT_JUDGED in words)]

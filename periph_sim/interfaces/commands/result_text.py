@@ -8,7 +8,8 @@ from ...core.options import Value
 from ...core.phrases import counted
 from ...scene.case.model import Case
 from ...scene.result import SKIPPED, Result
-from ...timing.verdict import FAIL, NOT_JUDGED, PASS, SEEN, Verdict, broken, figure, limit, simulated
+from ...timing.verdict import FAIL, NOT_JUDGED, PASS, PASS_TITLE, Verdict, broken, figure, limit, simulated
+from ...timing.verdict import legend as meanings
 from .command_frame import print_table, say
 
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
@@ -64,7 +65,7 @@ def rounded(count: int) -> str:
 
 
 def title(result: Result) -> str:
-    return "PASS, as seen in this run" if result.verdict == PASS else result.verdict.upper()
+    return PASS_TITLE if result.verdict == PASS else result.verdict.upper()
 
 
 def budget_table(budgets: Sequence[Verdict]) -> None:
@@ -88,10 +89,7 @@ def legend(budgets: Sequence[Verdict]) -> list[str]:
     """Return the lines below a table of budgets: broken budgets with the reason, and what words in the table mean."""
     if not budgets:
         return []
-    words = {each.word for each in budgets}
-    count = "count: occurrences" + "; seen: held in this run, other timings are not covered" * (SEEN in words)
-    scarce = ["not judged: too little was measured; no pass"] * (NOT_JUDGED in words)
-    return [*broken_lines(budgets), count, *scarce]
+    return [*broken_lines(budgets), *meanings({each.word for each in budgets})]
 
 
 def assumptions(names: Sequence[str], case: Case, verbose: bool) -> list[str]:

@@ -3,11 +3,14 @@
 case, Result, typical --explain--> timelines, explanations        --> CaseReport
 Result, Values --------------------> distributions, limits, facts --^
 
-The failure of a budget is described by sentences with the broken limit and its cause:
+The failure of a budget is described by sentences with the broken limit and its cause, and by lines of the firmware:
 
-response is broken: 97.953 us, at most 50.000 us allowed (47.953 us too much), at 0.105195 s.
+response: 97.953 us is over its limit of 50.000 us, at 0.105195 s.
 3 of 1500 occurrences are beyond the limit, the first at 0.055195 s.
 Most of that time, 97.560 us, went into span frame at imu_hil.py:66 (sci_received).
+
+    65      def sci_received():
+    66          with span("frame"):
 """
 
 from __future__ import annotations
@@ -16,7 +19,9 @@ import subprocess
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
+from math import inf
 from pathlib import Path
+from textwrap import dedent
 from typing import Literal
 
 from ....core.phrases import counted
@@ -26,8 +31,8 @@ from ....scene.case.unit_table import Unit
 from ....scene.result import SKIPPED, Result
 from ....timing.budget_schema import Budget, Condition
 from ....timing.budgets import Values
-from ....timing.verdict import Verdict, figure, in_words, instant, percentile
-from ..explain.chain import Chain, Part, bound
+from ....timing.verdict import Verdict, broken, figure, in_words, instant, percentile
+from ..explain.chain import Chain, FirmwarePlace, Part
 from ..explain.explain import Explained, explain
 from .distribution import Distribution, distribution
 from .over_time import OverTime, over_time, shown_violations
@@ -46,7 +51,7 @@ class BudgetReport:
     distribution, over_time: None if the budget has a single number per run.
     timeline: the timeline around the worst value; None if the worst value has no instant.
     explanation: the explanation of the worst value; None if the worst value has no instant.
-    failure: a description of the failure; None if the budget is as expected.
+    failure: a description of the failure, also of one that the case expects; None if the budget holds.
     per_second: the number of ticks per second.
     others: more occurrences beyond a limit, in order of time: for each, its instant in ticks from the start of the run,
         and its timeline.
@@ -67,6 +72,13 @@ class BudgetReport:
     @property
     def as_it_should_be(self) -> bool:
         return self.verdict.broken if self.must_break else self.verdict.passed
+
+    @property
+    def failed_at(self) -> float:
+        """The time of the first value beyond a limit, in seconds from the start of the run; infinite if unknown."""
+        if self.over_time is not None and self.over_time.violations:
+            return self.over_time.violations[0][0] / self.per_second
+        return inf if self.verdict.at_s is None else self.verdict.at_s
 
 
 @dataclass(frozen=True)
@@ -100,6 +112,7 @@ class CaseReport:
 
 
 MOST_OF_PASSED = 3_000  # maximum number of events in the timeline of a budget without failure
+NEIGHBOURS = 2  # number of lines of firmware that are shown before and after the line of a cause
 GIT_SECONDS = 5  # maximum time in seconds that git may take
 MOST_OF_OTHERS = 1_500  # maximum number of events in the timeline of a further occurrence beyond a limit
 
@@ -138,8 +151,8 @@ def case_report(
         for budget, verdict, kept, over in zip(case.budget, result.budgets, values, overs, strict=True)
     ]
     failed = {verdict.name for verdict in result.budgets if not verdict.passed}
-    broken = {verdict.name for verdict in result.budgets if verdict.broken}
-    as_said = bool(case.breaks) and failed == broken == set(case.breaks) and not result.stuck
+    over = {verdict.name for verdict in result.budgets if verdict.broken}
+    as_said = bool(case.breaks) and failed == over == set(case.breaks) and not result.stuck
     devices = tuple(f"{name}, " for name in (*case.chip, *case.device))  # notes that begin with these names come first
     return CaseReport(
         name=case.name,
@@ -253,10 +266,7 @@ def _limits(budget: Budget, verdict: Verdict) -> list[tuple[str, str]]:
 def _found(result: Result) -> list[str]:
     found = [f"{verdict.name}: {verdict.found}" for verdict in result.budgets if verdict.found]
     found += [f"first wrong: {result.first_wrong}"] if result.first_wrong else []
-    if result.wrong:
-        found.append(
-            "wrong: " + ", ".join(f"{place} ({counted(times, 'time')})" for place, times in result.wrong.items())
-        )
+    found += [f"wrong: {place}, {counted(times, 'time')}" for place, times in result.wrong.items()]
     return found + [f"stuck: {line}" for line in result.stuck]
 
 
@@ -309,45 +319,48 @@ class Failure:
     count: the number of occurrences beyond the limit, or "".
     why: the cause, or "".
     place: the location in the firmware with which the sentence `why` ends, or "".
+    line: the number of the line at this location.
+    source: number and text of this line and of its neighbours; empty if the file cannot be read.
     """
 
     what: str
     count: str = ""
     why: str = ""
     place: str = ""
+    line: int = 0
+    source: tuple[tuple[int, str], ...] = ()
 
 
 def failure(
     verdict: Verdict, must_break: bool, chain: Chain | None, over: OverTime | None, per_second: int
 ) -> Failure | None:
-    """Describe the failure of a budget. Return None if the budget is as expected."""
+    """Describe the failure of a budget. Return None if the budget holds, unless it must break."""
     if must_break and verdict.passed:
-        return Failure(f"holds ({in_words(verdict.worst or 0, verdict.unit)}), but the case says that it must break")
-    if must_break and verdict.broken:
-        return None
+        return Failure(f"{in_words(verdict.worst or 0, verdict.unit)} holds, but the budget is listed in breaks")
     if verdict.broken:
         part = None if chain is None else chain.blamed or next(iter(chain.parts), None)
         why = "" if chain is None or part is None else _blame(part, chain)
-        place = "" if part is None or part.place is None else str(part.place)
-        why += " at" if place else ""
-        return Failure(_what(verdict), "" if over is None else _count(verdict, over, per_second), why, place)
+        count = "" if over is None else _count(verdict, over, per_second)
+        if part is None or part.place is None:
+            return Failure(broken(verdict), count, why)
+        place = part.place
+        return Failure(broken(verdict), count, f"{why} at", str(place), place.line, source_around(place))
     if verdict.passed:
         return None
-    return Failure(f"is not judged: {verdict.found or f'nothing was measured by {verdict.measure!r}'}")
+    return Failure(f"not judged: {verdict.found or f'nothing was measured by {verdict.measure!r}'}")
 
 
-def _what(verdict: Verdict) -> str:
-    at = "" if verdict.at_s is None else f", at {instant(verdict.at_s)}"
-    if verdict.worst is None or verdict.until_s is not None:
-        return f"is broken: {verdict.found}{at}"
-    worst, limit = (in_words(value, verdict.unit) for value in (verdict.worst, verdict.limit))
-    of = "for " if verdict.which not in ("max", "min", "exactly") else ""
-    allowed = "none" if (verdict.which, verdict.limit) == ("max", 0) else f"{of}{bound(verdict.which)} {limit}"
-    off = abs(verdict.worst - verdict.limit)
-    beyond = ""
-    if verdict.unit in ("us", "%", "LSB") and verdict.limit:
-        beyond = f" ({figure(off, verdict.unit)} {'too much' if verdict.worst > verdict.limit else 'too little'})"
-    return f"is broken: {worst}, {allowed} allowed{beyond}{at}"
+def source_around(place: FirmwarePlace) -> tuple[tuple[int, str], ...]:
+    """Return number and text of a line of the firmware and of its neighbours; nothing if the file cannot be read."""
+    if place.file is None or not place.line:
+        return ()
+    try:
+        lines = place.file.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError:
+        return ()
+    first = max(place.line - 1 - NEIGHBOURS, 0)
+    shown = dedent("\n".join(lines[first : place.line + NEIGHBOURS])).split("\n")
+    return tuple(enumerate(shown, first + 1)) if place.line <= len(lines) else ()
 
 
 def _count(verdict: Verdict, over: OverTime, per_second: int) -> str:
@@ -368,7 +381,8 @@ def _blame(part: Part, chain: Chain) -> str:
         return f"Cause: {part}"
     length = chain.figure(abs(part.length))
     if part in chain.more:
-        return f"{'Shorter' if part.length < 0 else 'Longer'} than typical by {length}: {part}"
+        than = "than in its least critical occurrence"
+        return f"{'Shorter' if part.length < 0 else 'Longer'} {than} by {length}: {part}"
     share = Fraction(part.length, chain.length) if chain.length else Fraction(0)
     most = "Most of that time" if share > Fraction(1, 2) else "The largest part of that time"
     return f"{most}, {length}, went into {part}"

@@ -18,7 +18,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from .... import form
-from ....timing.verdict import Verdict, figure, in_words, instant, limit
+from ....timing.verdict import PASS_TITLE, Verdict, figure, in_words, instant, legend, limit
 from ..explain.chain import Chain, Part, bound, largest
 from .distribution import number, plot
 from .gather import BudgetReport, CaseReport
@@ -47,9 +47,10 @@ def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
     command: the command line that made the page.
     """
     # A row has the number of the case, the case, the number of the budget, and the budget.
-    # Budgets with an unexpected result are first, and budgets that broke as expected are second.
+    # Budgets with an unexpected result are first, and budgets that broke as expected are second. Failures of a case are
+    # in order of time.
     budgets = [(*case, *one) for case in enumerate(cases, 1) for one in enumerate(case[1].budgets, 1)]
-    rows = sorted(budgets, key=lambda row: (row[3].as_it_should_be, row[3].verdict.passed))
+    rows = sorted(budgets, key=lambda row: (row[3].as_it_should_be, row[3].verdict.passed, row[0], _order(row[3])))
     return _template().render(
         cases=cases,
         ordered=sorted(enumerate(cases, 1), key=lambda one: STANDINGS.index(one[1].standing)),
@@ -62,6 +63,10 @@ def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
         version=version("periph-sim"),
         versions=versions(),
     )
+
+
+def _order(one: BudgetReport) -> float:
+    return 0 if one.failure is None else one.failed_at
 
 
 def versions() -> str:
@@ -81,6 +86,7 @@ def _template() -> Template:
     )
     pages.filters |= {"data": _data, "figure": figure, "instant": instant, "limit": limit, "share": _share}
     pages.filters |= {"standing": _standing, "instants": _instants}
+    pages.filters |= {"legend": legend, "title": _title}
     pages.filters |= {"gist": _gist, "allowed": _allowed, "parts": _parts}
     style, script = (Markup("\n".join(map(_text, names))) for names in (STYLES, SCRIPTS))
     pages.globals |= {"plot": plot, "time_plot": time_plot, "style": style, "script": script}
@@ -101,6 +107,12 @@ def _standing(one: BudgetReport) -> str:
     if one.must_break:
         return "broken, as it must" if one.verdict.broken else f"{one.verdict.word}, but must break"
     return one.verdict.word
+
+
+def _title(case: CaseReport) -> str:
+    """Return the verdict of a case in the words of the terminal."""
+    held = case.verdict == "pass" and all(one.verdict.passed for one in case.budgets)
+    return PASS_TITLE if held else case.verdict.upper()
 
 
 def _share(one: BudgetReport) -> float | None:

@@ -36,6 +36,7 @@ SERIAL_WORDS = re.compile(r"\b(RX|TX|SCI\w*|frames?|host|FIFO)\b")
 BUS = ("SCL", "SDA")
 SERIAL = ("RX", "TX")
 MOST = 24_000  # maximum number of events of a timeline; events farther from the occurrence are left out
+MOST_BITS = 150  # maximum length of a picture in bits at which the bits of characters are drawn at first
 BITS = {"S": "start bit", "A": "address bit", "P": "parity bit", "T": "stop bit"}
 EPISODES = (("span", "span"), ("wait", "waits for"), ("interrupt", "service routine of"))
 OPTIONAL = ("chosen", "long", "labels", "strong", "places")  # keys of a lane that are left out if they are empty
@@ -282,6 +283,8 @@ class Lanes:
                         self._add(whole, begin, says, text, end, strong)
                     for begin, end, text in one.bits:
                         self._add(bits, begin, BITS.get(text, f"data bit {text}"), text, end)
+            reach = self.window.drawn.end - self.window.drawn.begin
+            bits.chosen &= bool(bits.at) and reach < MOST_BITS * (bits.end[0] - bits.at[0])
             lanes += [wave, *(lane for lane in (whole, bits) if lane.at)]
         return lanes
 

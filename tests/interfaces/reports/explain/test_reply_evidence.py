@@ -54,7 +54,7 @@ def test_a_wrong_reply_is_shown_up_to_its_end_with_the_writes_of_its_wrong_chara
     lanes = {line.split(" ")[0] for line in text_picture(window, 100)}
     assert {"RX", "TX"} <= lanes
     said = failure(verdict, False, told.chain, None, window.timebase.per_second)
-    assert said is not None and said.what.startswith("is broken: 'OK' was expected from SCI-A, but 'ER' came")
+    assert said is not None and said.what.startswith("'OK' was expected from SCI-A, but 'ER' came")
     assert "SCITXBUF written, 0x45" in said.why and "programs.py" in said.place
 
 

@@ -9,16 +9,16 @@ from playwright.sync_api import Page
 
 from periph_sim.interfaces.reports.html.gather import BudgetReport, CaseReport, Failure
 from periph_sim.interfaces.reports.html.protocol import Row
-from periph_sim.interfaces.reports.html.timeline import Timeline
+from periph_sim.interfaces.reports.html.timeline import Lane, Timeline
 from tests.interfaces.reports.html.conftest import Open
 from tests.interfaces.reports.html.made import US, budget, drawn, report, run_of
 
 MS = 1000 * US
 SCREEN = 900  # pixels
 ROWS = (
-    Row(-90 * US, -60 * US, "RX", "", "", "", "", (("01", ""), ("FF", "error")), False),
-    Row(-15 * US, 5 * US, "I2C", "START", "0x68", "W", "ACK", (("1D", "NACK"),), False),
-    Row(60 * US, 180 * US, "I2C", "Sr", "0x68", "R", "ACK", (("12", "ACK"), ("34", "NACK")), True),
+    Row(-90 * US, -60 * US, "RX", "", "", "", "", (("01", "", ""), ("FF", "error", "")), False),
+    Row(-15 * US, 5 * US, "I2C", "START", "0x68", "W", "ACK", (("1D", "NACK", ""),), False),
+    Row(60 * US, 180 * US, "I2C", "Sr", "0x68", "R", "ACK", (("12", "ACK", ""), ("34", "NACK", "")), True),
 )
 
 
@@ -32,7 +32,7 @@ def broken(name: str = "late") -> BudgetReport:
     return replace(
         one,
         verdict=replace(one.verdict, at_s=0.004),
-        failure=Failure("is broken: 40.000 us, at most 10.000 us allowed", why="Most of it went into", place="a.py:7"),
+        failure=Failure("40.000 us is over its limit of 10.000 us", why="Most of it went into", place="a.py:7"),
         over_time=run_of([5, 30, 6, 40, 20], max=10),
         per_second=1000 * MS,
         others=((2 * MS, waves(2 * MS)),),
@@ -43,7 +43,7 @@ def test_the_first_thing_said_is_what_failed_and_why(opened: Open) -> None:
     good = report(budget("fine", 2.0, timeline=waves()), name="good")
     page = opened(good, report(budget("other", 3.0), broken(), name="bad"), folded=True)
     said = page.locator("header .failures").inner_text()
-    assert said == "bad: late is broken: 40.000 us, at most 10.000 us allowed. Most of it went into a.py:7."
+    assert said == "bad: late: 40.000 us is over its limit of 10.000 us. Most of it went into a.py:7."
     assert page.locator("article").evaluate_all("all => all.map((one) => one.id)") == ["c2", "c1"]
     names = page.locator("#c2 section h3").evaluate_all("all => all.map((one) => one.textContent.split(' ')[0])")
     assert names == ["late", "other"]
@@ -177,3 +177,28 @@ def contrast(one: list[int], other: list[int]) -> float:
 
     low, high = sorted((luminance(one), luminance(other)))
     return (high + 0.05) / (low + 0.05)
+
+
+@pytest.mark.parametrize("width", [950, 1280])
+def test_the_waves_of_the_first_failure_are_visible_without_scrolling(
+    small: CaseReport, opened: Open, width: int
+) -> None:
+    page = opened(small, width=width, folded=True)
+    box = page.locator(".stage").first.bounding_box()
+    assert box is not None and box["y"] + box["height"] < 950
+
+
+def test_a_wrong_byte_is_marked_with_the_expected_one_in_waves_and_protocol(opened: Open) -> None:
+    timeline = drawn()
+    says = ("0x12 not 0x11", *timeline.says[1:])
+    boxes = Lane("boxes", "bytes", at=[0, 10 * US], end=[9 * US, 19 * US], labels=[0, 1], says=[0, 1], strong=[1, 0])
+    row = Row(0, 20 * US, "I2C", "START", "0x68", "R", "ACK", (("12", "ACK", "11"), ("13", "NACK", "")), True)
+    timeline = replace(timeline, groups=(("I2C bus", (boxes,)),), says=says, rows=(row,))
+    page = opened(report(budget("late", 12.0, timeline=timeline)))
+    assert page.locator(".box.wrong").count() == 1 and page.locator(".box").count() == 2
+    assert page.locator("text.wrong").text_content() == "0x12 not 0x11"
+    page.evaluate("document.querySelector('.timeline').timeline.show(-40 * 3000, 40 * 3000)")
+    assert page.locator("text.wrong").text_content() == "12 not 11"
+    bytes_ = page.locator(".protocol tbody td").nth(3)
+    assert bytes_.inner_text().split() == ["12", "not", "11", "ACK", "13", "NACK", "STOP"]
+    assert bytes_.locator(".wrong").first.inner_text() == "12 not 11 ACK"

@@ -9,8 +9,8 @@ import pytest
 
 from periph_sim.core.time import Timebase
 from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Part
-from periph_sim.interfaces.reports.html.gather import Failure, failure
-from periph_sim.timing.verdict import Verdict
+from periph_sim.interfaces.reports.html.gather import Failure, failure, source_around
+from periph_sim.timing.verdict import Verdict, broken
 from tests.interfaces.reports.html.made import US, budget, run_of
 
 LATE = budget("response", 12.0).verdict  # at most 10 us
@@ -28,16 +28,10 @@ def told(verdict: Verdict, of: Chain | None = None, *numbers: int) -> Failure:
     return found
 
 
-def test_measure_limit_and_instant_are_told() -> None:
-    assert told(LATE).what == "is broken: 12.000 us, at most 10.000 us allowed (2.000 us too much), at 0.012345 s"
-    least = replace(LATE, which="min", limit=15.0, at_s=None)
-    assert told(least).what == "is broken: 12.000 us, at least 15.000 us allowed (3.000 us too little)"
-    share = replace(LATE, which="p99_9", at_s=None)
-    assert told(share).what == "is broken: 12.000 us, for p99.9 at most 10.000 us allowed (2.000 us too much)"
-    words = replace(LATE, unit="words", worst=14, limit=13, at_s=None)
-    assert told(words).what == "is broken: 14 words, at most 13 words allowed"
-    none = replace(LATE, unit="count", worst=3, limit=0, at_s=None)
-    assert told(none).what == "is broken: 3, none allowed"
+def test_measure_limit_and_instant_are_told_as_in_the_terminal() -> None:
+    assert told(LATE).what == "12.000 us is over its limit of 10.000 us, at 0.012345 s" == broken(LATE)
+    words = replace(LATE, which="min", unit="words", worst=12, limit=13, margin=-1, at_s=None)
+    assert told(words).what == "12 words is under its limit of 13 words"
 
 
 @pytest.mark.parametrize(
@@ -66,7 +60,7 @@ def test_the_cause_is_the_place_that_the_chain_blames() -> None:
     extra = Part("span", "frame", 3 * US, 1, PLACE)
     assert (
         told(LATE, chain(Part("bus", "bits", 12 * US), more=(extra,))).why
-        == "Longer than typical by 3.000 us: span frame at"
+        == "Longer than in its least critical occurrence by 3.000 us: span frame at"
     )
     blame = Part("code", "I2CDXR written", 0, 1, PLACE)
     assert told(LATE, chain(blame=blame, length=0)).why == "Cause: I2CDXR written at"
@@ -84,14 +78,34 @@ def test_without_a_place_in_the_firmware_the_longest_part_is_told() -> None:
     assert (told(LATE, chain()).why, told(LATE, chain()).place) == ("", "")
 
 
-def test_what_is_as_it_should_be_has_no_sentence() -> None:
+def test_a_budget_that_holds_has_no_sentence_and_a_known_break_has_one() -> None:
     assert failure(budget("a", 2.0).verdict, False, None, None, RATE) is None
-    assert failure(LATE, True, None, None, RATE) is None  # a known bug
+    assert failure(LATE, True, None, None, RATE) == Failure("12.000 us is over its limit of 10.000 us, at 0.012345 s")
 
 
 def test_a_known_bug_that_is_gone_and_a_budget_that_was_not_judged_are_told() -> None:
     gone = failure(budget("a", 2.0).verdict, True, None, None, RATE)
-    assert gone == Failure("holds (2.000 us), but the case says that it must break")
+    assert gone == Failure("2.000 us holds, but the budget is listed in breaks")
     unjudged = replace(budget("a", 2.0).verdict, verdict="not judged")
-    assert told(unjudged).what == "is not judged: nothing was measured by 'response'"
-    assert told(replace(unjudged, found="no event matched 'x'")).what == "is not judged: no event matched 'x'"
+    assert told(unjudged).what == "not judged: nothing was measured by 'response'"
+    assert told(replace(unjudged, found="no event matched 'x'")).what == "not judged: no event matched 'x'"
+
+
+def test_the_line_of_the_cause_is_shown_with_its_neighbours(tmp_path: Path) -> None:
+    file = tmp_path / "slave.py"
+    file.write_text("import x\n\ndef main():\n    if a:\n        b()\n    c()\n", encoding="utf-8")
+    part = Part("span", "frame", 12 * US, 1, FirmwarePlace("main", 4, file))
+    found = told(LATE, chain(part))
+    assert found.line == 4
+    assert found.source == ((2, ""), (3, "def main():"), (4, "    if a:"), (5, "        b()"), (6, "    c()"))
+    assert source_around(FirmwarePlace("main", 5, file)) == found.source[1:]
+    assert source_around(FirmwarePlace("main", 6, file))[-2:] == ((5, "    b()"), (6, "c()"))
+
+
+@pytest.mark.parametrize("line", [0, 2])
+def test_a_line_that_is_not_in_the_file_is_not_shown(tmp_path: Path, line: int) -> None:
+    file = tmp_path / "slave.py"
+    assert source_around(FirmwarePlace("main", 1, file)) == ()  # there is no such file
+    file.write_text("one\n", encoding="utf-8")
+    assert source_around(FirmwarePlace("main", line, file)) == ()
+    assert source_around(FirmwarePlace("main", 1, None)) == ()

@@ -21,6 +21,7 @@ from periph_sim.interfaces.reports.html.gather import CaseReport, Failure, case_
 from periph_sim.interfaces.reports.html.page import page, versions
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
+from periph_sim.timing.verdict import legend
 from tests.interfaces.reports.html.made import US, budget, drawn, report, run_of, small_report
 
 ROOT = Path(__file__).parents[4]
@@ -89,10 +90,11 @@ def test_all_budgets_are_there_with_figures_reason_and_source(imu_hil: tuple[Cas
 
 
 @pytest.mark.long
-def test_the_head_says_what_was_run(imu_hil: tuple[CaseReport, str]) -> None:
-    head = said(parsed(imu_hil[1]).find(".//header"))
-    for part in ("imu_hil_published pass", "10 s", "SYSCLKOUT of dsp 150 MHz", "dsp.i2c.xrdy_w1c"):
-        assert part in head
+def test_the_page_says_what_was_run(imu_hil: tuple[CaseReport, str]) -> None:
+    root = parsed(imu_hil[1])
+    assert "imu_hil_published PASS, as seen in this run" in said(root.find(".//header"))
+    for part in ("10 s", "SYSCLKOUT of dsp 150 MHz", "dsp.i2c.xrdy_w1c"):
+        assert part in said(root.find(".//article"))
 
 
 def test_broken_budgets_come_first_and_known_bugs_behind_them(small: CaseReport) -> None:
@@ -103,6 +105,26 @@ def test_broken_budgets_come_first_and_known_bugs_behind_them(small: CaseReport)
     assert "broken, as it must" in said(rows[2])
 
 
+def test_failures_are_in_order_of_time_and_known_breaks_have_their_cause_too(small: CaseReport) -> None:
+    late, early = (
+        replace(budget(name, 30.0), failure=Failure(f"of {name}"), over_time=run_of(numbers, max=10))
+        for name, numbers in (("late", [1, 2, 30]), ("early", [1, 20, 30]))
+    )
+    known = replace(late, must_break=True, verdict=replace(late.verdict, name="known"))
+    root = parsed(page([report(late, known, early)], "by hand"))
+    failures = root.findall(".//ul[@class='failures']/li")
+    assert [(said(one).partition(" :")[0], one.get("class")) for one in failures] == [
+        ("early", None),
+        ("late", None),
+        ("known", "known"),
+    ]
+    sections = [section.find(".//h3").text.strip() for section in root.findall(".//section")]
+    assert sections == ["early", "late", "known"]
+    of_known = parsed(page([small], "small")).find(".//section[@id='c1b3']")
+    assert "is over its limit of 1.000 us" in said(of_known.find(".//p[@class='failure known']"))
+    assert of_known.find("./details").get("open") is not None
+
+
 def test_texts_of_a_case_cannot_break_out_of_their_place(small: CaseReport) -> None:
     evil = "</script><script>alert(3)</script>\"'><img src=x onerror=alert(4)>&amp;"
     timeline = replace(drawn(), says=(evil, *drawn().says[1:]))
@@ -110,7 +132,7 @@ def test_texts_of_a_case_cannot_break_out_of_their_place(small: CaseReport) -> N
         budget(evil, 1.0, timeline=timeline),
         source=evil,
         limits=((evil, evil),),
-        failure=Failure(evil, evil, evil, evil),
+        failure=Failure(evil, evil, evil, evil, 1, ((1, evil),)),
         over_time=run_of([1, 2, 30], max=10),
     )
     case = replace(
@@ -134,23 +156,20 @@ def test_texts_of_a_case_cannot_break_out_of_their_place(small: CaseReport) -> N
         assert any(evil in "".join(found.itertext()) for found in tree.findall(place)), place
 
 
-SEEN = "Seen: held in this run, other timings are not covered."
-UNJUDGED = "Not judged: too little was measured; no pass."
-
-
 @pytest.mark.parametrize(
-    ("changes", "words"),
+    ("changes", "word"),
     [
-        ({}, [SEEN]),
-        ({"verdict": "not judged"}, [UNJUDGED]),
-        ({"verdict": "fail"}, []),
+        ({}, "seen"),
+        ({"verdict": "not judged"}, "not judged"),
+        ({"verdict": "fail"}, ""),
     ],
 )
-def test_the_verdicts_have_a_legend_of_what_stands_there(changes: dict[str, object], words: list[str]) -> None:
+def test_the_verdicts_have_the_legend_of_the_terminal(changes: dict[str, object], word: str) -> None:
     one = budget("a", 2.0)
     text = page([report(replace(one, verdict=replace(one.verdict, **changes)))], "a report")  # type: ignore[arg-type]
-    legend = re.search(r'<p class="quiet legend">(.*?)</p>', text, re.DOTALL)
-    assert legend is not None and " ".join(legend[1].split()) == " ".join([*words, "Count: times measured."])
+    shown = re.search(r'<p class="quiet legend">(.*?)</p>', text, re.DOTALL)
+    assert shown is not None and shown[1] == "; ".join(legend({word}))
+    assert ("seen: " in shown[1], "not judged: " in shown[1]) == (word == "seen", word == "not judged")
 
 
 def test_assumptions_have_their_number_in_the_head() -> None:
@@ -202,13 +221,13 @@ def test_equal_runs_make_equal_pages_but_for_the_wall_time(small: CaseReport, tm
 
 def test_a_case_without_budgets_is_a_page(tmp_path: Path) -> None:
     tree = parsed(page([report()], "empty"))
-    assert "by hand" not in said(tree.find(".//h1")) and "empty pass" in said(tree.find(".//h1"))
+    assert "by hand" not in said(tree.find(".//h1")) and "empty PASS, as seen in this run" in said(tree.find(".//h1"))
 
 
 def test_an_overview_counts_cases_and_marks_findings(small: CaseReport) -> None:
     broken = replace(report(budget("b", 11.0)), findings=("b breaks: 11.000 us is over its limit",))
     tree = parsed(page([report(budget("a", 1.0)), broken], "all"))
-    assert said(tree.find(".//h1")) == "all 1 of 2 pass"
+    assert said(tree.find(".//h1")) == "all 1 of 2 as they should be"
     assert said(tree.find(".//h1/span")) and tree.find(".//h1/span").get("class") == "chip bad"
     assert [said(item) for item in tree.findall(".//article//ul[@class='findings']/li")] == list(broken.findings)
 
@@ -295,12 +314,12 @@ def test_steps_and_shares_are_told_with_their_places_but_not_with_folders() -> N
         ["3000", "1.000 us", "2.000 us", f"wait {place}"],
     ]
     assert [[row.find(".//span[@class='share']").get("title"), *cells(row)] for row in shares] == [
-        ["75.0 %", "6.000 us", "", f"SCIRXINTA in 3 times {place} +3.000 us against typical"],
+        ["75.0 %", "6.000 us", "", f"SCIRXINTA, 3 times {place} (+3.000 us)"],
         ["25.0 %", "2.000 us", "", "wait for AAS"],  # a third of a nanosecond less is not worth a word
     ]
-    assert "The least remarkable occurrence took 5.000 us." in quiet
+    assert "Its least critical occurrence took 5.000 us; in brackets: the difference from it." in quiet
 
 
 def test_an_occurrence_without_length_has_no_shares() -> None:
     tables, quiet = explained(Chain(RESPONSE.verdict, Timebase(150_000_000), 0, ()))
-    assert (tables, [text for text in quiet if "least remarkable" in text]) == ([], [])
+    assert (tables, [text for text in quiet if "least critical" in text]) == ([], [])

@@ -258,7 +258,8 @@ class _Keeper:
     def _window(
         self, one: _Wanted, name: str, wires: Collection[str], modules: Mapping[str, tuple[str, ...]]
     ) -> Window:
-        ranges = [max(n for n, ours in enumerate(self._ranges) if ours.begin <= span.begin) for span in one.kept]
+        begins = [max(span.begin, self._start) for span in one.kept]
+        ranges = [max(n for n, ours in enumerate(self._ranges) if ours.begin <= begin) for begin in begins]
         first = one.kept[0].begin
         early: dict[object, Record] = {r[2:5]: r for r in self._between(self._ranges[ranges[0]].begin, first)}
         channels = tuple(self._channel(wire, i, one, ranges) for i, wire in enumerate(wires))

@@ -95,6 +95,13 @@ def test_of_a_long_occurrence_the_middle_is_not_kept():
     assert window.edges.known(scl)[-1].end == window.edges.length
 
 
+def test_a_long_age_may_begin_before_the_run():
+    case = load(CASES / "imu_hil_published.toml")
+    (window,) = windows(case, [Verdict("old", "age", "us", 300_000.0, 1, 0, 1, "fail", 0.001)])
+    assert window.begin < window.start == 0 < window.end
+    assert window.records and window.edges.channel("SCL").edges.size
+
+
 def test_no_instant_no_window():
     case = load(CASES / "imu_hil_published.toml")
     assert windows(case, [Verdict("none", "stuck", "count", 0, 0, 0, 0, "pass", None)]) == []

@@ -91,4 +91,5 @@ def _line(text: str) -> tuple[str | None, Line]:
     try:
         return given.get("rx"), line_of(given["baud"], given.get("format", "8n1"))
     except ValueError as error:
-        raise click.ClickException(f"--uart {text}: {error}") from None
+        sentence = str(error).removesuffix(", or auto")  # which only `decode` accepts
+        raise click.ClickException(f"--uart {text}: {sentence}") from None

@@ -67,7 +67,7 @@ def run(
     apart(record=record, html=html)
     with running_user_code(), ExitStack() as outputs:
         if disable:
-            changes += (f"disable={json.dumps(disable)}",)
+            changes += (f"disable={json.dumps(disable, ensure_ascii=False)}",)
         if fidelity or max_error:
             changes += (f"fidelity={fidelity or 'auto'}",)
         loaded = load(case, list(changes))

@@ -133,7 +133,10 @@ def test_our_own_run_with_requests_three_microseconds_apart_more(
         ([IMU_ROUND, NACK, "--tolerance", "-1us"], "--tolerance: '-1us' is negative"),
         ([IMU_ROUND, NACK, "--map", "scl=9,sda=1"], "has no single channel '9'"),
         ([IMU_ROUND, NACK, "--rate-b", "x"], "--rate-b: 'x' is no sample rate"),
-        ([HOST_FRAMES, HOST_FRAMES, "--uart", "baud=fast"], "--uart baud=fast: 'fast' is no baud rate"),
+        (
+            [HOST_FRAMES, HOST_FRAMES, "--uart", "baud=fast"],
+            "--uart baud=fast: 'fast' is no baud rate; expected a number\n",
+        ),
         ([HOST_FRAMES, HOST_FRAMES, "--uart", "rx=RX"], "the rate is not stated; expected baud=RATE, such as baud="),
         ([HOST_FRAMES, HOST_FRAMES, "--uart", "baud=auto"], "--uart baud=auto: the rate is not stated; expected baud="),
         ([HOST_FRAMES, HOST_FRAMES, "--uart", "bauds=9600"], "there is no 'bauds'; did you mean baud?"),

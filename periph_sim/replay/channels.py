@@ -8,6 +8,7 @@ from __future__ import annotations
 from ..core.phrases import did_you_mean
 from ..traces.capture.capture import Capture, listed
 from ..traces.capture.channel_names import channels_named
+from ..traces.decode.i2c_table import swapped_lines
 from . import BadReplay
 
 I2C, UART = ("scl", "sda"), ("rx",)
@@ -18,7 +19,18 @@ def channel_map(capture: Capture, text: str | None, session: bool = False) -> di
     """Return the name of the channel for each line. If `text` is None, channels are found by their names.
 
     session: True to return all three lines if the capture has them.
+
+    Raise BadReplay if there are no such channels, or if SCL and SDA are swapped.
     """
+    found = _mapped(capture, text, session)
+    if "scl" in found and (swapped := swapped_lines(capture, found["scl"], found["sda"])):
+        found["scl"], found["sda"] = found["sda"], found["scl"]
+        right = ",".join(f"{line}={channel}" for line, channel in found.items())
+        raise BadReplay(f"{capture.path}: {swapped}; give --map {right}")
+    return found
+
+
+def _mapped(capture: Capture, text: str | None, session: bool) -> dict[str, str]:
     if text is not None:
         return _given(capture, text)
     for lines in (ALL, I2C, UART) if session else (I2C, UART):

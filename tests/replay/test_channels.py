@@ -8,7 +8,10 @@ import pytest
 
 from periph_sim.replay import BadReplay
 from periph_sim.replay.channels import channel_map, serial_channel
+from periph_sim.traces import formats
 from tests.traces.decode.drawing import of_bytes
+from tests.traces.formats.make_traces import FOLDER
+from tests.traces.formats.writers import I2cWave
 
 I2C = of_bytes(b"\x03", ("SCL", "SDA", "D2"))
 PLAIN = of_bytes(b"\x03", ("D0", "D1"))
@@ -73,3 +76,24 @@ def test_the_serial_line_is_the_one_named_or_called_so_or_the_only_one():
 def test_a_serial_line_that_is_not_clear_is_refused(capture, text, said):
     with pytest.raises(BadReplay, match=re.escape(said)):
         serial_channel(capture, text)
+
+
+@pytest.mark.parametrize("name", ["imu_round", "imu_session", "nack", "i2c_eeprom_busy"])
+def test_swapped_lines_are_recognized_and_lines_in_order_are_not(name: str):
+    capture = formats.read(FOLDER / f"{name}.sr")
+    assert channel_map(capture, None) == {"scl": "SCL", "sda": "SDA"}
+    with pytest.raises(BadReplay, match=r"SCL and SDA are swapped: 0 of \d+ STARTs .*; give --map scl=SCL,sda=SDA$"):
+        channel_map(capture, "scl=SDA,sda=SCL")
+
+
+def test_the_map_to_give_has_the_serial_line_too():
+    with pytest.raises(BadReplay, match=r"--map scl=SCL,sda=SDA,rx=RX$"):
+        channel_map(formats.read(FOLDER / "imu_session.sr"), "scl=SDA,sda=SCL,rx=RX")
+
+
+def test_a_cut_transfer_and_silent_lines_are_not_taken_for_swapped_ones():
+    wave = I2cWave(20, 4, idle=20)
+    wave.start()
+    wave.bit(1)
+    for samples in (bytes(wave.samples), b"\x03", b"\x02\x03"):
+        assert channel_map(of_bytes(samples, ("SCL", "SDA")), "scl=SDA,sda=SCL") == {"scl": "SDA", "sda": "SCL"}

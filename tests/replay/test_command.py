@@ -252,7 +252,11 @@ def test_an_i2c_trace_mapped_by_hand_with_an_address_and_fewer_transfers(call):
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [
-        (["--map", "scl=SDA,sda=SCL"], "no whole address byte; the lines may be swapped"),
+        (
+            ["--map", "scl=SDA,sda=SCL"],
+            "imu_round.sr: SCL and SDA are swapped: 0 of 98 STARTs on them have a whole address, "
+            "and 6 of 6 the other way round; give --map scl=SCL,sda=SDA",
+        ),
         (["--baud", "9600"], "--baud is for UART captures; this one is not mapped so"),
         (["--longest-low", "10"], "--longest-low: '10' has no unit"),
         (["--longest-low", "0 us"], "--longest-low: expected more than 0"),

@@ -20,6 +20,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.phrases import counted
 from ..capture.capture import Capture, Channel, Positions
 from ..capture.sampling import rate_text, sample_step
 from .i2c_stream import BITS, COUNTED, EVENTS, KINDS, START
@@ -347,4 +348,32 @@ def impossible_rate(capture: Capture, scl: str | int) -> str:
     return (
         f"at {rate_text(capture.rate)}, as captured or stated, SCL would run at {float(clock):.3g} Hz; "
         f"expected {SLOWEST} Hz to {FASTEST // 10**6} MHz"
+    )
+
+
+def whole_addresses(capture: Capture, scl: str | int, sda: str | int) -> tuple[int, int]:
+    """Return the number of STARTs with a whole address byte and its ACK, and the number of all STARTs."""
+    whole = starts = 0
+    for edges in i2c_edges(capture, scl, sda):
+        whole += int(np.count_nonzero(bit_counts(edges) >= BITS))
+        starts += int(np.count_nonzero(edges.starts))
+    return whole, starts
+
+
+def swapped_lines(capture: Capture, scl: str | int, sda: str | int) -> str:
+    """Return a message if SCL and SDA are swapped; otherwise "".
+
+    On swapped lines, most pulses of SCL look like a START and a STOP, so few STARTs are followed by a whole address.
+
+    Raise LookupError if a channel is missing.
+    """
+    whole, starts = whole_addresses(capture, scl, sda)
+    if 2 * whole > starts:
+        return ""
+    other, others = whole_addresses(capture, sda, scl)
+    if 2 * other <= others:
+        return ""
+    return (
+        f"SCL and SDA are swapped: {whole} of {counted(starts, 'START')} on them have a whole address, "
+        f"and {other} of {others} the other way round"
     )

@@ -312,6 +312,15 @@ def _git(folder: Path, *command: str) -> str:
 
 
 @dataclass(frozen=True)
+class SourceLines:
+    """A line of the firmware. lines: number and text of this line and of its neighbours."""
+
+    place: str
+    line: int
+    lines: tuple[tuple[int, str], ...]
+
+
+@dataclass(frozen=True)
 class Failure:
     """The sentences about the failure of a budget.
 
@@ -319,16 +328,15 @@ class Failure:
     count: the number of occurrences beyond the limit, or "".
     why: the cause, or "".
     place: the location in the firmware with which the sentence `why` ends, or "".
-    line: the number of the line at this location.
-    source: number and text of this line and of its neighbours; empty if the file cannot be read.
+    source: the firmware's line at this location. If there is none, the line of the last step of the explanation that
+        has a location. None if there is no such step.
     """
 
     what: str
     count: str = ""
     why: str = ""
     place: str = ""
-    line: int = 0
-    source: tuple[tuple[int, str], ...] = ()
+    source: SourceLines | None = None
 
 
 def failure(
@@ -341,26 +349,28 @@ def failure(
         part = None if chain is None else chain.blamed or next(iter(chain.parts), None)
         why = "" if chain is None or part is None else _blame(part, chain)
         count = "" if over is None else _count(verdict, over, per_second)
+        places = [] if chain is None else [step.place for step in chain.steps if step.place is not None]
         if part is None or part.place is None:
-            return Failure(broken(verdict), count, why)
-        place = part.place
-        return Failure(broken(verdict), count, f"{why} at", str(place), place.line, source_around(place))
+            return Failure(broken(verdict), count, why, "", source_around(places[-1]) if places else None)
+        return Failure(broken(verdict), count, f"{why} at", str(part.place), source_around(part.place))
     if verdict.passed:
         return None
     return Failure(f"not judged: {verdict.found or f'nothing was measured by {verdict.measure!r}'}")
 
 
-def source_around(place: FirmwarePlace) -> tuple[tuple[int, str], ...]:
-    """Return number and text of a line of the firmware and of its neighbours; nothing if the file cannot be read."""
+def source_around(place: FirmwarePlace) -> SourceLines | None:
+    """Return a line of the firmware with its neighbours; None if the line is unknown or the file cannot be read."""
     if place.file is None or not place.line:
-        return ()
+        return None
     try:
         lines = place.file.read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError:
-        return ()
+        return None
+    if place.line > len(lines):
+        return None
     first = max(place.line - 1 - NEIGHBOURS, 0)
     shown = dedent("\n".join(lines[first : place.line + NEIGHBOURS])).split("\n")
-    return tuple(enumerate(shown, first + 1)) if place.line <= len(lines) else ()
+    return SourceLines(str(place), place.line, tuple(enumerate(shown, first + 1)))
 
 
 def _count(verdict: Verdict, over: OverTime, per_second: int) -> str:

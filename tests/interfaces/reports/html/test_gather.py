@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from periph_sim.core.time import Timebase
-from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Part
-from periph_sim.interfaces.reports.html.gather import Failure, failure, source_around
+from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Part, Step
+from periph_sim.interfaces.reports.html.gather import Failure, SourceLines, failure, source_around
 from periph_sim.timing.verdict import Verdict, broken
 from tests.interfaces.reports.html.made import US, budget, run_of
 
@@ -96,16 +96,19 @@ def test_the_line_of_the_cause_is_shown_with_its_neighbours(tmp_path: Path) -> N
     file.write_text("import x\n\ndef main():\n    if a:\n        b()\n    c()\n", encoding="utf-8")
     part = Part("span", "frame", 12 * US, 1, FirmwarePlace("main", 4, file))
     found = told(LATE, chain(part))
-    assert found.line == 4
-    assert found.source == ((2, ""), (3, "def main():"), (4, "    if a:"), (5, "        b()"), (6, "    c()"))
-    assert source_around(FirmwarePlace("main", 5, file)) == found.source[1:]
-    assert source_around(FirmwarePlace("main", 6, file))[-2:] == ((5, "    b()"), (6, "c()"))
+    lines = ((2, ""), (3, "def main():"), (4, "    if a:"), (5, "        b()"), (6, "    c()"))
+    assert found.source == SourceLines("slave.py:4 (main)", 4, lines)
+    near_end = source_around(FirmwarePlace("main", 6, file))
+    assert near_end is not None and near_end.lines == ((4, "if a:"), (5, "    b()"), (6, "c()"))
+    steps = (Step(0, "a", place=FirmwarePlace("main", 4, file)), Step(1, "b"))  # the cause is on the bus
+    of_step = told(LATE, replace(chain(Part("bus", "bits", 12 * US)), steps=steps))
+    assert (of_step.place, of_step.source) == ("", found.source)
 
 
 @pytest.mark.parametrize("line", [0, 2])
 def test_a_line_that_is_not_in_the_file_is_not_shown(tmp_path: Path, line: int) -> None:
     file = tmp_path / "slave.py"
-    assert source_around(FirmwarePlace("main", 1, file)) == ()  # there is no such file
+    assert source_around(FirmwarePlace("main", 1, file)) is None  # there is no such file
     file.write_text("one\n", encoding="utf-8")
-    assert source_around(FirmwarePlace("main", line, file)) == ()
-    assert source_around(FirmwarePlace("main", 1, None)) == ()
+    assert source_around(FirmwarePlace("main", line, file)) is None
+    assert source_around(FirmwarePlace("main", 1, None)) is None

@@ -17,7 +17,7 @@ import periph_sim
 from periph_sim import form
 from periph_sim.core.time import Timebase
 from periph_sim.interfaces.reports.explain.chain import Chain, FirmwarePlace, Part, Step
-from periph_sim.interfaces.reports.html.gather import CaseReport, Failure, case_report, commit_of
+from periph_sim.interfaces.reports.html.gather import CaseReport, Failure, SourceLines, case_report, commit_of
 from periph_sim.interfaces.reports.html.page import page, versions
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
@@ -132,7 +132,7 @@ def test_texts_of_a_case_cannot_break_out_of_their_place(small: CaseReport) -> N
         budget(evil, 1.0, timeline=timeline),
         source=evil,
         limits=((evil, evil),),
-        failure=Failure(evil, evil, evil, evil, 1, ((1, evil),)),
+        failure=Failure(evil, evil, evil, evil, SourceLines(evil, 1, ((1, evil),))),
         over_time=run_of([1, 2, 30], max=10),
     )
     case = replace(

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from enum import Enum
 from functools import cached_property
+from typing import NamedTuple
 
 from msgspec import Struct
 
@@ -121,6 +122,17 @@ def field(
     return Field(name, int(msb), int(lsb or msb), access, reset, tie, doc)
 
 
+class NamedByte(NamedTuple):
+    """A byte of a transfer as its device names it.
+
+    register: the name of the register, or of the memory address.
+    meaning: the fields of the register or the measured quantity; "" if the byte alone says everything.
+    """
+
+    register: str
+    meaning: str = ""
+
+
 class Register(Struct, frozen=True, dict=True):
     """A register of a module. offset: the distance from the module's base in 16-bit words.
 
@@ -222,8 +234,15 @@ class Register(Struct, frozen=True, dict=True):
 
     def decode(self, value: int) -> str:
         """Return a value as text with its fields; zero fields are left out."""
-        parts = (f"{f.name}={f.extract(value):#x}" for f in self.fields if f.extract(value))
-        return f"{self.name}={value:#06x} ({' '.join(parts) or 'all zero'})"
+        return f"{self.name}={value:#06x} ({self.fields_in(value) or 'all zero'})"
+
+    def fields_in(self, value: int) -> str:
+        """Return the fields of a value as text; zero fields are left out."""
+        return " ".join(f"{f.name}={f.extract(value):#x}" for f in self.fields if f.extract(value))
+
+    def named(self, value: int) -> NamedByte:
+        """Return the name of a register of eight bits and the fields of its value."""
+        return NamedByte(self.name, self.fields_in(value) if len(self.fields) > 1 else "")
 
 
 class RegisterMap(Struct, frozen=True, dict=True):

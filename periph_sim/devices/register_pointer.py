@@ -13,6 +13,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from ..core.registers import NamedByte
 from ..core.state import State
 from .chips.register_chip import RegisterChip
 from .targets import PlainReply
@@ -26,6 +27,7 @@ class RegisterPointer(PlainReply):
     """
 
     STATE = State("chip _number _used")
+    pointer_bytes = 1
 
     def __init__(self, chip: RegisterChip, now: Callable[[], int], touched: Callable[[], None] = lambda: None) -> None:
         self.chip = chip
@@ -38,6 +40,10 @@ class RegisterPointer(PlainReply):
     def pointer(self) -> int:
         """The register of the next access; 0 after power-on."""
         return self.chip.following(self._number) if self._used else self._number
+
+    def named(self, value: int, before: int | None) -> NamedByte:
+        """Return the name and the meaning of the next byte. before: the previous byte of the burst, if there is one."""
+        return self.chip.named(self.pointer, value, before)
 
     def answer(self, address_byte: int) -> RegisterPointer | None:
         """Return this object if the chip is addressed and acknowledges; else None."""

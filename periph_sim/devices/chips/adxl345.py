@@ -201,6 +201,9 @@ class Adxl345(RegisterChip):
     SECTION = f"{SHEET}, register map: reserved, do not access"
     ADDRESSES = ADDRESSES
     OPTIONS = Adxl345Options
+    DATA = DATA
+    BYTE_ORDER = "little"
+    UNIT = "g"
 
     def __init__(
         self,
@@ -227,6 +230,9 @@ class Adxl345(RegisterChip):
         """Number of LSB in one g with the present DATA_FORMAT, for right-justified data."""
         return Fraction(LSB_PER_G, 1 if self.get("DATA_FORMAT", "FULL_RES") else 2 ** self.get("DATA_FORMAT", "Range"))
 
+    def quantity(self, word: int) -> str:
+        return super().quantity(word >> 16 - self._bits if self.get("DATA_FORMAT", "Justify") else word)
+
     def begin(self, now: int) -> bool:
         self._latched = None
         return super().begin(now)
@@ -238,6 +244,11 @@ class Adxl345(RegisterChip):
         if goes == "goes_on":
             return super().following(number)
         return 0 if goes == "wraps_to_0" else number
+
+    @property
+    def _bits(self) -> int:
+        """Number of bits of a sample with the present DATA_FORMAT."""
+        return 10 + self.get("DATA_FORMAT", "Range") * self.get("DATA_FORMAT", "FULL_RES")
 
     # Samples ------------------------------------------------------------------------
 
@@ -255,8 +266,7 @@ class Adxl345(RegisterChip):
 
     def formatted(self, g: Sequence[float | Fraction]) -> bytes:
         """Return the data bytes of accelerations in g, with the present offsets, resolution and justification."""
-        span = self.get("DATA_FORMAT", "Range")
-        bits = 10 + span if self.get("DATA_FORMAT", "FULL_RES") else 10
+        bits = self._bits
         scale = self.lsb_per_unit
         data = b""
         for axis, value in enumerate(g):

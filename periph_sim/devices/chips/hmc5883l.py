@@ -69,6 +69,8 @@ class Hmc5883l(RegisterChip):
     SECTION = f"{SHEET}, register access"
     ADDRESSES = ADDRESSES
     OPTIONS = Hmc5883lOptions
+    DATA = DATA
+    UNIT = "gauss"
 
     def __init__(
         self,
@@ -102,6 +104,9 @@ class Hmc5883l(RegisterChip):
     def lsb_per_unit(self) -> Fraction:
         """Number of LSB in one gauss with the present GN."""
         return Fraction(LSB_PER_GAUSS[self.get("CRB", "GN")])
+
+    def quantity(self, word: int) -> str:
+        return "overflow" if word == OVERFLOW else super().quantity(word)
 
     def following(self, number: int) -> int:
         """Return the next register: 0x03 after 0x08, and 0x00 after 0x0C."""

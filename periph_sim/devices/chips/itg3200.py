@@ -97,6 +97,8 @@ class Itg3200(RegisterChip):
     SECTION = f"{SHEET} register map"
     ADDRESSES = ADDRESSES
     OPTIONS = Itg3200Options
+    DATA = DATA
+    UNIT = "deg/s"
 
     def __init__(
         self,

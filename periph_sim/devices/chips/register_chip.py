@@ -12,10 +12,10 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from math import isfinite
-from typing import Any
+from typing import Any, Literal
 
 from ...core.chip import Note
-from ...core.registers import OnWrite, Register, RegisterMap, field
+from ...core.registers import NamedByte, OnWrite, Register, RegisterMap, field
 from ...core.state import State
 from ...core.time import Clock, Timebase
 
@@ -47,6 +47,9 @@ class RegisterChip:
     SECTION: str  # section of the data sheet on register access
     ADDRESSES: tuple[int, ...]  # possible addresses, 7 bits each, the usual one first
     OPTIONS: type[Any]  # options for open questions of the data sheet
+    DATA: tuple[str, ...] = ()  # the registers with x, y and z, two for each, in order
+    BYTE_ORDER: Literal["big", "little"] = "big"  # order of the two registers of an axis
+    UNIT = ""  # the physical unit of x, y and z
 
     def __init__(self, timebase: Timebase, source: Source, address: int, powered: int, ready: Fraction) -> None:
         self.address = address
@@ -88,6 +91,28 @@ class RegisterChip:
     def following(self, number: int) -> int:
         """Return the pointer after an access to the register with this number."""
         return number + 1 & 0xFF
+
+    # Names for people ----------------------------------------------------------
+
+    def named(self, number: int, value: int, before: int | None) -> NamedByte:
+        """Return the name and the meaning of a byte that is written to or was read from a register.
+
+        before: the previous byte of the burst, if this register was accessed after another one.
+        """
+        register = self.MAP.at(number)
+        if register is None:
+            return NamedByte(f"{number:#04x}", "reserved")
+        if register.name in self.DATA:
+            second = self.DATA.index(register.name) & 1
+            if not second or before is None:
+                return NamedByte(register.name)
+            word = int.from_bytes((before, value), self.BYTE_ORDER, signed=True)
+            return NamedByte(register.name, f"{word} = {self.quantity(word)}")
+        return register.named(value)
+
+    def quantity(self, word: int) -> str:
+        """Return the quantity in a data word at the present scale, with its unit."""
+        return f"{float(word / self.lsb_per_unit):.4g} {self.UNIT}"
 
     # Implemented by each chip ---------------------------------------------------------
 

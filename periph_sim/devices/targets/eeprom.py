@@ -22,6 +22,7 @@ from msgspec import Meta
 
 from ...core.convert import After, Before
 from ...core.input_files import read_input
+from ...core.registers import NamedByte
 from ...core.state import State
 from ...core.table import DurationRange, Spread, Table, duration, hex_bytes
 from . import BadDevice, PlainReply, TargetContext, address_among
@@ -110,6 +111,7 @@ class Eeprom(PlainReply):
 
     def __init__(self, part: Part, addresses: tuple[int, ...], settings: Settings, place: TargetContext) -> None:
         self.addresses = addresses
+        self.pointer_bytes = part.word
         self.memory = bytearray([ERASED]) * part.size
         self._part = part
         self._page = settings.page or part.page
@@ -134,6 +136,9 @@ class Eeprom(PlainReply):
         if self._part.blocks > 1:
             self._pointer = (address_byte >> 1 & self._part.blocks - 1) << 8 | self._pointer & 0xFF
         return self
+
+    def named(self, value: int, before: int | None) -> NamedByte:
+        return NamedByte(f"{self._pointer:#06x}")
 
     def send_byte(self, byte: int) -> int:
         value = self.memory[self._pointer]

@@ -18,6 +18,7 @@ from fractions import Fraction
 from pathlib import Path
 
 from ...core.input_files import read_input
+from ...core.registers import NamedByte
 from ...core.state import State
 from ...core.table import duration
 from ...core.wire import Pin
@@ -119,6 +120,7 @@ class RegisterDevice(PlainReply):
 
     def __init__(self, settings: Settings, place: TargetContext, address: int, feeds: dict[str, Feed]) -> None:
         self.addresses = (address,)
+        self.pointer_bytes = settings.pointer_bytes
         self.values: dict[str, int] = {}
         self._settings = settings
         self._place = place
@@ -155,6 +157,14 @@ class RegisterDevice(PlainReply):
             return None
         self._byte, self._taken = 0, None
         return self
+
+    def named(self, value: int, before: int | None) -> NamedByte:
+        table, index = self._cell()
+        if table is None:
+            return NamedByte(f"{self._pointer:#04x}", "not in the map")
+        if not index or before is None:
+            return NamedByte(table.name)
+        return NamedByte(table.name, f"{int.from_bytes((before, value), self._settings.byte_order):#06x}")
 
     def send_byte(self, byte: int) -> int:
         self._catch_up()

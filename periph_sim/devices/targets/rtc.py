@@ -20,8 +20,10 @@ from typing import Annotated, NamedTuple
 from msgspec import Meta
 
 from ...core.convert import After
+from ...core.registers import NamedByte, RegisterMap
 from ...core.state import State
 from ...core.table import DurationRange, Spread, Table, duration
+from ..chips.register_chip import byte_register
 from . import BadDevice, PlainReply, TargetContext, address_among
 
 __all__ = ["MODELS", "Settings", "build"]
@@ -99,6 +101,20 @@ ADDRESS = 0x6F
 SIZE, PAGE = 0x40, 8
 CLOCK, STORED, STATUS = range(0x30, 0x38), range(0x18), 0x3F
 RTCF, WEL, RWEL = 1, 2, 4  # bits of the status register
+NAMES = ("SC", "MN", "HR", "DT", "MO", "YR", "DW", "Y2K")
+SECTION = "FN8231 clock/control memory map"
+HOUR, LATCHES = (("MIL", "7"), ("H", "5:0")), (("RWEL", "2"), ("WEL", "1"), ("RTCF", "0"))
+MAP = RegisterMap(
+    "ISL12026",
+    SECTION,
+    (
+        *(
+            byte_register(at, name, "R/W", 0, SECTION, HOUR if name == "HR" else ())
+            for at, name in zip(CLOCK, NAMES, strict=True)
+        ),
+        byte_register(STATUS, "SR", "R/W", 0, SECTION, LATCHES),
+    ),
+)
 DIRECTIVE = "FN8231, writing to the clock/control registers"
 SECONDS_PER_PPM = 1_000_000
 
@@ -134,6 +150,7 @@ class Rtc(PlainReply):
 
     def __init__(self, settings: Settings, place: TargetContext, address: int) -> None:
         self.addresses = (address,)
+        self.pointer_bytes = 2
         self._settings = settings
         self._place = place
         self._second = place.ticks(duration("1 s")) * SECONDS_PER_PPM // (SECONDS_PER_PPM + settings.ppm)
@@ -171,6 +188,10 @@ class Rtc(PlainReply):
         if address_byte & 1 and self._why_none:
             self._place.duty(f"{self._why_none}; it does not count from there in this model", DIRECTIVE)
         return self
+
+    def named(self, value: int, before: int | None) -> NamedByte:
+        register = MAP.at(self._pointer)
+        return NamedByte(f"{self._pointer:#06x}") if register is None else register.named(value)
 
     def send_byte(self, byte: int) -> int:
         at, self._pointer = self._pointer, (self._pointer + 1) % SIZE

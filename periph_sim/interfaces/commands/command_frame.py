@@ -282,6 +282,18 @@ def address_given(option: str, text: str) -> tuple[str, int]:
     return address.strip("[]") or "127.0.0.1", int(port)
 
 
+def i2c_address_given(option: str, text: str, most: int = 0x7F) -> int:
+    """Parse an I2C address. option: the name of the option, for messages. most: the largest address."""
+    try:
+        address = int(text, 0)
+    except ValueError:
+        address = -1
+    if not 0 <= address <= most:
+        kind = f"{most.bit_length()}-bit address; expected 0 to 0x{most:X}"
+        raise click.ClickException(f"{option}: {text!r} is no {kind}, right-aligned")
+    return address
+
+
 def pace_given(text: str) -> Fraction:
     """Parse --pace. Return the number of simulated seconds per second."""
     try:

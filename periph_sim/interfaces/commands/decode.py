@@ -3,6 +3,7 @@
 pcapng      Wireshark, tshark          a packet for each message, burst or selection (SPI), an interface for each line
 hexdump     text2pcap, any script      the same bytes as text, each packet below its time
 sigrok      scripts for sigrok-cli     a line for each event, `START-END i2c-1: Address write: 53`
+logic2      scripts for Logic 2        a line for each condition, byte, frame or word, as Logic 2 exports its tables
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from math import ceil
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 import numpy as np
@@ -23,26 +25,42 @@ from ...traces.capture.sampling import sample_step
 from ...traces.decode.event_rows import (
     ADDRESS,
     ADDRESS_LOW,
+    AGAIN,
+    DATA,
     DESELECT,
     DETAILS,
-    EVENTS,
     FRAME,
     SELECT,
     START,
     WORD,
     Rows,
+    chosen,
     grouped,
     merged,
 )
 from ...traces.decode.i2c_table import long_lows
 from ...traces.decode.table_columns import select
 from ...traces.formats import pcapng_writer as pcapng
+from . import decode_reports
 from . import decoded_text as event_text
 from .bulk_text import NONE, Column, Digits, Literal, Numbers, Words, text
-from .command_frame import RATE, SALVAGE, command, read_capture, usage_errors_in_one_sentence
+from .command_frame import (
+    RATE,
+    SALVAGE,
+    command,
+    i2c_address_given,
+    read_capture,
+    running_user_code,
+    usage_errors_in_one_sentence,
+)
 from .decode_buses import Bus, asked_for
+from .decode_logic2 import in_logic2
+from .decoded_json import transfer_lines
 
-EXPORTS = ("pcapng", "hexdump", "sigrok")
+if TYPE_CHECKING:
+    from .decode_names import RegisterNames
+
+EXPORTS = ("pcapng", "hexdump", "sigrok", "logic2")
 STYLES = ("table", "json", "csv", *EXPORTS)
 A_SECOND = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9, "ps": 10**12}
 
@@ -65,6 +83,21 @@ A_SECOND = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9, "ps": 10**12}
     help="An SPI bus: clk=, mosi= or miso= or both, cs=; cpol, cpha, bitorder, wordsize, cs_polarity as sigrok's.",
 )
 @click.option("--glitch", metavar="TIME", help="Ignore pulses shorter than '50ns'; a bare number counts samples.")
+@click.option("--glitches", "want_glitches", is_flag=True, help="List short pulses instead; --glitch sets the limit.")
+@click.option("--counts", "want_counts", is_flag=True, help="Count transfers, bytes, NACKs and load instead.")
+@click.option("--address", "addresses", multiple=True, metavar="ADDRESS", help="Only I2C transfers with this address.")
+@click.option("--nacked", is_flag=True, help="Only I2C transfers in which a target did not acknowledge.")
+@click.option("--first", type=click.IntRange(min=1), metavar="N", help="Only the first N transfers.")
+@click.option(
+    "--chip",
+    "chips",
+    multiple=True,
+    metavar="[ADDRESS=]MODEL",
+    help="Name the registers of a chip by its model in cases: 0x68=itg3200.",
+)
+@click.option(
+    "--case", "case_file", type=click.Path(path_type=Path), help="Name the registers of the chips of this case."
+)
 @RATE
 @click.option("--format", "style", type=click.Choice(STYLES), default="table", show_default=True)
 @SALVAGE
@@ -81,6 +114,13 @@ def decode(
     uarts: tuple[str, ...],
     spis: tuple[str, ...],
     glitch: str | None,
+    want_glitches: bool,
+    want_counts: bool,
+    addresses: tuple[str, ...],
+    nacked: bool,
+    first: int | None,
+    chips: tuple[str, ...],
+    case_file: Path | None,
     rate: str | None,
     salvage: bool,
     style: str,
@@ -97,42 +137,96 @@ def decode(
         if style not in ("table", "json"):
             raise click.ClickException(f"--json and --format {style} are two formats; give one of them")
         style, whole = "json", True
+    reports, names_given = want_counts + want_glitches, bool(chips) or case_file is not None
+    if reports and (reports > 1 or style in EXPORTS or names_given or (whole and not as_json)):
+        raise click.ClickException(
+            "--counts and --glitches print one table each; they take --format table, csv or json, no --chip or --case"
+        )
+    if names_given and style in EXPORTS:
+        raise click.ClickException(f"--chip and --case: --format {style} has no place for the names of registers")
+    if want_glitches and (addresses or nacked or first):
+        raise click.ClickException("--glitches lists pulses of lines; leave out --address, --nacked and --first")
+    wanted = [i2c_address_given("--address", text, 0x3FF) for text in addresses]
     with usage_errors_in_one_sentence():
         capture = read_capture(file, rate, salvage)
         shortest = 0 if glitch is None else _shortest(glitch, capture)
         found = asked_for(capture, i2cs, uarts, spis, shortest)
-    for note in (*capture.notes, *(note for bus in found for note in bus.notes)):
-        click.echo(f"note: {note}", err=True)
+    clock = None if capture.rate is None else event_text.Clock.for_rate(capture.rate, 2 * capture.length)
+    _print_notes(*capture.notes, *(note for bus in found for note in bus.notes))
+    if want_glitches:
+        limit = None if glitch is None else shortest
+        _print_notes(*decode_reports.glitch_notes(found, capture, limit))
+        cells = decode_reports.glitches(found, capture, clock, limit)
+        decode_reports.print_cells(decode_reports.GLITCHES, cells, style)
+        return
     found = [bus for bus in found if len(bus.rows.at)] or found[:1]
     for number, bus in enumerate(found):
         bus.rows.bus[:] = number
+    rows = merged([bus.rows for bus in found])
+    silences = [bus.silence for bus in found]
+    if wanted or nacked or first:
+        rows = chosen(*grouped(rows, silences), wanted, nacked, first)
+    if want_counts:
+        cells = decode_reports.counts(*grouped(rows, silences), found, capture)
+        decode_reports.print_cells(decode_reports.COUNTS, cells, style)
+        return
+    names = _names(found, chips, case_file) if names_given else None
     with usage_errors_in_one_sentence():
-        pieces = _text(found, capture, style, full, whole, shortest)
+        pieces = _text(found, rows, capture, clock, style, full, whole, shortest, names)
     for piece in pieces:
         sys.stdout.buffer.write(piece)
     sys.stdout.buffer.flush()
 
 
-def _text(found: list[Bus], capture: Capture, style: str, full: bool, whole: bool, shortest: int) -> Iterator[bytes]:
-    names, protocols = [bus.name for bus in found], [bus.protocol for bus in found]
-    clock = None if capture.rate is None else event_text.Clock.for_rate(capture.rate, 2 * capture.length)
-    rows = merged([bus.rows for bus in found])
+def _print_notes(*notes: str) -> None:
+    for note in notes:
+        click.echo(f"note: {note}", err=True)
+
+
+def _names(found: list[Bus], chips: tuple[str, ...], case_file: Path | None) -> RegisterNames:
+    from .decode_names import RegisterNames
+
+    with running_user_code():
+        names = RegisterNames(found, chips, case_file)
+    _print_notes(*names.notes)
+    return names
+
+
+def _text(
+    found: list[Bus],
+    rows: Rows,
+    capture: Capture,
+    clock: event_text.Clock | None,
+    style: str,
+    full: bool,
+    whole: bool,
+    shortest: int,
+    names: RegisterNames | None,
+) -> Iterator[bytes]:
+    buses, protocols = [bus.name for bus in found], [bus.protocol for bus in found]
     if style == "sigrok":
         return in_sigrok(rows, protocols)
-    if not whole and style not in EXPORTS:
-        return event_text.events(rows, names, clock, style, full)
-    rows, first = grouped(rows, [bus.silence for bus in found])
+    if style in EXPORTS and clock is None:
+        raise click.ClickException(f"--format {style}: {capture.path} states no rate; packets have times, state --rate")
+    if style == "logic2":
+        assert clock is not None
+        return in_logic2(rows, found, clock, sample_step(capture))
+    first = None
+    if whole or style in EXPORTS:
+        rows, first = grouped(rows, [bus.silence for bus in found])
+    named = None if names is None else event_text.Named(names.column(rows), names.texts)
+    if first is None:
+        return event_text.events(rows, buses, clock, style, full, named)
     if style == "json":
         lows = [
             long_lows(capture, bus.lines[0], bus.lines[1], shortest) if bus.protocol == "i2c" else None for bus in found
         ]
-        return event_text.transfer_lines(rows, first, names, protocols, lows, clock)
+        return transfer_lines(rows, first, buses, protocols, lows, clock, named)
     if style not in EXPORTS:
-        return event_text.transfers(rows, first, names, clock, style, full)
-    if clock is None:
-        raise click.ClickException(f"--format {style}: {capture.path} states no rate; packets have times, state --rate")
+        return event_text.transfers(rows, first, buses, clock, style, full, named)
+    assert clock is not None
     if style == "pcapng":
-        return in_pcapng(rows, first, names, protocols, clock)
+        return in_pcapng(rows, first, buses, protocols, clock)
     if len(set(protocols)) > 1:
         raise click.ClickException(
             "a hex dump holds one kind of bus; choose with --i2c, --uart or --spi, or write pcapng"
@@ -154,7 +248,6 @@ def _shortest(text: str, capture: Capture) -> int:
     return ceil(Fraction(match[1]) * capture.rate / A_SECOND[match[2]])
 
 
-AGAIN, DATA = (EVENTS.index(name) for name in ("repeated start", "data"))
 DECIMALS = 9  # number of decimals of a second; Wireshark does not show more
 PER_LINE = 16  # number of bytes in a line of a dump
 

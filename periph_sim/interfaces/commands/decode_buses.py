@@ -9,6 +9,8 @@ no option                  --> channels named scl and sda, rx and tx; uncertain 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from fractions import Fraction
+from math import ceil
 from typing import NamedTuple
 
 import click
@@ -31,6 +33,7 @@ SPI_MODES = {  # names and values as in sigrok's decoder; the first value is the
     "bitorder": ("msb-first", "lsb-first"),
     "cs_polarity": ("active-low", "active-high"),
 }
+SPIKE = Fraction(100, 10**9)  # seconds; twice tSP (UM10204, table 10), as in `compliance`
 MAX_WORD = 32  # maximum number of bits of an SPI word
 # A guess of a line's settings is used if its certainty is at least SURE.
 # In a test with 34 real lines, guesses with a certainty above SURE were right, and most other guesses were wrong.
@@ -44,7 +47,10 @@ class Bus(NamedTuple):
     silence: the number of positions without a frame or word after which a burst ends; None if transfers begin at STARTs
         or selections.
     notes: sentences on the limitations of the decoding.
-    lines: SCL and SDA, the serial line, or the data line of SPI.
+    lines: all lines: SCL and SDA, the serial line, or clock, data and chip select.
+    glitch: pulses of fewer positions are glitches by default: half a bit of a serial line, otherwise SPIKE; 0 if the
+        capture has no rate.
+    role: mosi or miso; "" for other buses.
     """
 
     protocol: str
@@ -53,6 +59,8 @@ class Bus(NamedTuple):
     silence: int | None
     notes: list[str]
     lines: tuple[Channel, ...]
+    glitch: int
+    role: str = ""
 
 
 def asked_for(
@@ -109,7 +117,12 @@ def _i2c_of(capture: Capture, scl: Channel, sda: Channel, shortest: int) -> Bus:
     rows = i2c_rows(i2c_table(capture, scl.index, sda.index, shortest))
     wrong = impossible_rate(capture, scl.index)
     doubts = [f"{wrong}; then all times are wrong; state the rate with --rate"] if wrong else []
-    return Bus("i2c", f"i2c {scl.name}/{sda.name}", rows, None, [*gap_notes(capture, scl, sda), *doubts], (scl, sda))
+    notes = [*gap_notes(capture, scl, sda), *doubts]
+    return Bus("i2c", f"i2c {scl.name}/{sda.name}", rows, None, notes, (scl, sda), _spike(capture))
+
+
+def _spike(capture: Capture) -> int:
+    return ceil((capture.rate or 0) * SPIKE)
 
 
 # UART ----------------------------------------------------------------------------
@@ -155,12 +168,12 @@ def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: in
     else:
         line = line_of(baud, shape or "8n1", "invert" in given)
     rows = uart_rows(uart_table(capture, wire.index, line, shortest, "vote" in given))
-    silence = round(line.frame * width_of(capture, line.baud))
-    return Bus("uart", f"uart {wire.name}", rows, silence, notes, (wire,))
+    bit = width_of(capture, line.baud)
+    return Bus("uart", f"uart {wire.name}", rows, round(line.frame * bit), notes, (wire,), ceil(bit / 2))
 
 
 def _nothing(wire: Channel, note: str) -> Bus:
-    return Bus("uart", f"uart {wire.name}", no_rows(), 0, [note], (wire,))
+    return Bus("uart", f"uart {wire.name}", no_rows(), 0, [note], (wire,), 0)
 
 
 # SPI -----------------------------------------------------------------------------
@@ -182,7 +195,8 @@ def _spi(capture: Capture, text: str, shortest: int) -> Iterator[Bus]:
     for line in ("mosi", "miso"):
         if line in lines:
             rows = spi_rows(events, line == "mosi")
-            yield Bus("spi", f"spi {lines[line].name}", rows, silence, notes, (lines[line],))
+            wires = tuple(lines.values())
+            yield Bus("spi", f"spi {lines[line].name}", rows, silence, notes, wires, _spike(capture), line)
             notes = []
 
 

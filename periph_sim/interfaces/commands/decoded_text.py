@@ -1,14 +1,4 @@
-"""Decoded rows as text: a table, CSV or JSON lines.
-
-In JSON, each transfer is an object on a line of its own. A message lasts from a START or repeated START to the next
-condition:
-
-    I2C    {..., "messages": [{"address": 83, "direction": "write", "acked": true, "bytes": [...]}], "ended": "stop"}
-    UART   {..., "frames": [{"value": 65, ...}]}
-    SPI    {..., "words": [{"value": 159, "bits": 8, ...}], "cut": null}
-
-These lines are built as text without a JSON encoder, because a dense capture has a hundred thousand bytes.
-"""
+"""Decoded rows as text: a table, CSV or JSON lines."""
 
 from __future__ import annotations
 
@@ -21,8 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ...traces.decode.event_rows import ADDRESS, ADDRESS_LOW, CUT, DETAILS, EVENTS, START, WORD, Rows
-from ...traces.decode.i2c_table import LongLows
+from ...core.registers import NamedByte
+from ...traces.decode.event_rows import (
+    DETAILS,
+    EVENTS,
+    Rows,
+)
 from ...traces.decode.table_columns import select
 from .bulk_text import BLANK, NONE, Column, Digits, Literal, Numbers, Sparse, Words, numbered, text
 
@@ -62,6 +56,44 @@ class Clock(NamedTuple):
         return np.array(exact, np.int64)
 
 
+def seconds_of(positions: Numbers, clock: Clock | None) -> list[str]:
+    """Format positions as seconds. clock: None if the capture has no sample rate; the texts are then empty."""
+    if clock is None:
+        return [""] * len(positions)
+    units = clock.units(positions).tolist()
+    if not clock.decimals:
+        return [str(seconds) for seconds in units]
+    scale, decimals = 10**clock.decimals, clock.decimals
+    return [f"{unit // scale}.{unit % scale:0{decimals}}" for unit in units]
+
+
+class Named(NamedTuple):
+    """Names of bytes.
+
+    codes: for each row, an index into `texts`.
+    texts: the names; the first one has no register and belongs to rows without a name.
+    """
+
+    codes: Numbers
+    texts: Sequence[NamedByte]
+
+    def column(self, style: str) -> Words:
+        """Return the column of names. style: table, csv, json or transfer."""
+        return Words(self.codes, lambda code: in_style(style, self.texts[code]))
+
+
+def in_style(style: str, named: NamedByte) -> str:
+    """Format the name of a byte as the continuation of an event's text."""
+    if style == "csv":
+        return "," + _csv(*named)
+    if not named.register:
+        return ""
+    if style == "json":
+        return f', "register": {json.dumps(named.register)}, "meaning": {json.dumps(named.meaning)}'
+    text = ": ".join(filter(None, named))
+    return f"({text})" if style == "transfer" else f", {text}"
+
+
 Shown = Callable[[str, int | None, int, str], str]  # a function from event, value, bits and detail to a text
 
 
@@ -79,7 +111,7 @@ def in_csv(event: str, value: int | None, bits: int, detail: str) -> str:
 
 
 def in_json(event: str, value: int | None, bits: int, detail: str) -> str:
-    return json.dumps({"event": event, "value": value, "bits": bits, "detail": detail})[1:]
+    return json.dumps({"event": event, "value": value, "bits": bits, "detail": detail})[1:-1]
 
 
 def in_transfer(event: str, value: int | None, bits: int, detail: str) -> str:
@@ -112,28 +144,40 @@ def _value(event: str, value: int | None, bits: int) -> str:
 
 SHOWN: dict[str, Shown] = {"table": in_table, "csv": in_csv, "json": in_json}
 TITLES = {"table": f"{'event':<14}{GAP}value\n", "csv": "event,value,bits,detail\n", "json": ""}
+NAMED_TITLES = TITLES | {"csv": "event,value,bits,detail,register,meaning\n"}
 
 
-def events(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, full: bool) -> Iterator[bytes]:
+def events(
+    rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, full: bool, named: Named | None
+) -> Iterator[bytes]:
     """Yield a line for each row.
 
     buses: the name of each bus.
     clock: None if the capture has no sample rate.
     style: table or csv, with a first line of titles; or json, with an object on each line.
     full: True to show the end of each row, and positions beside times, in a table. CSV and JSON always show these.
+    named: the names of bytes; None without --chip and --case.
     """
     titles, head = _head(rows, buses, clock, style, full)
-    yield (titles + TITLES[style]).encode()
-    yield from text([*head, events_column(rows, SHOWN[style]), Literal("\n")], len(rows.at))
+    yield (titles + (TITLES if named is None else NAMED_TITLES)[style]).encode()
+    names = [] if named is None else [named.column(style)]
+    end = Literal("}\n" if style == "json" else "\n")
+    yield from text([*head, events_column(rows, SHOWN[style]), *names, end], len(rows.at))
 
 
 def transfers(
-    rows: Rows, first: Numbers, buses: Sequence[str], clock: Clock | None, style: str, full: bool
+    rows: Rows,
+    first: Numbers,
+    buses: Sequence[str],
+    clock: Clock | None,
+    style: str,
+    full: bool,
+    named: Named | None,
 ) -> Iterator[bytes]:
     """Yield a line for each transfer or burst in style table or csv.
 
     first: the rows with which transfers and bursts begin.
-    buses, clock, style, full: as for `events`.
+    buses, clock, style, full, named: as for `events`.
     """
     ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
     titles, head = _head(select(rows, first)._replace(end=ends), buses, clock, style, full)
@@ -143,12 +187,13 @@ def transfers(
     closes = np.zeros(len(rows.at), np.int64)
     closes[first[1:] - 1] = 1
     closes[-1:] = 1
-    columns = (
+    columns: list[Column] = [
         Sparse(head, first),
         Words(spaces, lambda count: " " * count),
         events_column(rows, in_transfer),
+        *([] if named is None else [named.column("transfer")]),
         Words(closes, lambda count: "\n" * count),
-    )
+    ]
     yield from text(columns, len(rows.at))
 
 
@@ -209,167 +254,3 @@ def _csv(*cells: object) -> str:
     line = io.StringIO()
     csv.writer(line, lineterminator="").writerow(cells)
     return line.getvalue()
-
-
-AGAIN, ACK, NACK, STOP = (EVENTS.index(name) for name in ("repeated start", "ack", "nack", "stop"))
-ACKED = {ACK: "true", NACK: "false"}
-
-
-def transfer_lines(
-    rows: Rows,
-    first: Numbers,
-    buses: Sequence[str],
-    protocols: Sequence[str],
-    lows: Sequence[LongLows | None],
-    clock: Clock | None,
-) -> Iterator[bytes]:
-    """Yield a JSON line for each transfer or burst.
-
-    first: the rows with which transfers and bursts begin.
-    buses, protocols: the name and the protocol of each bus.
-    lows: the long low phases of each I2C bus; None for other buses.
-    clock: None if the capture has no sample rate.
-    """
-    table = _Table(rows, clock)
-    ends = np.maximum.reduceat(rows.end, first) if len(first) else rows.end
-    bounds = [*first.tolist(), len(rows.at)]
-    stretches = [None if found is None else _stretches(rows, bus, found, clock) for bus, found in enumerate(lows)]
-    names = [json.dumps(name) for name in buses]
-    over = zip(_times(ends, clock), ends.tolist(), strict=True)
-    for begin, end, (time, position) in zip(bounds, bounds[1:], over, strict=False):
-        bus = table.bus[begin]
-        own = stretches[bus]
-        if own is not None:
-            whole = table.messages(begin, end, own)
-        else:
-            whole = table.words(begin, end) if protocols[bus] == "spi" else table.frames(begin, end)
-        when = table.span(begin, time, position)
-        said = " ".join(table.said(row) for row in range(begin, end))
-        yield f'{{{when}, "bus": {names[bus]}, "transfer": "{said}", {whole}}}\n'.encode()
-
-
-def _stretches(rows: Rows, bus: int, lows: LongLows, clock: Clock | None) -> dict[int, list[str]]:
-    """Return a dictionary from rows of bytes to the long low phases of SCL in these bytes.
-
-    The text of a low phase is a JSON object without its end. The caller adds the number of the byte in the message and
-    closes the object.
-    """
-    own = np.flatnonzero((rows.bus == bus) & (rows.value >= 0))
-    starts = np.searchsorted(lows.rises, rows.at[own])  # for each byte, the index of the rise of its first bit
-    place = np.searchsorted(starts, lows.which, side="right") - 1
-    bits = lows.which - np.append(starts, 0)[place] + 1
-    within = (place >= 0) & (bits <= 9)
-    place, bits, lengths = place[within], bits[within], lows.lengths[within]
-    falls = lows.rises[lows.which[within]] - lengths
-    by_row: dict[int, list[str]] = {}
-    columns = (own[place], bits, falls, lengths)
-    found = zip(*(column.tolist() for column in columns), _times(falls, clock), _times(lengths, clock), strict=True)
-    for row, bit, fall, length, time, low in found:
-        times = f'"time_s": {time}, "low_s": {low}, ' if time else ""
-        said = f'{{{times}"position": {fall}, "low": {length}, "bit": {bit}, "byte": '
-        by_row.setdefault(row, []).append(said)
-    return by_row
-
-
-def _times(positions: Numbers, clock: Clock | None) -> list[str]:
-    """Format positions as seconds. clock: None if the capture has no sample rate; the texts are then empty."""
-    if clock is None:
-        return [""] * len(positions)
-    units = clock.units(positions).tolist()
-    if not clock.decimals:
-        return [str(seconds) for seconds in units]
-    scale, decimals = 10**clock.decimals, clock.decimals
-    return [f"{unit // scale}.{unit % scale:0{decimals}}" for unit in units]
-
-
-class _Table:
-    """Columns of rows as lists, with methods that format a row as JSON."""
-
-    def __init__(self, rows: Rows, clock: Clock | None) -> None:
-        self._at = rows.at.tolist()
-        self._time = _times(rows.at, clock)
-        self.bus = rows.bus.tolist()
-        self._event = rows.event.tolist()
-        self._value = rows.value.tolist()
-        self._bits = rows.bits.tolist()
-        self._detail = rows.detail.tolist()
-        # Cache from the cells of a row to its text. There are few different texts, even if there are many rows.
-        self._said: dict[tuple[int, int, int, int], str] = {}
-
-    def when(self, row: int) -> str:
-        time = self._time[row]
-        return f'"time_s": {time}, "position": {self._at[row]}' if time else f'"position": {self._at[row]}'
-
-    def span(self, row: int, end_time: str, end: int) -> str:
-        """Format the JSON keys for the begin and the end of a transfer.
-
-        row: the first row of the transfer.
-        end_time: the time of the end; "" if the capture has no sample rate.
-        end: the position of the end.
-        """
-        times = f'"time_s": {self._time[row]}, "end_s": {end_time}, ' if end_time else ""
-        return f'{times}"position": {self._at[row]}, "end": {end}'
-
-    def said(self, row: int) -> str:
-        """Format a row in the notation of the I2C-bus specification: `S`, `53 W`, `A`."""
-        key = self._event[row], self._value[row], self._bits[row], self._detail[row]
-        if key not in self._said:
-            self._said[key] = said_in_transfer(*key)
-        return self._said[key]
-
-    def frames(self, begin: int, end: int) -> str:
-        return f'"frames": [{", ".join(map(self._frame, range(begin, end)))}]'
-
-    def _frame(self, row: int) -> str:
-        value = self._value[row] if self._value[row] >= 0 else "null"
-        event, faults = EVENTS[self._event[row]], DETAILS[self._detail[row]]
-        marks = json.dumps(faults.split(", ") if faults else [])
-        return (
-            f'{{{self.when(row)}, "event": "{event}", "value": {value}, "bits": {self._bits[row]}, "faults": {marks}}}'
-        )
-
-    def words(self, begin: int, end: int) -> str:
-        """Format the words of an SPI selection, and the bits of an incomplete last word, as JSON keys."""
-        whole, cut = [], "null"
-        for row in range(begin, end):
-            value, bits = self._value[row], self._bits[row]
-            if self._event[row] == WORD:
-                whole.append(f'{{{self.when(row)}, "value": {value}, "bits": {bits}}}')
-            elif self._event[row] == CUT:
-                cut = f'"{value:0{bits}b}"'
-        return f'"words": [{", ".join(whole)}], "cut": {cut}'
-
-    def messages(self, begin: int, end: int, stretches: dict[int, list[str]]) -> str:
-        starts = [row for row in range(begin, end) if self._event[row] in (START, AGAIN)]
-        messages = (self._message(a, b, stretches) for a, b in zip(starts, [*starts[1:], end], strict=True))
-        ended = "stop" if self._event[end - 1] == STOP else "cut off"
-        return f'"messages": [{", ".join(messages)}], "ended": "{ended}"'
-
-    def _message(self, begin: int, end: int, stretches: dict[int, list[str]]) -> str:
-        address, bits, direction, reserved, acked, cut = "null", "null", "null", "null", "null", "null"
-        data: list[str] = []
-        held: list[str] = []
-        byte = 0
-        for row in range(begin + 1, end):
-            event, value = self._event[row], self._value[row]
-            if value < 0:
-                continue
-            answer = ACKED.get(self._event[row + 1], "null") if row + 1 < end else "null"
-            if event == ADDRESS:
-                way, _, purpose = DETAILS[self._detail[row]].partition(", ")
-                address, direction, acked = str(value), f'"{way}"', answer
-                bits = "10" if self._bits[row] == 10 else "7"
-                reserved = f'"{purpose}"' if purpose else "null"
-            elif event == ADDRESS_LOW:
-                address, bits, acked = str(value), "10", answer
-            elif event == CUT:
-                cut = f'"{value:0{self._bits[row]}b}"'
-            else:
-                data.append(f'{{{self.when(row)}, "value": {value}, "acked": {answer}}}')
-            held += [f"{said}{byte}}}" for said in stretches.get(row, ())]
-            byte += 1
-        return (
-            f'{{{self.when(begin)}, "address": {address}, "address_bits": {bits}, "direction": {direction}, '
-            f'"reserved": {reserved}, "acked": {acked}, "bytes": [{", ".join(data)}], "cut": {cut}, '
-            f'"stretches": [{", ".join(held)}]}}'
-        )

@@ -28,6 +28,7 @@ from .command_frame import (
     RATE,
     SALVAGE,
     command,
+    i2c_address_given,
     print_json,
     print_table,
     progress,
@@ -129,7 +130,7 @@ def replay(
         both = serial is None and any({"I2C-A", "SCI-A"} <= set(unit.modules) for unit in case.unit.values())
         lines = channel_map(given, mapping, session=both)
         host = None if serial is None else _serial(serial, salvage)
-        own = [_address(text) for text in addresses]
+        own = [i2c_address_given("--address", text) for text in addresses]
         low = None if longest_low is None else _above_zero("--longest-low", longest_low)
         wait = PATIENCE if patience is None else _above_zero("--patience", patience)
         most = None if tolerance is None else time_given("--tolerance", tolerance)
@@ -223,16 +224,6 @@ def _above_zero(option: str, text: str) -> Fraction:
     if not length:
         raise click.ClickException(f"{option}: expected more than 0")
     return length
-
-
-def _address(text: str) -> int:
-    try:
-        address = int(text, 0)
-    except ValueError:
-        address = -1
-    if not 0 <= address <= 0x7F:
-        raise click.ClickException(f"--address: {text!r} is no 7-bit address; expected 0 to 0x7F, right-aligned")
-    return address
 
 
 def show(report: Report, case: Case, verbose: bool) -> None:

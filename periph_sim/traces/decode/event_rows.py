@@ -8,7 +8,7 @@ Source of the purposes of reserved addresses: UM10204, section 3.1.12, table "Re
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from itertools import compress
 from typing import NamedTuple
 
@@ -57,7 +57,8 @@ EVENTS = (*OF_I2C, "frame", "break", "rejected start", *OF_SPI)
 FAULTS = [", ".join(compress(("parity error", "frame error", "glitch"), (n & 1, n & 2, n & 4))) for n in range(1, 8)]
 RESERVED = [f"{way}, {purpose}" for way in ("write", "read") for purpose in PURPOSES]
 DETAILS = ("", "write", "read", *FAULTS, *RESERVED)
-START, ADDRESS, ADDRESS_LOW, CUT = (EVENTS.index(name) for name in ("start", "address", "address low", "cut"))
+START, AGAIN, ADDRESS, ADDRESS_LOW, DATA, ACK, NACK, STOP, CUT = range(len(OF_I2C))
+WRITE, READ = 1, 2  # indices into DETAILS
 FRAME, BREAK, REJECTED, SELECT, WORD, DESELECT = range(len(OF_I2C), len(EVENTS))
 
 OF_UART = np.array([FRAME, BREAK, CUT, REJECTED], np.uint8)  # for each `UartRowKind`, an index into EVENTS
@@ -174,3 +175,36 @@ def grouped(rows: Rows, silence: Sequence[int | None]) -> tuple[Rows, NDArray[np
     buses, begins = buses[order], begins[order]
     new = np.concatenate(([True], (np.diff(begins) != 0) | (np.diff(buses) != 0)))[: len(order)]
     return select(joined(parts), order), np.flatnonzero(new)
+
+
+def refusals(rows: Rows) -> NDArray[np.bool_]:
+    """Return for each row of grouped rows True if a target did not acknowledge its address or a byte that it received.
+
+    The NACK with which a controller ends a read is not a refusal.
+    """
+    found: NDArray[np.bool_] = rows.event == NACK
+    found[1:] &= (rows.event[:-1] != DATA) | (rows.detail[:-1] != READ)
+    return found
+
+
+def chosen(rows: Rows, first: NDArray[np.int64], addresses: Collection[int], refused: bool, most: int | None) -> Rows:
+    """Return the rows of some transfers in order of time.
+
+    rows, first: grouped rows, and the numbers of the rows with which transfers begin.
+    addresses: the addresses, at least one of which occurs in each of these transfers; empty for any transfer.
+    refused: True for only the transfers with a refusal.
+    most: the maximum number of transfers; None for all. The data lines of an SPI bus have a transfer in common.
+    """
+    lengths = np.diff(np.append(first, len(rows.at)))
+    number = np.repeat(np.arange(len(first)), lengths)  # for each row, the number of its transfer
+    kept = np.ones(len(first), bool)
+    if addresses:
+        has_address = (rows.event == ADDRESS) | (rows.event == ADDRESS_LOW)
+        kept &= np.isin(np.arange(len(first)), number[has_address & np.isin(rows.value, list(addresses))])
+    if refused:
+        kept &= np.isin(np.arange(len(first)), number[refusals(rows)])
+    begins = np.unique(rows.at[first[kept]])
+    if most is not None and most < len(begins):
+        kept &= rows.at[first] < begins[most]
+    some = select(rows, kept[number])
+    return select(some, np.argsort(some.at, kind="stable"))

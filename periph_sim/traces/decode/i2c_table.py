@@ -54,8 +54,8 @@ class I2cTable(NamedTuple):
     at      int64   the edge of SDA for START and STOP, otherwise the rising SCL of the first bit (for ACK and NACK the
                     ninth bit)
     last    int64   the rising SCL of the last bit (for an address its R/W bit); equal to `at` for START and STOP
-    end     int64   the falling SCL after the last bit, or `last` if the capture ends before this fall; equal to `at`
-                    for START and STOP
+    end     int64   the falling SCL after the last bit, the START or STOP before this fall, or `last` if the capture
+                    ends before both; equal to `at` for START and STOP
     value   int16   the seven bits of ADDRESS, the ten bits of ADDRESS_LOW, the byte of DATA, or the bits of CUT, the
                     last bit least significant; -1 for other kinds
     bits    uint8   8 for a complete byte, 1 for ACK and NACK, fewer than 8 for CUT, 0 for START and STOP
@@ -272,7 +272,9 @@ def _rows(edges: I2cEdges, found: _Bytes) -> I2cTable:
     table.read[at_byte] = found.read
     table.kind[at_ack] = values[ninth] + np.uint8(I2cRowKind.ACK)  # NACK is ACK + 1
     table.at[at_ack] = table.last[at_ack] = rises[ninth]
-    table.end[at_ack] = _behind(falls, rises, ninth)
+    # A START or STOP within the ninth pulse ends the ACK before SCL falls.
+    following = np.append(conditions, np.iinfo(np.int64).max)[found.phase[found.acked] + 1]
+    table.end[at_ack] = np.minimum(_behind(falls, rises, ninth), following)
     table.bits[at_ack] = 1
     table.read[at_ack] = found.read[found.acked]
     return table

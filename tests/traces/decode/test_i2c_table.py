@@ -116,6 +116,27 @@ def test_a_row_ends_where_scl_falls_behind_its_last_bit():
     assert table.bits.tolist() == [0, 8, 1, 0]
 
 
+def test_an_ack_ends_at_the_condition_in_its_pulse():
+    """A STOP, and a repeated START, in the ninth pulse of SCL: no row ends after the next one begins."""
+    bus = wave()
+    bus.start()
+    for bit in (1, 0, 1, 0, 0, 1, 1, 0):
+        bus.bit(bit)
+    bus.stop()  # its pulse is the ninth: SCL rises at 82, SDA at 86
+    bus.idle(100)
+    bus.start()
+    for bit in (1, 0, 1, 0, 0, 1, 1, 0):
+        bus.bit(bit)
+    bus.again()
+    bus.byte(0xA7)
+    bus.stop()
+    table = i2c_table(of_wave(bus))
+    assert rows(table)[:4] == [("START", 10, -1), ("ADDRESS", 18, 0x53), ("ACK", 82, -1), ("STOP", 86, -1)]
+    assert table.end[:4].tolist() == [10, 78, 86, 86]
+    assert [name for name, *_ in rows(table)[4:8]] == ["START", "ADDRESS", "NACK", "REPEATED_START"]
+    assert (table.end[:-1] <= table.at[1:]).all()
+
+
 def test_a_ten_bit_address_is_two_bytes_and_one_number():
     bus = wave()
     bus.start()

@@ -1,0 +1,136 @@
+"""`periph-sim decode --format logic2`, against a table that Logic 2 exported and against another decoder."""
+
+from __future__ import annotations
+
+import csv
+import json
+from fractions import Fraction
+from pathlib import Path
+
+import pytest
+
+from tests.captures.where import FOLDER, needs_captures, oracle
+from tests.interfaces.commands.conftest import Run
+from tests.interfaces.commands.test_decode_reports import NAMES, asked
+from tests.interfaces.commands.test_decode_spi import EIGHT, LINES, recorded
+from tests.traces.formats.writers import I2cWave, frame_bits, metadata, sr_bytes, uart_wave, zip_bytes
+
+TRACES = Path(__file__).resolve().parents[3] / "traces"
+I2C_TITLES = 'name,type,start_time,duration,"ack","address","read","data"'
+
+
+@needs_captures
+def test_frames_are_those_of_logic_2_itself(periph_sim: Run):
+    """Its durations are rounded to two samples of 2 ns."""
+    path = str(FOLDER / "uart_async115200_csv.csv")
+    came = periph_sim("decode", path, "--uart", "rx=Channel 0,baud=115200", "--format", "logic2")
+    theirs = (FOLDER / "uart_async115200_csv.saleae.csv").read_text("utf-8").splitlines()
+    assert came.out.splitlines()[0] == theirs[0]
+    ours = list(csv.reader(came.out.splitlines()[1:]))
+    assert len(ours) == len(theirs) - 1 == 2240
+    for own, their in zip(ours, csv.reader(theirs[1:]), strict=True):
+        assert (own[1], float(own[2]), own[4:]) == (their[1], float(their[2]), their[4:])
+        assert abs(float(own[3]) - float(their[3])) <= 4.1e-9
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_i2c_rows_are_the_annotations_of_the_other_decoder(periph_sim: Run, name: str):
+    """A row of Logic 2 for each START, STOP and byte; the ACK belongs to the row of its byte."""
+    came = periph_sim(*asked(name, "--format", "logic2"))
+    assert came.status == 0 and came.out.splitlines()[0] in (I2C_TITLES, f'{I2C_TITLES},"error"')
+    ours = []
+    for row in csv.DictReader(came.out.splitlines()):
+        assert row["name"] == "I2C"
+        if row["type"] == "address":
+            ours.append(f"Address {'read' if row['read'] == 'true' else 'write'}: {int(row['address'], 16):02X}")
+        else:
+            ours.append({"start": "Start", "stop": "Stop"}.get(row["type"]) or f"Data: {int(row['data'], 16):02X}")
+        if row["ack"]:
+            ours.append("ACK" if row["ack"] == "true" else "NACK")
+    theirs = [said.text for said in oracle(name, "i2c") if said.text not in ("Read", "Write")]
+    for long, short in (("Start repeat", "Start"), ("Data read", "Data"), ("Data write", "Data")):
+        theirs = [text.replace(long, short) for text in theirs]
+    assert ours == theirs
+
+
+def test_an_i2c_byte_lasts_from_its_first_rise_to_the_fall_after_its_ack(periph_sim: Run):
+    came = periph_sim("decode", str(TRACES / "nack.sr"), "--format", "logic2", "--first", "1")
+    assert came.out.splitlines() == [
+        I2C_TITLES,
+        '"I2C","start",0.00010000,0.00000025,,,,',
+        '"I2C","address",0.00011000,0.00008500,false,0x53,false,',
+        '"I2C","stop",0.00020500,0.00000025,,,,',
+    ]
+
+
+def test_a_byte_without_ack_is_an_error_and_bits_are_left_out(periph_sim: Run, tmp_path: Path):
+    """As the analyzer's source does: it tells the direction only with the ACK, so the row holds the whole byte."""
+    wave = I2cWave(20, 5, idle=100)
+    wave.start()
+    wave.bit(1)
+    wave.stop()
+    wave.idle(100)
+    wave.start()
+    for bit in (1, 0, 1, 0, 0, 1, 1, 0):
+        wave.bit(bit)
+    path = tmp_path / "cut.sr"
+    path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(wave.samples)))
+    lines = periph_sim("decode", str(path), "--format", "logic2").out.splitlines()
+    assert lines[0] == f'{I2C_TITLES},"error"'
+    assert [line.split(",")[1] + "," + ",".join(line.split(",")[4:]) for line in lines[1:]] == [
+        '"start",,,,,',
+        '"stop",,,,,',
+        '"start",,,,,',
+        '"data",,,,0xA6,missing ack/nak',
+    ]
+
+
+def test_spi_lines_share_their_rows(periph_sim: Run, tmp_path: Path):
+    flash = recorded(tmp_path, EIGHT, (0x9F, 0x00), (0x12, 0x34))
+    lines = periph_sim("decode", flash, "--spi", LINES, "--format", "logic2").out.splitlines()
+    assert lines[0] == 'name,type,start_time,duration,"mosi","miso"'
+    one = [[line.split(",")[1], *line.split(",")[4:]] for line in lines[1:5]]
+    assert one == [
+        ['"enable"', "", ""],
+        ['"result"', "0x9F", "0x00"],
+        ['"result"', "0x12", "0x34"],
+        ['"disable"', "", ""],
+    ]
+    lines = periph_sim("decode", flash, "--spi", "clk=CLK,miso=MISO,cs=CS", "--format", "logic2").out.splitlines()
+    assert lines[2].endswith(",,0x00")
+
+
+def test_several_buses_share_one_table(periph_sim: Run, tmp_path: Path):
+    wave = I2cWave(20, 5, idle=100)
+    wave.transfer(0xA6, 0x11)
+    wave.idle(2000)
+    bad = [*frame_bits(0x55)[:-1], 0]
+    line = uart_wave([(Fraction(200), frame_bits(0x41)), (Fraction(900), bad)], Fraction(40), len(wave.samples))
+    path = tmp_path / "mixed.sr"
+    samples = bytes(a | b << 2 for a, b in zip(wave.samples, line, strict=True))
+    path.write_bytes(sr_bytes(["SCL", "SDA", "RX"], "4 MHz", samples))
+    uart = ("--uart", "rx=RX,baud=100000", "--uart", "tx=RX,baud=100000")
+    lines = periph_sim("decode", str(path), "--i2c", "scl=0,sda=1", *uart, "--format", "logic2").out.splitlines()
+    assert lines[0] == f'{I2C_TITLES},"error"'
+    times = [float(line.split(",")[2]) for line in lines[1:]]
+    assert times == sorted(times)
+    names = [line.partition(",")[0] for line in lines[1:]]
+    assert {name: names.count(name) for name in names} == {'"I2C"': 4, '"Async Serial"': 2, '"Async Serial [1]"': 2}
+    assert lines[-1].split(",")[1:2] + lines[-1].split(",")[4:] == ['"data"', "", "", "", "0x55", "framing"]
+
+
+def test_a_capture_without_rate_has_no_times(periph_sim: Run, tmp_path: Path):
+    path = tmp_path / "no_rate.sr"
+    unsaid = metadata(["SCL", "SDA"], "").replace(b"samplerate=\n", b"")
+    path.write_bytes(zip_bytes({"version": b"2", "metadata": unsaid, "logic-1-1": bytes([3, 3, 1, 3, 3])}))
+    came = periph_sim("decode", str(path), "--format", "logic2")
+    assert came.status == 2 and came.err.endswith(
+        f"Error: --format logic2: {path} states no rate; packets have times, state --rate\n"
+    )
+    came = periph_sim("decode", str(path), "--glitches")
+    assert came.status == 2 and came.err.endswith(
+        f"Error: --glitches: {path} states no rate; state --rate, or the width with --glitch in samples\n"
+    )
+    came = periph_sim("decode", str(path), "--glitches", "--glitch", "2", "--format", "csv")
+    assert came.out.splitlines()[1:] == ["2,SDA,low,1,SCL high"]
+    assert json.loads(periph_sim("decode", str(path), "--counts", "--json").out)["transfers"] == 1

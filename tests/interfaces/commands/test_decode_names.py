@@ -1,0 +1,247 @@
+"""`periph-sim decode --chip` and `--case`: the register of each byte, against names and scales of the data sheets."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from tests.interfaces.commands.conftest import Run
+from tests.scene.test_plugins import BAROMETER, PROJECT
+from tests.traces.formats.make_traces import ROUND, read_registers
+from tests.traces.formats.writers import I2cWave, sr_bytes
+
+ROUND_SR = Path(__file__).resolve().parents[3] / "traces" / "imu_round.sr"
+CHIPS = ("--chip", "itg3200", "--chip", "0x53=adxl345", "--chip", "hmc5883l")
+# The data registers of the data sheets, in the order of the bytes of ROUND, the scale and the order of the bytes.
+SHEETS = (
+    ("GYRO_XOUT_H GYRO_XOUT_L GYRO_YOUT_H GYRO_YOUT_L GYRO_ZOUT_H GYRO_ZOUT_L", 14.375, "deg/s", "big"),
+    ("DATAX0 DATAX1 DATAY0 DATAY1 DATAZ0 DATAZ1", 256, "g", "little"),
+    ("DXRA DXRB DZRA DZRB DYRA DYRB", 1090, "gauss", "big"),
+)
+ADC = """\
+name = "adc"
+duration = "1 ms"
+
+[unit.dsp]
+firmware = "still.py"
+modules = ["I2C-A", "GPIO"]
+pins = { DRDY = 12 }
+
+[device.adc]
+model = "registers"
+address = 0x48
+interrupt = { wire = "DRDY", register = "VALUE" }
+
+[[device.adc.register]]
+name = "VALUE"
+at = 1
+width = 16
+
+[device.own]
+model = "own.py"
+address = 0x42
+"""
+
+
+OWN = """\
+class Device:
+    def __init__(self, bus):
+        pass
+
+    def on_write(self, byte):
+        return True
+
+    def on_read(self):
+        return 0
+"""
+
+
+def drawn(folder: Path, *transfers: Sequence[int], reads: Sequence[tuple[int, int, Sequence[int]]] = ()) -> str:
+    """A capture of these bytes of transfers, then of reads: address, pointer, values."""
+    wave = I2cWave(20, 5, idle=100)
+    for values in transfers:
+        wave.transfer(*values, nack_last=bool(values[0] & 1))
+        wave.idle(100)
+    for address, pointer, values in reads:
+        read_registers(wave, address, pointer, values)
+        wave.idle(100)
+    path = folder / "drawn.sr"
+    path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(wave.samples)))
+    return str(path)
+
+
+def named(periph_sim: Run, file: str, *options: str) -> list[tuple[str, str, str]]:
+    """The byte, the register and the meaning of each row that has a name, except addresses."""
+    came = periph_sim("decode", file, "--format", "csv", *options)
+    assert came.status == 0
+    rows = list(csv.DictReader(came.out.splitlines()))
+    return [(f"{int(row['value']):02X}", row["register"], row["meaning"]) for row in rows if row["event"] == "data"]
+
+
+def test_a_round_has_the_registers_and_quantities_of_the_data_sheets(periph_sim: Run):
+    expected = []
+    for (_, pointer, values), (registers, scale, unit, order) in zip(ROUND, SHEETS, strict=True):
+        names = registers.split()
+        expected.append((f"{pointer:02X}", "pointer", names[0]))
+        for place, (name, value) in enumerate(zip(names, values, strict=True)):
+            meaning = ""
+            if place % 2:
+                pair = values[place - 1 : place + 1]
+                word = int.from_bytes(pair, "big" if order == "big" else "little", signed=True)
+                meaning = f"{word} = {word / scale:.4g} {unit}"
+            expected.append((f"{value:02X}", name, meaning))
+    assert named(periph_sim, str(ROUND_SR), *CHIPS) == expected
+
+
+def test_names_stand_in_each_form_and_only_on_request(periph_sim: Run):
+    first = ("--first", "1", "--chip", "0x68=itg3200")
+    came = periph_sim("decode", str(ROUND_SR), *first)
+    assert "address         0x68      read, itg3200\n" in came.out
+    assert "data            0xF3      read, GYRO_YOUT_L: -13 = -0.9043 deg/s\n" in came.out
+    assert came.err == (
+        "note: itg3200: no write to its registers before its data; quantities are at the scale after power-on\n"
+    )
+    transfer = (
+        "S 68 W(itg3200) A 1D(pointer: GYRO_XOUT_H) A Sr 68 R(itg3200) A 00(GYRO_XOUT_H) A "
+        "12(GYRO_XOUT_L: 18 = 1.252 deg/s) A FF(GYRO_YOUT_H) A F3(GYRO_YOUT_L: -13 = -0.9043 deg/s) A "
+        "00(GYRO_ZOUT_H) A 05(GYRO_ZOUT_L: 5 = 0.3478 deg/s) N P"
+    )
+    assert periph_sim("decode", str(ROUND_SR), *first, "--transfers").out.splitlines()[1].endswith(transfer)
+    whole = json.loads(periph_sim("decode", str(ROUND_SR), *first, "--json").out)
+    assert whole["transfer"] == transfer
+    byte = whole["messages"][1]["bytes"][1]
+    assert (byte["value"], byte["register"], byte["meaning"]) == (0x12, "GYRO_XOUT_L", "18 = 1.252 deg/s")
+    events = [
+        json.loads(line)
+        for line in periph_sim("decode", str(ROUND_SR), *first, "--format", "json").out.split("\n")[:-1]
+    ]
+    assert [event.get("register") for event in events[:4]] == [None, "itg3200", None, "pointer"]
+    plain = periph_sim("decode", str(ROUND_SR), "--first", "1", "--json").out
+    assert "itg3200" not in plain and "register" not in plain
+
+
+def test_quantities_are_at_the_scale_that_the_controller_sets(periph_sim: Run, tmp_path: Path):
+    """ADXL345: 16 g in 10 bits is 32 LSB/g; left-justified, the lowest bit is bit 6; full resolution is 256 LSB/g."""
+    file = drawn(
+        tmp_path,
+        *((0xA6, 0x31, 0x03), (0xA6, 0x32), (0xA7, 0x40, 0x00)),
+        *((0xA6, 0x31, 0x07), (0xA6, 0x32), (0xA7, 0x00, 0x08)),
+        *((0xA6, 0x31, 0x0B), (0xA6, 0x32), (0xA7, 0x00, 0x01)),
+    )
+    came = periph_sim("decode", file, "--chip", "adxl345", "--transfers")
+    assert came.err == ""
+    assert re.findall(r"DATAX1: ([^)]*)|DATA_FORMAT: ([^)]*)", came.out) == [
+        ("", "Range=0x3"),
+        ("64 = 2 g", ""),
+        ("", "Justify=0x1 Range=0x3"),
+        ("2048 = 1 g", ""),
+        ("", "FULL_RES=0x1 Range=0x3"),
+        ("256 = 1 g", ""),
+    ]
+
+
+def test_the_pointer_moves_as_the_device_moves_it(periph_sim: Run, tmp_path: Path):
+    """HMC5883L: 0x03 follows 0x08. An overflow is -4096. Registers that do not exist are said to be reserved."""
+    file = drawn(tmp_path, reads=[(0x1E, 0x07, (0xF0, 0x00, 0xF0, 0x00)), (0x1E, 0x0C, (0x33, 0x10))])
+    assert named(periph_sim, file, "--chip", "hmc5883l") == [
+        ("07", "pointer", "DYRA"),
+        ("F0", "DYRA", ""),
+        ("00", "DYRB", "-4096 = overflow"),
+        ("F0", "DXRA", ""),
+        ("00", "DXRB", "-4096 = overflow"),
+        ("0C", "pointer", "IRC"),
+        ("33", "IRC", ""),
+        ("10", "CRA", "DO=0x4"),
+    ]
+    file = drawn(tmp_path, (0xD0, 0x3D, 0x00))
+    assert named(periph_sim, file, "--chip", "itg3200") == [("3D", "pointer", "0x3d"), ("00", "0x3d", "reserved")]
+
+
+def test_a_memory_wraps_in_its_page_and_has_blocks(periph_sim: Run, tmp_path: Path):
+    """A second write follows at once: the captured memory acknowledged it, so the model is not busy either."""
+    file = drawn(tmp_path, (0xA4, 0x0E, 1, 2, 3), (0xA4, 0x10, 4))
+    assert [row[1:] for row in named(periph_sim, file, "--chip", "24c16")] == [
+        ("pointer", "0x020e"),
+        ("0x020e", ""),
+        ("0x020f", ""),
+        ("0x0200", ""),
+        ("pointer", "0x0210"),
+        ("0x0210", ""),
+    ]
+
+
+def test_what_is_unknown_has_no_name(periph_sim: Run, tmp_path: Path):
+    """A read before the capture shows a pointer; an address that nobody acknowledges; a byte that the model refuses."""
+    file = drawn(tmp_path, (0xA1, 0x11))
+    assert named(periph_sim, file, "--chip", "24c02") == [("11", "", "")]
+    nack = str(ROUND_SR.with_name("nack.sr"))
+    came = periph_sim("decode", nack, "--chip", "adxl345", "--transfers", "--first", "1")
+    assert came.out.splitlines()[1].split(maxsplit=1)[1] == "S 53 W N P"
+    file = drawn(tmp_path, (0xDE, 0x00, 0x30, 0x50, 0x59))  # a clock whose WEL latch is not set
+    assert named(periph_sim, file, "--chip", "isl12026")[1:] == [
+        ("30", "pointer", "SC"),
+        ("50", "", ""),
+        ("59", "", ""),
+    ]
+    file = drawn(tmp_path, (0xDE, 0x00, 0x3F, 0x02), (0xDE, 0x00, 0x3F, 0x06), (0xDE, 0x00, 0x32, 0x95))
+    assert named(periph_sim, file, "--chip", "isl12026")[3:] == [
+        *[("00", "pointer", ""), ("3F", "pointer", "SR"), ("06", "SR", "RWEL=0x1 WEL=0x1")],
+        *[("00", "pointer", ""), ("32", "pointer", "HR"), ("95", "HR", "MIL=0x1 H=0x15")],
+    ]
+
+
+def test_a_case_names_its_own_devices(periph_sim: Run, desk: Path):
+    (desk / "adc.toml").write_text(ADC, "utf-8")
+    (desk / "own.py").write_text(OWN, "utf-8")
+    file = drawn(desk, reads=[(0x48, 0x01, (0x12, 0x34, 0)), (0x42, 0x01, (0x12,))])
+    came = periph_sim("decode", file, "--case", "adc.toml", "--transfers")
+    assert came.status == 0 and [line.split(maxsplit=1)[1] for line in came.out.splitlines()[1:]] == [
+        "S 48 W(adc) A 01(pointer: VALUE) A Sr 48 R(adc) A 12(VALUE) A 34(VALUE: 0x1234) A 00(0x03: not in the map) "
+        "N P",
+        "S 42 W(own) A 01 A Sr 42 R(own) A 12 N P",
+    ]
+
+
+def test_a_chip_of_a_plugin_has_names_from_its_own_file(
+    periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    (tmp_path / "pyproject.toml").write_text(PROJECT, "utf-8")
+    (tmp_path / "barometer.py").write_text(BAROMETER, "utf-8")
+    monkeypatch.chdir(tmp_path)
+    file = drawn(tmp_path, reads=[(0x77, 0x00, (0x12, 0x34))])
+    assert named(periph_sim, file, "--chip", "barometer") == [
+        ("00", "pointer", "P0"),
+        ("12", "P0", ""),
+        ("34", "P1", ""),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("options", "said"),
+    [
+        (["--chip", "itg3000"], "--chip itg3000: there is no chip 'itg3000'; did you mean itg3200?"),
+        (["--chip", "0x1e=itg3200"], "--chip: itg3200 has no address 0x1e; it can have 0x68 or 0x69"),
+        (["--chip", "=itg3200"], "--chip: '' is no 7-bit address; expected 0 to 0x7F, right-aligned"),
+        (["--chip", "itg3200", "--chip", "0x68=itg3200"], "--chip: 0x68=itg3200 has the address 0x68 too"),
+        (
+            ["--chip", "0x48=registers"],
+            "--chip 0x48=registers: a case describes this device; name the case with --case",
+        ),
+        (
+            ["--chip", "itg3200", "--format", "sigrok"],
+            "--chip and --case: --format sigrok has no place for the names of registers",
+        ),
+        (
+            ["--case", "none.toml"],
+            "none.toml: cannot be read (No such file or directory); give the path of a case file",
+        ),
+    ],
+)
+def test_what_is_wrong_with_the_chips_is_one_sentence(periph_sim: Run, options: list[str], said: str):
+    came = periph_sim("decode", str(ROUND_SR), *options)
+    assert (came.status, came.out) == (2, "") and came.err.splitlines()[-1] == f"Error: {said}"

@@ -26,8 +26,12 @@ from packaging.requirements import Requirement
 
 import periph_sim
 from periph_sim.form import BUILT, COMPILED, LIBRARY, MANIFEST, PACKAGE, VARIABLE, usable
+from tests.docs.pages import CONSOLE, FILE, WIDTH, commands, matches
 
 ROOT = Path(__file__).parents[1]
+
+FIRST_HOUR = ("first_slave",)  # pages for the first hour, by stem
+MOST_LINES = 25  # maximum number of lines of an output on them
 
 pytestmark = pytest.mark.long
 
@@ -265,3 +269,20 @@ def test_a_shipped_case_keeps_its_baseline(installed: Path, repository: Path) ->
     case = installed / "periph_sim/examples/timing/imu_hil_broken_line.toml"
     came = command(installed, repository, "check", str(case))
     assert (came.returncode, came.stderr) == (0, ""), came.stdout
+
+
+@pytest.mark.parametrize("name", FIRST_HOUR)
+def test_a_page_of_the_first_hour_can_be_typed_in_as_it_stands(installed: Path, tmp_path: Path, name: str) -> None:
+    """In an empty folder, by a shell that finds the wheel's `periph-sim` and the system's commands."""
+    page = (ROOT / "docs" / f"{name}.md").read_text(encoding="utf-8")
+    for file, text in FILE.findall(page):
+        (tmp_path / file).write_text(text, encoding="utf-8")
+    path = f"{python_of(installed).parent}{os.pathsep}{os.defpath}"
+    environment = {"PATH": path, "COLUMNS": WIDTH, "TERM": "dumb", "LC_ALL": "C.UTF-8", "HOME": str(tmp_path)}
+    for line, shown in (one for block in CONSOLE.findall(page) for one in commands(block)):
+        done = subprocess.run(
+            ["bash", "-c", f"{line} 2>&1"], cwd=tmp_path, env=environment, capture_output=True, text=True
+        )
+        came = "".join(f"{text.rstrip()}\n" for text in done.stdout.splitlines())
+        assert matches(shown, came), f"{line}\n{came}"
+        assert shown.count("\n") <= MOST_LINES, line

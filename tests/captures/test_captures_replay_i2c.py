@@ -23,6 +23,7 @@ from periph_sim.scene.case.load import load as load_case
 from periph_sim.traces.decode import i2c
 from tests.captures.test_captures_decode import TOO_LARGE, channel, load, options
 from tests.captures.where import decoded, needs_captures, oracle
+from tests.docs.pages import FILE
 from tests.profiles import explores
 from tests.replay.bus import both_halves
 
@@ -200,3 +201,17 @@ def test_a_controller_in_a_hurry_leaves_the_pauses_to_the_firmware():
     report = I2cReplay(load_case(CASE), load("i2c_sht21_nohold"), scl, sda, longest_low=low).run()
     assert report.verdict == "pass" and report.agreed == replayed("i2c_sht21_nohold").agreed
     assert report.lag_worst_us > 100
+
+
+@needs_captures
+@pytest.mark.parametrize(("busy_us", "refused"), [(3500, 64), (1500, 0), (5000, 127)])
+def test_the_memory_of_the_first_page_brackets_the_busy_time_of_a_real_one(tmp_path: Path, busy_us: int, refused: int):
+    """Its controller waits 2 ms after each write and each refusal, but 20 ms after the last one."""
+    page = (CASE.parents[1] / "docs" / "first_slave.md").read_text(encoding="utf-8")
+    for name, text in FILE.findall(page):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    case = load_case(tmp_path / "memory.toml", [f"unit.dsp.settings.busy_us={busy_us}"])
+    report = I2cReplay(case, load("i2c_24aa025uid_busy_2ms"), "SCL", "SDA").run()
+    assert report.verdict == "pass" and report.agreed == report.events
+    assert (report.refusals, report.captured_refusals) == (refused, 64)
+    assert report.captured_busy_us == [2030.5, 4064.5]

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ..devices.watchers import WireWatcher
     from ..f28335.i2c.options import I2cOptions
     from ..processor.dsp import Dsp
-    from ..timing.measures.expectations import Expected, Reply, WatchedWire
+    from ..timing.measures.expectations import Expected, Reply, Unsolicited, WatchedWire
     from .bus_side import BusSide
     from .context import SceneContext, SceneWires
     from .serial.side import SerialSide
@@ -39,6 +39,10 @@ class MeasuredParts:
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
         assert self._serial is not None
         return self._serial.on_reply(reply)
+
+    def on_unsolicited(self, measure: Unsolicited) -> tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]:
+        assert self._serial is not None
+        return self._serial.on_unsolicited(measure)
 
     def watcher(self, measure: WatchedWire) -> WireWatcher:
         context = self._context

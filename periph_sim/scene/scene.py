@@ -210,11 +210,16 @@ class Scene:
             what = f"{measure!r} needs {NEEDS.get(needs, needs)} in the scene, which has none"
             raise self.case.mistake(what, "budget", entry, "measure")
         if needs == "serial" and self.case.serial is not None:
-            from ..timing.measures.expectations import Reply
+            from ..timing.measures.expectations import Reply, Unsolicited
 
-            expected = [one.name for one in self.case.serial.expect]
-            if isinstance(limit.measure, Reply) and limit.measure.name not in expected:
-                what = f"no reply {limit.measure.name!r} is expected; {did_you_mean(limit.measure.name, expected)}"
+            serial, judged = self.case.serial, limit.measure
+            expected = [one.name for one in serial.expect]
+            what = "no reply {!r} is expected"
+            if isinstance(judged, Unsolicited):
+                expected = [one.name or "" for one in serial.send if one.expect is not None]
+                what = 'no send {!r} has expect = "nothing"'
+            if isinstance(judged, Reply | Unsolicited) and judged.name and judged.name not in expected:
+                what = f"{what.format(judged.name)}; {did_you_mean(judged.name, expected)}"
                 raise self.case.mistake(what, "budget", entry, "measure")
         if self.truth is None and needs == "host" and limit.measure.unit == "LSB":
             what = f"{limit.budget.measure!r} of sensor models needs a motion to compare with; give [host.motion]"

@@ -26,6 +26,7 @@ Extent = Annotated[str | int, Before(_limit)]
 # The following prefixes begin measures that consist of a prefix and a name, such as "span:models".
 SPAN = "span:"
 REPLY = "reply:"
+SILENCE = "silence:"
 WATCH = "watch:"
 LIMITS = ("max", "min", "exactly", "p50", "p95", "p99", "p99_9")  # the keys of a budget that are limits
 

@@ -33,7 +33,8 @@ from periph_sim.scene.case.model import (
 from periph_sim.scene.case.serial import ExpectTable, SendTable, SerialTable
 from periph_sim.scene.case.unit_table import Code, Compile, StubTable, Unit
 from periph_sim.scene.case.wiring import Cable, TransceiverTable
-from periph_sim.timing.budget_schema import REPLY, SPAN, WATCH, Budget
+from periph_sim.timing.budget_schema import SPAN, Budget
+from periph_sim.timing.measures.factory import PREFIXES, UNSOLICITED
 from periph_sim.timing.measures.registry import MEASURES, PHRASES
 from tests.docs.pages import ROOT
 from tests.timing.events_by_hand import make
@@ -145,7 +146,7 @@ def _measures() -> str:
     """Return the section of the measures that have a fixed name or are made from the name of an entry."""
     lines = ["## Measures", "", "| measure | unit | definition |", "|---|---|---|"]
     abouts = {name: row.about for name, row in MEASURES.items()} | {f"{SPAN}NAME": PHRASES["span"].about}
-    for name in [*MEASURES, f"{SPAN}NAME", f"{REPLY}NAME", f"{WATCH}NAME"]:
+    for name in [*MEASURES, UNSOLICITED, *(f"{prefix}NAME" for prefix in (SPAN, *PREFIXES))]:
         measure = make(name)
         about = (abouts.get(name) or measure.__doc__ or "").strip().split(".")[0]
         lines.append(f"| `{name}` | {measure.unit} | {about}. |")

@@ -136,11 +136,11 @@ def test_each_form_tells_its_nearest_misuse(form: str):
     assert said in str(caught.value)
 
 
-def test_five_classes_measure_what_no_sentence_can_say():
-    texts = [*EXAMPLES, *MEASURES, "span:x", "reply:x", "watch:x"]
+def test_six_classes_measure_what_no_sentence_can_say():
+    texts = [*EXAMPLES, *MEASURES, "span:x", "reply:x", "silence:x", "watch:x"]
     made = {type(measure_named(text, IMAGE)).__name__ for text in texts}
     of_sentences = {"EventMeasure", "Between", "TimeIn"}
-    assert made - of_sentences == {"Margin", "Race", "LostFlags", "Reply", "WatchedWire"}
+    assert made - of_sentences == {"Margin", "Race", "LostFlags", "Reply", "Unsolicited", "WatchedWire"}
 
 
 def test_rounds_need_to_be_known():

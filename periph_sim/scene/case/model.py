@@ -16,7 +16,7 @@ from ...core.convert import BadTable, Mistake, convert
 from ...core.phrases import counted, did_you_mean
 from ...core.table import Duration, HexBytes, Table
 from ...devices.host_frames import host_frames
-from ...timing.budget_schema import REPLY, WATCH, Budget
+from ...timing.budget_schema import REPLY, SILENCE, WATCH, Budget
 from .device_tables import BusParty, DeviceTable, WatchTable
 from .optimizations import Disabled, Fidelity
 from .origin import Place, Source, key_of, line_of, named_files
@@ -355,9 +355,12 @@ class Case(Table, frozen=True, kw_only=True):
         return case
 
     def _made_budgets(self) -> Iterator[tuple[Place, Budget]]:
-        """Yield a budget for each expected reply and each watched wire, with the place of its table in the case."""
-        expected = () if self.serial is None else self.serial.expect
-        for n, reply in enumerate(expected):
+        """Yield a budget for each expected reply, silence and watched wire, with the place of its table in the case."""
+        serial = self.serial or SerialTable()
+        for n, send in enumerate(serial.send):
+            if send.expect is not None and send.name is not None:
+                yield ("serial", "send", n), Budget(name=send.name, measure=SILENCE + send.name, max=0)
+        for n, reply in enumerate(serial.expect):
             within = in_words(reply.within)
             place = ("serial", "expect", n)
             yield place, Budget(name=reply.name, measure=REPLY + reply.name, max=within, why=reply.why)

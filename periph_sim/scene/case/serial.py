@@ -1,7 +1,7 @@
 """The serial tables of a case: data that is sent to SCIs from outside, and replies that must follow in time.
 
 [serial] ------------ rate and format of characters, unless an entry has its own
-[[serial.send]] ----- data to send, the receiving SCI, and the time
+[[serial.send]] ----- data to send, the receiving SCI, and the time; `expect = "nothing"` is a budget silence:NAME
 [[serial.expect]] --- a reply, the sending SCI, and the time limit; judged as a budget of the measure reply:NAME
 """
 
@@ -93,6 +93,8 @@ class SendTable(SerialEntry, frozen=True, kw_only=True):
     wrong_parity: characters sent with wrong parity, numbered from 0, address included
     missing_stop: characters with low stop bits; an idle bit follows
     ppm: replaces that of `[serial]`
+    expect, within: `"nothing"`: the SCI must send nothing from the begin of the send until this time after its end, or
+        until other data is sent. This is a budget of the send's name with the measure `silence:NAME`
     """
 
     name: str | None = None
@@ -108,6 +110,8 @@ class SendTable(SerialEntry, frozen=True, kw_only=True):
     wrong_parity: Places = ()
     missing_stop: Places = ()
     ppm: Ppm | None = None
+    expect: Literal["nothing"] | None = None
+    within: Length | None = None
 
     def check_together(self, given: Set[str]) -> None:
         self.check_only_one("a send", "text", "data", "file", "low")
@@ -117,6 +121,12 @@ class SendTable(SerialEntry, frozen=True, kw_only=True):
             raise ValueError("times needs period, since a time comes once; give period, or leave times out")
         if self.low is not None and (self.address is not None or self.wrong_parity or self.missing_stop):
             raise ValueError("a break has no characters; send them apart")
+        if (self.expect is None) != (self.within is None):
+            raise ValueError(
+                'expect = "nothing" and within belong together; give both, or expect a reply by [[serial.expect]]'
+            )
+        if self.expect is not None and self.name is None:
+            raise ValueError("a send that expects nothing is a budget; give it a name")
 
 
 class ExpectTable(SerialEntry, frozen=True, kw_only=True):

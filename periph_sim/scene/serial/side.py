@@ -14,10 +14,11 @@ from ...bus.uart.burst_sender import Burst, BurstSender, Character
 from ...bus.uart.frame_format import UartFormat
 from ...bus.uart.reader import Heard, Line, UartReader
 from ...bus.uart.rs485 import Driver
+from ...core.phrases import counted
 from ...core.records import Recorder
 from ...timing.language.events import matcher
 from ...timing.language.scope import BadEvent, Scope
-from ...timing.measures.expectations import Expected, Reply
+from ...timing.measures.expectations import BAD, Expected, Reply, Unsolicited
 from ...timing.measures.measure import MeasuredScene
 from ..case.model import Case
 from ..case.serial import (
@@ -36,6 +37,7 @@ from .send_schedule import EventTrigger, Send, TextTrigger
 
 WHO = "serial"  # name of the outside party that drives a line
 IDLE_BITS = 11  # number of idle bits before a block in idle-line mode: ten, plus one because clocks differ
+JUDGES = "a budget on 'unsolicited replies' judges them"
 OFF = Fraction(5, 100)  # share by which an SCI may send faster than the nominal rate
 
 
@@ -52,8 +54,11 @@ class SerialSide:
         self.sends: dict[str, Send] = {}
         self._replies: list[list[Reply]] = [[] for _ in table.expect]
         self._senders: dict[str, BurstSender] = {}
+        self._silences: list[tuple[SciLines, Unsolicited]] = []
         self._readers: dict[tuple[str, Fraction, UartFormat], UartReader] = {}
         self._triggers: dict[tuple[str, int], EventTrigger] = {}
+        self._unasked = Unsolicited("")  # for the note on unsolicited characters
+        self._is_judged = False  # True if a budget judges these
         events = [("send", number, send.after) for number, send in enumerate(table.send)]
         events += [("expect", number, expect.after) for number, expect in enumerate(table.expect)]
         for kind, number, text in events:
@@ -79,6 +84,8 @@ class SerialSide:
     def listen(self, scene: MeasuredScene) -> None:
         for trigger in self._triggers.values():
             trigger.listen(scene)
+        self._unasked.listen(scene)
+        self._is_judged = False
 
     @property
     def characters(self) -> int:
@@ -96,11 +103,47 @@ class SerialSide:
         self._replies[number].append(reply)
         return self._expected(number), partial(self._why_never, number)
 
+    def on_unsolicited(self, measure: Unsolicited) -> tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]:
+        """Add a measure of unsolicited characters: of one send, or of all SCIs from which replies are expected.
+
+        Return a function that returns characters as text, and one that returns why the send never began.
+        """
+        self._is_judged |= not measure.name
+        table, named = self._table, partial(sci_named, self._case)
+        expected = {named(one.from_): one for one in reversed(table.expect)}
+        scis = [] if measure.name else list(expected)
+        if measure is not self._unasked:
+            scis += [named(one.to) for one in table.send if measure.name in ("", one.name)]
+        for sci in dict.fromkeys(scis):
+            numbers = [number for number, one in enumerate(table.expect) if named(one.from_) == sci]
+            self._listen(
+                sci, expected.get(sci), partial(self._unexpected, measure, f"{sci.unit}.{sci.module}", numbers)
+            )
+        if measure.name:
+            self._silences.append((scis[0], measure))
+            for one, send in zip(table.send, self.sends.values(), strict=True):
+                if one.name == measure.name and one.within is not None:
+                    send.on_begin.append(measure.window)
+                    send.on_end.append(partial(self._silent, measure, self._context.ticks(one.within)))
+                elif named(one.to) == scis[0]:
+                    send.on_begin.append(measure.others_turn)
+        as_text = any(one.text is not None for one in (*table.send, *table.expect))
+        return partial(show_characters, as_text=as_text), lambda: self._never_sent(measure.name)
+
     def notes(self) -> list[str]:
-        """Return a note for each send that never began, unless the verdict of a reply to this send reports it."""
+        """Return notes on sends that never began and on unsolicited characters, unless a verdict reports them."""
         told = {expect.after_send for expect in self._table.expect}
+        told |= {send.name for send in self._table.send if send.expect is not None}
         silent = [send for name, send in self.sends.items() if not send.sent and name not in told]
-        return [f"serial: send {send.name!r} never went out: {send.why_never()}" for send in silent]
+        notes = [f"serial: {self._never_sent(send.name)}" for send in silent]
+        first = self._unasked
+        first.finish(self._context.kernel.now)
+        if not self._is_judged and first.worst > sum(silence.worst for _, silence in self._silences):
+            notes.append(f"serial: {first.refuted} ({counted(first.worst, 'character')} in all); {JUDGES}")
+        return notes
+
+    def _never_sent(self, name: str) -> str:
+        return f"send {name!r} never went out: {self.sends[name].why_never()}"
 
     # Sending --------------------------------------------------------------------
 
@@ -191,6 +234,9 @@ class SerialSide:
             if table.after_send not in self.sends:
                 raise self._case.unknown("send", table.after_send, self.sends, *place, "after_send")
             send = self.sends[table.after_send]
+            if any(one.name == table.after_send and one.expect is not None for one in self._table.send):
+                what = f"send {table.after_send!r} expects nothing; leave its key expect or this reply out"
+                raise self._case.mistake(what, *place, "after_send")
             send.on_begin.append(partial(self._asked, number))
             send.on_end.append(partial(self._due, number))
         elif table.at is not None:
@@ -228,6 +274,9 @@ class SerialSide:
             if other.from_ == source and other is not self._table.expect[number]:
                 for reply in replies:
                     reply.others_turn(tick)
+        for sci, silence in self._silences:
+            if sci == sci_named(self._case, source):
+                silence.others_turn(tick)
         for reply in self._replies[number]:
             reply.window(tick)
 
@@ -239,17 +288,25 @@ class SerialSide:
         for reply in self._replies[number]:
             reply.character(heard.begin, heard.end, heard.value, heard.good)
 
+    def _unexpected(self, measure: Unsolicited, source: str, expects: list[int], heard: Heard) -> None:
+        """Pass a character to a measure of unsolicited characters, unless a reply has taken it."""
+        if not any(reply.last == heard.begin for number in expects for reply in self._replies[number]):
+            measure.character(source, heard.begin, heard.end, heard.value if heard.good else BAD + heard.value)
+
+    def _silent(self, measure: Unsolicited, within: int, tick: int) -> None:
+        measure.due(tick + within)
+
     def _why_never(self, number: int) -> str:
         table = self._table.expect[number]
         if table.after_send is not None:
-            return f"send {table.after_send!r} never went out: {self.sends[table.after_send].why_never()}"
+            return self._never_sent(table.after_send)
         if ("expect", number) in self._triggers:
             return self._triggers["expect", number].missing()
         return "its time is after the end of the run"
 
     # Lines ------------------------------------------------------------------------
 
-    def _listen(self, sci: SciLines, entry: SerialEntry, told: Callable[[Heard], None]) -> None:
+    def _listen(self, sci: SciLines, entry: SerialEntry | None, told: Callable[[Heard], None]) -> None:
         """Call the callback with each frame that an SCI sends, read with the format of `entry`.
 
         On a pair, only frames that begin while the SCI's driver is on are frames of this SCI.

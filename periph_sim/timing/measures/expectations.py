@@ -1,4 +1,6 @@
-"""Measures of expected replies, and of expected edges on watched wires. A party of the scene provides their values.
+"""Measures of expected replies, of replies that nothing asked for, and of expected edges on watched wires.
+
+A party of the scene provides their values.
 
 The time of a reply:
 
@@ -61,9 +63,12 @@ class _Occasion(Struct):
 
 
 class Reply(Measure):
-    """Time from the end of a request to the end of the last character of its reply. A wrong reply breaks the budget."""
+    """Time from the end of a request to the end of the last character of its reply. A wrong reply breaks the budget.
 
-    STATE = State("_open")
+    last: the tick at which the last character began that belongs to a reply; NO_TIME before the first.
+    """
+
+    STATE = State("_open", ticks="last")
     needs = "serial"
     asked = "times that the reply was asked for"
 
@@ -72,6 +77,7 @@ class Reply(Measure):
     def __init__(self, name: str) -> None:
         super().__init__()
         self.name = name
+        self.last = NO_TIME
         self._open: deque[_Occasion] = deque()
         self._judged = 0
         self._cut = False
@@ -123,6 +129,7 @@ class Reply(Measure):
             occasion.shut = True
             came.pop()
             return
+        self.last = begin
         if expected.anywhere:
             right = True
             del came[: -max(len(expected.characters), 1)]
@@ -201,6 +208,94 @@ class Reply(Measure):
     def why_silent(self) -> str:
         if self._cut:
             return f"the run ended before the reply from {self._expected.source} had to be there; let it last longer"
+        return self._why_never()
+
+
+class Unsolicited(Measure):
+    """Number of characters that SCIs send although nothing asked for them, after one send or in the whole run.
+
+    name: the send after which no character may come until `within` is over or other data is sent; "" for the whole run,
+        in which each character must belong to an expected reply.
+    source: the SCI that sent the first of these characters.
+    """
+
+    STATE = State("_answer _over", ticks="_since _until _ended")
+    unit = "characters"
+    series = False
+    needs = "serial"
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self.name = name
+        self.source = ""
+        self._since = NO_TIME  # the begin of the send; NO_TIME if characters are allowed
+        self._until = NO_TIME  # the end of `within`; NO_TIME before the end of the send
+        self._judged = 0  # number of sends whose time is over
+        self._cut = False
+        self._answer: list[int] = []  # the first unsolicited characters, without a pause between them
+        self._ended = NO_TIME  # the end of the last character in `_answer`
+        self._over = False  # True if a character after a pause ends `_answer`
+
+    @property
+    def silent(self) -> bool:
+        return bool(self.name) and not self._judged and not self.worst
+
+    @property
+    def measured(self) -> int:
+        return self._judged if self.name else self.worst
+
+    @property
+    def counted(self) -> int:
+        return self.measured
+
+    def listen(self, scene: MeasuredScene) -> None:
+        self._began, self._per_second = scene.began(), scene.ticks_per_second()
+        self._show, self._why_never = scene.on_unsolicited(self)
+
+    # Events from the scene ----------------------------------------------------
+
+    def window(self, tick: int) -> None:
+        """Begin to forbid characters, because the send begins at `tick`."""
+        self.others_turn(tick)
+        self._since, self._until = tick, NO_TIME
+
+    def due(self, tick: int) -> None:
+        """Forbid characters up to `tick`."""
+        self._until = tick
+
+    def others_turn(self, tick: int) -> None:
+        """Allow characters again, because other data is sent, or the next send of the same name begins."""
+        self._judged += self._since != NO_TIME
+        self._since = NO_TIME
+
+    def character(self, source: str, begin: int, end: int, value: int) -> None:
+        """Handle a character that belongs to no expected reply. value: with BAD added if it has an error."""
+        if self.name and (self._since == NO_TIME or begin < self._since or NO_TIME < self._until < begin):
+            return
+        self.worst += 1
+        if not self._answer:
+            self.source, self.worst_at = source, begin
+        elif source != self.source or begin - self._ended > 2 * (end - begin):
+            self._over = True
+        if not self._over:
+            self._answer.append(value)
+            self._ended = end
+
+    # Judging --------------------------------------------------------------------
+
+    def finish(self, now: int) -> None:
+        self._cut = self._since != NO_TIME and (self._until == NO_TIME or now < self._until)
+        if not self._cut:
+            self.others_turn(now)
+        if self._answer:
+            came, ended = self._show(tuple(self._answer)), (self._ended - self._began) / self._per_second
+            after = f" after send {self.name!r}" if self.name else ""
+            what = f"nothing was expected from {self.source}{after}, but {came} came, which ended at {ended:.6f} s"
+            self.refute(what, self.worst_at, self._ended)
+
+    def why_silent(self) -> str:
+        if self._cut:
+            return f"the run ended before the silence after send {self.name!r} was over; let it last longer"
         return self._why_never()
 
 

@@ -17,13 +17,13 @@ from ...core.records import Kind
 from ...core.table import duration
 from ...devices.sensor_rounds import known_sensors
 from ...f28335.pie.register_map import LINES
-from ..budget_schema import REPLY, SPAN, WATCH
+from ..budget_schema import REPLY, SILENCE, SPAN, WATCH
 from ..language.events import ANYTHING, OF_AGENT, Group, Matcher, matcher, stretch_of
 from ..language.language import FORMS, Said, is_form, measure_of, near_form
 from ..language.scope import BadEvent, Scope
 from ..language.tokens import name_text
 from .event import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses, EventMeasure
-from .expectations import Reply, WatchedWire
+from .expectations import Reply, Unsolicited, WatchedWire
 from .margin import Margin
 from .measure import Measure
 from .pair import Between
@@ -31,6 +31,9 @@ from .registry import MEASURES, PHRASES, UNNAMED, Sentence
 from .states import StateEvents, TimeIn
 
 OVERFLOWS = "overflows"  # the name of the measure that counts overflows of fixed-point arithmetic
+UNSOLICITED = "unsolicited replies"
+NOT_SENTENCES = (OVERFLOWS, UNSOLICITED)  # fixed names that are not in MEASURES
+PREFIXES: dict[str, Callable[[str], Measure]] = {REPLY: Reply, SILENCE: Unsolicited, WATCH: WatchedWire}
 ROLES = {
     "for each": FOR_EACH,
     "measured at": MEASURED_AT,
@@ -63,7 +66,7 @@ def expanded(text: str, sentences: Mapping[str, str]) -> str:
 
 def check_measure(name: str, sentences: Mapping[str, str]) -> None:
     """Raise BadEvent if a name that the user defines is taken, or if its text cannot be a measure in any scene."""
-    if name in MEASURES or name in PHRASES or is_form(name) or name.startswith((SPAN, REPLY, WATCH)):
+    if name in (*MEASURES, *PHRASES, UNSOLICITED) or is_form(name) or name.startswith((SPAN, *PREFIXES)):
         raise BadEvent(f"there is a measure {name!r} already; give this one another name")
     text = expanded(name, sentences)
     if is_form(text):
@@ -71,7 +74,7 @@ def check_measure(name: str, sentences: Mapping[str, str]) -> None:
         while said.of is not None:
             said = said.of
         text = said.name if said.form == "jitter" else ""
-    if text not in ("", *MEASURES, OVERFLOWS) and not text.startswith((SPAN, REPLY, WATCH)):
+    if text not in ("", *MEASURES, *NOT_SENTENCES) and not text.startswith((SPAN, *PREFIXES)):
         raise _unknown(text, sentences)
 
 
@@ -94,7 +97,9 @@ def _called(name: str, scope: Scope) -> Maker:
         span = name.removeprefix(SPAN)
         quoted = f"'{span}'" if '"' in span else f'"{span}"'
         return _of_sentence(PHRASES["span"], UNSAID, scope, name=span, quoted=quoted)
-    for prefix, kind in ((REPLY, Reply), (WATCH, WatchedWire)):
+    if name == UNSOLICITED:
+        return partial(Unsolicited, "")
+    for prefix, kind in PREFIXES.items():
         if name.startswith(prefix):
             return partial(kind, name.removeprefix(prefix))
     if name in MEASURES:
@@ -111,7 +116,7 @@ def _unknown(name: str, sentences: Mapping[str, str]) -> BadEvent:
     form = near_form(name)
     if form:
         return BadEvent(f"there is no measure {name!r}; did you mean {form}?")
-    names = [*sentences, *MEASURES, OVERFLOWS, f"{SPAN}NAME", f"{REPLY}NAME", f"{WATCH}NAME"]
+    names = [*sentences, *MEASURES, *NOT_SENTENCES, *(f"{prefix}NAME" for prefix in (SPAN, *PREFIXES))]
     hint = did_you_mean(name, names)
     if not hint.startswith("did you mean"):
         hint = f"it has {', '.join(names)}, and {', '.join(FORMS.values())}"

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from ...core.wire import Wire
     from ...devices.watchers import WireWatcher
-    from .expectations import Expected, Reply, WatchedWire
+    from .expectations import Expected, Reply, Unsolicited, WatchedWire
 
 
 MOST = 1 << 15  # maximum number of cells of a `Tally`
@@ -307,6 +307,11 @@ class MeasuredScene(Protocol):
 
     def on_reply(self, reply: Reply) -> tuple[Expected, Callable[[], str]]:
         """Subscribe `reply`. Return the expected reply, and a function that returns why it was never requested."""
+
+    def on_unsolicited(self, measure: Unsolicited) -> tuple[Callable[[tuple[int, ...]], str], Callable[[], str]]:
+        """Subscribe the measure. Return a function that returns characters as text, and one that returns why the send
+        never began.
+        """
 
     def watcher(self, measure: WatchedWire) -> WireWatcher:
         """Return the wire watcher with the name of the measure. The watcher passes its results to the measure."""

@@ -2,13 +2,14 @@
 
     name --> Sentence: its text, its cost, how far back it looks, and phrases for its verdict
 
-A sentence with parameters has them in braces; `factory` fills them in from the words of a budget. Five measures are
+A sentence with parameters has them in braces; `factory` fills them in from the words of a budget. Six measures are
 classes instead, because no sentence can express them:
 
     Margin       depends on the parties that pull the wires and on the module's own delay, which no record contains
     Race         reconstructs the polls that were skipped, for which it needs all records of a register
     LostFlags    depends on the flags that firmware means to clear at a place, which are known at the end of the run
     Reply        compares a reply with the characters that a case expects, and quotes the characters that came
+    Unsolicited  quotes the characters that no reply of a case expects
     WatchedWire  gets the expected time of an edge from a watcher, which may be the user's own
 """
 

@@ -71,6 +71,28 @@ def small(tmp_path: Path) -> Path:
         ),
         (
             'text = "ask"',
+            'text = "ask"\nexpect = "nothing"',
+            'line 8: serial.send.ask: expect = "nothing" and within belong together; give both, or expect a reply by '
+            "[[serial.expect]]",
+        ),
+        (
+            'text = "ask"',
+            'text = "ask"\nexpect = "OK"\nwithin = "1 ms"',
+            "line 12: serial.send.ask.expect: expected 'nothing', but it is 'OK'",
+        ),
+        (
+            'text = "ask"',
+            'text = "ask"\nexpect = "nothing"\nwithin = "1 ms"',
+            "line 20: serial.expect.told.after_send: send 'ask' expects nothing; leave its key expect or this reply "
+            "out",
+        ),
+        (
+            'name = "ask"\nto = "dsp.SCI-A"\ntext = "ask"',
+            'to = "dsp.SCI-A"\ntext = "ask"\nexpect = "nothing"\nwithin = "1 ms"',
+            "line 8: serial.send.0: a send that expects nothing is a budget; give it a name",
+        ),
+        (
+            'text = "ask"',
             'text = "né"',
             "line 11: serial.send.ask.text: 'é' cannot be encoded in ascii; "
             "give another encoding, or bytes instead of text",
@@ -179,6 +201,11 @@ def small(tmp_path: Path) -> Path:
             "",
             '\n[[budget]]\nname = "b"\nmeasure = "reply:tld"\nmax = "1 ms"\n',
             "line 23: budget.b.measure: no reply 'tld' is expected; did you mean told?",
+        ),
+        (
+            'text = "ask"\nat = "100 us"\n',
+            'text = "ask"\nat = "100 us"\n[[budget]]\nname = "b"\nmeasure = "silence:ask"\nmax = 0\n',
+            "line 15: budget.b.measure: no send 'ask' has expect = \"nothing\"; it has none",
         ),
     ],
 )

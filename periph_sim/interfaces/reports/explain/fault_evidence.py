@@ -22,7 +22,7 @@ from ....f28335.gpio.register_map import control_register
 from ....f28335.i2c.descriptor import I2C_A
 from ....records.record_text import bus_byte, happened
 from ....scene.case.serial import ExpectTable, SerialTable, content_of
-from ....timing.budget_schema import REPLY
+from ....timing.budget_schema import REPLY, SILENCE
 from .chain import Part, Step
 from .cpu_activity import phrase
 from .evidence import I2C, Evidence, RecordedPhase
@@ -298,8 +298,14 @@ def request_of(evidence: Evidence) -> list[Step]:
 
 
 def wrong_characters(evidence: Evidence) -> list[WrongCharacter]:
-    """Return the wrong characters of a wrong reply."""
+    """Return the wrong characters of a wrong reply, or all characters where an SCI must be silent."""
     verdict = evidence.window.verdict
+    if verdict.measure.startswith(SILENCE) and evidence.case.serial is not None:
+        name = verdict.measure.removeprefix(SILENCE)
+        source = next(send.to for send in evidence.case.serial.send if send.name == name)
+        found = _written(evidence, source, evidence.window.begin)[:MOST_CHARACTERS]
+        what = "{}: SCITXBUF written, {:#04x}: unsolicited"
+        return [(frame, evidence.step(r, what.format(r.where, r.value & 0xFF)), None) for frame, r in found]
     wrong = verdict.measure.startswith(REPLY) and verdict.until_s is not None
     return _wrong(evidence, _asked(evidence)) if wrong else []
 

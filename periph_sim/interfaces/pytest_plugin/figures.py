@@ -43,6 +43,8 @@ def _plain(value: float | int | None) -> float | int | str:
     return "" if value is None else value
 
 
+# Figures of a budget of which nothing but the verdict is known, as of a property that a user's own test records.
+UNKNOWN: dict[str, Any] = {"unit": "", "worst": None, "limit": None, "which": "", "at_s": None}
 Judged = tuple[str, str, dict[str, Any]]  # "case/budget"; the test; a dictionary from names without `_us` to figures
 
 
@@ -60,7 +62,7 @@ def judged(longest: Mapping[str, Sequence[Property]]) -> list[Judged]:
                 continue
             label, _, what = name.removeprefix(HEAD).rpartition("/")
             if what == FIRST:
-                found.append((label, test, {}))
+                found.append((label, test, {**UNKNOWN}))
             if found:
                 found[-1][2][what.removesuffix("_us")] = None if value == "" else value
     return [one for number, one in enumerate(found) if one not in found[:number]]

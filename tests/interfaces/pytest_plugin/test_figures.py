@@ -46,3 +46,9 @@ def test_figures_come_back_as_they_went() -> None:
 
 def test_no_figures_no_lines() -> None:
     assert table([report("t.py::one", [("mine", 1)])]) == []
+
+
+def test_a_property_with_our_prefix_and_no_figures_is_shown() -> None:
+    """A test of the user may record such a property; an error here would end the session."""
+    lines = table([report("t.py::one", [("periph-sim/mine/verdict", "pass")])])
+    assert lines[-1] == (" mine            -      -     -  seen  t.py::one", True)

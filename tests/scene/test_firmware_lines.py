@@ -1,6 +1,6 @@
 """Every executable line of the shipped Python firmware runs in a shipped case.
 
-timing/*.toml, timing/trade, timing/variants --each for a while, lines traced--> lines of firmware/python that ran
+timing/*.toml, timing/forum, timing/trade, timing/variants --each for a while, lines traced--> lines of firmware/python that ran
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from tests.scene.runs import TIMING
 
 FIRMWARE = TIMING.parent / "firmware" / "python"
 FOLDER = f"{FIRMWARE}/"
-CASES = [path for folder in ("variants", ".", "trade") for path in sorted((TIMING / folder).glob("*.toml"))]
+CASES = [path for folder in ("variants", ".", "trade", "forum") for path in sorted((TIMING / folder).glob("*.toml"))]
 SECONDS = Fraction(6, 100)
 LONGER = {  # the first fault that runs a line comes later, and the EEPROM is without power in the fourth round
     "imu_hil_broken_line": "0.12",

@@ -1,0 +1,28 @@
+"""A receiver on SCI-A that looks at RXFFST once per request line and then reads what is there, without waiting.
+
+Source: SPRUFZ5A Table 2-10 (RXFFST counts words in the FIFO, which a character enters in its stop bit).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from fractions import Fraction
+
+from periph_sim.firmware import Dsp, Duration, start_sci
+
+
+@dataclass
+class Settings:
+    """The settings that a case can give to this program. period: time from one look at RXFFST to the next."""
+
+    brr: int = 40
+    period: Duration = Fraction(1, 1000)
+
+
+def main(dsp: Dsp, settings: Settings) -> None:
+    sci = start_sci(dsp, brr=settings.brr)
+    while True:
+        dsp.compute(settings.period)
+        count = sci.SCIFFRX.RXFFST
+        for _ in range(count):
+            _ = sci.SCIRXBUF.all

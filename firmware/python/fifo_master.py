@@ -1,11 +1,11 @@
-"""A master that writes a record to an EEPROM through the transmit FIFO, as in questions about writes beyond 16 and 32 bytes.
+"""A master that writes a record to an EEPROM through the transmit FIFO, as in questions about long writes.
 
     two address bytes and the record --refilled | at once--> 16 words of TX FIFO --I2CCNT bytes--> the bus, then STOP
 
 `count_at_start = false` writes I2CCNT only after START, with a longer count left from before.
 After a NACK, firmware writes `after_nack` to I2CMDR. Then the next write follows, as soon as the bus is free.
 
-Source: SPRUG03B sections 2.5.4, 5.8, 5.13; Table 6 (RM, STT, STP), Table 10 (BB).
+Source: SPRUG03B sections 2.5.4, 5.10 (I2CCNT); Table 6 (RM, STT, STP), Table 10 (BB), Table 21 (I2CFFTX).
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""A slave that takes messages of four bytes by interrupt, as in questions about interrupts that stop and bytes that shift.
+"""A slave that receives by interrupt, as in questions about interrupts that stop and bytes that are shifted.
 
     one byte: RRDY --I2CINT1A--> read I2CDRR; write PIEACK, unless `acknowledge` is off
     FIFO:     RXFFST = 4 --I2CINT2A--> read four bytes; with `realign`, AAS empties the FIFO before each message
 
-Source: SPRUG03B section 3 (interrupts), 5.14 (I2CFFRX); SPRUFB0D section 8.3 (PIEACK).
+Source: SPRUG03B section 3 (interrupts), Table 22 (I2CFFRX); SPRUFB0D section 8.3 (PIEACK).
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A sender on SCI-A whose TX pin is driven low by GPIO before the SCI takes it over; then it sends a message periodically.
+"""A sender on SCI-A whose TX pin is low until the SCI takes it over. Then it sends a message periodically.
 
 Source: SPRUFB0D section 6 (GPIO29 is an ordinary pin until GPAMUX2 selects SCITXDA); SPRUFZ5A section 1.2.8.
 """

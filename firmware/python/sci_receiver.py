@@ -4,7 +4,7 @@
 
 Without FIFO, BRKDT requests the interrupt too (RXBKINTENA). With FIFO, only a character does.
 
-Source: SPRUFZ5A Tables 2-4, 2-6, 2-7 (SW RESET, RX/BK INT ENA, BRKDT); SPRUFB0D section 6.2 (qualification).
+Source: SPRUFZ5A Tables 2-4, 2-6, 2-7 (SW RESET, RX/BK INT ENA, BRKDT); SPRUFB0D section 6.4.3 (qualification).
 """
 
 from __future__ import annotations

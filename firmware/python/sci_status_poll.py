@@ -1,4 +1,4 @@
-"""A receiver on SCI-A that looks at RXFFST once per request line and then reads what is there, without waiting.
+"""A receiver on SCI-A that reads RXFFST periodically, then the characters that are there, without waiting for more.
 
 Source: SPRUFZ5A Table 2-10 (RXFFST counts words in the FIFO, which a character enters in its stop bit).
 """

@@ -1,6 +1,6 @@
 """Every executable line of the shipped Python firmware runs in a shipped case.
 
-timing/*.toml, timing/forum, timing/trade, timing/variants --each for a while, lines traced--> lines of firmware/python that ran
+timing/ and its folders --each case for a while, lines traced--> lines of firmware/python that ran
 """
 
 from __future__ import annotations

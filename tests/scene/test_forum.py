@@ -11,7 +11,7 @@ from tests.scene.runs import TIMING, run_file
 CURES = {
     "brkdt_often": "unit.dsp.settings.qualify=0",
     "fe_at_start": 'unit.board2.settings.low="0 s"',
-    "fourteen_bytes": "unit.dsp.settings.length=14",
+    "fourteen_bytes": "unit.dsp.settings.fill=refilled",
     "interrupt_once": "unit.dsp.settings.acknowledge=true",
     "nack_holds_scl": "unit.dsp.settings.after_nack=[0x4E20]",
     "no_stop": "unit.dsp.settings.count_at_start=true",
@@ -40,6 +40,8 @@ def test_the_case_shows_the_report_and_its_cure_does_not(name: str):
 
 def test_brkdt_and_fe_come_once_in_ten_bytes_while_the_pin_is_right():
     assert seen("brkdt_often")[0] == {"framing errors": 100, "breaks": 100, "wrong frames on RX": 0}  # of 1000 bytes
+    wrong_rate = seen("brkdt_often", "unit.dsp.settings.qualify=0", "serial.baud=108000")[0]
+    assert (wrong_rate["framing errors"] > 0, wrong_rate["breaks"]) == (True, 0)
 
 
 def test_a_low_rx_interrupts_twice_once_if_the_first_zero_is_not_delivered():
@@ -65,8 +67,11 @@ def test_without_stop_the_registers_are_those_of_the_report_and_i2cdxr_with_a_st
     assert registers("unit.dsp.options.i2c.fifo_extra_stage=dxr_drr_behind") == report
 
 
-def test_which_options_the_i2c_cases_depend_on():
+def test_on_which_lengths_and_options_the_i2c_cases_depend():
+    assert seen("no_stop", "unit.dsp.settings.length=14")[1] == ["bytes sent", "SCL low"]
+    assert seen("no_stop", CURES["no_stop"], "unit.dsp.settings.length=62")[1] == ["bytes sent"]  # 64 bytes, and STOP
+    assert seen("fourteen_bytes", "unit.dsp.settings.length=14")[1] == []
     assert seen("no_stop", "unit.dsp.options.i2c.cnt_copy_point=write")[1] == []
     assert seen("fourteen_bytes", "unit.dsp.options.i2c.fifo_extra_stage=dxr_drr_behind")[1] == []
     assert seen("nack_holds_scl", "unit.dsp.options.i2c.bb_on_irs_reset=clear")[1] == []
-    assert seen("interrupt_once", "unit.dsp.options.i2c.rx_overrun_policy=overwrite")[1] == ["bytes read"]
+    assert seen("interrupt_once", "unit.dsp.options.i2c.rx_overrun_policy=overwrite")[1] == ["bytes read", "group held"]

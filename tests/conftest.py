@@ -38,15 +38,15 @@ if form.running == form.INTERPRETED:
 providers.is_local_module_file = lambda path: False
 
 # pytester forgets the modules that a session inside the process imported. Of ours, imported again by a later test, each
-# class would exist twice.
-OURS = ("periph_sim.", "_firmware_shipped")
+# class would exist twice. numpy refuses to be imported again.
+KEPT = ("periph_sim.", "_firmware_shipped", "numpy")
 _restore_modules = SysModulesSnapshot.restore
 
 
 def _restore_others(snapshot: SysModulesSnapshot) -> None:
-    ours = {name: module for name, module in sys.modules.items() if name.startswith(OURS)}
+    kept = {name: module for name, module in sys.modules.items() if name.startswith(KEPT)}
     _restore_modules(snapshot)
-    sys.modules.update(ours)
+    sys.modules.update(kept)
 
 
 SysModulesSnapshot.restore = _restore_others

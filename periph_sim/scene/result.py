@@ -30,6 +30,7 @@ class Result:
     bytes_skipped: number of I2C bytes whose first seven bits were simulated in one step.
     sci_bytes: number of characters that other parties sent to SCIs of units.
     sci_bytes_sent: number of characters that SCIs of units sent.
+    sci_errors: number of characters that SCIs of units received with each kind of error; empty without an SCI.
     estimated: names of the units that run C sources. The cycles between the accesses of these units are estimated.
     ends: what each image does at the end, unless `stuck` or a note says that.
     """
@@ -50,9 +51,17 @@ class Result:
     first_wrong: str = ""
     estimated: list[str] = field(default_factory=list)
     sci_bytes_sent: int = 0
+    sci_errors: dict[str, int] = field(default_factory=dict)
     bytes_skipped: int = 0
     ends: list[str] = field(default_factory=list)
     fidelity: str = "exact"  # the only value; kept for programs that read `--json` of earlier versions
+
+    def reception(self, zero: bool = False) -> list[str]:
+        """Return a phrase for each kind of error that SCIs received: `5 framing errors`.
+
+        zero: True to include kinds of which there was none.
+        """
+        return [counted(count, error) for error, count in self.sci_errors.items() if count or zero]
 
 
 ON_THE_HOST = (
@@ -93,6 +102,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         wire_bytes=scene.bytes_on_bus(),
         sci_bytes=scene.uart.characters + (0 if scene.host is None else scene.host.bytes),
         sci_bytes_sent=scene.uart.sent_by_units(),
+        sci_errors=scene.uart.errors(),
         budgets=verdicts,
         counts=counts,
         unknowns=sorted({f"{name}.{t}" for name, part in parts.items() for t in part.touched}),

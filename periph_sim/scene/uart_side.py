@@ -112,7 +112,20 @@ class UartSide:
 
     def sent_by_units(self) -> int:
         """Return the number of characters that the SCIs of units have sent."""
-        return sum(cast("Sci", self._units[sci.unit].sockets[sci.module].chip).frames_sent for sci in self._scis)
+        return sum(chip.frames_sent for chip in self._chips())
+
+    def errors(self) -> dict[str, int]:
+        """Return how many characters the SCIs of units have received with each kind of error; {} without an SCI."""
+        if not self._scis:
+            return {}
+        chips = self._chips()
+        return {
+            "framing error": sum(chip.framing_errors for chip in chips),
+            "parity error": sum(chip.parity_errors for chip in chips),
+        }
+
+    def _chips(self) -> list[Sci]:
+        return [cast("Sci", self._units[sci.unit].sockets[sci.module].chip) for sci in self._scis]
 
     def notes(self) -> list[str]:
         """Return notes on errors on RS-485 pairs, and on sends that never began."""

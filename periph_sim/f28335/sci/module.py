@@ -56,6 +56,16 @@ class Sci(SciLines):
         """Number of frames whose start bits have begun on TXD; resets do not clear it."""
         return self._tx.frames
 
+    @property
+    def framing_errors(self) -> int:
+        """Number of characters received with a stop bit of 0; resets do not clear it."""
+        return self._rx.framing_errors
+
+    @property
+    def parity_errors(self) -> int:
+        """Number of characters received with a wrong parity bit; resets do not clear it."""
+        return self._rx.parity_errors
+
     # CPU access -------------------------------------------------------------
 
     def read(self, now: int, offset: int) -> int:

@@ -45,6 +45,7 @@ class SciRx:
     def __init__(self, options: SciOptions, touched: set[str]) -> None:
         self.options = options
         self.touched = touched
+        self.framing_errors = self.parity_errors = 0  # numbers of characters with these errors, since construction
         self.loaded = False  # SCIRXBUF has shown a new word, even an equal one, since the owner set this to False
         self.fifo = InterruptFifo(SCI_MAP["SCIFFRX"], True, options.fifo_int_mode, touched)
         self.reset()
@@ -72,6 +73,8 @@ class SciRx:
         """Receive a complete character. break_like: every bit of it, including the stop bit, was 0."""
         if not self.enabled:
             return
+        self.framing_errors += word & FE > 0
+        self.parity_errors += word & PE > 0
         if self.sleep and not address:
             self._pass_in_sleep(word)
             return

@@ -183,6 +183,8 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
         if notes and one.state != "written":
             about = "counts of the simulation, which cannot fail"
             say(f"note: {one.outcome.figures.case}: {', '.join(notes)} ({about})")
+        if errors := one.outcome.result.reception():
+            say(f"note: {one.outcome.figures.case}: {', '.join(errors)}")
     for one in checks:
         if one.state == "written":
             say(*(f"{one.outcome.figures.case}: {change}" for change in one.changes))

@@ -49,6 +49,7 @@ def _counts(result: Result, verbose: bool) -> list[str]:
         for name, count in result.counts.items()
         if count and name != SKIPPED
     ]
+    shown += result.reception(zero=verbose)
     lines = [", ".join(shown)] if shown else []
     skipped = ((result.counts.get(SKIPPED), "polls"), (result.bytes_skipped, "times seven bits of an I2C byte"))
     if verbose:

@@ -247,7 +247,7 @@ def failure_text(run: Run, broken: Sequence[Verdict], judged: int) -> str:
     lines = [f"{run.result.case}: {head}", "", *_table(broken)]
     if run.result.first_wrong and any(verdict.measure == "wrong bytes" for verdict in broken):
         lines += ["", f"first wrong: {run.result.first_wrong}"]
-    lines += [f"stuck: {line}" for line in run.result.stuck]
+    lines += [*(f"stuck: {line}" for line in run.result.stuck), *run.result.reception()]
     happened = [verdict for verdict in broken if verdict.at_s is not None]
     for window, chain in run.explained(happened[:MOST_EXPLAINED]):
         lines += ["", *_picture(window, chain)]

@@ -10,7 +10,7 @@ from periph_sim.bus.uart.reader import Heard
 from periph_sim.core.records import Kind, Record
 from periph_sim.firmware import start_sci
 from periph_sim.scene.serial.send_schedule import TextTrigger
-from tests.scene.serial.programs import answers, hears, scene, send, unit
+from tests.scene.serial.programs import Program, answers, hears, scene, send, unit
 
 BIT = 26_240  # ticks of a bit of the SCI with BRR = 40, 3 GHz
 FE, PE = 1 << 15, 1 << 14
@@ -133,6 +133,24 @@ def test_wrong_parity_and_a_missing_stop_bit():
     even = {"parity": "even", "bits": 8}
     assert heard([{"text": "abc", "wrong_parity": [1]}], serial=even, sciccr=0x67) == [97, PE | 98, 99]
     assert heard([{"text": "abc", "missing_stop": [1]}]) == [97, FE | 98, 99]
+
+
+def test_characters_with_errors_are_counted_in_the_result():
+    """Three of five; a character that is not received, since RXENA is 0, has no error."""
+    sends = [
+        {"text": "abc", "missing_stop": [1], "wrong_parity": [1, 2]},
+        {"text": "de", "at": "2 ms", "wrong_parity": [0]},
+    ]
+    table = {"send": [{"to": "SCI-B", "at": "100 us", **one} for one in sends], "parity": "even"}
+
+    def errors(program: Program) -> dict[str, int]:
+        run = scene({"dsp": program}, unit={"dsp": unit("SCI-B")}, serial=table, duration="3 ms").run()
+        assert run.reception() == [text for text in run.reception(zero=True) if not text.startswith("0 ")]
+        return run.sci_errors
+
+    assert errors(hears("SCI-B", [], sciccr=0x67)) == {"framing error": 1, "parity error": 3}
+    assert errors(lambda dsp: None) == {"framing error": 0, "parity error": 0}
+    assert scene({"dsp": lambda dsp: None}, unit={"dsp": unit("I2C-A")}).run().sci_errors == {}
 
 
 def test_a_break_sets_brkdt():

@@ -166,7 +166,8 @@ def case_report(
         changes=tuple(changes),
         counts={name.replace("_", " "): count for name, count in result.counts.items() if count and name != SKIPPED}
         | {"I2C bytes": result.wire_bytes, "SCI bytes": result.sci_bytes}
-        | ({"SCI bytes from units": result.sci_bytes_sent} if result.sci_bytes_sent else {}),
+        | ({"SCI bytes from units": result.sci_bytes_sent} if result.sci_bytes_sent else {})
+        | {f"SCI {error}s": count for error, count in result.sci_errors.items()},
         findings=tuple(_beside_failures(_found(result) if findings is None else findings, budgets)),
         notes=tuple(sorted(result.notes, key=lambda note: not note.startswith(devices))),
         budgets=tuple(budgets),

@@ -15,7 +15,7 @@ RULES := build/rules.json
 # Without compiled files every command that a test starts would compile the package anew.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: demo test interpreted core wheel try-core touched coverage explore check bench mutants firmware-mutants setup clean
+.PHONY: demo test interpreted core wheel try-core touched coverage explore check bench mutants firmware-mutants setup site clean
 
 # First its table, as the sources run; then the core is compiled, so that the next run is quicker.
 demo: $(USER)
@@ -98,6 +98,10 @@ wheel: $(CORE)
 	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
 	HATCH_BUILD_HOOKS_ENABLE=1 $(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
 	ls dist
+
+# The pages as a site with search, in build/site.
+site: $(DEV)
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build
 
 setup: $(DEV)
 

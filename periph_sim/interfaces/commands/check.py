@@ -14,6 +14,7 @@ from ...timing.verdict import BROKEN, NOT_JUDGED, SEEN
 from ...traces.formats import atomic_write
 from ..reports.baselines.check import CaseCheck, case_files, workers
 from ..reports.baselines.check import check as checked
+from ..reports.baselines.files import path_for
 from ..reports.baselines.outcome import RejectedCase
 from ..reports.explain import chain as chains
 from .command_frame import (
@@ -41,6 +42,8 @@ from .watch import note_inputs
 @JSON
 @click.option("--junit", "junit_file", type=click.Path(path_type=Path), help="Write JUnit XML to this file.")
 @click.option("--html", "html_file", type=click.Path(path_type=Path), help="Write one report of all cases here.")
+@click.option("--summary", "summary_file", type=click.Path(path_type=Path), help="Write a summary in Markdown here.")
+@click.option("--since", metavar="COMMIT", help="With --summary: show changes since this commit's baselines.")
 @click.option(
     "--annotations", type=click.Choice(["github"]), help="Print a line for each finding in the format of a CI service."
 )
@@ -53,6 +56,8 @@ def check(
     as_json: bool,
     junit_file: Path | None,
     html_file: Path | None,
+    summary_file: Path | None,
+    since: str | None,
     annotations: str | None,
 ) -> int:
     """Run cases and compare their figures with their baselines, exactly.
@@ -67,15 +72,23 @@ def check(
     """
     if update and changes:
         raise click.UsageError("--update-baseline with --set: a baseline is of the unchanged case; remove one of them")
-    apart(junit=junit_file, html=html_file)
+    if since is not None and summary_file is None:
+        raise click.UsageError("--since is for --summary; give both")
+    apart(junit=junit_file, html=html_file, summary=summary_file)
     refused: list[RejectedCase] = []
     with running_user_code(), ExitStack() as outputs:
         project = project_of(Path())
-        if junit_file is not None or html_file is not None:
+        if any(file is not None for file in (junit_file, html_file, summary_file)):
             note_inputs(case_files(paths or project.cases()), but_baselines=update)
+        before = None
+        if since is not None:
+            from ..reports.baselines.summary import baselines_at
+
+            before = since, baselines_at(since, map(path_for, case_files(paths or project.cases())))
         # Output files are opened before the runs, so that a file that cannot be written is reported at once.
-        unfinished, unfinished_html = (
-            None if file is None else outputs.enter_context(atomic_write(file)) for file in (junit_file, html_file)
+        unfinished, unfinished_html, unfinished_summary = (
+            None if file is None else outputs.enter_context(atomic_write(file))
+            for file in (junit_file, html_file, summary_file)
         )
         with progress("check") as on_progress:
             checks = checked(
@@ -94,6 +107,10 @@ def check(
             unfinished.write_text(junit(checks, refused), encoding="utf-8")
         if unfinished_html is not None:
             unfinished_html.write_text(_html(checks, jobs), encoding="utf-8")
+        if unfinished_summary is not None:
+            from ..reports.baselines.summary import summary
+
+            unfinished_summary.write_text(summary(checks, refused, before), encoding="utf-8")
     outside = [one for one in refused if one.outside]
     refused = [one for one in refused if not one.outside]
     if outside and not checks and not refused:

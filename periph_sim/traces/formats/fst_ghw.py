@@ -22,6 +22,7 @@ import subprocess
 import sys
 from collections.abc import Iterable, Sequence
 from fractions import Fraction
+from importlib.util import find_spec
 from itertools import groupby, takewhile
 from operator import itemgetter
 from pathlib import Path
@@ -98,6 +99,8 @@ def _signals(path: Path) -> tuple[dict[str, Any], list[tuple[np.ndarray[Any, Any
     Return a head with names and timescale, and for each signal the positions of changes and the states after them. A
     state consists of one letter per bit.
     """
+    if find_spec("pywellen") is None:
+        _bad(path, "the file", "no reader of FST and GHW", "the library pywellen", "pip install 'periph-sim[waves]'")
     command = [sys.executable, "-P", str(READER), str(path.absolute())]
     try:
         done = subprocess.run(command, capture_output=True, timeout=PATIENCE)

@@ -11,12 +11,14 @@ In properties such as `file`, colons and commas are also written as %3A and %2C.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from xml.etree import ElementTree as xml
 
 from ..explain.chain import Chain, relative, text
 from .check import CaseCheck
 from .files import Baseline
 from .outcome import RejectedCase
+from .summary import repository_of
 
 
 def github(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> list[str]:
@@ -28,7 +30,7 @@ def github(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> lis
     """
     lines = []
     for check in checks:
-        file = _property(check.outcome.path.as_posix())
+        file = _property(in_repository(check.outcome.path))
         title = _property(f"periph-sim check: {check.outcome.figures.case}")
         about: dict[tuple[int, str | None], list[str]] = {}
         for finding in check.findings:
@@ -38,8 +40,14 @@ def github(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> lis
         lines += [line for name, chain in check.causes.items() for line in _cause(name, chain, title)]
     for one in refused:
         name = _property(f"periph-sim check: {one.path.stem}")
-        lines.append(f"::error file={_property(one.path.as_posix())},line=1,title={name}::{_message(one.why)}")
+        lines.append(f"::error file={_property(in_repository(one.path))},line=1,title={name}::{_message(one.why)}")
     return lines
+
+
+def in_repository(path: Path) -> str:
+    """Return a path as GitHub expects it: relative to the root of the git clone, or as it is outside of a clone."""
+    root = repository_of(path)
+    return (relative(path) if root is None else path.absolute().relative_to(root)).as_posix()
 
 
 def _cause(budget: str, chain: Chain, title: str) -> list[str]:
@@ -47,10 +55,9 @@ def _cause(budget: str, chain: Chain, title: str) -> list[str]:
     part = chain.blamed
     if part is None or part.place is None or part.place.file is None:
         return []
-    file = relative(part.place.file)
-    if file.is_absolute():
+    if relative(part.place.file).is_absolute():
         return []
-    where = f"file={_property(file.as_posix())},line={part.place.line},title={title}"
+    where = f"file={_property(in_repository(part.place.file))},line={part.place.line},title={title}"
     return [f"::warning {where}::{_message(chr(10).join([f'{budget}: {part}', *text(chain)]))}"]
 
 

@@ -123,6 +123,14 @@ def read(path: Path) -> Baseline | None:
         return None
     except OSError as error:
         raise BadCheck(f"{path}: cannot be read ({error.strerror}); expected a baseline") from None
+    return parse(str(path), data)
+
+
+def parse(path: str, data: bytes) -> Baseline:
+    """Return the baseline that the bytes of a file contain. path: the name of the file, for messages.
+
+    Raise BadCheck if the bytes are not a baseline of this schema version.
+    """
     try:
         tree = json.loads(data)
     except ValueError as error:

@@ -1,0 +1,115 @@
+"""A summary of a check as Markdown: for each budget the seen value, its limit, and the change since a commit.
+
+checks -------------------------------------------+--> table of each case --> GitHub's page of the run
+baselines in a commit <--git show-- a git clone --+
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from subprocess import run
+
+from ....timing.verdict import Verdict, figure, limit
+from .check import CaseCheck
+from .files import BadCheck, Baseline, parse
+from .outcome import RejectedCase
+
+TITLES = ("budget", "seen", "limit", "verdict")
+MARKS = {True: "✅", False: "❌"}
+
+
+def repository_of(path: Path) -> Path | None:
+    """Return the root of the git clone that contains a file, or None if it is in no clone."""
+    whole = path.absolute()
+    return next((folder for folder in whole.parents if (folder / ".git").exists()), None)
+
+
+def baselines_at(commit: str, paths: Iterable[Path]) -> dict[Path, Baseline | None]:
+    """Return the baselines at these paths as a commit contains them, or None where it contains no such file.
+
+    commit: a name that git knows, such as "origin/main".
+
+    Raise BadCheck if git is missing, a path is in no clone, the clone does not contain the commit, or a file is not a
+    baseline of this version.
+    """
+    found: dict[Path, Baseline | None] = {}
+    for path in paths:
+        root = repository_of(path)
+        if root is None:
+            raise BadCheck(f"{path}: it is in no git clone, so it has no state at {commit}; leave --since out")
+        if _git(root, "rev-parse", "--verify", "--quiet", f"{commit}^{{commit}}") is None:
+            fetch = "fetch it first; with actions/checkout, `fetch-depth: 0` does"
+            raise BadCheck(f"--since {commit}: the clone {root} does not contain this commit; {fetch}")
+        data = _git(root, "show", f"{commit}:{path.absolute().relative_to(root).as_posix()}")
+        found[path] = None if data is None else parse(f"{commit}:{path}", data)
+    return found
+
+
+def _git(root: Path, *arguments: str) -> bytes | None:
+    """Return the output of a git command, or None if it fails. Raise BadCheck if git is not installed."""
+    try:
+        done = run(["git", "-C", os.fspath(root), *arguments], capture_output=True, check=False)
+    except OSError:
+        raise BadCheck("--since: git is not installed; install it, or leave --since out") from None
+    return None if done.returncode else done.stdout
+
+
+def summary(
+    checks: Sequence[CaseCheck],
+    refused: Sequence[RejectedCase] = (),
+    since: tuple[str, Mapping[Path, Baseline | None]] | None = None,
+) -> str:
+    """Return the Markdown text.
+
+    refused: cases that could not be run.
+    since: a commit and its baselines by path. With it, a column shows the change of each value since this commit.
+    """
+    good = sum(one.passed for one in checks)
+    lines = [f"## periph-sim check: {good} of {len(checks) + len(refused)} as they should be", ""]
+    for one in checks:
+        lines += [f"### {MARKS[one.passed]} {_cell(one.outcome.figures.case)}", "", *_table(one, since), ""]
+        lines += [f"* line {finding.line}: {_cell(finding.text)}" for finding in one.findings]
+        lines += [""] if one.findings else []
+    for case in refused:
+        lines += [f"### {MARKS[False]} {_cell(case.path.stem)}", "", _cell(case.why), ""]
+    return "\n".join(lines)
+
+
+def _table(check: CaseCheck, since: tuple[str, Mapping[Path, Baseline | None]] | None) -> list[str]:
+    titles = TITLES if since is None else (*TITLES, f"since {since[0]}")
+    rows = [f"| {' | '.join(titles)} |", f"|---|{'---:|' * 2}{'---|' * (len(titles) - 3)}"]
+    for one in check.outcome.verdicts:
+        word = f"{one.word}, must break" if one.name in check.outcome.breaks else one.word
+        cells = [one.name, figure(one.worst, one.unit), limit(one.limit, one.unit, one.which), word]
+        if since is not None:
+            cells.append(_change(one, since[1].get(check.baseline), check.outcome.figures))
+        rows.append(f"| {' | '.join(map(_cell, cells))} |")
+    return rows
+
+
+def _change(verdict: Verdict, before: Baseline | None, now: Baseline) -> str:
+    """Return the change of a budget's value since the earlier baseline, exactly, or why there is none."""
+    name = "least" if verdict.which == "min" else "worst"
+    if before is None or verdict.name not in before.budgets:
+        return "new"
+    old, new = before.budgets[verdict.name], now.budgets[verdict.name]
+    was, came = (getattr(one, name) for one in (old, new))
+    if (old.measure, old.unit) != (new.measure, new.unit):
+        return "another measure"
+    if was == came:
+        return "unchanged"
+    if was is None or came is None:
+        return "not measured before" if was is None else "no longer measured"
+    if new.unit != "time":
+        return f"{came - was:+d}"
+    if before.ticks_per_second != now.ticks_per_second:
+        return "another clock"
+    cycles = now.cycles(came - was)
+    return f"{'' if cycles[0] == '-' else '+'}{cycles} cycles"
+
+
+def _cell(text: str) -> str:
+    """Return a text that is one line of a Markdown table's cell."""
+    return text.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;").replace("\n", " ")

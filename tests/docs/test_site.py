@@ -1,0 +1,56 @@
+"""The site of the pages: it builds without a warning, has every page and its search, and a link to nowhere is found."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.docs.pages import PAGES, ROOT
+from tests.docs.site import anchor
+
+
+def built(root: Path, out: Path) -> subprocess.CompletedProcess[str]:
+    """Build the site of the pages below `root`."""
+    command = [sys.executable, "-m", "mkdocs", "build", "--site-dir", str(out)]
+    environment = os.environ | {"NO_MKDOCS_2_WARNING": "1"}
+    return subprocess.run(command, cwd=root, env=environment, capture_output=True, text=True, check=False)
+
+
+def test_the_site_has_every_page_and_finds_words(tmp_path: Path):
+    done = built(ROOT, tmp_path / "site")
+    assert done.returncode == 0, done.stderr
+    assert "WARNING" not in done.stderr
+    index = json.loads((tmp_path / "site" / "search" / "search_index.json").read_text(encoding="utf-8"))
+    found = {entry["location"].partition("#")[0] for entry in index["docs"]}
+    assert {f"{page.stem}/" for page in PAGES if page.parent.name == "docs"} | {"", "contributing/"} <= found
+    assert "keys/#controller" in {entry["location"] for entry in index["docs"]}
+    page = (tmp_path / "site" / "index.html").read_text(encoding="utf-8")
+    assert 'href="fidelity/#how-fast"' in page and 'href="contributing/"' in page
+    assert not re.search(r'(?:src|href)="https?://(?!squidfunk\.github\.io)', page)  # no request to another host
+
+
+@pytest.mark.parametrize("link", ["nowhere.md", "keys.md#nowhere"])
+def test_a_link_to_nowhere_stops_the_build(tmp_path: Path, link: str):
+    for name in ("docs", "README.md", "CONTRIBUTING.md", "mkdocs.yml"):
+        aim = tmp_path / name
+        shutil.copytree(ROOT / name, aim) if (ROOT / name).is_dir() else shutil.copy(ROOT / name, aim)
+    (tmp_path / "tests" / "docs").mkdir(parents=True)
+    for name in ("__init__.py", "docs/__init__.py", "docs/site.py"):
+        shutil.copy(ROOT / "tests" / name, tmp_path / "tests" / name)
+    with (tmp_path / "docs" / "why.md").open("a", encoding="utf-8") as page:
+        page.write(f"[this]({link})\n")
+    done = built(tmp_path, tmp_path / "site")
+    assert done.returncode != 0
+    assert "nowhere" in done.stderr
+
+
+def test_anchors_are_those_of_github():
+    assert anchor('Why "199 of 300"?', "-") == "why-199-of-300"
+    assert anchor("[[unit.NAME.stub]]", "-") == "unitnamestub"

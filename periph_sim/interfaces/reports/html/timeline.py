@@ -170,11 +170,12 @@ class Lanes:
         early = [r for r in self.window.records if r.tick < self.kept[0].begin]
         self.before = {r[2:5]: r for r in (*self.window.before, *early)}
         self.zero = self.window.begin
+        self.serial = list(dict.fromkeys((*SERIAL, *self.window.formats)))
 
     def timeline(self) -> Timeline:
         window = self.window
         names = [channel.name for channel in window.edges.channels]
-        pins = self._waves(name for name in names if name not in (*BUS, *SERIAL))
+        pins = self._waves(name for name in names if name not in (*BUS, *self.serial))
         groups = [("I2C bus", self._bus()), ("UART", self._serial()), ("pins", pins)]
         for unit in self.cycles:
             prefix = f"{unit} " if len(self.cycles) > 1 else ""
@@ -236,7 +237,7 @@ class Lanes:
             edges = [r for r in self.records if r.kind is Kind.EDGE and r.where == wire]
             if edges or first is not None or len(channel.edges):
                 initial = first.value if first is not None else edges[0].value ^ 1 if edges else channel.initial
-                drawn = (wire in BUS and self.about_bus) or (wire in SERIAL and self.about_serial)
+                drawn = (wire in BUS and self.about_bus) or (wire in self.serial and self.about_serial)
                 wave = Lane("wave", wire, initial=initial, chosen=drawn or self._named(wire))
                 lanes.append(self._add_edges(wave, edges, lambda record: ""))
         return lanes
@@ -271,7 +272,7 @@ class Lanes:
     def _serial(self) -> list[Lane]:
         """Return for each serial line its wave, its characters and their bits."""
         lanes = []
-        for wave in self._waves(SERIAL):
+        for wave in self._waves(self.serial):
             whole = Lane("boxes", f"{wave.name} bytes", chosen=wave.chosen)
             bits = Lane("boxes", f"{wave.name} bits", chosen=wave.chosen)
             for one in (one for one in characters(self.window) if one.wire == wave.name):

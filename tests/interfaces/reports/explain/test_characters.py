@@ -15,28 +15,33 @@ from periph_sim.bus.uart.frame_format import UartFormat
 from periph_sim.core.records import Kind, Record
 from periph_sim.interfaces.reports.explain.characters import Character, characters
 from periph_sim.interfaces.reports.explain.picture import svg_picture
+from periph_sim.interfaces.reports.html.timeline import Lanes
 from periph_sim.traces.capture.capture import Span, channel_of
 
 from .made import drawn
 
 FORM = UartFormat(7, "even", 2)
 BIT = 10
+WIRE = "SCI-B.TX"
 
 
 def character(what: str = "end", end: int = 100 + BIT * FORM.length, expected: int | None = None) -> Character:
-    """The character 0x05 on TX."""
+    """The character 0x05 on a line."""
     window = drawn("span model 0 240", end=240, kept=(Span(0, 250),))
-    line = channel_of("TX", 0, [99, *range(100, 210, BIT)], [1, *FORM.levels(5)], 250)
-    frame = [Record(n, t, Kind.FRAME, "TX", s, 5, "", 0) for n, t, s in ((8, 100, "begin"), (9, end, what))]
+    line = channel_of(WIRE, 0, [99, *range(100, 210, BIT)], [1, *FORM.levels(5)], 250)
+    frame = [Record(n, t, Kind.FRAME, WIRE, s, 5, "", 0) for n, t, s in ((8, 100, "begin"), (9, end, what))]
     window = replace(
         window,
         records=(*window.records, *frame),
         edges=replace(window.edges, channels=(line,)),
-        formats={"TX": (Fraction(BIT), FORM)},
-        expected={} if expected is None else {("TX", 100, 0): expected},
+        formats={WIRE: (Fraction(BIT), FORM)},
+        expected={} if expected is None else {(WIRE, 100, 0): expected},
     )
-    assert (">TX bits<" in svg_picture(window)) == bool(characters(window)[0].bits)
+    assert (f">{WIRE} bits<" in svg_picture(window)) == bool(characters(window)[0].bits)
     (found,) = characters(window)
+    drawn_lanes = dict(Lanes(window, {"dsp": 1.0}, 100).timeline().groups)["UART"]
+    assert [one.name for one in drawn_lanes] == [WIRE, f"{WIRE} bytes", *[f"{WIRE} bits"] * bool(found.bits)]
+    assert any(drawn_lanes[1].strong) == (found.error or expected is not None)
     return found
 
 

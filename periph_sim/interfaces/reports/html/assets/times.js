@@ -3,10 +3,10 @@
 
 const UNITS = [["ns", 1e9], ["us", 1e6], ["ms", 1e3], ["s", 1]];
 
-/** A length in the unit that suits it: "5.000 us". */
+/** A length as the terminal shows it: "5.000 us", "0.227 us". */
 function lengthText(ticks, perSecond) {
   const seconds = Math.abs(ticks) / perSecond;
-  const [unit, factor] = UNITS.find(([, factor]) => seconds * factor < 1000) ?? UNITS[3];
+  const [unit, factor] = UNITS.slice(1).find(([, factor]) => seconds * factor < 1000) ?? UNITS[3];
   return `${ticks < 0 ? "-" : ""}${(seconds * factor).toFixed(3)} ${unit}`;
 }
 

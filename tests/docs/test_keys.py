@@ -19,14 +19,16 @@ from periph_sim.scene.case.model import Controller
 from periph_sim.scene.case.serial import SerialEntry
 from periph_sim.scene.case.unit_table import Unit
 from periph_sim.timing.budget_schema import Condition, Limited
+from tests.docs import commands
 from tests.docs.keys import PAGE, TABLES, added, default, page
 from tests.docs.pages import ROOT
 
 SECTIONS = TABLES | {name: settings for more in added().values() for name, settings in more.items()}
 
 
-def test_the_page_is_that_of_the_sources():
+def test_the_pages_are_those_of_the_sources():
     assert PAGE.read_text(encoding="utf-8") == page()
+    assert commands.PAGE.read_text(encoding="utf-8") == commands.page()
 
 
 @pytest.mark.parametrize("heading", SECTIONS)

@@ -10,7 +10,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from tests.docs import keys, live_picture
+from tests.docs import commands, keys, live_picture
 from tests.docs.limits_table import refreshed_limits
 from tests.docs.pages import PAGES, ROOT, refreshed
 from tests.docs.photographs import digest, digest_in, photographs, taken, written
@@ -30,9 +30,11 @@ def main(names: list[str]) -> None:
         if fresh != text:
             page.write_text(fresh, encoding="utf-8")
             print(f"{page.relative_to(ROOT)}: rewritten")
-    if (not names or "keys" in names) and keys.PAGE.read_text(encoding="utf-8") != keys.page():
-        keys.PAGE.write_text(keys.page(), encoding="utf-8")
-        print(f"{keys.PAGE.relative_to(ROOT)}: rewritten")
+    for index in (keys, commands):
+        fresh = index.page()
+        if (not names or index.PAGE.stem in names) and index.PAGE.read_text(encoding="utf-8") != fresh:
+            index.PAGE.write_text(fresh, encoding="utf-8")
+            print(f"{index.PAGE.relative_to(ROOT)}: rewritten")
     for picture in pictures():
         if names and picture.page.stem not in names:
             continue

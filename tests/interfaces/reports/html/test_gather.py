@@ -60,7 +60,7 @@ def test_the_cause_is_the_place_that_the_chain_blames() -> None:
     extra = Part("span", "frame", 3 * US, 1, PLACE)
     assert (
         told(LATE, chain(Part("bus", "bits", 12 * US), more=(extra,))).why
-        == "Longer than in its least critical occurrence by 3.000 us: span frame at"
+        == "3.000 us longer than in its least critical occurrence: span frame at"
     )
     blame = Part("code", "I2CDXR written", 0, 1, PLACE)
     assert told(LATE, chain(blame=blame, length=0)).why == "Cause: I2CDXR written at"

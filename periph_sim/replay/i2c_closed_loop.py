@@ -92,8 +92,8 @@ class CapturedController:
     patience: the maximum time, in ticks, for which the firmware is polled. None: polls are played as captured.
 
     polled: the transfers, with the polls that were made.
-    gave_up: the address that the firmware refused for longer than `patience`, and the tick of the first refusal; or
-        None.
+    gave_up: the address that the firmware refused for longer than `patience`, and the tick of the first refusal beyond
+        the captured ones; or None.
     """
 
     def __init__(
@@ -174,13 +174,14 @@ class CapturedController:
     def _answered(self, phase: int, move: int) -> None:
         """React to the firmware's answer to its address. SCL has just risen for it."""
         acked, now = not self._sda_level.level, self._kernel.now
-        if self.polled.answered(phase, acked):
+        changed = self.polled.answered(phase, acked)
+        if changed:
             self._prepare()
         if acked:
             self._refused_since = NO_TIME
-        elif self._refused_since == NO_TIME:
+        elif changed and self._refused_since == NO_TIME:
             self._refused_since = now
-        elif now - self._refused_since > (self._patience or 0):
+        elif changed and now - self._refused_since > (self._patience or 0):
             address = self.polled.transfers[-1].phases[phase].address
             self.gave_up = address or 0, self._refused_since
             self._on_end()
@@ -281,7 +282,7 @@ class I2cReplay(SlaveReplay):
         self._repeated = partial(I2cReplay, case, capture, scl, sda, addresses, first, longest_low, patience=patience)
         self._patience = patience
         super().__init__(case, capture, scl, sda, addresses, first, subscribe, tolerance, lead)
-        part, found, scene = self._part, self._answering, self._scene
+        part, found, scene = self._part, self._answering, self.scene
         low = None if longest_low is None else longest_low * part.rate
         self._agents = Plan(part, found.own, scene.timebase, self.origin, low, self._least_gap())
         wait = None if self._agents.least_gap is not None else scene.timebase.ticks(patience, "nearest")
@@ -307,7 +308,7 @@ class I2cReplay(SlaveReplay):
         while not self._over and not stuck and (until is None or kernel.now <= until):
             kernel.run_until(kernel.now + min(step, patience - self._player.held(kernel.now)))
             if self._player.held(kernel.now) >= patience:
-                who = " and ".join(self._scene.wire("SCL").held_by())
+                who = " and ".join(self.scene.wire("SCL").held_by())
                 since = timebase.show(self._player.waiting_since - self.origin)
                 stuck = (
                     f"SCL is held low by {who} since {since}: the replay ends there, after "
@@ -318,8 +319,9 @@ class I2cReplay(SlaveReplay):
         if self._controller.gave_up is not None:
             refused, begun = self._controller.gave_up
             stuck = (
-                f"the firmware does not acknowledge {refused:02X} since {timebase.show(begun - self.origin)}: the "
-                f"replay ends there, after {timebase.show(patience)}; --patience sets this limit"
+                f"the firmware refuses {refused:02X} where it is acknowledged in the capture, since "
+                f"{timebase.show(begun - self.origin)}: the replay ends there, after {timebase.show(patience)}; "
+                "--patience sets this limit"
             )
         return stuck
 
@@ -380,7 +382,7 @@ class I2cReplay(SlaveReplay):
         played = self._controller.polled.played()
         part = replace(self._part, transfers=played, turns=list(turns(played)))
         agents = replace(self._agents, part=part)
-        alone = without_firmware(agents, self._scene.start, self.kernel.now, self._allowed)
+        alone = without_firmware(agents, self.scene.start, self.kernel.now, self._allowed)
         outcome = replace(outcome, ranked=tuple(_marked(one, alone.ranked, self._allowed) for one in outcome.ranked))
         judged = [one for one in outcome.ranked if self._tolerance is not None or one.kind != TIMING]
         first = min(judged, key=lambda one: one.index, default=None)

@@ -94,7 +94,7 @@ class I2cMasterReplay(BusReplay):
 
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
         """Run to the end, or up to tick `until`. If the script is unfinished, return what the firmware is doing."""
-        kernel, scene = self.kernel, self._scene
+        kernel, scene = self.kernel, self.scene
         step = self.timebase.ticks(STEP, "nearest")
         length = int(self._part.capture.length * self._per_position)
         unit = scene.units[self._unit]

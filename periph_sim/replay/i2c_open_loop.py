@@ -83,7 +83,7 @@ class I2cOpenReplay(SlaveReplay):
     ) -> None:
         self._repeated = partial(I2cOpenReplay, case, capture, scl, sda, addresses, first)
         super().__init__(case, capture, scl, sda, addresses, first, subscribe, tolerance, LEAD)
-        part, scene = self._part, self._scene
+        part, scene = self._part, self.scene
         stop = part.transfers[-1].stop
         end = capture.length if first is None or stop is None else stop.at
         self._end_tick = self._tick(end) + self.timebase.ticks(TAIL, "nearest")

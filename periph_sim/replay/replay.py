@@ -44,7 +44,7 @@ class Replay:
     _repeated: Callable[..., Replay]  # creates the same replay again, with another `subscribe`
 
     def __init__(self, scene: Scene, unit: str, lead: Fraction) -> None:
-        self._scene = scene
+        self.scene = scene
         self._unit = unit
         self.kernel = scene.kernel
         self.timebase = scene.timebase
@@ -55,7 +55,7 @@ class Replay:
         wall = perf_counter()
         stuck = self._drive(progress)
         self._wall = perf_counter() - wall
-        self._result = self._scene.run(Fraction(0))
+        self._result = self.scene.run(Fraction(0))
         return self._report([stuck] if stuck else [])
 
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
@@ -72,9 +72,9 @@ class Replay:
             return None
         divergence, name = report.divergences[0], Path(report.capture).name
         title = f"{report.case}, {name}, {report.loop} loop: event {divergence.index + 1} of {report.events}"
-        return divergence_picture(divergence, title, *self._sides(divergence))
+        return divergence_picture(divergence, title, *self.sides(divergence))
 
-    def _sides(self, divergence: Divergence) -> tuple[Side, Side, float]:
+    def sides(self, divergence: Divergence) -> tuple[Side, Side, float]:
         """Return both sides of a picture, and the length of a bit in seconds."""
         raise NotImplementedError
 
@@ -86,9 +86,15 @@ class Replay:
             if progress is not None:
                 progress(step / STEPS)
 
+    def repeat(self, subscribe: Subscribe, until: int) -> Scene:
+        """Repeat the run up to a tick, recorded by a subscriber. Return its scene."""
+        again = self._repeated(subscribe=subscribe)
+        again._drive(until=until)
+        return again.scene
+
     def _run_again(self, history: FlagHistory, until: int) -> None:
         again = self._repeated(subscribe=history.subscribe)
-        history.watch(again._scene)
+        history.watch(again.scene)
         again._drive(until=until)
 
     def _summary(self, path: Path, outcome: Comparison, after: int, notes: list[str], **figures: Any) -> Report:
@@ -97,7 +103,7 @@ class Replay:
         after: the number of ticks after a divergence for which its history is shown.
         figures: the other fields of the report.
         """
-        scene, kernel = self._scene, self.kernel
+        scene, kernel = self.scene, self.kernel
         return Report(
             case=scene.case.name,
             capture=str(path),
@@ -170,7 +176,7 @@ class BusReplay(Replay):
         events = i2c.events(self._replayed, *LINES)
         return events, i2c_words(events, Fraction(self.timebase.per_second), self.origin)
 
-    def _sides(self, divergence: Divergence) -> tuple[Side, Side, float]:
+    def sides(self, divergence: Divergence) -> tuple[Side, Side, float]:
         part = self._part
         was, came = last_agreed(divergence, *self._compared)
         captured = Side("capture", tuple(zip(LINES, part.lines, strict=True)), part.rate, 0, part.transfers, was)
@@ -209,7 +215,7 @@ class SlaveReplay(BusReplay):
         self._answering = found = answering(case, part, addresses, lead)
         prepared, self._filled = alone(case, found.unit, "controller", found.forced, found.offered)
         super().__init__(self._build(case, prepared, subscribe), found.unit, lead, part, tolerance)
-        self._allowed = tolerance_of(tolerance, part.sample_rate, self._scene)
+        self._allowed = tolerance_of(tolerance, part.sample_rate, self.scene)
 
     def _build(self, case: Case, prepared: Case, subscribe: Subscribe | None) -> Scene:
         """Return the scene. prepared: the case as `alone` returns it."""

@@ -29,6 +29,14 @@ NOTHING = "nothing more"
 BYTE, ACK, EVENT, TIMING = "byte", "ACK", "event", "timing"
 KINDS = (BYTE, ACK, EVENT, TIMING)  # kinds of divergences
 
+# How reports name the first divergence of each kind.
+FIRST = {
+    BYTE: "first wrong byte",
+    ACK: "first wrong ACK",
+    EVENT: "first other divergence",
+    TIMING: "first difference in time",
+}
+
 CONDITIONS = ("START", "repeated START", "STOP", NOTHING)
 
 

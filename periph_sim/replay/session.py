@@ -163,16 +163,16 @@ class SessionReplay(I2cReplay):
         return int(min(gaps, default=0) * self._per_position)
 
     def _last_tick(self) -> int:
-        soon = self.kernel.now + self._scene.timebase.ticks(TAIL, "nearest")
+        soon = self.kernel.now + self.scene.timebase.ticks(TAIL, "nearest")
         if self._first is not None:
             return soon
-        serial = self._serial_origin + int(self._serial.length * self._scene.timebase.per_second / self._serial_rate)
+        serial = self._serial_origin + int(self._serial.length * self.scene.timebase.per_second / self._serial_rate)
         return max(soon, serial, self.origin + int(self._part.capture.length * self._per_position))
 
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
         stuck = super()._drive(progress, until)
         if stuck:
-            self._scene.recorder.emit(self.kernel.now, Kind.BUS, WHO, "stuck")  # a controller emits the same record
+            self.scene.recorder.emit(self.kernel.now, Kind.BUS, WHO, "stuck")  # a controller emits the same record
         return stuck
 
     def _report(self, stuck: list[str]) -> Report:

@@ -125,11 +125,11 @@ class UartReplay(Replay):
             known = settings_of(case, unit)
             forced = {name: value for name, value in line_settings(wanted).items() if name in known}
         super().__init__(Scene(alone(case, unit, "host", forced, {})[0], self._listen), unit, lead)
-        self._notes = play_line(self._scene, capture, channel, self.origin)
+        self._notes = play_line(self.scene, capture, channel, self.origin)
 
     @property
     def dsp(self) -> Dsp:
-        return self._scene.units[self._unit]
+        return self.scene.units[self._unit]
 
     def _listen(self, recorder: Recorder, timebase: Timebase) -> None:
         recorder.subscribe([Kind.ACCESS], self._accessed)
@@ -213,7 +213,7 @@ class UartReplay(Replay):
             errors=self.errors,
         )
 
-    def _sides(self, divergence: Divergence) -> tuple[Side, Side, float]:
+    def sides(self, divergence: Divergence) -> tuple[Side, Side, float]:
         agreed = divergence.capture_s or 0.0
         captured = Side("capture", (("RX", self._channel),), self._rate, 0, (), agreed)
         side = Side("SCI-A", (), self._rate, 0, (), agreed)

@@ -377,3 +377,13 @@ def test_a_master_that_does_not_return_fails_after_the_patience_given(call, tmp_
 def test_ways_that_do_not_go_together_are_one_sentence_and_exit_status_2(call, arguments, said):
     status, out, err = call("replay", "--case", IMU, *arguments)
     assert status == 2 and out == "" and said in err and "Traceback" not in err
+
+
+def test_a_page_is_written_with_both_sides_of_the_first_divergence(call, tmp_path):
+    html = tmp_path / "wrong.html"
+    status, _, err = call("replay", NACK, "--case", RESPONDER, *WRONG, "--html", str(html))
+    assert (status, err) == (1, "")
+    text = html.read_text(encoding="utf-8")
+    assert "expected data read E5 at 0.001015 s of the capture" in text and "captured SDA" in text
+    status, _, err = call("replay", NACK, "--case", RESPONDER, "--html", str(html), "--svg", str(html))
+    assert status == 2 and "--svg and --html both name" in err

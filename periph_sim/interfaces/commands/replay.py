@@ -14,7 +14,7 @@ from ...replay.channels import ALL, channel_map, serial_channel
 from ...replay.i2c_closed_loop import I2cReplay
 from ...replay.i2c_master import I2cMasterReplay
 from ...replay.i2c_open_loop import I2cOpenReplay
-from ...replay.report import AMBIGUOUS, PASS, Change, Divergence, Report, headline
+from ...replay.report import AMBIGUOUS, FIRST, PASS, Change, Divergence, Report, headline
 from ...replay.session import SessionReplay
 from ...replay.setup import PATIENCE
 from ...replay.uart import UartReplay, line_format
@@ -27,7 +27,9 @@ from .command_frame import (
     JSON,
     RATE,
     SALVAGE,
+    apart,
     command,
+    command_line,
     i2c_address_given,
     print_json,
     print_table,
@@ -39,12 +41,6 @@ from .command_frame import (
 )
 from .result_text import assumptions, budget_table, legend
 
-FIRST = {
-    "byte": "first wrong byte",
-    "ACK": "first wrong ACK",
-    "event": "first other divergence",
-    "timing": "first difference in time",
-}
 BEFORE, AFTER = 14, 4  # maximum numbers of changes of registers that are shown before and after a divergence
 
 
@@ -81,6 +77,7 @@ BEFORE, AFTER = 14, 4  # maximum numbers of changes of registers that are shown 
 @CHANGES
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
 @click.option("--svg", type=click.Path(path_type=Path), help="Draw the first divergence as a timing diagram.")
+@click.option("--html", type=click.Path(path_type=Path), help="Write a report with the waves of both sides.")
 @click.option("--strict", is_flag=True, help="Exit status 1 also if something is ambiguous.")
 @click.option("-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed.")
 @JSON
@@ -104,6 +101,7 @@ def replay(
     changes: tuple[str, ...],
     record: Path | None,
     svg: Path | None,
+    html: Path | None,
     strict: bool,
     verbose: bool,
     as_json: bool,
@@ -124,6 +122,7 @@ def replay(
     Exit status 0: the wires agree with the capture, and budgets and tolerance hold; 1: they do not, or nothing
     can be judged; 2: it cannot be replayed.
     """
+    apart(record=record, svg=svg, html=html)
     with running_user_code():
         case = load(case_file, list(changes))
         given = read_capture(capture, rate, salvage)
@@ -200,6 +199,13 @@ def replay(
                 unfinished.write_text(picture, encoding="utf-8")
         elif svg is not None:
             click.echo(f"{svg}: not written, since there is no divergence to draw", err=True)
+        if html is not None:
+            from ..reports.html.page import page
+            from ..reports.html.replayed import replay_report
+
+            with atomic_write(html) as unfinished:
+                shown = replay_report(case, player, report, changes)
+                unfinished.write_text(page([shown], shown.name, command_line()), encoding="utf-8")
     if as_json:
         print_json("replay", dataclasses.asdict(report))
     else:

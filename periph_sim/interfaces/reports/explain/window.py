@@ -12,11 +12,12 @@ with the length of the run.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ....bus.uart.frame_format import UartFormat
 from ....core.records import RECORDED, Kind, Record, Recorder
@@ -33,6 +34,9 @@ from ....timing.verdict import Verdict
 from ....traces.capture.capture import Capture, Channel, Span, channel_of
 from ....traces.drawing.capture_lanes import bit_of
 from ....traces.formats.record_table import Columns, RecordTable
+
+if TYPE_CHECKING:
+    from ....records.recording import Subscribe
 
 AROUND = Fraction(5, 1000)  # seconds that are kept before and after an interval; enough for a transfer or a frame
 WIDE = Fraction(25, 1000)  # seconds that are kept before and after an instant; enough for a period of rounds
@@ -142,6 +146,26 @@ def windows(
     scene = Scene(case, subscribe, programs)
     (keeper,) = keepers
     scene.advance(keeper.ends)
+    found = keeper.windows(case.name, scene.wires, {name: unit.modules for name, unit in case.unit.items()})
+    return [replace(window, formats=scene.uart.formats()) for window in found]
+
+
+@output_muted()
+def windows_of_replay(
+    case: Case,
+    verdicts: Iterable[Verdict],
+    timebase: Timebase,
+    start: int,
+    end: int,
+    repeat: Callable[[Subscribe, int], Scene],
+) -> list[Window]:
+    """Return a Window for each verdict of a replay that has an instant.
+
+    start, end: the tick from which the instants count, and the last tick of the replay.
+    repeat: a function that repeats the replay up to a tick, recorded by a subscriber, and returns its scene.
+    """
+    keeper = _Keeper(verdicts, timebase, start, end)
+    scene = repeat(lambda recorder, _: recorder.subscribe(RECORDED, keeper.add), keeper.ends)
     found = keeper.windows(case.name, scene.wires, {name: unit.modules for name, unit in case.unit.items()})
     return [replace(window, formats=scene.uart.formats()) for window in found]
 

@@ -161,7 +161,7 @@ def case_report(
         standing="good" if judged == "pass" else "known" if findings is None and as_said else "bad",
         simulated_s=result.simulated_s,
         wall_s=result.wall_s,
-        clocks=tuple((name, f"{float(_sysclk(unit) / 1_000_000):.9g} MHz") for name, unit in case.unit.items()),
+        clocks=tuple((name, f"{float(sysclk(unit) / 1_000_000):.9g} MHz") for name, unit in case.unit.items()),
         options=tuple(result.unknowns),
         changes=tuple(changes),
         counts={name.replace("_", " "): count for name, count in result.counts.items() if count and name != SKIPPED}
@@ -239,7 +239,7 @@ def _budget(
 
 
 def _timeline(case: Case, per_second: int, one: Explained, most: int) -> Timeline:
-    cycles = {name: float(per_second / _sysclk(unit)) for name, unit in case.unit.items()}
+    cycles = {name: float(per_second / sysclk(unit)) for name, unit in case.unit.items()}
     return Lanes(one.window, cycles, most).timeline()
 
 
@@ -278,7 +278,7 @@ def _beside_failures(findings: Sequence[str], budgets: Sequence[BudgetReport]) -
     return [text for text in findings if not text.startswith(known)]
 
 
-def _sysclk(unit: Unit) -> Fraction:
+def sysclk(unit: Unit) -> Fraction:
     return Fraction(unit.oscclk) * unit.pll / 2 * (1 + Fraction(unit.ppm) / 10**6)
 
 

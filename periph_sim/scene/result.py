@@ -182,7 +182,7 @@ def unwired_pins(dsp: Dsp) -> list[str]:
         descriptor = part.by_name[module]
         if descriptor.bus:
             continue
-        pins = {end: _pins(gpio, descriptor, signal) for end, signal in descriptor.wires.items()}
+        pins = {end: pins_of(gpio, descriptor, signal) for end, signal in descriptor.wires.items()}
         bare = {end: min(on) for end, on in pins.items() if on and not set(on) & set(dsp.plan.wires)}
         if bare:
             places = " and ".join(f"{end} on GPIO{pin}" for end, pin in bare.items())
@@ -195,7 +195,7 @@ def unwired_pins(dsp: Dsp) -> list[str]:
     return told
 
 
-def _pins(gpio: Gpio, descriptor: ModuleDescriptor, signal: str) -> tuple[int, ...]:
+def pins_of(gpio: Gpio, descriptor: ModuleDescriptor, signal: str) -> tuple[int, ...]:
     """Return the pins that GPxMUX connects to a signal."""
     if signal in descriptor.outputs:
         return gpio.sink(signal)

@@ -21,9 +21,13 @@ from ...scene.case.origin import texts_in
 from ...scene.firmware_loader import SHIPPED
 from ...traces.capture.capture import Capture
 from ..reports.baselines.files import write_all
-from .command_frame import RATE, check_file_name, command, read_capture, usage_errors_in_one_sentence
+from .command_frame import RATE, check_file_name, command, read_capture, running_user_code, usage_errors_in_one_sentence
 
 REPLAY = "replay"
+PROGRAMS = {
+    "image": "a .out, as in periph-sim new image firmware.out",
+    "c": "a folder, as in periph-sim new c firmware",
+}
 TEMPLATES = Path(__file__).with_name("templates")
 
 REFUSES = '''"""A slave that answers like the captured target, by a shipped program; replace it by your own."""
@@ -72,10 +76,13 @@ def new(
     sensor        emulates a sensor whose model runs by a timer
     replay        answers like a captured target: --from capture.sr,
                   or a small capture that is written beside it
+    image         runs a .out: periph-sim new image firmware.out
+    c             runs the C sources below a folder: periph-sim new c firmware
 
-    NAME is that of the files, and may begin with a folder: bench/thermometer. With --example it is
-    the folder of the copy. With --live the case is that of the session, driven by its log
-    instead of its [host], with its budgets; if it has none, with the session's results as
+    NAME is that of the files, and may begin with a folder: bench/thermometer. For image and c it
+    is the program; a run of it finds modules, pins and limits for a case in the present folder. With
+    --example NAME is the folder of the copy. With --live the case is that of the session, driven by
+    its log instead of its [host], with its budgets; if it has none, with the session's results as
     budgets. Existing files are never overwritten.
     """
     with usage_errors_in_one_sentence():
@@ -95,6 +102,9 @@ def new(
         else:
             if kind is None:
                 raise click.UsageError(f"give a kind: {', '.join(_kinds())}; or --example CASE")
+            if kind in PROGRAMS:
+                _new_from_program(kind, name)
+                return
             if kind not in _kinds():
                 raise click.UsageError(f"there is no kind {kind!r}; {did_you_mean(kind, _kinds())}")
             if capture is not None and kind != REPLAY:
@@ -111,8 +121,26 @@ def new(
     click.echo("\n".join([*(f"written: {file}" for file in files), *_go_on(files, case, following)]))
 
 
+def _new_from_program(kind: str, name: str | None) -> None:
+    """Write the case of an image or of C sources. kind: a key of PROGRAMS. name: the path of the program."""
+    if name is None:
+        raise click.UsageError(f"new {kind} needs {PROGRAMS[kind]}")
+    from . import program_case
+
+    path = Path(name)
+    with running_user_code():
+        case = program_case.image_case(path) if kind == "image" else program_case.sources_case(path)
+        write({case.path: case.text})
+    shown = quote(str(case.path))
+    click.echo(f"written: {case.path}")
+    for note in case.notes:
+        click.echo(f"note: {note}")
+    following = f"periph-sim worst {shown} {quote(case.first)}" if case.first else None
+    click.echo("\n".join(_go_on({}, case.path, following)))
+
+
 def _kinds() -> list[str]:
-    return sorted(file.stem.replace("_", "-") for file in TEMPLATES.glob("*.toml"))
+    return sorted([*PROGRAMS, *(file.stem.replace("_", "-") for file in TEMPLATES.glob("*.toml"))])
 
 
 def _cases() -> dict[str, Path]:
@@ -133,7 +161,8 @@ def _replay(capture: Path, case: Path, mapping: str | None, rate: str | None) ->
 def _go_on(files: Files, case: Path, following: str | None) -> list[str]:
     shown = quote(str(case))
     lines = [f"run it:           periph-sim run {shown}"]
-    lines += [f"replay:           {following}"] if following else []
+    if following:
+        lines.append(f"{'replay: ' if following.startswith('periph-sim replay') else 'explain:'}          {following}")
     lines += [f"while you edit:   periph-sim watch {shown}"]
     lines += [f"keep its figures: periph-sim check {shown} --update-baseline"]
     if any('remove the "#"' in text for text in files.values() if isinstance(text, str)):

@@ -36,10 +36,14 @@ from .polls import FEWEST
 
 
 class ImageProgram(LoadedImage):
-    """A program that executes an image. instructions: the number of executed instructions."""
+    """A program that executes an image.
+
+    instructions: the number of executed instructions.
+    skipped: the number of those that were in skipped passes of waits, so that they took no work.
+    """
 
     STATE = State(
-        "instructions _ready _executed _idle_began _loop_due _counted _pass _unmodelled _counting _back _sp",
+        "instructions skipped _ready _executed _idle_began _loop_due _counted _pass _unmodelled _counting _back _sp",
         ticks="_asleep_at",
     )
 
@@ -61,7 +65,7 @@ class ImageProgram(LoadedImage):
         skip_polls: True if passes of a wait that repeat the previous pass are skipped. keeps_decoded: see `Engine`.
         """
         super().__init__(processor, clock, image, entry, ImageCpu(processor, options, skip_polls, keeps_decoded))
-        self.instructions = 0
+        self.instructions = self.skipped = 0
         self._ready: Operation | None = None  # the pending instruction, whose operand address is known
         self._executed = False  # True if an instruction was executed since the last change of the context
         self._idle_began = False
@@ -285,6 +289,7 @@ class ImageProgram(LoadedImage):
         if polls.skips:
             self.polls_skipped += passes
             self.instructions += passes * self._pass
+            self.skipped += passes * self._pass
             if counting is not None:
                 counting.move(passes)
         if counting is not None and not polls.reads:

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from periph_sim.interfaces.commands.new import TEMPLATES, write
+from periph_sim.interfaces.commands.new import PROGRAMS, TEMPLATES, write
 from periph_sim.interfaces.reports.baselines.files import BadCheck
 from periph_sim.interfaces.reports.baselines.outcome import Outcome, run_case
 from tests.interfaces.commands.conftest import Run
@@ -73,7 +73,7 @@ def test_a_planted_bug_breaks_its_budgets(periph_sim: Run, here: Path, kind: str
 
 def test_every_kind_that_the_help_lists_is_there(periph_sim: Run):
     listed = re.findall(r"^  ([a-z0-9-]+) {2,}\S", periph_sim("new", "--help").out, re.MULTILINE)
-    assert sorted(kind.replace("-", "_") for kind in listed) == KINDS
+    assert sorted(kind.replace("-", "_") for kind in listed) == sorted([*KINDS, *PROGRAMS])
 
 
 def test_a_replay_without_a_capture_has_a_small_one(periph_sim: Run, here: Path):
@@ -136,7 +136,7 @@ def test_nothing_is_written_over_and_nothing_half_done(periph_sim: Run, here: Pa
     ("arguments", "sentence"),
     [
         (["sensr"], "there is no kind 'sensr'; did you mean sensor?"),
-        ([], "give a kind: eeprom-slave, i2c-master, i2c-slave,"),
+        ([], "give a kind: c, eeprom-slave, i2c-master, i2c-slave, image,"),
         (["sensor", "a b"], "'a b' is no name for files; expected letters, digits, '_' and '-'"),
         (["--example", "imu_hl"], "there is no example 'imu_hl'; did you mean imu_hil or"),
         (["--example", "imu_hil", "a", "b"], "--example takes at most the folder that the copy goes to"),

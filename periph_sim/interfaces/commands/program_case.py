@@ -1,0 +1,361 @@
+"""The case that `new image` and `new c` write: a run with all modules and pins shows what the program uses.
+
+program --run with everything--> modules, pins, interrupts, calls --second run, without limits--> figures --> case
+
+Its limits are the figures of that run and a margin. They describe the program, not what its user requires.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections import Counter
+from collections.abc import Iterator
+from fractions import Fraction
+from os.path import relpath
+from pathlib import Path
+from typing import Any, NamedTuple, cast
+
+import click
+
+from ...core.phrases import counted
+from ...core.records import Kind, Listener
+from ...f28335.gpio.module import Gpio
+from ...f28335.gpio.register_map import XINT_FIRST_PIN, XINT_SELECTS
+from ...f28335.parts.f28335 import PART
+from ...f28335.pie.register_map import LINES, PIEIER, VECTORS
+from ...f28335.system_control.register_map import MAP
+from ...f28335.xint.module import Xint
+from ...processor.dsp import Dsp
+from ...processor.image.boot import BEGINS
+from ...processor.image.observers import CallListener
+from ...processor.image.program import ImageProgram
+from ...processor.image_files.model import Image
+from ...processor.image_files.program_file import program_in
+from ...processor.user_code import output_muted
+from ...scene.case.load import case_of
+from ...scene.case.model import BadCase
+from ...scene.case.wiring import LAST_PIN
+from ...scene.result import pins_of
+from ...scene.scene import Scene
+from ...timing.verdict import duration_text
+from .live_case import toml
+
+Tree = dict[str, Any]
+
+UNIT = "dsp"
+# The run ends at the first of these times at which something has repeated, or soon after MOST_WORK instructions.
+STRETCHES = (Fraction(20, 1000), Fraction(100, 1000), Fraction(500, 1000), Fraction(2))
+STEP = Fraction(10, 1000)
+MOST_WORK = 1_000_000
+ACCESS_WORK = 50  # instructions of an image that take the time of an access of C sources
+OFTEN = 3  # number of times that something must happen to be a loop
+MARGIN = 10  # percent
+SEEN = "seen, not required"
+PORT_DATA = re.compile(r"W GPIO\.GP([ABC])(?:DAT|SET|CLEAR|TOGGLE)")
+MOST_PINS = 32  # number of outputs with a wire of their own
+NOTHING_REPEATS = (
+    "nothing repeats, so the case has no budget; add what the program waits for: [[serial.send]] for an SCI, "
+    "[controller] for an I2C slave, [device.NAME] for an I2C master, [[unit.dsp.stub]] for a register without a model"
+)
+SKIPPED_SOURCES = ("GlobalVariableDefs.c",)  # TI's definitions of register structures, which the simulation replaces
+
+
+class WrittenCase(NamedTuple):
+    """A new case.
+
+    path, text: its file and its TOML.
+    first: the name of its first budget; "" if it has none.
+    notes: sentences for the user.
+    """
+
+    path: Path
+    text: str
+    first: str
+    notes: list[str]
+
+
+class Topic(NamedTuple):
+    """Records with the same place and thing. records: their number. bits: those that any of their values has."""
+
+    where: str
+    what: str
+    records: int
+    bits: int
+
+
+class Seen(Listener):
+    """The records of each topic: their number, and the bits that any of their values has."""
+
+    def __init__(self) -> None:
+        self._topics: list[tuple[Kind, str, str]] = []
+        self._counts: Counter[int] = Counter()
+        self._bits: Counter[int] = Counter()
+
+    def tag_of(self, kind: Kind, where: str, what: str) -> int:
+        self._topics.append((kind, where, what))
+        return len(self._topics) - 1
+
+    def on_record(self, tag: int, tick: int, value: int) -> None:
+        self._counts[tag] += 1
+        self._bits[tag] |= value
+
+    def of(self, kind: Kind) -> Iterator[Topic]:
+        """Yield the topics of a kind that have records."""
+        for tag, (own, where, what) in enumerate(self._topics):
+            if own is kind and self._counts[tag]:
+                yield Topic(where, what, self._counts[tag], self._bits[tag])
+
+
+class Caller(NamedTuple):
+    """An active function. callees: (number of calls, tick of the last one) of each function that it has called."""
+
+    name: str
+    callees: dict[str, tuple[int, int]]
+
+
+class LoopCalls(CallListener):
+    """The active functions, the outermost first, with the functions that they have called."""
+
+    def __init__(self) -> None:
+        self.callers: list[Caller] = []
+
+    def called(self, name: str, tick: int) -> None:
+        if self.callers:
+            callees = self.callers[-1].callees
+            callees[name] = (callees.get(name, (0, 0))[0] + 1, tick)
+        self.callers.append(Caller(name, {}))
+
+    def returned(self, name: str, tick: int) -> None:
+        self.callers.pop()
+
+    def once_per_pass(self, handlers: set[str], since: int) -> str:
+        """Return the function that the outermost loop calls once in each pass; "" if no loop calls a function.
+
+        It is the first of those that the loop calls least often. It is "", too, if the loop has made too few passes.
+
+        handlers: names of service routines, which no function calls. since: functions whose last call was up to this
+            tick are not in the loop.
+        """
+        for caller in self.callers:
+            recent = {name: count for name, (count, last) in caller.callees.items() if last > since}
+            least = min(recent.keys() - handlers, key=lambda name: (recent[name], list(recent).index(name)), default="")
+            if least:
+                return least if recent[least] >= OFTEN else ""
+        return ""
+
+
+def image_case(path: Path) -> WrittenCase:
+    """Return a case for an image, in the present folder. Raise BadImage if the F28335 cannot run it."""
+    image = program_in(path)
+    section, boot = _boot(image)
+    unit = {"image": relpath(path), "boot": boot}
+    notes = []
+    if not image.symbols:
+        notes.append(
+            "the image has no symbols, so no function has a name; link it with symbols, and compile it with -g"
+        )
+    return _case(path, unit, [f"boot: {section}"], notes)
+
+
+def sources_case(path: Path) -> WrittenCase:
+    """Return a case for the C sources below a folder, in the present folder."""
+    sources = sorted(file for file in path.rglob("*.c") if file.name not in SKIPPED_SOURCES)
+    if not sources:
+        raise click.ClickException(f"{path}: there is no C source below it; give the folder of the .c files")
+    texts = [file.read_text(encoding="utf-8", errors="replace") for file in sources]
+    if not any(re.search(r"^\s*(?:\w+\s+)?main\s*\(", text, re.M) for text in texts):
+        what = f"{counted(len(sources), 'C source')} below it, but none defines main"
+        raise click.ClickException(
+            f"{path}: there {'is' if len(sources) == 1 else 'are'} {what}; add the file that does"
+        )
+    include = dict.fromkeys(relpath(file.parent) for file in sorted(path.rglob("*.h")))
+    unit: Tree = {"sources": [relpath(file) for file in sources]}
+    if include:
+        unit["compile"] = {"include": list(include)}
+    return _case(path, unit, [], [])
+
+
+def _boot(image: Image) -> tuple[str, str]:
+    """Return where the image begins, as text, and the value of `boot`."""
+    for mode, address in BEGINS.items():
+        section = next((one for one in image.loaded if one.name == "codestart" and one.address == address), None)
+        if section is not None:
+            return f"section codestart is at {address:#08x}", mode
+    return f"no section codestart where the boot ROM jumps, so it begins at its entry, {image.entry:#08x}", "entry"
+
+
+@output_muted()
+def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> WrittenCase:
+    """Return the case of a program. program: the keys that name it. comments, notes: the first ones."""
+    name = re.sub(r"[^\w.-]", "_", path.stem)
+    target = Path(f"{name}.toml")
+    tree: Tree = {"name": name, "duration": f"{STRETCHES[-1]} s"}
+    tree["unit"] = {UNIT: {**program, "modules": list(PART.selectable)}}
+    seen, calls = Seen(), LoopCalls()
+    scene = Scene(case_of(tree, target), lambda recorder, _: recorder.subscribe((Kind.ACCESS, Kind.IRQ), seen))
+    dsp = scene.units[UNIT]
+    if isinstance(dsp.program, ImageProgram):
+        dsp.program.add_call_listener(calls)
+    budgets: list[Tree] = []
+    length = Fraction(0)
+    for stretch in STRETCHES:
+        while length < stretch and _work(dsp, seen) < MOST_WORK:
+            length += STEP
+            scene.advance(scene.start + scene.timebase.ticks(length, "nearest"))
+        if scene.stalled:
+            raise click.ClickException(f"{path}: it cannot run, so no case was written: {scene.stalled}")
+        tree |= {"duration": duration_text(float(length)), "unit": {UNIT: {**program, **_unit(dsp, seen)}}}
+        budgets = _as_seen(tree, target, _measures(scene, dsp, seen, calls))
+        if budgets or dsp.program.finished or dsp.watchdog_resets or scene.deadlocks():
+            break
+        if length < stretch:
+            break
+    head = [f"A run of {tree['duration']} showed this.", *comments, *_clock(dsp), *_vectors(dsp, seen)]
+    head.append(f"limits: the largest value of that run and {MARGIN} %; {SEEN}")
+    notes += [*scene.deadlocks(), *_notes(scene, dsp, seen)]
+    if budgets:
+        tree["budget"] = budgets
+    else:
+        notes.append(NOTHING_REPEATS)
+    text = "".join(f"# {line}\n" for line in head) + re.sub(r"\n{3,}", "\n\n", toml(tree))
+    return WrittenCase(target, text, budgets[0]["name"] if budgets else "", notes)
+
+
+def _unit(dsp: Dsp, seen: Seen) -> Tree:
+    """Return what a unit needs: its crystal, the modules that the program has accessed, and pins with a wire."""
+    used = {topic.what[2:].partition(".")[0] for topic in seen.of(Kind.ACCESS)}
+    modules = [module for module in PART.selectable if module in used]
+    pins = _inputs(dsp, modules) | _outputs(dsp, seen)
+    return {"oscclk": f"{dsp.plan.oscclk_hz // 1_000_000} MHz", "modules": modules, "pins": pins}
+
+
+def _work(dsp: Dsp, seen: Seen) -> int:
+    """Return the number of instructions whose execution would take the time that the run has taken."""
+    if isinstance(dsp.program, ImageProgram):
+        return dsp.program.instructions - dsp.program.skipped
+    return ACCESS_WORK * sum(topic.records for topic in seen.of(Kind.ACCESS))
+
+
+def _measures(scene: Scene, dsp: Dsp, seen: Seen, calls: LoopCalls) -> dict[str, str]:
+    entered = {topic.what: topic.records // 2 for topic in seen.of(Kind.IRQ)}  # an entry and a return each
+    found = {f"latency of {vector}": f"interrupt latency {vector}" for vector in entered}
+    found |= {
+        f"period of {vector}": f"period of interrupt {vector} enter"
+        for vector, count in entered.items()
+        if count >= OFTEN
+    }
+    handlers = {_handler(dsp, vector) for vector in entered}
+    function = calls.once_per_pass(handlers, (scene.start + scene.kernel.now) // 2)
+    if function:
+        found[f"loop that calls {function}"] = f"period of span {json.dumps(function)} begin"
+    return found | {f"period of {wire}": f"period of edge {wire} rise" for wire in _outputs(dsp, seen)}
+
+
+def _inputs(dsp: Dsp, modules: list[str]) -> dict[str, int]:
+    """Return the pins of modules that GPxMUX connects in place of the usual ones, and those of external interrupts."""
+    gpio = cast(Gpio, dsp.sockets["GPIO"].chip)
+    found: dict[str, int] = {}
+    for module in modules:
+        descriptor = PART.by_name[module]
+        for end, signal in descriptor.wires.items():
+            pins = pins_of(gpio, descriptor, signal)
+            if pins and PART.pins[signal] not in pins:
+                found[end if descriptor.plain else f"{module}.{end}"] = min(pins)
+    if "XINT" in modules:
+        enabled = cast(Xint, dsp.sockets["XINT"].chip).enabled
+        for line, select in enumerate(XINT_SELECTS):
+            if enabled >> line & 1:
+                pin = gpio.peek(dsp.clock.cycle_at(dsp.processor.kernel.now), select) + XINT_FIRST_PIN[line]
+                found[f"XINT{line + 1}"] = pin
+    return found
+
+
+def _outputs(dsp: Dsp, seen: Seen) -> dict[str, int]:
+    """Return the general-purpose outputs that the program has written often enough to be a loop, by name.
+
+    A write of 16 bits is one of the low or of the high half of a register, so both are taken.
+    """
+    written = 0
+    for topic in seen.of(Kind.ACCESS):
+        register = PORT_DATA.fullmatch(topic.what)
+        if register and topic.records >= OFTEN:
+            bits = topic.bits | (topic.bits << 16 & 0xFFFF_FFFF)
+            written |= bits << 32 * "ABC".index(register[1])
+    changing = written & cast(Gpio, dsp.sockets["GPIO"].chip).driven
+    return {f"GPIO{pin}": pin for pin in [n for n in range(LAST_PIN + 1) if changing >> n & 1][:MOST_PINS]}
+
+
+def _handler(dsp: Dsp, vector: str) -> str:
+    """Return the name of the service routine in the PIE vector table; "" if it is unknown."""
+    if not isinstance(dsp.program, ImageProgram):
+        return ""
+    return dsp.program.functions.name_at(dsp.processor.bus.ram.word32(VECTORS[vector]))
+
+
+def _served_by(dsp: Dsp, vector: str) -> str:
+    handler = _handler(dsp, vector)
+    return f", served by {handler}" if handler else ""
+
+
+def _vectors(dsp: Dsp, seen: Seen) -> Iterator[str]:
+    for topic in seen.of(Kind.IRQ):
+        yield f"vector: {topic.what}{_served_by(dsp, topic.what)}"
+
+
+def _clock(dsp: Dsp) -> Iterator[str]:
+    now, control = dsp.clock.cycle_at(dsp.processor.kernel.now), dsp.control
+    pll, divsel = (control.peek(now, MAP[register].offset) for register in ("PLLCR", "PLLSTS"))
+    hz = float(control.sysclk_hz)
+    yield f"clock: PLLCR = {pll}, DIVSEL = {divsel >> 7 & 3}; SYSCLKOUT is {hz / 1e6:g} MHz if the crystal has oscclk"
+
+
+def _notes(scene: Scene, dsp: Dsp, seen: Seen) -> Iterator[str]:
+    """Yield why a program does not get to a loop, and the interrupts that it expects in vain."""
+    if dsp.watchdog_resets:
+        at = dsp.watchdog_resets[0][1]
+        times = counted(len(dsp.watchdog_resets), "time")
+        yield f"its watchdog reset it {times}, first at {at}; disable it (WDCR = 0x68) or service it in the loop"
+    entered = {topic.what for topic in seen.of(Kind.IRQ)}
+    for vector, (group, line) in LINES.items():
+        enabled = dsp.core.ier >> group - 1 & 1 and dsp.pie.peek(0, PIEIER[group - 1].offset) >> line - 1 & 1
+        if enabled and vector not in entered:
+            asks = ", ".join(PART.requesters(vector)) or "a module without a model"
+            yield f"{vector}{_served_by(dsp, vector)}, is enabled, and {asks} did not request it"
+    if dsp.program.returned_at is not None:
+        at_end = scene.timebase.show(dsp.clock.tick(dsp.program.returned_at) - scene.start)
+        yield f"{dsp.program.ending(at_end)}; a loop in main would keep it running"
+
+
+def _as_seen(tree: Tree, target: Path, measures: dict[str, str]) -> list[Tree]:
+    """Return a budget for each of these measures that has a value. Its limit is the largest value and the margin."""
+    found: list[Tree] = []
+    for name, measure in measures.items():
+        budget = {"name": name, "measure": measure, "max": "0 us", "why": SEEN}
+        try:
+            Scene(case_of({**tree, "budget": [budget]}, target)).close()
+        except BadCase:  # such as the latency of an interrupt that no PIE line requests
+            continue
+        found.append(budget)
+    seen = Seen()
+    scene = Scene(case_of({**tree, "budget": found}, target), lambda recorder, _: recorder.subscribe([Kind.EDGE], seen))
+    result = scene.run()
+    still = {f"GPIO{pin}" for pin in range(LAST_PIN + 1)} - {topic.where for topic in seen.of(Kind.EDGE)}
+    unit = tree["unit"][UNIT]
+    unit["pins"] = {wire: pin for wire, pin in unit["pins"].items() if wire not in still}
+    if not unit["pins"]:
+        del unit["pins"]
+    return [
+        {**budget, "max": _above(verdict.worst)}
+        for budget, verdict in zip(found, result.budgets, strict=True)
+        if verdict.worst is not None and (verdict.count >= OFTEN - 1 or "period" not in budget["measure"])
+    ]
+
+
+def _above(value: float) -> str:
+    """Return a time in microseconds and the margin as text, rounded up to three digits."""
+    limit = Fraction(value) * (100 + MARGIN) / 100
+    step = Fraction(10) ** (math.floor(math.log10(limit)) - 2) if limit else Fraction(1)
+    micros = math.ceil(limit / step) * step
+    return f"{float(micros):.6g} us" if micros < 1000 else f"{float(micros / 1000):.6g} ms"

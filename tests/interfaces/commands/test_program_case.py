@@ -1,0 +1,179 @@
+"""`periph-sim new image` and `new c`: a run finds boot mode, modules, pins, vectors and loops, and the case passes."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from periph_sim.interfaces.commands.program_case import LoopCalls
+from tests.interfaces.commands.conftest import Run
+
+C28X = Path(__file__).parents[3] / "firmware" / "c28x"
+
+CODESTART = """
+          .sect "codestart", 0x33FFF6
+          LB    _c_int00
+"""
+HEAD = """
+          .include "f28335.inc"
+          .reserve ".stack", 0x400, 0x300
+          {codestart}
+          .sect ".text", {text}
+          .global _c_int00, _main, _once, _often
+_c_int00: MOV   @SP,#0x400
+          EALLOW
+          MOVW  DP,#WDCR >> 6
+          MOV   @WDCR,#{wdcr}
+          EDIS
+          LCR   #_main
+          ESTOP0
+"""
+LOOP = """
+_main:    LCR   #_often
+          LCR   #_often
+loop:     LCR   #_once
+          LCR   #_often
+          LCR   #_often
+          SB    loop,UNC
+_once:    NOP
+          LRETR
+_often:   MOVL  XAR4,#{passes}
+wait:     BANZ  wait,AR4--
+          LRETR
+"""
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def program(body: str, codestart: str = "", text: int = 0x9000, wdcr: int = 0x68) -> None:
+    Path("mine.asm").write_text(HEAD.format(codestart=codestart, text=text, wdcr=wdcr) + body, encoding="utf-8")
+
+
+def written() -> dict[str, Any]:
+    return tomllib.loads(Path("mine.toml").read_text(encoding="utf-8"))
+
+
+def test_interrupts_their_periods_and_pins_become_budgets_that_hold(periph_sim: Run, here: Path):
+    source = (C28X / "blink.asm").read_text(encoding="utf-8")
+    Path("mine.asm").write_text(source, encoding="utf-8")
+    came = periph_sim("new", "image", "mine.asm")
+    assert (came.status, came.err) == (0, "")
+    assert "periph-sim run mine.toml\n" in came.out and "periph-sim worst mine.toml 'latency of TINT0'\n" in came.out
+    text, case = Path("mine.toml").read_text(encoding="utf-8"), written()
+    assert "# vector: TINT0, served by _toggle\n" in text
+    assert "# clock: PLLCR = 10, DIVSEL = 2; SYSCLKOUT is 150 MHz if the crystal has oscclk\n" in text
+    unit = case["unit"]["dsp"]
+    assert unit["modules"] == ["GPIO", "TIMER0"] and unit["pins"] == {"GPIO31": 31} and unit["boot"] == "entry"
+    assert {budget["measure"] for budget in case["budget"]} == {
+        "interrupt latency TINT0",
+        "period of interrupt TINT0 enter",
+        "period of edge GPIO31 rise",
+    }
+    assert {budget["why"] for budget in case["budget"]} == {"seen, not required"}
+    assert periph_sim("run", "mine.toml").out.startswith("mine: PASS")
+    assert periph_sim("worst", "mine.toml", "latency of TINT0").status == 0
+    Path("mine.asm").write_text(source.replace("75000", "90000"), encoding="utf-8")
+    assert "period of TINT0" in periph_sim("run", "mine.toml").out and periph_sim("run", "mine.toml").status == 1
+
+
+def test_the_section_codestart_says_how_it_begins_and_a_loop_is_named_by_what_it_calls_once(
+    periph_sim: Run, here: Path
+):
+    program(LOOP.format(passes=20_000), CODESTART, text=0x33_0000)
+    assert periph_sim("new", "image", "mine.asm").status == 0
+    case = written()
+    assert case["unit"]["dsp"]["boot"] == "flash" and case["unit"]["dsp"]["modules"] == []
+    assert [budget["measure"] for budget in case["budget"]] == ['period of span "_once" begin']
+    assert periph_sim("run", "mine.toml").status == 0
+
+
+def test_a_run_goes_on_until_something_has_repeated(periph_sim: Run, here: Path):
+    program(LOOP.format(passes=60_000))
+    assert periph_sim("new", "image", "mine.asm").status == 0
+    assert written()["duration"] == "500 ms" and len(written()["budget"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("body", "wdcr", "notes"),
+    [
+        (
+            "_main: LRETR\n_once:\n_often:\n",
+            0x68,
+            ["ESTOP0 ended the program at ", "nothing repeats, so the case has no"],
+        ),
+        (
+            "_main: SB _main,UNC\n_once:\n_often:\n",
+            0x28,
+            ["its watchdog reset it 4 times, first at _main (mine.asm:14, ", "nothing repeats, so"],
+        ),
+        (
+            "_main: MOVW DP,#0x7119 >> 6\nlook: TBIT @0x7119,#0\n SB look,NTC\n LRETR\n_once:\n_often:\n",
+            0x68,
+            ["dsp waits for ADC.ADCST & 0x0001 at _main (mine.asm:16, ", "nothing repeats, so"],
+        ),
+        (
+            "_main: OR IER,#1\n MOVW DP,#PIEIER1 >> 6\n MOV @PIEIER1,#0x20\n EALLOW\n CLRC INTM\n"
+            "loop: NOP\n SB loop,UNC\n_once:\n_often:\n",
+            0x68,
+            ["ADCINT, served by ", "nothing repeats, so"],
+        ),
+    ],
+)
+def test_a_program_that_never_loops_is_told_why(periph_sim: Run, here: Path, body: str, wdcr: int, notes: list[str]):
+    program(body, wdcr=wdcr)
+    came = periph_sim("new", "image", "mine.asm")
+    assert came.status == 0 and "budget" not in written()
+    told = [line.removeprefix("note: ") for line in came.out.splitlines() if line.startswith("note: ")]
+    assert len(told) == len(notes) and all(line.startswith(note) for line, note in zip(told, notes, strict=True)), told
+    assert "periph-sim worst" not in came.out
+
+
+def test_a_program_that_cannot_run_has_no_case(periph_sim: Run, here: Path):
+    program("_main: .word 0\n_once:\n_often:\n")
+    came = periph_sim("new", "image", "mine.asm")
+    assert (
+        came.status == 2 and "mine.asm: it cannot run, so no case was written: dsp: 0x0000 is the illegal" in came.err
+    )
+    assert not Path("mine.toml").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        (["image"], "new image needs a .out, as in periph-sim new image firmware.out"),
+        (["image", "none.out"], "none.out: No such file or directory; give the linker's .out file, or assembly (.asm)"),
+        (["c"], "new c needs a folder, as in periph-sim new c firmware"),
+        (["c", "empty"], "empty: there is no C source below it; give the folder of the .c files"),
+        (["c", "part"], "part: there is 1 C source below it, but none defines main; add the file that does"),
+    ],
+)
+def test_what_is_no_program_is_told_in_a_sentence(periph_sim: Run, here: Path, arguments: list[str], sentence: str):
+    Path("empty").mkdir()
+    Path("part").mkdir()
+    Path("part/help.c").write_text("int help(void) { return domain(3); }\n", encoding="utf-8")
+    came = periph_sim("new", *arguments)
+    assert (came.status, came.out) == (2, "") and came.err.endswith(f"{sentence}\n")
+
+
+def test_the_outermost_loop_is_that_which_still_calls():
+    calls = LoopCalls()
+    calls.called("main", 0)
+    for tick in range(10):
+        calls.called("early", tick)
+        calls.returned("early", tick)
+    for tick in range(100, 200, 10):
+        for name in ("twice", "twice", "isr", "once"):
+            calls.called(name, tick)
+            calls.returned(name, tick)
+    assert calls.once_per_pass({"isr"}, 50) == "once"
+    assert calls.once_per_pass({"isr", "once"}, 50) == "twice"
+    assert calls.once_per_pass(set(), 300) == ""
+    calls.called("rare", 200)
+    assert calls.once_per_pass({"isr"}, 50) == ""

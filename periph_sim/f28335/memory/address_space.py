@@ -89,7 +89,9 @@ def not_loadable(base: int, size: int, part: Part) -> str:
     while address < base + size:
         area = area_at(address)
         if area is None:
-            others = "".join(f"; {what}" for where, what in OTHER_PARTS if address in where)
+            others = "".join(
+                f"; {what}, so link it for the {part.name}" for where, what in OTHER_PARTS if address in where
+            )
             return f"at {address:#08x}, where the {part.name} has nothing{others}"
         if area.content is Content.FLASH and address < part.flash.start:
             return f"at {address:#08x}, where the {part.name} has nothing; its flash begins at {part.flash.start:#08x}"

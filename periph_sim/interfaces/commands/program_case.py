@@ -59,7 +59,7 @@ NOTHING_REPEATS = (
     "nothing repeats, so the case has no budget; add what the program waits for: [[serial.send]] for an SCI, "
     "[controller] for an I2C slave, [device.NAME] for an I2C master, [[unit.dsp.stub]] for a register without a model"
 )
-SKIPPED_SOURCES = ("GlobalVariableDefs.c",)  # TI's definitions of register structures, which the simulation replaces
+REPLACED = "GlobalVariableDefs.c"  # the end of the name of TI's file that defines the register structures
 
 
 class WrittenCase(NamedTuple):
@@ -161,7 +161,7 @@ def image_case(path: Path) -> WrittenCase:
 
 def sources_case(path: Path) -> WrittenCase:
     """Return a case for the C sources below a folder, in the present folder."""
-    sources = sorted(file for file in path.rglob("*.c") if file.name not in SKIPPED_SOURCES)
+    sources = sorted(file for file in path.rglob("*.c") if not file.name.endswith(REPLACED))
     if not sources:
         raise click.ClickException(f"{path}: there is no C source below it; give the folder of the .c files")
     texts = [file.read_text(encoding="utf-8", errors="replace") for file in sources]
@@ -194,7 +194,12 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
     tree: Tree = {"name": name, "duration": f"{STRETCHES[-1]} s"}
     tree["unit"] = {UNIT: {**program, "modules": list(PART.selectable)}}
     seen, calls = Seen(), LoopCalls()
-    scene = Scene(case_of(tree, target), lambda recorder, _: recorder.subscribe((Kind.ACCESS, Kind.IRQ), seen))
+    try:
+        scene = Scene(case_of(tree, target), lambda recorder, _: recorder.subscribe((Kind.ACCESS, Kind.IRQ), seen))
+    except BadCase as error:  # such as sources that gcc rejects; the file that the sentence names does not exist yet
+        raise click.ClickException(
+            f"no case was written: {str(error).partition(f'{UNIT}.')[2].partition(': ')[2]}"
+        ) from None
     dsp = scene.units[UNIT]
     if isinstance(dsp.program, ImageProgram):
         dsp.program.add_call_listener(calls)
@@ -214,7 +219,7 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
             break
     head = [f"A run of {tree['duration']} showed this.", *comments, *_clock(dsp), *_vectors(dsp, seen)]
     head.append(f"limits: the largest value of that run and {MARGIN} %; {SEEN}")
-    notes += [*scene.deadlocks(), *_notes(scene, dsp, seen)]
+    notes += [*scene.finish(scene.timebase.ticks(length, "nearest")).stuck, *_notes(scene, dsp, seen)]
     if budgets:
         tree["budget"] = budgets
     else:

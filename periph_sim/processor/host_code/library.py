@@ -216,6 +216,7 @@ KEYWORDS = ("-Dinterrupt=", "-D__interrupt=", "-Dcregister=", "-Dfar=", "-Dasm(t
 UNDEFINED = ("-fsanitize=undefined", "-fno-sanitize=alignment")
 COMPLAINT = re.compile(r"(?m)^(.+?):(\d+):(?:\d+:)? (?:fatal )?error: (.+)$")
 HEADER = re.compile(r"gcc says: ([^/\\]+): No such file or directory$")
+TWICE = re.compile(r"(?m)^(\S+?):\d+: multiple definition of [`']([^']+)'; \S+?:(\S+?):\d+: first defined")
 MISSING = re.compile(r"undefined reference to [`']([^']+)'")
 ENDING = ("exit", "_exit", "_Exit", "quick_exit", "abort", "__assert_fail")  # runtime.c replaces them
 OWN_DECLARATIONS = "void c28x_assembly(const char *);"
@@ -329,5 +330,8 @@ def _run(command: Sequence[str]) -> None:
     missing = MISSING.search(came.stderr)
     if missing:
         raise BadSources(f"no source defines {missing[1]!r}; add the file that does to sources")
+    twice = TWICE.search(came.stderr)
+    if twice:
+        raise BadSources(f"{twice[1]} and {twice[3]} define {twice[2]!r}; leave one of them out")
     last = (came.stderr.strip().splitlines() or ["nothing"])[-1]
     raise BadSources(f"gcc cannot compile the sources; it says: {last}")

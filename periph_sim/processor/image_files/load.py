@@ -47,7 +47,9 @@ def parse(data: bytes) -> Image:
         raise BadImage(f"it is neither TI COFF nor ELF; {WAY_OUT}")
     for section in image.sections:
         if section.name.startswith("Cla1") and section.size:
-            raise BadImage(f"section {quoted(section.name)} belongs to {OTHER_PART}, not to the F28335")
+            raise BadImage(
+                f"section {quoted(section.name)} belongs to {OTHER_PART}, not to the F28335; link it for the F28335"
+            )
     loaded = sorted(image.loaded, key=lambda section: section.address)
     if not loaded:
         raise BadImage("it has no loaded section, so there is nothing to run")

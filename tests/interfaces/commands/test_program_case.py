@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from periph_sim.interfaces.commands import program_case
 from periph_sim.interfaces.commands.program_case import LoopCalls
+from periph_sim.processor.image_files.program_file import program_in
 from tests.interfaces.commands.conftest import Run
 
 C28X = Path(__file__).parents[3] / "firmware" / "c28x"
@@ -76,6 +79,7 @@ def test_interrupts_their_periods_and_pins_become_budgets_that_hold(periph_sim: 
         "period of interrupt TINT0 enter",
         "period of edge GPIO31 rise",
     }
+    assert case["budget"][0]["max"] == "0.103 us"  # 0.0933 us and 10 %, rounded up
     assert {budget["why"] for budget in case["budget"]} == {"seen, not required"}
     assert periph_sim("run", "mine.toml").out.startswith("mine: PASS")
     assert periph_sim("worst", "mine.toml", "latency of TINT0").status == 0
@@ -92,6 +96,27 @@ def test_the_section_codestart_says_how_it_begins_and_a_loop_is_named_by_what_it
     assert case["unit"]["dsp"]["boot"] == "flash" and case["unit"]["dsp"]["modules"] == []
     assert [budget["measure"] for budget in case["budget"]] == ['period of span "_once" begin']
     assert periph_sim("run", "mine.toml").status == 0
+
+
+def test_pins_away_from_the_usual_ones_and_of_external_interrupts_are_named(periph_sim: Run, here: Path):
+    """GPBMUX1 = 0x540: SCIRXDA on GPIO36, SCITXDA on GPIO35. GPIOXINT1SEL = 13, XINT1CR.ENABLE. SCICCR is written."""
+    program(
+        "_main: EALLOW\n MOVW DP,#0x6F96 >> 6\n MOV @0x6F96,#0x0140\n MOVW DP,#0x6FE0 >> 6\n MOV @0x6FE0,#13\n EDIS\n"
+        " MOVW DP,#0x7070 >> 6\n MOV @0x7070,#1\n MOVW DP,#0x7050 >> 6\n MOV @0x7050,#7\n"
+        "loop: NOP\n SB loop,UNC\n_once:\n_often:\n"
+    )
+    assert periph_sim("new", "image", "mine.asm").status == 0
+    unit = written()["unit"]["dsp"]
+    assert unit["pins"] == {"RX": 36, "TX": 35, "XINT1": 13}
+    assert unit["modules"] == ["SCI-A", "GPIO", "XINT"]
+
+
+def test_an_image_without_symbols_is_told(periph_sim: Run, here: Path, monkeypatch: pytest.MonkeyPatch):
+    program(LOOP.format(passes=100))
+    monkeypatch.setattr(program_case, "program_in", lambda path: replace(program_in(path), symbols=()))
+    came = periph_sim("new", "image", "mine.asm")
+    note = "note: the image has no symbols, so no function has a name; link it with symbols, and compile it with -g\n"
+    assert came.status == 0 and note in came.out
 
 
 def test_a_run_goes_on_until_something_has_repeated(periph_sim: Run, here: Path):
@@ -160,6 +185,52 @@ def test_what_is_no_program_is_told_in_a_sentence(periph_sim: Run, here: Path, a
     Path("part/help.c").write_text("int help(void) { return domain(3); }\n", encoding="utf-8")
     came = periph_sim("new", *arguments)
     assert (came.status, came.out) == (2, "") and came.err.endswith(f"{sentence}\n")
+
+
+C = """
+#include "chip.h"
+
+int main(void)
+{
+    asm(" EALLOW");
+    *(&GpioCtrlRegs.GPADIR) |= 1ul << 5;
+    asm(" EDIS");
+    for (;;) {
+        GpioDataRegs.GPATOGGLE = 1ul << 5;
+        DSP28x_usDelay(750);
+    }
+}
+"""
+CHIP = """
+struct GPIO_CTRL_REGS { unsigned long GPACTRL, GPAQSEL1, GPAQSEL2, GPAMUX1, GPAMUX2, GPADIR; };
+struct GPIO_DATA_REGS { unsigned long GPADAT, GPASET, GPACLEAR, GPATOGGLE; };
+extern volatile struct GPIO_CTRL_REGS GpioCtrlRegs;
+extern volatile struct GPIO_DATA_REGS GpioDataRegs;
+extern void DSP28x_usDelay(unsigned long passes);
+"""
+
+
+def test_c_sources_below_a_folder_with_their_headers(periph_sim: Run, here: Path):
+    for file, text in (("led/src/main.c", C), ("led/include/chip.h", CHIP), ("led/src/GlobalVariableDefs.c", "?")):
+        Path(file).parent.mkdir(parents=True, exist_ok=True)
+        Path(file).write_text(text, encoding="utf-8")
+    came = periph_sim("new", "c", "led")
+    assert (came.status, came.err) == (0, "")
+    case = tomllib.loads(Path("led.toml").read_text(encoding="utf-8"))
+    unit = case["unit"]["dsp"]
+    assert (unit["sources"], unit["compile"]) == (["led/src/main.c"], {"include": ["led/include"]})
+    assert (unit["modules"], unit["pins"]) == (["GPIO"], {"GPIO5": 5})
+    assert [budget["name"] for budget in case["budget"]] == ["period of GPIO5"]
+    assert periph_sim("run", "led.toml").status == 0
+
+
+def test_c_sources_that_do_not_compile_have_no_case(periph_sim: Run, here: Path):
+    Path("bad/lib").mkdir(parents=True)
+    Path("bad/main.c").write_text("int main(void) { for (;;); }\n", encoding="utf-8")
+    Path("bad/lib/again.c").write_text("int main(void) { for (;;); }\n", encoding="utf-8")
+    came = periph_sim("new", "c", "bad")
+    assert came.status == 2 and came.err.endswith("define 'main'; leave one of them out\n")
+    assert came.err.startswith("Error: no case was written: ") and not Path("bad.toml").exists()
 
 
 def test_the_outermost_loop_is_that_which_still_calls():

@@ -16,6 +16,8 @@ import pytest
 
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.time import Timebase
+from periph_sim.replay import BadReplay
+from periph_sim.replay.channels import channel_map
 from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.report import Report
 from periph_sim.replay.setup import played
@@ -215,3 +217,12 @@ def test_the_memory_of_the_first_page_brackets_the_busy_time_of_a_real_one(tmp_p
     assert report.verdict == "pass" and report.agreed == report.events
     assert (report.refusals, report.captured_refusals) == (refused, 64)
     assert report.captured_busy_us == [2030.5, 4064.5]
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_swapped_lines_are_recognized_and_lines_in_order_are_not(name: str):
+    scl, sda = lines(name)
+    capture = load(name)
+    channel_map(capture, f"scl={scl},sda={sda}")
+    with pytest.raises(BadReplay, match=f"SCL and SDA are swapped: .*; give --map scl={scl},sda={sda}$"):
+        channel_map(capture, f"scl={sda},sda={scl}")

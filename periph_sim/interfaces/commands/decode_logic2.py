@@ -92,7 +92,7 @@ def _lines(rows: Rows, name: str, bus: Bus, sample: int) -> Iterator[Line]:
     columns = (rows.event, rows.at, rows.end, rows.value, rows.bits, rows.detail)
     found = list(zip(*(column.tolist() for column in columns), strict=True))
     after = [*((event, end) for event, _, end, *_ in found[1:]), (STOP, 0)]  # the event and end of the next row
-    for (event, at, end, value, bits, detail), (next_event, next_end) in zip(found, after, strict=True):
+    for (event, at, end, value, bits, detail), (next_event, next_end) in zip(found, after, strict=False):
         if event in MARKS:
             yield Line(at, at + sample, name, MARKS[event], {})
         elif event in (ADDRESS, ADDRESS_LOW, DATA):

@@ -53,6 +53,12 @@ def test_i2c_rows_are_the_annotations_of_the_other_decoder(periph_sim: Run, name
     assert ours == theirs
 
 
+def test_without_events_there_are_only_titles(periph_sim: Run, tmp_path: Path):
+    path = tmp_path / "idle.sr"
+    path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes([3]) * 100))
+    assert periph_sim("decode", str(path), "--format", "logic2").out == f"{I2C_TITLES}\n"
+
+
 def test_an_i2c_byte_lasts_from_its_first_rise_to_the_fall_after_its_ack(periph_sim: Run):
     came = periph_sim("decode", str(TRACES / "nack.sr"), "--format", "logic2", "--first", "1")
     assert came.out.splitlines() == [

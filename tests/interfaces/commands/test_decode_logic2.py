@@ -91,6 +91,26 @@ def test_a_byte_without_ack_is_an_error_and_bits_are_left_out(periph_sim: Run, t
     ]
 
 
+def test_the_bytes_of_a_10_bit_address_are_an_address_and_data(periph_sim: Run, tmp_path: Path):
+    wave = I2cWave(20, 5, idle=100)
+    wave.start()
+    wave.byte(0xF4)
+    wave.byte(0xA5)
+    wave.again()
+    wave.byte(0xF5)
+    wave.byte(0x22, ack=False)
+    wave.stop()
+    path = tmp_path / "ten.sr"
+    path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(wave.samples)))
+    rows = list(csv.reader(periph_sim("decode", str(path), "--format", "logic2").out.splitlines()[1:]))
+    assert [row[1:2] + row[4:] for row in rows if row[1] in ("address", "data")] == [
+        ["address", "true", "0x7A", "false", ""],
+        ["data", "true", "", "", "0xA5"],
+        ["address", "true", "0x7A", "true", ""],
+        ["data", "false", "", "", "0x22"],
+    ]
+
+
 def test_spi_lines_share_their_rows(periph_sim: Run, tmp_path: Path):
     flash = recorded(tmp_path, EIGHT, (0x9F, 0x00), (0x12, 0x34))
     lines = periph_sim("decode", flash, "--spi", LINES, "--format", "logic2").out.splitlines()

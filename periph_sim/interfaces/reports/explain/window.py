@@ -373,3 +373,20 @@ def _with_stretch(window: Window) -> Window:
     middle = (begin + rise) // 2
     drawn = Span(max(middle - room, window.start), min(middle + room, window.kept[-1].end))
     return replace(window, begin=begin, end=rise, drawn=drawn)
+
+
+def within_reach(window: Window, most: int) -> tuple[Span, ...]:
+    """Return the recorded ranges, reduced to at most about `most` records.
+
+    The records around the occurrence are kept. If the occurrence alone has too many records, its first ones are kept.
+    """
+    if len(window.records) <= most:
+        return window.kept
+    inside = [r.tick for r in window.records if window.begin <= r.tick <= window.end]
+    if len(inside) >= most:
+        return (Span(min(window.drawn.begin, window.begin), inside[most - 1] + 1),)
+    apart: Callable[[Record], int] = lambda r: max(window.begin - r.tick, r.tick - window.end, 0)  # noqa: E731
+    reach = sorted(map(apart, window.records))[most - 1]
+    first, last = window.begin - reach, window.end + reach
+    cut = [Span(max(span.begin, first), min(span.end, last + 1)) for span in window.kept]
+    return tuple(span for span in cut if span.begin < span.end)

@@ -23,12 +23,11 @@ from typing import Any
 from ....core.records import Kind, Record
 from ....records.record_text import happened, number
 from ....records.register_maps import register_of
-from ....traces.capture.capture import Span
 from ....traces.decode import i2c
 from ..explain.characters import characters
 from ..explain.cpu_activity import all_episodes, polled
 from ..explain.picture import flags_shown
-from ..explain.window import Window
+from ..explain.window import Window, within_reach
 from .protocol import Row, bytes_of, rows
 
 BUS_WORDS = re.compile(r"\b(SCL|SDA|START|STOP|N?ACK|acknowledged|transfer|byte \d+)\b")
@@ -161,7 +160,7 @@ class Lanes:
     says: Texts = field(default_factory=Texts)
 
     def __post_init__(self) -> None:
-        self.kept = _within_reach(self.window, self.most)
+        self.kept = within_reach(self.window, self.most)
         self.about = "\n".join((self.window.verdict.measure, *self.window.chain_texts))
         self.about_serial = bool(SERIAL_WORDS.search(self.about))
         self.about_bus = bool(BUS_WORDS.search(self.about)) or not (self.about_serial or self.window.chain_texts)
@@ -387,20 +386,3 @@ class Lanes:
 
     def _seen(self, begin: int, end: int) -> bool:
         return any(begin < span.end and end >= span.begin for span in self.kept)
-
-
-def _within_reach(window: Window, most: int) -> tuple[Span, ...]:
-    """Return the recorded ranges, reduced to at most about `most` records.
-
-    The records around the occurrence are kept. If the occurrence alone has too many records, its first ones are kept.
-    """
-    if len(window.records) <= most:
-        return window.kept
-    inside = [r.tick for r in window.records if window.begin <= r.tick <= window.end]
-    if len(inside) >= most:
-        return (Span(min(window.drawn.begin, window.begin), inside[most - 1] + 1),)
-    apart: Callable[[Record], int] = lambda r: max(window.begin - r.tick, r.tick - window.end, 0)  # noqa: E731
-    reach = sorted(map(apart, window.records))[most - 1]
-    first, last = window.begin - reach, window.end + reach
-    cut = [Span(max(span.begin, first), min(span.end, last + 1)) for span in window.kept]
-    return tuple(span for span in cut if span.begin < span.end)

@@ -131,7 +131,8 @@ def decode(
     """Decode the buses in FILE, a capture in any format.
 
     Without --i2c, --uart and --spi, channels named scl and sda, rx and tx are used. All buses share one list in order
-    of time. pcapng is for Wireshark, hexdump for text2pcap, sigrok has the lines of sigrok-cli.
+    of time. pcapng is for Wireshark, hexdump for text2pcap, sigrok has the lines of sigrok-cli,
+    logic2 those of Logic 2's tables.
     """
     if as_json:
         if style not in ("table", "json"):
@@ -170,7 +171,7 @@ def decode(
         cells = decode_reports.counts(*grouped(rows, silences), found, capture)
         decode_reports.print_cells(decode_reports.COUNTS, cells, style)
         return
-    names = _names(found, chips, case_file) if names_given else None
+    names = _names(capture, found, chips, case_file) if names_given else None
     with usage_errors_in_one_sentence():
         pieces = _text(found, rows, capture, clock, style, full, whole, shortest, names)
     for piece in pieces:
@@ -183,11 +184,11 @@ def _print_notes(*notes: str) -> None:
         click.echo(f"note: {note}", err=True)
 
 
-def _names(found: list[Bus], chips: tuple[str, ...], case_file: Path | None) -> RegisterNames:
+def _names(capture: Capture, found: list[Bus], chips: tuple[str, ...], case_file: Path | None) -> RegisterNames:
     from .decode_names import RegisterNames
 
     with running_user_code():
-        names = RegisterNames(found, chips, case_file)
+        names = RegisterNames(capture, found, chips, case_file)
     _print_notes(*names.notes)
     return names
 

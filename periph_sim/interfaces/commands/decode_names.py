@@ -26,6 +26,7 @@ from ...scene import plugins
 from ...scene.case.load import load
 from ...scene.case.model import BadCase, Case
 from ...scene.scene import Scene
+from ...traces.capture.capture import Capture, gaps
 from ...traces.decode.event_rows import ACK, ADDRESS, AGAIN, CUT, DATA, READ, START, STOP, WRITE, Rows
 from .bulk_text import Numbers
 from .command_frame import i2c_address_given
@@ -50,6 +51,10 @@ class NamedDevice:
         self._scene = scene
         self._pointed = False  # the capture shows a write of the pointer
         self._written = False
+
+    def forget(self) -> None:
+        """Forget the pointer and the settings, which may have changed in a gap of the capture."""
+        self._pointed = self._written = False
 
     def phase(self, events: list[int], values: list[int], read: bool) -> list[tuple[int, NamedByte]]:
         """Return the names of the bytes from a START to the next condition, each with the index of its event."""
@@ -100,7 +105,7 @@ class RegisterNames:
     notes: sentences on assumptions.
     """
 
-    def __init__(self, buses: Sequence[Bus], chips: Sequence[str], case_file: Path | None) -> None:
+    def __init__(self, capture: Capture, buses: Sequence[Bus], chips: Sequence[str], case_file: Path | None) -> None:
         """chips: the values of --chip. case_file: the value of --case.
 
         Raise ClickException for an invalid value, and BadCase for an invalid case.
@@ -111,7 +116,8 @@ class RegisterNames:
         self._known: dict[int, tuple[Numbers, Numbers]] = {}
         for number, bus in enumerate(buses):
             if bus.protocol == "i2c":
-                self._known[number] = bus.rows.at, self._named(bus.rows, _devices(chips, case_file))
+                resumed = [span.end for span in gaps(capture, *bus.lines)]
+                self._known[number] = bus.rows.at, self._named(bus.rows, _devices(chips, case_file), resumed)
 
     def column(self, rows: Rows) -> Numbers:
         """Return the code of each row."""
@@ -121,13 +127,20 @@ class RegisterNames:
             codes[own] = named[np.searchsorted(at, rows.at[own])]
         return codes
 
-    def _named(self, rows: Rows, devices: list[NamedDevice]) -> Numbers:
-        """Return the code of each row of a bus. The chips of --chip have priority over those of the case."""
+    def _named(self, rows: Rows, devices: list[NamedDevice], resumed: list[int]) -> Numbers:
+        """Return the code of each row of a bus. The chips of --chip have priority over those of the case.
+
+        resumed: the ends of the gaps of the capture.
+        """
         codes = np.zeros(len(rows.at), np.int64)
         events, values, details = (column.tolist() for column in (rows.event, rows.value, rows.detail))
         by_address = {address: one for one in reversed(devices) for address in one.device.addresses}
         starts = np.flatnonzero((rows.event == START) | (rows.event == AGAIN)).tolist()
         for begin, end in pairwise([*starts, len(events)]):
+            while resumed and rows.at[begin] >= resumed[0]:
+                resumed.pop(0)
+                for each in devices:
+                    each.forget()
             device = by_address.get(values[begin + 1]) if events[begin + 1 : begin + 3] == [ADDRESS, ACK] else None
             if device is not None and details[begin + 1] in (WRITE, READ):
                 own = events[begin:end], values[begin:end], details[begin + 1] == READ

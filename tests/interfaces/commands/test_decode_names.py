@@ -6,10 +6,13 @@ import csv
 import json
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
+from periph_sim.traces import formats
+from periph_sim.traces.capture.capture import Span
 from tests.interfaces.commands.conftest import Run
 from tests.scene.test_plugins import BAROMETER, PROJECT
 from tests.traces.formats.make_traces import ROUND, read_registers
@@ -193,6 +196,24 @@ def test_what_is_unknown_has_no_name(periph_sim: Run, tmp_path: Path):
         *[("00", "pointer", ""), ("3F", "pointer", "SR"), ("06", "SR", "RWEL=0x1 WEL=0x1")],
         *[("00", "pointer", ""), ("32", "pointer", "HR"), ("95", "HR", "MIL=0x1 H=0x15")],
     ]
+
+
+def test_a_gap_of_the_capture_ends_what_is_known(periph_sim: Run, tmp_path: Path):
+    """Between the transfers the lines are unknown: the pointer may have moved, and the scale may have changed."""
+    file = drawn(tmp_path, (0xA6, 0x31, 0x03), (0xA6, 0x32), (0xA7, 0x40, 0x00), (0xA6, 0x32), (0xA7, 0x40, 0x00))
+    capture = formats.read(Path(file))
+    starts = [json.loads(line)["position"] for line in periph_sim("decode", file, "--json").out.splitlines()]
+    holes = tuple(Span(start - 60, start - 40) for start in (starts[2], starts[4]))
+    lines = tuple(replace(line, unknown=holes) for line in capture.channels)
+    formats.write(replace(capture, channels=lines), tmp_path / "gaps.vcd")
+    came = periph_sim("decode", str(tmp_path / "gaps.vcd"), "--chip", "adxl345", "--transfers")
+    assert [line.split(maxsplit=1)[1] for line in came.out.splitlines()[3:]] == [
+        "S 53 R(adxl345) A 40 A 00 N P",
+        "S 53 W(adxl345) A 32(pointer: DATAX0) A P",
+        "S 53 R(adxl345) A 40 A 00 N P",
+    ]
+    whole = periph_sim("decode", file, "--chip", "adxl345", "--transfers")
+    assert whole.out.count("40(DATAX0) A 00(DATAX1: 64 = 2 g) N P") == 2
 
 
 def test_a_case_names_its_own_devices(periph_sim: Run, desk: Path):

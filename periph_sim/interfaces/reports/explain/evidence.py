@@ -335,7 +335,7 @@ class Evidence:
         return happened(record).partition(",")[0] if phase is None else f"{phase.start}, {phase}"
 
     def say(self, tick: int, what: str, length: int | None = None, place: FirmwarePlace | None = None) -> Step:
-        at = tick - self.window.begin
+        at = tick - self.window.at
         return Step(0 if abs(at) <= self.slip else at, what, length, place)
 
     @property

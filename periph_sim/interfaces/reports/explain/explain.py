@@ -205,7 +205,7 @@ def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
 def _stopped(evidence: Evidence, end: int) -> list[Step]:
     """Return steps for a wait that does not end, for the firmware's last access before the wait, and for its causes."""
     wait = waited_for(evidence, end)
-    since = evidence.window.begin + wait[0].at if wait else end
+    since = evidence.window.at + wait[0].at if wait else end
     accesses = [r for r in evidence.window.records if r.kind is Kind.ACCESS and r.where == evidence.unit]
     last = next((r for r in reversed(accesses) if r.tick < since), None)
     return wait if last is None else [*wait, *evidence.causes(last, since), evidence.step(last)]
@@ -326,11 +326,11 @@ def _reaching(window: Window, chain: Chain) -> Window:
     """
     begin, end = window.drawn
     if window.verdict.measure.startswith(REPLY) and chain.steps:
-        begin = min(begin, window.begin + chain.steps[0].at)
+        begin = min(begin, window.at + chain.steps[0].at)
     elif window.begin == window.end and not is_late(window.verdict):
         bit = bit_of(window.edges, window.timebase.ticks(BIT, "nearest"))
         for step in sorted(chain.steps, key=lambda step: abs(step.at)):
-            first, last = (window.begin + step.at + room for room in (-bit, bit))
+            first, last = (window.at + step.at + room for room in (-bit, bit))
             if max(end, last) - min(begin, first) <= REACH * bit:
                 begin, end = min(begin, first), max(end, last)
     drawn = Span(max(begin, window.kept[0].begin), min(end, window.kept[-1].end))

@@ -4,7 +4,7 @@
     flags: fields that are related to the measure, or that the measure or the explanation names
     firmware of each unit: service routines, spans, waits
 
-Time 0 of the axis is the beginning of the worst occurrence.
+Time 0 of the axis is the instant of the verdict, as in tables.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from itertools import groupby, pairwise
 
 from ....core.records import Kind
 from ....records.register_maps import register_of
-from ....timing.verdict import in_words
+from ....timing.verdict import in_words, instant
 from ....traces.drawing.capture_lanes import wire_lanes
 from ....traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, timing_diagram
 from ....traces.drawing.text_diagram import text_diagram
@@ -44,15 +44,15 @@ def text_picture(window: Window, width: int) -> list[str]:
     lanes = _lanes(window, width)
     if not lanes:
         return []
-    return text_diagram(lanes, _span(window), _marks(window), f"from {_at(window)} on", width)
+    return text_diagram(lanes, _span(window), _marks(window), f"from {instant(window.verdict.at_s)} on", width)
 
 
 def svg_picture(window: Window) -> str:
     """Return the diagram as SVG text. It has one empty lane if there is nothing to draw."""
     lanes = _lanes(window, COLUMNS_SVG) or [Lane("nothing", "", GREY)]
     verdict = window.verdict
-    title = f"{verdict.name}: worst{'' if verdict.worst is None else ' ' + _figure(window)} at {_at(window)}"
-    return timing_diagram(lanes, _span(window), _marks(window), title, f"from {_at(window)} on")
+    title = f"{verdict.name}: worst{'' if verdict.worst is None else ' ' + _figure(window)} at {instant(verdict.at_s)}"
+    return timing_diagram(lanes, _span(window), _marks(window), title, f"from {instant(verdict.at_s)} on")
 
 
 def _lanes(window: Window, columns: int) -> list[Lane]:
@@ -170,10 +170,13 @@ def _flag_lane(window: Window, where: str, what: str) -> Lane:
 def _marks(window: Window) -> list[Mark]:
     name = window.verdict.name
     if window.begin == window.end:
-        return [Mark(0.0, name)]
+        return [Mark(_seconds(window, window.begin), name)]
     length = (window.end - window.begin) * 1_000_000 / window.timebase.per_second
     later = _figure(window) if window.verdict.until_s is None else in_words(length, "us")
-    return [Mark(0.0, f"{name}: worst begins"), Mark(_seconds(window, window.end), f"ends, {later} later")]
+    return [
+        Mark(_seconds(window, window.begin), f"{name}: worst begins"),
+        Mark(_seconds(window, window.end), f"ends, {later} later"),
+    ]
 
 
 def _span(window: Window) -> tuple[float, float]:
@@ -181,12 +184,8 @@ def _span(window: Window) -> tuple[float, float]:
 
 
 def _seconds(window: Window, tick: float) -> float:
-    return (tick - window.begin) / window.timebase.per_second
+    return (tick - window.at) / window.timebase.per_second
 
 
 def _figure(window: Window) -> str:
     return in_words(window.verdict.worst or 0, window.verdict.unit)
-
-
-def _at(window: Window) -> str:
-    return f"{float(window.timebase.seconds(window.begin - window.start)):.6f} s"

@@ -88,6 +88,11 @@ class Window:
     expected: Mapping[WrongByte, int] = field(default_factory=dict)
     formats: Mapping[str, tuple[Fraction, UartFormat]] = field(default_factory=dict)
 
+    @property
+    def at(self) -> int:
+        """The tick of the verdict's instant, which is time 0 of steps and pictures. It need not be `begin` or `end`."""
+        return self.start + round((self.verdict.at_s or 0) * self.timebase.per_second)
+
     @cached_property
     def all_records(self) -> tuple[Record, ...]:
         """The last records before the first range, followed by the records in the ranges."""

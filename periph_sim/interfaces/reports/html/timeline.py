@@ -168,7 +168,7 @@ class Lanes:
         self.records = [r for r in self.window.records if any(k.begin <= r.tick < k.end for k in self.kept)]
         early = [r for r in self.window.records if r.tick < self.kept[0].begin]
         self.before = {r[2:5]: r for r in (*self.window.before, *early)}
-        self.zero = self.window.begin
+        self.zero = self.window.at
         self.serial = list(dict.fromkeys((*SERIAL, *self.window.formats)))
 
     def timeline(self) -> Timeline:
@@ -184,7 +184,7 @@ class Lanes:
         groups.append(("notes", self._notes()))
         return Timeline(
             origin=self.zero - window.start,
-            begin=0,
+            begin=window.begin - self.zero,
             end=window.end - self.zero,
             per_second=window.timebase.per_second,
             cycles=self.cycles,

@@ -1,0 +1,73 @@
+"""The instant of a verdict is one instant: in the table, `--json`, `check`, pictures, the HTML page and a recording."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from periph_sim.interfaces.commands.new import TEMPLATES
+from periph_sim.traces.formats.psr import read_table
+from tests.interfaces.commands.conftest import Run
+
+IMU = """name = "imu"
+duration = "60 ms"
+
+[unit.dsp]
+firmware = "imu_hil"
+modules = ["I2C-A", "SCI-A", "GPIO"]
+pins = { MODEL = 34 }
+
+[controller]
+order = ["gyroscope"]
+
+[host]
+baud = 115200
+"""
+JUDGED = {  # a budget, a limit that breaks, and the template of its case; IMU without a template
+    "stretch": ('max = "1 us"', "i2c_slave"),  # in the middle of a phase
+    "busy time of 0x50": ('max = "1 us"', "eeprom_slave"),
+    "unsolicited replies": ("max = 0", "sci_protocol"),
+    "age": ('max = "1 ms"', ""),  # before its read
+    "gap between rounds": ('min = "30 ms"', ""),
+}
+
+
+def write_case(measure: str) -> None:
+    """Write case.toml, whose budget `judged` breaks."""
+    limit, kind = JUDGED[measure]
+    text = IMU
+    if kind:
+        firmware = (TEMPLATES / f"{kind}.py").read_text(encoding="utf-8").replace("# dsp.compute", "dsp.compute")
+        Path(f"{kind}.py").write_text(firmware, encoding="utf-8")
+        text = (TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8").partition("[[budget]]")[0]
+    budget = f'\n[[budget]]\nname = "judged"\nmeasure = "{measure}"\n{limit}\n'
+    Path("case.toml").write_text(text + budget, encoding="utf-8")
+
+
+@pytest.mark.parametrize("measure", JUDGED)
+def test_every_place_shows_the_same_instant(
+    periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, measure: str
+):
+    monkeypatch.chdir(tmp_path)
+    write_case(measure)
+    table = periph_sim("run", "case.toml", "--record", "run.psr", "--html", "run.html").out
+    (at,) = re.findall(r"^judged: .*, at (\d+\.\d{6} s)", table, re.MULTILINE)
+    result = json.loads(periph_sim("run", "case.toml", "--json").out)
+    (verdict,) = (one for one in result["budgets"] if one["name"] == "judged")
+    assert f"{verdict['at_s']:.6f} s" == at
+    assert f", at {at}" in periph_sim("check", "case.toml").out
+    told = periph_sim("worst", "case.toml", "judged", "--svg", ".").out
+    picture = Path("judged.svg").read_text(encoding="utf-8")
+    assert re.findall(r"judged: worst [^<]* at (\d\.\d{6} s)<", picture) == [at]
+    assert [*re.findall(r"from (\d\.\d{6} s) on", picture), *re.findall(r"from (\d\.\d{6} s) on", told)] == [at, at]
+    page = Path("run.html").read_text(encoding="utf-8")
+    assert at in re.findall(r"Worst occurrence[^<]* at (\d\.\d{6} s)<", page)
+    scripts = map(json.loads, re.findall(r'<script type="application/json"[^>]*>(.*?)</script>', page, re.DOTALL))
+    origins = {int(one["origin"]) for one in scripts if isinstance(one, dict) and "origin" in one}
+    records = read_table(Path("run.psr"))
+    assert records.per_second is not None
+    tick = round(verdict["at_s"] * float(records.per_second))
+    assert tick in origins and any(abs(record.tick - tick) <= 1 for record in records.records())

@@ -292,8 +292,11 @@ def text_of(path: Path) -> str:
 
 
 def assemble_file(path: Path) -> tuple[Image, bytes]:
-    """Return the image of a source file, and the bytes of its .out file. Raise BadImage with the path for an error."""
-    text = text_of(path)
+    """Return the image of a source file, and the bytes of its .out file. Raise BadImage with the path for an error.
+
+    If there is no such file, it is the program of this name that is shipped with periph_sim.
+    """
+    text = text_of(included(path.name, path.parent))
     try:
         data = write(assemble(text, path))
         return parse_image(data), data

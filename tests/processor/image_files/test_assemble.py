@@ -115,6 +115,15 @@ def test_files_are_included_from_beside_the_source_else_from_the_shipped_ones(tm
     assert [one.name for one in sources_of(source)] == ["x.asm", "a.inc", "f28335.inc", "b.inc"]
 
 
+def test_a_program_that_is_not_there_is_the_shipped_one_of_its_name(tmp_path: Path):
+    mine = tmp_path / "blink.asm"
+    assert assemble_file(mine)[0].symbol_at[0x9023] == "_toggle"
+    mine.write_text(BEGUN + ".word 7", encoding="utf-8")
+    assert "_toggle" not in assemble_file(mine)[0].symbol_at.values()
+    with pytest.raises(BadImage, match=r"none\.asm: No such file"):
+        assemble_file(tmp_path / "none.asm")
+
+
 def test_a_mistake_in_an_included_file_is_told_with_its_own_line(tmp_path: Path):
     (tmp_path / "a.inc").write_text("\nA .set 1 +\n")
     (tmp_path / "x.asm").write_text(BEGUN + '.include "a.inc"')

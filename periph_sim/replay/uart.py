@@ -192,10 +192,7 @@ class UartReplay(Replay):
         if breaks:
             width = self._rate / Fraction(line.baud)
             longest = max(float((event.end - event.at) / width) for event in breaks)
-            notes.append(
-                f"low for a frame or longer, {longest:.1f} bits at most: {counted(len(breaks), 'time')}; "
-                "the SCI sets BRKDT after ten bits beyond a missing stop bit"
-            )
+            notes.append(f"low for a frame or longer, {longest:.1f} bits at most: {counted(len(breaks), 'time')}")
         unjudged = doubt if frames else "there is no frame on the line, so nothing was required of the firmware"
         if unjudged and divergence is not None:
             notes.insert(0, unjudged)

@@ -37,6 +37,11 @@ RECEIVED = 1 << SCI_MAP["SCIRXBUF"].offset | 1 << SCI_MAP["SCIRXEMU"].offset
 RXINT = 1
 TXINT = 2
 
+SHORT_BREAK = (
+    "RX was low for longer than a character, but rose before BRKDT, which needs ten low bits after the missing stop bit;"
+    " a break of LIN has 13 in all"
+)
+
 
 class SciLines(Chip):
     """Line side of the SCI. name: the module's name in notes. options: answers to open questions."""
@@ -237,6 +242,10 @@ class SciLines(Chip):
                 if self._rx.line_break() and self.options.rx_after_break.assume(self.touched) == "blocked":
                     bits.close()
                 self._request_rx(at)
+        if bits.short_break:
+            bits.short_break = False
+            if self._rx.enabled:
+                self._note("lost", SHORT_BREAK, "SPRUFZ5A T2-7")
         self._watch_idle(at)
         self._rx_at = self._rx_clock.at(bits.next_tick)
 

@@ -39,6 +39,7 @@ FE = 1 << 15  # framing error, at its position in SCIRXBUF
 PE = 1 << 14  # parity error, at its position in SCIRXBUF
 
 IDLE_TICKS = 80  # length of ten bits
+SHORT_BREAK = 16  # length of two bits: a low level that lasts longer after a missing stop bit is meant as a break
 VOTE = 0b11101000  # bit n: the majority of three samples, which are the bits of the number n
 
 
@@ -49,10 +50,12 @@ class SciRxBits:
     word: after `step` returned FRAME, the received word with FE and PE.
     address: after `step` returned FRAME, 1 for an address frame, else 0.
     framed: a start bit was accepted and its frame is not complete.
+    short_break: after a frame of zeros, the line stayed low for two bits or more, but not for a break. The owner sets
+        this to False.
     """
 
     STATE = State(
-        "next_tick word address watch_idle framed _layout _open _line _toggles _level _low_from "
+        "next_tick word address watch_idle framed short_break _layout _open _line _toggles _level _low_from "
         "_high_from _idle_base _idle _idle_unreported _start _frame _missing_stop _break_at _sure",
     )
 
@@ -74,6 +77,7 @@ class SciRxBits:
         self._idle = False  # the line has been idle since the last frame
         self._idle_unreported = False  # an idle line was detected, and `step` has not returned IDLE for it yet
         self.framed = False
+        self.short_break = False
         self._start = 0  # first low sample of the accepted start bit
         self._frame = layout  # the format of the present frame
         self._missing_stop = 0  # last sample of the stop bit that armed the break
@@ -193,6 +197,7 @@ class SciRxBits:
             if t > self._missing_stop:
                 if t <= min(tick, self._break_at):
                     self._break_at = FAR
+                    self.short_break = t - self._missing_stop > SHORT_BREAK and not self.word & 0xFF
                 return
 
     def _wait_for_high(self) -> None:

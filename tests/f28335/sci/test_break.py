@@ -25,6 +25,23 @@ def test_a_shorter_low_sets_no_brkdt(bits):
     assert rig.flags("FE", "BRKDT") == {"FE": 1, "BRKDT": 0}
 
 
+@pytest.mark.parametrize(("low", "noted"), [(10, 0), (11, 0), (12, 1), (13, 1), (19, 1), (21, 0)])
+def test_a_break_too_short_for_brkdt_is_noted_once_but_not_a_zero_of_a_slow_sender(low, noted):
+    rig = SciRig()
+    rig.send("0" * low + "1" * 4 + frame(0x5A) + "1" * 12)
+    assert [text for text in rig.notes("lost") if "rose before BRKDT" in text] == rig.notes("lost")
+    assert (len(rig.notes("lost")), rig.get("BRKDT")) == (noted, low > 20)
+
+
+def test_no_short_break_is_noted_of_a_disabled_receiver_or_after_another_character():
+    rig = SciRig(RXENA=0)
+    rig.send("0" * 13 + "1" * 20)
+    assert rig.notes("lost") == []
+    rig = SciRig()
+    rig.send("01" + "0" * 14 + "1" * 20)
+    assert (rig.notes("lost"), rig.get("FE")) == ([], 1)
+
+
 @pytest.mark.rule("SCI-086")
 @pytest.mark.parametrize(("fields", "frame_bits"), [({"SCICHAR": 4}, 7), ({"PARITYENA": 1, "PARITY": 1}, 11)])
 def test_the_ten_bits_begin_at_the_missing_stop_bit_of_any_format(fields, frame_bits):

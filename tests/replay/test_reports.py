@@ -248,7 +248,7 @@ def test_a_serial_line():
             "the first at 0.000300 s, 5F where each bit is sampled once",
             "frames cut off by the end of the capture, not compared: 1, the last with 4 data bits",
             "low for a frame or longer, 13.0 bits at most: 1 time",
-            "dsp SCI-A, first at 1337.820 us: RX was low for longer than a character, but rose before BRKDT, which needs "
-            "ten low bits after the missing stop bit; a break of LIN has 13 in all [SPRUFZ5A T2-7]",
+            "dsp SCI-A, first at 1337.820 us: RX was low for longer than a character, but rose before BRKDT, which "
+            "needs ten low bits after the missing stop bit; a break of LIN has 13 in all [SPRUFZ5A T2-7]",
         ],
     }

@@ -38,8 +38,8 @@ RXINT = 1
 TXINT = 2
 
 SHORT_BREAK = (
-    "RX was low for longer than a character, but rose before BRKDT, which needs ten low bits after the missing stop bit;"
-    " a break of LIN has 13 in all"
+    "RX was low for longer than a character, but rose before BRKDT, which needs ten low bits after the missing "
+    "stop bit; a break of LIN has 13 in all"
 )
 
 

@@ -70,10 +70,17 @@ class I2cDriver:
         }
         self._transfers: list[Transfer] = []
         self._monitor: I2cMonitor | None = None
-        self.capturing = False
         self._boot()
         self._service = self._serve()
+        self.next_client()
+
+    def next_client(self) -> None:
+        """Discard the command that a client has begun and not completed, and end its capture."""
+        self._service.close()
+        self._service = self._serve()
         next(self._service)
+        self.capturing = False
+        self._transfers.clear()
 
     def receive(self, data: bytes) -> bytes:
         """Execute the commands in these bytes of the client, and return the answers."""

@@ -3,8 +3,8 @@
 client --/dev/pts/N, or LINK--> I2cDriver --> SDA, SCL
 
 A transfer is executed at once and advances the session by its duration on the wires. The loop then waits for the clock.
-If a client does not read its answers, its commands are not executed while a megabyte of answers waits. When another
-client connects, these answers are discarded.
+If a client does not read its answers, its commands are not executed while a megabyte of answers waits. When it leaves,
+these answers and a command that is not complete are discarded.
 """
 
 from __future__ import annotations
@@ -33,7 +33,12 @@ class I2cDriverDoor(TerminalDoor):
 
     def turn(self) -> None:
         """Execute received commands, at most a few kilobytes of them. Later turns execute the rest."""
-        if self._terminal.openings.passed()[1]:  # a new client must not receive answers to the previous one
+        left, came = self._terminal.openings.passed()
+        if left and not came:  # all commands in the terminal were written by the client that has left
+            while data := self._terminal.read():
+                self.adapter.receive(data)
+        if left or came:  # a new client must not receive answers to the previous one, or complete its last command
+            self.adapter.next_client()
             self.back.clear()
             self._terminal.discard_unread()
         if len(self.back) < MOST:

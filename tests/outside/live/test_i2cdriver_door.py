@@ -156,6 +156,25 @@ def test_answers_that_a_dead_client_left_are_none_to_the_next_one(tmp_path: Path
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
+@pytest.mark.parametrize("left", [b"r\x50\x01", b"\xc3\x01", b"c", b"eA" * 5 + b"s"])
+@pytest.mark.parametrize("unread", [True, False])
+def test_half_a_command_of_a_dead_client_is_not_completed_by_the_next_one(tmp_path: Path, left: bytes, unread: bool):
+    served = Served(tmp_path)
+    served.passes("2 ms")
+    os.write(served.file, left)
+    if not unread:
+        served.passes("1 ms")
+    os.close(served.file)
+    served.passes("1 ms")
+    served.file = os.open(served.door.path, os.O_RDWR | os.O_NOCTTY | os.O_NONBLOCK)
+    served.passes("1 ms")
+    os.write(served.file, bytes([ord("r"), 0x50, 3, 1]))
+    served.passes("2 ms")
+    assert os.read(served.file, 10) == b"\x44" and not served.door.adapter.capturing
+    served.close()
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="who opens a terminal is seen by Linux's inotify")
 def test_answers_that_waited_for_a_dead_client_are_discarded_and_a_closed_door_is_gone(tmp_path: Path) -> None:
     """Two thousand statuses of 80 bytes: more than a pseudo-terminal holds."""
     served = Served(tmp_path)

@@ -25,7 +25,8 @@ from .errors import OutsideError
 if TYPE_CHECKING:
     from .session import Session
 
-PARITIES = {"n": "none", "o": "odd", "e": "even"}
+PARITIES = {"n": "none", "o": "odd", "e": "even", "m": "none", "s": "none"}
+NINTH = {"m": 1, "s": 0}  # the ninth bit of each byte: the SCI's address bit
 PORT = re.compile(r"sci-?([abc])", re.IGNORECASE)
 
 Wrong = Literal["", "parity", "stop"]
@@ -51,8 +52,8 @@ class SerialLine:
         self.wrong = self.sent = self.received = 0
         self.waiting = 0
         self._got = bytearray()
-        # An entry is a pair (bytes, wrong bit, as in `write`), or the level that begins (0) or ends (1) a break on RX.
-        self._queue: deque[tuple[bytes, Wrong] | int] = deque()
+        # An entry is (bytes, wrong bit, ninth bit), or the level that begins (0) or ends (1) a break on RX.
+        self._queue: deque[tuple[bytes, Wrong, int] | int] = deque()
         self._place = 0  # index of the next byte in the first entry of `_queue`
         self._begins: deque[int] = deque()  # ticks of the future start bits that are already scheduled
         self.broken = False
@@ -63,9 +64,13 @@ class SerialLine:
         reader.on_end.append(self._heard)
 
     def set(self, baud: int, form: str = "8n1") -> None:
-        """Set the rate and format of all later frames. Raise OutsideError if they are invalid."""
+        """Set the rate and format of all later frames; waiting bytes keep their ninth bit if the new format has one.
+
+        Raise OutsideError if they are invalid.
+        """
         free = self._free_at()
         self._bit, self._format = self.checked(baud, form)
+        self._ninth = NINTH.get(parts_of_format(form)[1], 0)
         # The unit of times is 1 / `_parts` tick, because the next frame may begin between two ticks.
         self._parts = self._bit.denominator
         self._parts_of_bit = self._bit.numerator
@@ -76,7 +81,7 @@ class SerialLine:
         bits, parity, stop = parts_of_format(form)
         if baud < 1 or baud > self._session.ticks_per_second:
             raise OutsideError(f"{baud} baud: expected 1 or more, and no bit shorter than a tick")
-        return Fraction(self._session.ticks_per_second, baud), UartFormat(bits, PARITIES[parity], stop)
+        return Fraction(self._session.ticks_per_second, baud), UartFormat(bits, PARITIES[parity], stop, parity in NINTH)
 
     def write(self, data: bytes, wrong: Wrong = "") -> None:
         """Append bytes to the queue. wrong: "parity" or "stop" to send this bit of each byte with the wrong level."""
@@ -84,11 +89,11 @@ class SerialLine:
             raise OutsideError(f"{data!r} is not of type bytes; write b'abc' or 'abc'.encode()")
         if wrong not in WRONG:
             raise OutsideError(f"wrong={wrong!r}: expected {' or '.join(map(repr, WRONG[1:]))}")
-        if wrong == "parity" and self._format.parity == "none":
+        if wrong == "parity" and self._format.parity == "none" and not self._format.address:
             raise OutsideError("wrong parity: the format has none; set one, as in 8e1")
         if data:
             self.hold_break(False)
-            self._queue.append((bytes(data), wrong))
+            self._queue.append((bytes(data), wrong, self._ninth))
             self.waiting += len(data)
 
     def hold_break(self, on: bool) -> None:
@@ -143,8 +148,8 @@ class SerialLine:
                 self._free = begin + self._parts_of_bit
                 self._queue.popleft()
                 continue
-            data, wrong = first
-            self._frame(begin, data[self._place], wrong)
+            data, wrong, ninth = first
+            self._frame(begin, data[self._place], wrong, ninth)
             self._place += 1
             self.waiting -= 1
             if self._place == len(data):
@@ -166,10 +171,10 @@ class SerialLine:
         self._begins.popleft()
         return True
 
-    def _frame(self, begin: int, byte: int, wrong: Wrong) -> None:
+    def _frame(self, begin: int, byte: int, wrong: Wrong, ninth: int) -> None:
         """Schedule the edges of a frame. begin: the time of its start bit, in units of 1 / `_parts` tick."""
         form, parts, bit = self._format, self._parts, self._parts_of_bit
-        levels = form.levels(byte)
+        levels = form.levels(byte, ninth)
         if wrong == "parity":
             levels[-1 - form.stop] ^= 1
         elif wrong == "stop":
@@ -194,14 +199,14 @@ class SerialLine:
     def _heard(self, heard: Heard) -> None:
         self._got.append(heard.value)
         self.received += 1
-        self.wrong += not heard.good
+        self.wrong += not heard.good or heard.address != self._ninth
 
 
 def parts_of_format(form: str) -> tuple[int, str, int]:
     """Return data bits, parity as a letter, and stop bits of "8n1". Raise OutsideError for an invalid format."""
-    match = re.fullmatch(r"([5-8])([noe])([12])", form.strip().lower())
+    match = re.fullmatch(r"([5-8])([noems])([12])", form.strip().lower())
     if match is None:
-        raise OutsideError(f"format {form!r}: expected data bits 5 to 8, n, o or e, and 1 or 2 stop bits: 8n1")
+        raise OutsideError(f"format {form!r}: expected data bits 5 to 8, n, o, e, m or s, and 1 or 2 stop bits: 8n1")
     return int(match[1]), match[2], int(match[3])
 
 

@@ -80,6 +80,40 @@ def test_formats(form: str, sciccr: int) -> None:
     assert line.wrong == 0
 
 
+def test_a_receiver_that_sleeps_hears_only_those_behind_its_address() -> None:
+    """Firmware sleeps until an address comes, a byte whose ninth bit is 1; bytes keep theirs while they wait."""
+    heard: list[int] = []
+
+    def sleeper(dsp: Any, settings: Any) -> None:
+        sci = start_sci(dsp, "SCI-A", 40, 0x0F, fifo=False)  # address-bit mode
+        sci.SCICTL1.SLEEP = 1
+        while True:
+            dsp.spin(lambda: sci.SCIRXST.RXRDY == 1)
+            woken, word = sci.SCIRXST.RXWAKE, sci.SCIRXBUF.RXDT
+            if woken:
+                sci.SCICTL1.SLEEP = word != 0x21
+            else:
+                heard.append(word)
+            dsp.spin(lambda: sci.SCICTL2.TXRDY == 1)
+            sci.SCITXBUF.all = word
+
+    session = Session(case("uart_logger", ("SCI-A",)), LINES, programs={"dsp": Firmware("nine", sleeper, None)})
+    line = session.serial("scia", 115_200, "8s1")
+    later(session, "1 ms")
+    line.write(b"no")
+    for address, data in ((b"\x21", b"yes"), (b"\x22", b"neither")):
+        line.set(115_200, "8m1")
+        line.write(address)
+        line.set(115_200, "8s1")
+        line.write(data)
+    later(session, "3 ms")
+    assert (bytes(heard), line.wrong, line.read()) == (b"yes", 0, b"\x21yes\x22")
+    line.set(115_200, "8m1")
+    line.write(b"\x21")  # what the SCI sends has the ninth bit 0, so that its parity is wrong now
+    later(session, "1 ms")
+    assert (line.read(), line.wrong) == (b"\x21", 1)
+
+
 def test_characters_with_errors_are_counted() -> None:
     """The SCI sends a parity bit where the line expects a stop bit: 1 for 0x04, 0 for 0x06."""
     session, line, _ = echo("8n1", 0x67)
@@ -193,6 +227,9 @@ def edges_of(levels: str, begin: int = 0) -> list[tuple[int, int]]:
         ("8o2", "", "0 10101000 0 11"),
         ("8e1", "parity", "0 10101000 0 1"),
         ("7o2", "parity", "0 1010100 1 11"),
+        ("8m1", "", "0 10101000 1 1"),  # the ninth bit is 1, in any byte
+        ("8s1", "", "0 10101000 0 1"),
+        ("8s1", "parity", "0 10101000 1 1"),
         ("5n2", "stop", "0 10101 00 1"),  # the line is free a bit later
         ("8e1", "stop", "0 10101000 1 0 1"),
     ],

@@ -46,7 +46,9 @@ if TYPE_CHECKING:
 )
 @click.option("--sci", default="scia", show_default=True, help="The SCI: scia, or UNIT.SCI-A.")
 @click.option("--baud", default=115_200, show_default=True, help="Rate until a client sets another one.")
-@click.option("--format", "form", default="8n1", show_default=True, help="Data bits, parity n, o or e, stop bits.")
+@click.option(
+    "--format", "form", default="8n1", show_default=True, help="Data bits, parity n, o, e, m or s, stop bits."
+)
 @click.option(
     "--pace", default="1", show_default=True, metavar="N", help="Simulated seconds a second; 0: at full speed."
 )

@@ -18,7 +18,9 @@ SHOWN = ("default", "direct", "nocontrol", "printable", "colorize", "debug")
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--sci", default="scia", show_default=True, help="The SCI: scia, or UNIT.SCI-A.")
 @click.option("--baud", default=115_200, show_default=True, type=click.IntRange(min=1), help="Rate of the terminal.")
-@click.option("--format", "form", default="8n1", show_default=True, help="Data bits, parity n, o or e, stop bits.")
+@click.option(
+    "--format", "form", default="8n1", show_default=True, help="Data bits, parity n, o, e, m or s, stop bits."
+)
 @click.option("--pace", default="1", show_default=True, metavar="N", help="Simulated seconds a second.")
 @click.option("--echo", is_flag=True, help="Also show typed characters.")
 @click.option(

@@ -50,7 +50,8 @@ class _Queue:
     def __init__(self, line: SerialLine) -> None:
         self.line: SerialLine | None = line
         self._to_line = bytearray()
-        self._requests: list[Callable[[SerialLine], None]] = []  # changes of the line, for the next turn
+        # Changes of the line, for the next turn, with the number of bytes in `_to_line` that come before each.
+        self._requests: list[tuple[int, Callable[[SerialLine], None]]] = []
         self.came = Backlog()
         self.changed = threading.Condition()
 
@@ -60,10 +61,13 @@ class _Queue:
     def turn(self) -> None:
         with self.changed:
             assert self.line is not None
-            self.line.write(bytes(self._to_line))
-            self._to_line.clear()
-            for request in self._requests:
+            done = 0
+            for place, request in self._requests:
+                self.line.write(bytes(self._to_line[done:place]))
                 request(self.line)
+                done = place
+            self.line.write(bytes(self._to_line[done:]))
+            self._to_line.clear()
             self._requests.clear()
             self.came.add(self.line.read())
             self.changed.notify_all()
@@ -88,11 +92,11 @@ class _Queue:
         with self.changed:
             if self.line is not None:
                 self.line.checked(baud, form)
-                self._requests.append(lambda line: line.set(baud, form))
+                self._requests.append((len(self._to_line), lambda line: line.set(baud, form)))
 
     def hold_break(self, on: bool) -> None:
         with self.changed:
-            self._requests.append(lambda line: line.hold_break(on))
+            self._requests.append((len(self._to_line), lambda line: line.hold_break(on)))
 
 
 class ClosedError(PortNotOpenError):  # type: ignore[misc]

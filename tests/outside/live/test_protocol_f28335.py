@@ -44,6 +44,18 @@ def test_a_plain_script_at_full_speed(tmp_path: Path) -> None:
     assert line.result.sci_bytes == 6
 
 
+def test_each_byte_has_the_ninth_bit_of_the_parity_with_which_it_was_written(tmp_path: Path) -> None:
+    with port(tmp_path, parity="M") as line:
+        records: list[tuple[Any, ...]] = []
+        frame = line._queue.line._frame
+        line._queue.line._frame = lambda *given: records.append(given[1:]) or frame(*given)
+        line.write(b"\x21")
+        line.parity = "S"
+        line.write(b"a")
+        line.flush()
+    assert records == [(0x21, "", 1), (ord("a"), "", 0)]
+
+
 def test_bytes_that_wait_are_counted_before_they_are_read(tmp_path: Path) -> None:
     with port(tmp_path) as line:
         line.write(b"ab")

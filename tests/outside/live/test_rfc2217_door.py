@@ -82,6 +82,8 @@ def test_the_client_s_rate_and_format_are_the_line_s(tmp_path: Path) -> None:
             port.parity, port.stopbits = "E", 2
             assert made[0].line._bit == Fraction(made[0].session.ticks_per_second, 9600)
             assert (made[0].line._format.parity, made[0].line._format.stop) == ("even", 2)
+            port.parity, port.stopbits = "M", 1
+            assert (made[0].line._format.address, made[0].line._ninth) == (True, 1)
             with pytest.raises(ValueError, match="mark"):
                 port.parity = "mark"
             port.baudrate, port.parity, port.stopbits = 115_200, "N", 1

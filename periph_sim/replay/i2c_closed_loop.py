@@ -18,6 +18,7 @@ firmware. A difference that also occurs in this run is caused by the agents. It 
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -33,7 +34,8 @@ from ..core.wire import Wire
 from ..scene.case.model import Case
 from ..traces.capture.capture import Capture
 from ..traces.decode import i2c as decode
-from .i2c_script import controllers_half, hurried, is_addressed, moves, stretched_answers, turns, usual_hold
+from ..traces.decode.i2c import Transfer
+from .i2c_script import Edge, controllers_half, hurried, is_addressed, moves, stretched_answers, turns, usual_hold
 from .picture import LINES
 from .polling import PolledCapture, busy_bounds, refusals
 from .replay import Progress, SlaveReplay
@@ -92,8 +94,7 @@ class CapturedController:
     patience: the maximum time, in ticks, for which the firmware is polled. None: polls are played as captured.
 
     polled: the transfers, with the polls that were made.
-    gave_up: the address that the firmware refused for longer than `patience`, and the tick of the first refusal beyond
-        the captured ones; or None.
+    gave_up: the address that the firmware refused for too long, and the tick of the first added poll; or None.
     """
 
     def __init__(
@@ -111,8 +112,10 @@ class CapturedController:
         self._patience = patience
         self._refused_since = NO_TIME
         self._sda_level = sda
+        self._captured: list[Edge] = []
+        self._edges: list[Edge] = []  # as captured, but with short low phases
         self._moves: list[Move] = []
-        self._answers: list[tuple[int, int]] = []  # of each phase: its number, and the moves up to SCL's ninth rise
+        self._answers: deque[tuple[int, int]] = deque()  # a phase's number, and the moves up to its ninth bit
         self._plan = plan
         self._kernel = kernel
         self._on_end = on_end
@@ -141,34 +144,32 @@ class CapturedController:
         return max(captured, self._kernel.now + plan.least_gap)
 
     def _play(self) -> None:
-        self.polled.begin()
-        self._prepare()
-        self._play_from(0, 0)
+        transfer = self.polled.begin()
+        self._prepare(transfer, 0)
+        self._cut = int((self._captured[-1].at - self._edges[-1].at) * self._plan.per_position) if self._edges else 0
+        self._play_from(0)
 
-    def _prepare(self) -> None:
-        """Create the moves of the last transfer, and find the answers of the firmware in it."""
-        plan, transfer = self._plan, self.polled.transfers[-1]
-        captured = edges = controllers_half(transfer, self._hold, plan.part.half_sample)
+    def _prepare(self, transfer: Transfer, first: int) -> None:
+        """Create the moves of a transfer from one of its phases on, and find the firmware's answers in them."""
+        plan = self._plan
+        half = Transfer(transfer.phases[first:], transfer.stop, None)
+        self._captured = self._edges = controllers_half(half, self._hold, plan.part.half_sample)
         if plan.longest_low is not None:
-            edges = hurried(captured, plan.longest_low, plan.part.step)
-        self._cut = int((captured[-1].at - edges[-1].at) * plan.per_position) if edges else 0
-        self._moves = moves(edges, plan.per_position)
-        after = {edge.at: index for index, edge in enumerate(captured, 1) if edge.clock and edge.level}
-        self._answers = [
+            self._edges = hurried(self._captured, plan.longest_low, plan.part.step)
+        self._moves = moves(self._edges, plan.per_position)
+        after = {edge.at: index for index, edge in enumerate(self._captured, 1) if edge.clock and edge.level}
+        self._answers = deque(
             (number, after[Fraction(phase.bytes[0].bits[8].at)])
-            for number, phase in enumerate(transfer.phases)
+            for number, phase in enumerate(half.phases, first)
             if is_addressed(phase) and phase.address in plan.own
-        ]
+        )
 
-    def _play_from(self, phase: int, move: int) -> None:
-        """Play the last transfer from a move on, up to the next answer of the firmware to its address.
-
-        phase: the number of the first phase whose answer was not yet judged.
-        """
-        number, end = next((one for one in self._answers if one[0] >= phase), (None, 0))
-        if number is None or self._patience is None:
+    def _play_from(self, move: int) -> None:
+        """Play the prepared moves from one of them on, up to the next answer of the firmware to its address."""
+        if not self._answers or self._patience is None:
             self.player.play(self._moves[move:], self.go_on)
         else:
+            number, end = self._answers.popleft()
             self.player.play(self._moves[move:end], partial(self._answered, number, end))
 
     def _answered(self, phase: int, move: int) -> None:
@@ -176,7 +177,10 @@ class CapturedController:
         acked, now = not self._sda_level.level, self._kernel.now
         changed = self.polled.answered(phase, acked)
         if changed:
-            self._prepare()
+            self._cut -= self._cut_after(move)
+            self._prepare(self.polled.transfers[-1], phase)
+            _, move = self._answers.popleft()
+            self._cut += self._cut_after(move)
         if acked:
             self._refused_since = NO_TIME
         elif changed and self._refused_since == NO_TIME:
@@ -186,7 +190,12 @@ class CapturedController:
             self.gave_up = address or 0, self._refused_since
             self._on_end()
             return
-        self._play_from(phase + 1, move)
+        self._play_from(move)
+
+    def _cut_after(self, move: int) -> int:
+        """Return the ticks by which `longest_low` shortens the prepared moves from one of them on."""
+        captured = self._captured[-1].at - self._captured[move - 1].at
+        return int((captured - (self._edges[-1].at - self._edges[move - 1].at)) * self._plan.per_position)
 
 
 def without_firmware(plan: Plan, start: int, end: int, tolerance: Fraction) -> Comparison:
@@ -351,7 +360,6 @@ class I2cReplay(SlaveReplay):
         us = Fraction(1_000_000, self.timebase.per_second)
         held = self._player.held(self.kernel.now)
         replayed = decode.transfers(self._replayed, *LINES)
-        busy = busy_bounds(replayed, own.own), busy_bounds(part.transfers, own.own)
         return self._bus_summary(
             outcome,
             events,
@@ -365,8 +373,8 @@ class I2cReplay(SlaveReplay):
             stretch_total_us=float((self._player.delay + held) * us),
             refusals=refusals(replayed, own.own),
             captured_refusals=refusals(part.transfers, own.own),
-            busy_us=_in_us(busy[0], self.timebase.per_second),
-            captured_busy_us=_in_us(busy[1], part.rate),
+            busy_us=busy_bounds(replayed, own.own, us),
+            captured_busy_us=busy_bounds(part.transfers, own.own, 1_000_000 / part.rate),
         )
 
     def _with_agents(self, outcome: Comparison) -> Comparison:
@@ -390,7 +398,3 @@ class I2cReplay(SlaveReplay):
             self._other_events = first.kind != TIMING and bool(first.cause)
             self._agents_parted = first.cause or asked_once_more(self._compared[0], first, self._answering.own)
         return outcome
-
-
-def _in_us(bounds: tuple[int, int] | None, per_second: Fraction | int) -> list[float]:
-    return [] if bounds is None else [float(bound * 1_000_000 / Fraction(per_second)) for bound in bounds]

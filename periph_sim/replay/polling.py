@@ -196,11 +196,13 @@ def refusals(transfers: Iterable[Transfer], own: Sequence[int]) -> int:
     return sum(phase.bytes[0].acked is False for phase, _ in _accesses(transfers, own))
 
 
-def busy_bounds(transfers: Iterable[Transfer], own: Sequence[int]) -> tuple[int, int] | None:
-    """Return bounds of the time for which a target is busy after a write, in positions from the STOP.
+def busy_bounds(transfers: Iterable[Transfer], own: Sequence[int], us: Fraction) -> list[float]:
+    """Return bounds of the time for which a target is busy after a write, in microseconds from the STOP.
+
+    us: microseconds per position.
 
     The lower bound is the latest NACK of the address, the upper bound the earliest ACK after a NACK. If the lower bound
-    is the larger one, the time is not the same after each write. Return None if no poll was refused or none answered.
+    is the larger one, the time is not the same after each write. The list is empty if there are not both.
     """
     refused: list[int] = []
     acknowledged: list[int] = []
@@ -215,7 +217,7 @@ def busy_bounds(transfers: Iterable[Transfer], own: Sequence[int]) -> tuple[int,
         elif stop is not None:
             refused.append(since)
             polled = True
-    return (max(refused), min(acknowledged)) if acknowledged else None
+    return [float(bound * us) for bound in (max(refused), min(acknowledged))] if acknowledged else []
 
 
 def _accesses(transfers: Iterable[Transfer], own: Sequence[int]) -> Iterator[tuple[Phase, Condition | None]]:

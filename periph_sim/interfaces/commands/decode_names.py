@@ -32,7 +32,7 @@ from .bulk_text import Numbers
 from .command_frame import i2c_address_given
 from .decode_buses import Bus
 
-BUSY = 10**12  # ticks, at least 100 s; no device is busy for longer
+BUSY = 10**12  # ticks; longer than any device is busy
 POINTER, QUANTITY = "pointer", " = "
 
 

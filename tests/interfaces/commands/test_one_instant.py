@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import json
 import re
+from html import unescape
 from pathlib import Path
 
 import pytest
 
 from periph_sim.interfaces.commands.new import TEMPLATES
+from periph_sim.interfaces.pytest_plugin.runs import Plan, run_plan
+from periph_sim.scene.case.load import load
 from periph_sim.traces.formats.psr import read_table
 from tests.interfaces.commands.conftest import Run
+from tests.unwrapped import unwrapped
 
 IMU = """name = "imu"
 duration = "60 ms"
@@ -43,6 +47,7 @@ def write_case(measure: str) -> None:
         firmware = (TEMPLATES / f"{kind}.py").read_text(encoding="utf-8").replace("# dsp.compute", "dsp.compute")
         Path(f"{kind}.py").write_text(firmware, encoding="utf-8")
         text = (TEMPLATES / f"{kind}.toml").read_text(encoding="utf-8").partition("[[budget]]")[0]
+        text = text.replace('"OK\\n"', '"O"')  # the rest of this reply is unsolicited
     budget = f'\n[[budget]]\nname = "judged"\nmeasure = "{measure}"\n{limit}\n'
     Path("case.toml").write_text(text + budget, encoding="utf-8")
 
@@ -71,3 +76,26 @@ def test_every_place_shows_the_same_instant(
     assert records.per_second is not None
     tick = round(verdict["at_s"] * float(records.per_second))
     assert tick in origins and any(abs(record.tick - tick) <= 1 for record in records.records())
+
+
+def test_an_answer_to_a_forbidden_frame_is_quoted_everywhere_with_its_line(
+    periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """The firmware answers a command that must be ignored: run, check, HTML and a failure of pytest say the same."""
+    monkeypatch.chdir(tmp_path)
+    write_case("unsolicited replies")
+    text = Path("case.toml").read_text(encoding="utf-8").partition("[[budget]]")[0]
+    forbidden = 'name = "ghost"\nto = "dsp.SCI-A"\ntext = "X\\n"\nat = "15 ms"\nexpect = "nothing"\nwithin = "2 ms"\n'
+    Path("case.toml").write_text(f"{text}\n[[serial.send]]\n{forbidden}", encoding="utf-8")
+    said = re.compile(
+        r"nothing was expected from dsp\.SCI-A after send 'ghost', but 'ERROR\\n' came, which ended at 0\.0157\d\d s"
+    )
+    ran = periph_sim("run", "case.toml", "--html", "run.html")
+    assert ran.status == 1 and said.search(unwrapped(ran.out))
+    checked = periph_sim("check", "case.toml", "--annotations", "github")
+    assert checked.status == 1 and said.search(unwrapped(checked.out))
+    assert said.search(unescape(Path("run.html").read_text(encoding="utf-8")))
+    with pytest.raises(AssertionError) as caught:
+        run_plan(Plan(load("case.toml")), lambda run, verdicts: None).assert_budgets("ghost")
+    assert said.search(str(caught.value))
+    assert re.search(r"SCITXBUF written, 0x45: unsolicited \[sci_protocol\.py:\d+", unwrapped(str(caught.value)))

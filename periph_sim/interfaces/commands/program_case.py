@@ -278,16 +278,12 @@ def _inputs(dsp: Dsp, modules: list[str]) -> dict[str, int]:
 
 
 def _outputs(dsp: Dsp, seen: Seen) -> dict[str, int]:
-    """Return the general-purpose outputs that the program has written often enough to be a loop, by name.
-
-    A write of 16 bits is one of the low or of the high half of a register, so both are taken.
-    """
+    """Return the general-purpose outputs that the program has written often enough to be a loop, by name."""
     written = 0
     for topic in seen.of(Kind.ACCESS):
         register = PORT_DATA.fullmatch(topic.what)
         if register and topic.records >= OFTEN:
-            bits = topic.bits | (topic.bits << 16 & 0xFFFF_FFFF)
-            written |= bits << 32 * "ABC".index(register[1])
+            written |= topic.bits << 32 * "ABC".index(register[1])
     changing = written & cast(Gpio, dsp.sockets["GPIO"].chip).driven
     return {f"GPIO{pin}": pin for pin in [n for n in range(LAST_PIN + 1) if changing >> n & 1][:MOST_PINS]}
 

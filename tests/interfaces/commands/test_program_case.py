@@ -119,7 +119,25 @@ def test_an_image_without_symbols_is_told(periph_sim: Run, here: Path, monkeypat
     assert came.status == 0 and note in came.out
 
 
-def test_a_run_goes_on_until_something_has_repeated(periph_sim: Run, here: Path):
+@pytest.mark.parametrize(("address", "boot"), [(0, "ram"), (0x9800, "entry")])
+def test_the_section_codestart_where_the_boot_rom_jumps_otherwise(periph_sim: Run, here: Path, address: int, boot: str):
+    program(LOOP.format(passes=100), CODESTART.replace("0x33FFF6", str(address)))
+    assert periph_sim("new", "image", "mine.asm").status == 0
+    assert written()["unit"]["dsp"]["boot"] == boot
+
+
+def test_an_output_that_rises_once_is_named_and_has_no_period(periph_sim: Run, here: Path):
+    program(
+        "_main: EALLOW\n MOVW DP,#GPADIR >> 6\n OR @GPADIR,#1\n EDIS\n MOVW DP,#0x6FC2 >> 6\n"
+        " MOV @0x6FC2,#1\n MOV @0x6FC2,#1\n MOV @0x6FC2,#1\nloop: NOP\n SB loop,UNC\n_once:\n_often:\n"
+    )
+    assert periph_sim("new", "image", "mine.asm").status == 0
+    assert written()["unit"]["dsp"]["pins"] == {"GPIO0": 0} and "budget" not in written()
+
+
+def test_a_run_goes_on_until_something_has_repeated(periph_sim: Run, here: Path, monkeypatch: pytest.MonkeyPatch):
+    """The passes of delays that are skipped are no work that would end it."""
+    monkeypatch.setattr(program_case, "MOST_WORK", 20_000)
     program(LOOP.format(passes=60_000))
     assert periph_sim("new", "image", "mine.asm").status == 0
     assert written()["duration"] == "500 ms" and len(written()["budget"]) == 1
@@ -144,7 +162,7 @@ def test_a_run_goes_on_until_something_has_repeated(periph_sim: Run, here: Path)
             ["dsp waits for ADC.ADCST & 0x0001 at _main (mine.asm:16, ", "nothing repeats, so"],
         ),
         (
-            "_main: OR IER,#1\n MOVW DP,#PIEIER1 >> 6\n MOV @PIEIER1,#0x20\n EALLOW\n CLRC INTM\n"
+            "_main: OR IER,#1\n MOVW DP,#PIEIER1 >> 6\n MOV @PIEIER1,#0x20\n MOV @0x0CE6,#1\n EALLOW\n CLRC INTM\n"
             "loop: NOP\n SB loop,UNC\n_once:\n_often:\n",
             0x68,
             ["ADCINT, served by ", "nothing repeats, so"],

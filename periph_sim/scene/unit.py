@@ -17,6 +17,7 @@ from ..core.options import Answers
 from ..core.phrases import did_you_mean
 from ..core.registered import registered
 from ..core.table import separate
+from ..core.wire import MAX_PARTIES
 from ..f28335.cpu.code_costs import CodeCosts
 from ..f28335.descriptor import named_class
 from ..f28335.parts import part_named, part_names
@@ -109,6 +110,9 @@ def build_unit(
     """
     case, unit = context.case, context.case.unit[name]
     wires = {pin: context.wire(wire) for pin, wire in context.wiring.pins[name].items()}
+    if len(wires) > MAX_PARTIES:
+        what = f"the pins of the unit would have {len(wires)} wires; at most {MAX_PARTIES} are possible, so name fewer"
+        raise case.mistake(what, "unit", name, "pins")
     dsp = Dsp(context.kernel, context.timebase, context.recorder, replace(plan, wires=wires))
     if unit.image:
         return dsp, _started_image(context, name, unit, dsp), None

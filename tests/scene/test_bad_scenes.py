@@ -256,3 +256,12 @@ def test_an_edit_of_firmware_counts_at_once_and_nothing_is_left_beside_it(tmp_pa
         names.append(load_firmware(str(file)).main.__globals__["NAME"])
     assert names == ["one", "two"]
     assert list(tmp_path.iterdir()) == [file]
+
+
+def test_more_wires_at_a_unit_than_are_possible():
+    pins = {f"P{pin}": pin for pin in range(60)}
+    made = case(unit={"dsp": {"firmware": "imu_hil", "modules": ["GPIO", "SCI-C"], "pins": pins}})
+    assert Scene(made).units["dsp"].plan.wires.keys() == {*range(60), 62, 63}
+    more = case(unit={"dsp": {"firmware": "imu_hil", "modules": ["GPIO", "SCI-C"], "pins": {**pins, "P60": 60}}})
+    with pytest.raises(BadCase, match=r"unit\.dsp\.pins: the pins of the unit would have 63 wires; at most 62"):
+        Scene(more)

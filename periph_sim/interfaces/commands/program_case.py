@@ -161,6 +161,8 @@ def image_case(path: Path) -> WrittenCase:
 
 def sources_case(path: Path) -> WrittenCase:
     """Return a case for the C sources below a folder, in the present folder."""
+    if not path.is_dir():
+        raise click.ClickException(f"{path}: there is no such folder; give the folder of the .c files")
     sources = sorted(file for file in path.rglob("*.c") if not file.name.endswith(REPLACED))
     if not sources:
         raise click.ClickException(f"{path}: there is no C source below it; give the folder of the .c files")
@@ -191,6 +193,8 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
     """Return the case of a program. program: the keys that name it. comments, notes: the first ones."""
     name = re.sub(r"[^\w.-]", "_", path.stem)
     target = Path(f"{name}.toml")
+    if target.exists():
+        raise click.ClickException(f"{target}: exists already; move it, or type the command in another folder")
     tree: Tree = {"name": name, "duration": f"{STRETCHES[-1]} s"}
     tree["unit"] = {UNIT: {**program, "modules": list(PART.selectable)}}
     seen, calls = Seen(), LoopCalls()

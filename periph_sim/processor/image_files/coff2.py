@@ -72,7 +72,7 @@ def read(data: bytes) -> Image:
     )
     if version != COFF2 or target != C28X:
         named = TARGETS.get(target, f"target {target:#06x}") if version == COFF2 else "C24x or an older target"
-        raise BadImage(f"it is {VERSIONS[version]} for {named}; the F28335 runs COFF2 for C28x")
+        raise BadImage(f"it is {VERSIONS[version]} for {named}; the F28335 runs COFF2 for C28x; build it for that")
     if not flags & EXECUTABLE:
         raise BadImage("it is an object file or partly linked; link it into an executable .out")
     if optional != OPTIONAL_HEADER.size:

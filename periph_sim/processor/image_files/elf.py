@@ -29,7 +29,9 @@ def read(data: bytes) -> Image:
         machine = elf["e_machine"]
         if machine != C2000 or elf.elfclass != 32 or not elf.little_endian:
             named = elf.get_machine_arch().strip("<>")
-            raise BadImage(f"it is ELF for {named}; the F28335 runs ELF for TI C2000, 32 bits, little-endian")
+            raise BadImage(
+                f"it is ELF for {named}; the F28335 runs ELF for TI C2000, 32 bits, little-endian; build it for that"
+            )
         if elf["e_type"] != "ET_EXEC":
             raise BadImage("it is an object file or a library; link it into an executable .out")
         sections = list(elf.iter_sections())

@@ -193,12 +193,16 @@ def test_a_program_that_cannot_run_has_no_case(periph_sim: Run, here: Path):
         (["image"], "new image needs a .out, as in periph-sim new image firmware.out"),
         (["image", "none.out"], "none.out: No such file or directory; give the linker's .out file, or assembly (.asm)"),
         (["c"], "new c needs a folder, as in periph-sim new c firmware"),
+        (["c", "none"], "none: there is no such folder; give the folder of the .c files"),
+        (["image", "there.asm"], "there.toml: exists already; move it, or type the command in another folder"),
         (["c", "empty"], "empty: there is no C source below it; give the folder of the .c files"),
         (["c", "part"], "part: there is 1 C source below it, but none defines main; add the file that does"),
     ],
 )
 def test_what_is_no_program_is_told_in_a_sentence(periph_sim: Run, here: Path, arguments: list[str], sentence: str):
     Path("empty").mkdir()
+    Path("there.asm").write_text((C28X / "blink.asm").read_text(encoding="utf-8"), encoding="utf-8")
+    Path("there.toml").touch()
     Path("part").mkdir()
     Path("part/help.c").write_text("int help(void) { return domain(3); }\n", encoding="utf-8")
     came = periph_sim("new", *arguments)

@@ -121,7 +121,7 @@ def test_files_of_other_tools_are_told_by_their_first_two_bytes():
 )  # fmt: skip
 def test_a_file_for_another_target_is_named(version: int, target: int, named: str):
     data = changed(changed(GOOD, 0, "H", version), 20, "H", target)
-    assert refused(data) == f"it is {named}; the F28335 runs COFF2 for C28x"
+    assert refused(data) == f"it is {named}; the F28335 runs COFF2 for C28x; build it for that"
 
 
 @pytest.mark.parametrize(

@@ -143,4 +143,6 @@ def test_another_class_or_order_of_bytes_is_refused(monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(elf, "ELFFile", lambda file: Other(e_machine="EM_TI_C2000", e_type="ET_EXEC"))
     with pytest.raises(BadImage) as error:
         elf.read(b"")
-    assert str(error.value) == ("it is ELF for unknown; the F28335 runs ELF for TI C2000, 32 bits, little-endian")
+    assert str(error.value) == (
+        "it is ELF for unknown; the F28335 runs ELF for TI C2000, 32 bits, little-endian; build it for that"
+    )

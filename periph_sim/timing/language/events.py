@@ -19,8 +19,7 @@
                         |-- may_be(kind, where, what), value & mask == want   during the run
                         '-- fits(record)                                      for a Record object
 
-`thing` is the name of a derived record (see `timing/derived`). The two tests give the same result for every record.
-`EVENTS` lists the kinds of events.
+`thing` names a derived record (see `timing/derived`). The two tests agree for every record. `EVENTS` lists the kinds.
 """
 
 from __future__ import annotations
@@ -260,8 +259,7 @@ def _read_bus(words: Words) -> Parts:
         return "", what, words.one_of(["address", "byte"]) if words.next in ("address", "byte") else "", None
     if what == "address":
         number = words.number(0x7F)
-        way, ack = (words.take("a word") if words.next in choices else "" for choices in (WAYS, ACKS))
-        return "", what, f"{way} {ack}".strip(), number
+        return "", what, " ".join(words.take("a word") for choices in (WAYS, ACKS) if words.next in choices), number
     return "", what, "", words.number(0xFF) if what == "byte" else None
 
 
@@ -284,12 +282,11 @@ def _read_note(words: Words) -> Parts:
 def _read_record(words: Words) -> Parts:
     kind = words.one_of(list(RECORDS))
     thing = words.phrase(list(RECORDS[kind]))
-    whose, number = "", None
-    if kind in ("data", "transfer") and words.took("of"):
-        number = words.number(0x7F) if thing == WRITE_END else None
-        if number is None:
-            whose = words.one_of(list(known_sensors())) if kind == "data" else words.take("a unit")
-    return whose, kind, thing, number
+    if kind not in ("data", "transfer") or not words.took("of"):
+        return "", kind, thing, None
+    if thing == WRITE_END:
+        return "", kind, thing, words.number(0x7F)
+    return words.one_of(list(known_sensors())) if kind == "data" else words.take("a unit"), kind, thing, None
 
 
 def _match_edge(event: Event, scope: Scope) -> Matcher:
@@ -344,8 +341,7 @@ def _match_bus(event: Event, scope: Scope) -> Matcher:
         )
     mask = want = 0
     if event.name == "address":  # bits of the value: NACK (0), R/W (1), address (2 and up)
-        if event.number is not None:
-            mask, want = -4, event.number << 2
+        mask, want = (0, 0) if event.number is None else (-4, event.number << 2)
         for word in event.how.split():
             bit = 2 if word in WAYS else 1
             mask, want = mask | bit, want | (bit if word in ("read", "NACK") else 0)

@@ -294,8 +294,7 @@ STATES = {
 
 
 def _busy(words: Words) -> Said:
-    for word in ("time", "of"):
-        words.one_of([word])
+    _phrase(words, "time of")
     address = words.next
     if words.number(0x7F) is None:
         raise BadEvent(f"{words.text!r}: the address of a memory is expected after of; write for instance 0x50")

@@ -7,6 +7,8 @@ import re
 import pytest
 
 from periph_sim.imu.at_rest.static_table import EMULATOR
+from periph_sim.processor.image_files.inspection import inspect
+from periph_sim.processor.image_files.program_file import program_in
 from tests.docs.pages import CONSOLE, PAGES, ROOT, commands
 
 PAGE = (ROOT / "docs" / "reproduce.md").read_text(encoding="utf-8")
@@ -35,6 +37,23 @@ def test_the_table_at_rest_shows_what_was_published(chip: str):
     for axis, published in zip("xyz", zip(row.mean, row.three_sigma, row.variance, strict=True), strict=True):
         printed = [line.split() for line in lines if line.startswith(f" {chip} {axis}, ")]
         assert [float(cells[4]) for cells in printed] == list(published)
+
+
+def test_the_words_of_our_image_are_those_of_its_functions():
+    told = SHOWN["periph-sim image firmware/c28x/imu_hil.asm | sed -n 4,9p"]
+    section = {cells[0]: int(cells[-2]) for line in told.splitlines()[2:] if (cells := line.split())}
+    image = program_in(ROOT / "firmware" / "c28x" / "imu_hil.asm")
+    words = {one.name.lstrip("_"): one.size for one in inspect(image).functions}
+    parts = [
+        ("model", "six_bytes"),
+        ("c_int00", "main", "sci_received"),
+        ("start_pin", "start_sci", "start_pie", "start_chip", "start_i2c"),
+        ("serve",),
+    ]
+    ours = [int(cell) for cell in re.findall(r"^\| [^|]+ \| [\d +]+ \| (\d+)", PAGE, re.MULTILINE)]
+    sums = [sum(words[name] for name in part) for part in parts]
+    assert ours == [*sums, section[".text"]] and sum(sums) == section[".text"]
+    assert f"{section['.ebss'] + section['.econst']} of data" in PAGE
 
 
 def test_every_table_and_figure_of_the_chapter_has_a_row():

@@ -245,6 +245,16 @@ class Register(Struct, frozen=True, dict=True):
         return NamedByte(self.name, self.fields_in(value) if len(self.fields) > 1 else "")
 
 
+Bits = tuple[tuple[str, str], ...]  # names of fields with their bits: ("Measure", "3")
+
+
+def byte_register(offset: int, name: str, access: str, reset: int, source: str, fields: Bits = ()) -> Register:
+    """Return a register of eight bits. Without `fields` it is one field with the register's name."""
+    parts = [field(n, bits, access) for n, bits in fields or ((name, "7:0"),)]
+    parts = [field(f.name, f.bits, access, f.extract(reset)) for f in parts]
+    return Register(name, offset, source, tuple(parts), width=8)
+
+
 class RegisterMap(Struct, frozen=True, dict=True):
     """All registers of one kind of module. source: the document of the register tables."""
 

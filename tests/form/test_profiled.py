@@ -35,7 +35,7 @@ from periph_sim.form import finders
 def run(number):
     sys.path_hooks.insert(0, finders(Path(__file__).parent, Path(os.environ["PERIPH_SIM_FORM"]), {modules}))
     sys.path_importer_cache.clear()
-    from own.work import Work
+    from profiled_own.work import Work
     Work().collatz(int(number))
 """
 
@@ -43,7 +43,7 @@ def run(number):
 @pytest.fixture
 def own(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Return the folder of a package with one compiled module, whose "cases" are numbers."""
-    package = tmp_path / "own"
+    package = tmp_path / "profiled_own"
     package.mkdir()
     (package / "work.py").write_text(WORK)
     (package / "__init__.py").write_text(RUN.format(modules=["work"]))

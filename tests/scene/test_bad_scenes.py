@@ -159,7 +159,8 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
             'measure = "response"',
             'measure = "latency"',
             "small.toml, line 19: budget.answer.measure: there is no measure 'latency'; it has "
-            f"{', '.join(MEASURES)}, overflows, span:NAME, reply:NAME, watch:NAME, and {', '.join(FORMS.values())}",
+            f"{', '.join(MEASURES)}, overflows, unsolicited replies, span:NAME, reply:NAME, silence:NAME, watch:NAME, "
+            f"and {', '.join(FORMS.values())}",
         ),
         (
             'max = "60 us"',

@@ -15,20 +15,14 @@ from math import isfinite
 from typing import Any, Literal
 
 from ...core.chip import Note
-from ...core.registers import NamedByte, OnWrite, Register, RegisterMap, field
+from ...core.registers import Bits as Bits
+from ...core.registers import NamedByte, OnWrite, Register, RegisterMap
+from ...core.registers import byte_register as byte_register
 from ...core.state import State
 from ...core.time import Clock, Timebase
 
 # A Source is a function of a tick that returns x, y and z in the chip's physical unit.
 Source = Callable[[int], Sequence[float | Fraction]]
-Bits = tuple[tuple[str, str], ...]  # names of fields with their bits: ("Measure", "3")
-
-
-def byte_register(offset: int, name: str, access: str, reset: int, source: str, fields: Bits = ()) -> Register:
-    """Return a register of eight bits. Without `fields` it is one field with the register's name."""
-    parts = [field(n, bits, access) for n, bits in fields or ((name, "7:0"),)]
-    parts = [field(f.name, f.bits, access, f.extract(reset)) for f in parts]
-    return Register(name, offset, source, tuple(parts), width=8)
 
 
 class RegisterChip:

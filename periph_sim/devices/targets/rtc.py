@@ -20,10 +20,9 @@ from typing import Annotated, NamedTuple
 from msgspec import Meta
 
 from ...core.convert import After
-from ...core.registers import NamedByte, RegisterMap
+from ...core.registers import NamedByte, RegisterMap, byte_register
 from ...core.state import State
 from ...core.table import DurationRange, Spread, Table, duration
-from ..chips.register_chip import byte_register
 from . import BadDevice, PlainReply, TargetContext, address_among
 
 __all__ = ["MODELS", "Settings", "build"]

@@ -25,6 +25,7 @@ ROUND, NACK, FRAMES, SESSION = (
 SENTENCES = {
     r"run \d+: ": "a run of a sweep with its values",
     r"\w+: PASS, .*; cycles between accesses of \w+ are estimated": "the verdict of C sources",
+    r"at the end: ": "where an image is, and what it waits for",
     r"stuck: ": "what hangs, since when and why",
     r"note: (?!polls of|reads: |A read that)": "a note of this run or capture; those that explain a table are broken",
     r"\S+ at [\d.]+ ms: .* before": "the answer of `why`",

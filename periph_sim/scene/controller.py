@@ -21,8 +21,9 @@ from ..core.phrases import counted
 from ..devices.sensor_head import SensorHead
 from ..devices.sensor_rounds import ChipData, Request, Schedule
 from ..timing.rounds import Asked
-from .case.model import Case, Controller, RequestTable, RoundsTable
+from .case.model import Case
 from .case.optimizations import BITS
+from .case.party_tables import Controller, RequestTable, RoundsTable
 from .context import CaseTicks, SceneContext
 from .plugins import sensors_of
 

@@ -19,7 +19,7 @@ from ..bus.uart.sender import UartSender
 from ..devices.host_frames import FrameSource, host_frames
 from ..devices.host_pc import Host, HostSchedule
 from ..devices.truth import Axes, LineBetweenFrames, Truth
-from .case.model import HostTable
+from .case.party_tables import HostTable
 from .context import CaseTicks, SceneContext
 from .firmware_loader import BadSetting
 from .unit import FirmwareModel

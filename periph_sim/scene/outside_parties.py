@@ -21,7 +21,8 @@ from ..core.time import Timebase
 from ..core.wire import Wire
 from ..timing.budget_plan import BadBudget, BudgetPlan, plan_of
 from ..timing.measures.measure import Measure
-from .case.model import BadCase, Case, OutsideTable
+from .case.model import BadCase, Case
+from .case.party_tables import OutsideTable
 from .context import CaseTicks
 from .plan import limit_plans
 from .scope import scope_of_case

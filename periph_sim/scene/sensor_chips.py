@@ -19,7 +19,8 @@ from ..devices.register_pointer import RegisterPointer
 from ..processor.user_code import UserCode
 from . import plugins
 from .case.error_text import checked_options
-from .case.model import Case, ChipTable, ValueTable
+from .case.model import Case
+from .case.party_tables import ChipTable, ValueTable
 from .context import SceneContext
 from .devices import NoteLog
 

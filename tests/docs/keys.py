@@ -20,8 +20,8 @@ from periph_sim.devices.targets.register_settings import Interrupt, RegisterTabl
 from periph_sim.devices.watchers import watchers
 from periph_sim.scene.case.device_tables import DeviceFault, DeviceTable, StretchTable, WatchTable
 from periph_sim.scene.case.json_schema import descriptions, schema_of
-from periph_sim.scene.case.model import (
-    Case,
+from periph_sim.scene.case.model import Case
+from periph_sim.scene.case.party_tables import (
     ChipTable,
     Controller,
     HostTable,

@@ -15,7 +15,7 @@ from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.imu.sensors import SENSORS
 from periph_sim.scene.case.device_tables import BusParty, Strikes
 from periph_sim.scene.case.json_schema import descriptions
-from periph_sim.scene.case.model import Controller
+from periph_sim.scene.case.party_tables import Controller
 from periph_sim.scene.case.serial import SerialEntry
 from periph_sim.scene.case.unit_table import Unit
 from periph_sim.timing.budget_schema import Condition, Limited

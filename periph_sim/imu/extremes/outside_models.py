@@ -37,7 +37,7 @@ from ...core.wire import Wire
 from ...f28335.sci.module import Sci
 from ...f28335.sci.register_map import SCI_MAP
 from ...scene.case.load import load
-from ...scene.case.model import Controller
+from ...scene.case.party_tables import Controller
 from ...scene.scene import Scene
 from ..identification.allan import allan
 from ..models.imu import Imu, NotFinite

@@ -15,7 +15,7 @@ from ...core.records import Kind, Record, Recorder
 from ...core.time import Timebase
 from ...devices.chips.register_chip import Source
 from ...devices.sensor_rounds import Round
-from ...scene.case.model import ChipTable
+from ...scene.case.party_tables import ChipTable
 from ...scene.scene import Scene
 from ...timing.derived.read_records import MODEL
 from ..models.sensed_motion import SensedMotion

@@ -11,7 +11,8 @@ from fractions import Fraction
 
 from msgspec import structs
 
-from ...scene.case.model import Case, Controller, HostTable
+from ...scene.case.model import Case
+from ...scene.case.party_tables import Controller, HostTable
 from ...scene.scene import Scene
 from ..firmware_model import ImuFirmware
 from ..host_frame import MotionFrames

@@ -1,4 +1,4 @@
-"""Causes worked out a second time, from the meaning that docs/why.md gives, over plain records: shares no code with
+"""Causes worked out a second time, from the meaning of each kind of record, over plain records: shares no code with
 `periph_sim.records`. Slow and simple: each question is a walk over the list of records.
 
 records, place of one --> chain: [(number, beside)], main causes and what stands beside them

@@ -24,7 +24,7 @@ def test_every_example_gives_what_the_page_shows(tmp_path: Path, monkeypatch: py
 
 def test_the_highest_rates_are_those_of_the_table() -> None:
     highest = [next(row[0] for row in reversed(ROWS) if row[column] == "right") for column in (4, 8)]
-    told = f"The highest rate that was right is {highest[0]}, and {highest[1]} with the dearest code"
+    told = f"The highest rate that was right is {highest[0]}, and {highest[1]} with the most expensive code"
     assert told in PAGE.read_text()
 
 

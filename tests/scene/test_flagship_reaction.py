@@ -1,4 +1,4 @@
-"""The delay from which the firmware of `imu_hil_400k` holds SCL, at the worst phase, as docs/flagship.md says.
+"""The delay from which the firmware of `imu_hil_400k` holds SCL, at the worst phase.
 
 SDIR      ___|‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾‾      set just behind a read of the wait: a pass is lost
 CPU       |poll|poll|  service routine |code| delay |w

@@ -116,7 +116,7 @@ def _about(file: Path) -> tuple[str, str]:
 
     for node in ast.parse(file.read_text(encoding="utf-8")).body:
         match node:
-            case ast.FunctionDef(name=file.stem, decorator_list=[ast.Call(args=[ast.Constant(str(section)), _]), *_]):
+            case ast.FunctionDef(name=file.stem, decorator_list=[ast.Call(args=[ast.Constant(str(section)), *_]), *_]):
                 return section, " ".join((ast.get_docstring(node) or "").partition("\n\n")[0].split())
     return "", ""
 

@@ -57,6 +57,8 @@ def expected(kind: Any, found: object) -> str:
         return ", or ".join(expected(one, found) for one in alike or there)
     if origin is tuple and ... not in arguments:
         return f"a list of {len(arguments)}"
+    if (origin or kind) in (list, tuple) and isinstance(found, str):
+        return f"a list, as in [{found!r}]"
     return NAMES.get(origin or kind) or f"a {getattr(kind, '__name__', kind)}"
 
 

@@ -1,14 +1,16 @@
-"""Numbers in text as exact fractions. Numbers that would take long to compute are rejected."""
+"""Numbers in text as exact fractions, and their units. Numbers that would take long to compute are rejected."""
 
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from fractions import Fraction
 
 from .phrases import shorten
 
 MAX_DIGITS = 40  # maximum number of digits, enough for a femtosecond in a million years
 MAX_EXPONENT = 40
+_NUMBER = re.compile(r"[-+]?[\d._,/]+([eE][-+]?\d+)?")
 _EXPONENT = re.compile(r"[eE]([-+]?[0-9_]+)$")
 SHOWN = 60  # maximum number of characters that a message quotes
 
@@ -30,4 +32,26 @@ def exact_number(text: str) -> Fraction:
     try:
         return Fraction(written)
     except (ValueError, ZeroDivisionError):
-        raise ValueError(f"{quoted} is not a number") from None
+        hint = f"; write {written.replace(',', '.')}" if re.fullmatch(r"[-+]?\d+,\d+", written) else ""
+        raise ValueError(f"{quoted} is not a number{hint}") from None
+
+
+def number_and_unit(text: str) -> tuple[str, str]:
+    """Return the number and the unit of "20 ms" or "20ms" as texts. A missing number or unit is ""."""
+    number, _, unit = text.strip().partition(" ")
+    if not unit:
+        found = _NUMBER.match(number)
+        cut = 0 if found is None else found.end()
+        return number[:cut], number[cut:]
+    return number, unit.strip()
+
+
+def unknown_unit(number: str, unit: str, known: Iterable[str]) -> str:
+    """Return a phrase about an unknown unit of a number, with the known units and the nearest of them."""
+    from difflib import get_close_matches  # imported here, because only errors need it
+
+    folded = {one.casefold(): one for one in known}
+    written = unit.casefold()
+    alike = [one for one in folded if sorted(one) == sorted(written)] or get_close_matches(written, folded, 1, 0.5)
+    hint = f"; did you mean {number} {folded[alike[0]]}?" if alike and {*alike[0]} & {*written[:1]} else ""
+    return f"unit {shorten(repr(unit), SHOWN)} is none of {', '.join(folded.values())}{hint}"

@@ -14,6 +14,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import BinaryIO
 
+from .phrases import nearest
+
 MOST = 1 << 24  # maximum size, in bytes, of a file that is read as a whole
 
 _read: set[tuple[int, int]] | None = None  # device and inode of each file; None while no command runs
@@ -31,6 +33,16 @@ def inputs_of_one_command() -> Iterator[None]:
     finally:
         if outermost:
             _read = None
+
+
+def similar_file(path: Path) -> str:
+    """Return a phrase with the files of a folder whose names resemble a path that does not exist; "" if none does."""
+    try:
+        names = [] if path.exists() else os.listdir(path.parent)
+    except (OSError, ValueError):
+        return ""
+    near = [str(path.parent / name) for name in nearest(path.name, names)]
+    return f"did you mean {' or '.join(near)}?" if near else ""
 
 
 def open_regular(path: Path, most: int | None = None) -> BinaryIO:

@@ -10,13 +10,18 @@ from collections.abc import Iterable
 LONGEST = 60  # maximum number of characters of a name that are compared and shown
 
 
-def did_you_mean(name: str, known: Iterable[str]) -> str:
-    """Return a phrase with the nearest known names, or with the first twelve if none is near."""
+def nearest(name: str, known: Iterable[str]) -> list[str]:
+    """Return up to three of the known names that resemble a name, the nearest first."""
     from difflib import get_close_matches  # imported here, because only errors need it
 
+    folded = {k.casefold(): k for k in reversed(list(known))}
+    return [folded[k] for k in get_close_matches(name[:LONGEST].casefold(), list(folded), 3, 0.6)]
+
+
+def did_you_mean(name: str, known: Iterable[str]) -> str:
+    """Return a phrase with the nearest known names, or with the first twelve if none is near."""
     names = [shorten(str(k), LONGEST) for k in known]
-    folded = {k.casefold(): k for k in reversed(names)}
-    close = [folded[k] for k in get_close_matches(name[:LONGEST].casefold(), list(folded), 3, 0.6)]
+    close = nearest(name, names)
     if close:
         return f"did you mean {' or '.join(close)}?"
     shown = ", ".join(names[:12]) + (", ..." if len(names) > 12 else "")

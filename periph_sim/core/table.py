@@ -25,7 +25,7 @@ from msgspec import Meta, Struct
 from msgspec.structs import force_setattr
 
 from .convert import Before, convert
-from .exact_number import SHOWN, exact_number
+from .exact_number import SHOWN, exact_number, number_and_unit, unknown_unit
 from .phrases import shorten
 from .time import UNITS as TIMES
 from .time import TimeError, seconds
@@ -108,7 +108,7 @@ def duration(value: object) -> Fraction:
     if isinstance(value, Fraction):
         return value
     if not isinstance(value, str):
-        raise ValueError(f'{value!r} has no unit; write for instance "{value} ms"')
+        raise ValueError(_no_unit(value, "ms"))
     length = _length(value)
     if isinstance(length, str):
         raise ValueError(length)
@@ -172,12 +172,14 @@ def frequency(value: object) -> Fraction:
     if isinstance(value, Fraction):
         return value
     if not isinstance(value, str):
-        unit = "Hz" if isinstance(value, int) and value >= 10_000 else "kHz"
-        raise ValueError(f'{value!r} has no unit; write for instance "{value} {unit}"')
+        raise ValueError(_no_unit(value, "Hz" if isinstance(value, int) and value >= 10_000 else "kHz"))
     quoted = shorten(repr(value), SHOWN)
-    number, _, unit = value.strip().partition(" ")
+    number, unit = number_and_unit(value)
+    if not any(map(str.isdigit, number)) or not unit:
+        example = f"write for instance {number or '100'} kHz ({', '.join(HERTZ)})"
+        raise ValueError(f"{quoted}: expected a number and a unit; {example}")
     if unit not in HERTZ:
-        raise ValueError(f"{quoted}: expected a number, a blank and one of {', '.join(HERTZ)}")
+        raise ValueError(f"{quoted}: {unknown_unit(number, unit, HERTZ)}")
     try:
         hertz = exact_number(number) * HERTZ[unit]
     except ValueError as error:
@@ -187,6 +189,13 @@ def frequency(value: object) -> Fraction:
     if not LOWEST <= hertz <= HIGHEST:
         raise ValueError(f"{quoted}: a frequency is 1/1000 Hz to 1000 GHz")
     return hertz
+
+
+def _no_unit(value: object, unit: str) -> str:
+    """Return a phrase about a value that is no text with a unit. unit: the unit in the example."""
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return f'expected a number with its unit, as in "20 {unit}"'
+    return f'{value!r} has no unit; write for instance "{value} {unit}"'
 
 
 def hex_bytes(value: object) -> bytes:
@@ -212,7 +221,7 @@ def _said(pattern: str, *examples: str) -> Any:
 _TIME = rf"\s*[-+0-9._eE/]+\s*({'|'.join(TIMES)}|[\u00b5\u03bc]s)\s*"
 DURATION_TEXT = _said(f"^{_TIME}$", "250 us", "1.5 ms")
 _RANGE = _said(f"^{_TIME}( to {_TIME})?$", "240 us to 260 us")
-_FREQUENCY = _said(rf"^\s*[-+0-9._eE/]+ ({'|'.join(HERTZ)})\s*$", "100 kHz")
+_FREQUENCY = _said(rf"^\s*[-+0-9._eE/]+\s*({'|'.join(HERTZ)})\s*$", "100 kHz")
 _BYTES = _said(r"^[0-9a-fA-F\s]*$", "1d 00 ff") | list[Annotated[int, Meta(ge=0, le=255)]]
 _SHARE = _said(r"^\s*[-+0-9._eE/]+\s*%\s*$", "90 %")
 

@@ -15,7 +15,7 @@ from typing import Literal, final
 
 from ..form.c_types import BigInt, Text
 from .chip import NEVER
-from .exact_number import SHOWN, exact_number
+from .exact_number import SHOWN, exact_number, number_and_unit, unknown_unit
 from .phrases import shorten
 from .state import State
 
@@ -61,15 +61,14 @@ def round_ratio(value: Fraction, rounding: Rounding) -> BigInt:
 def seconds(text: Text) -> Fraction:
     """Return the exact seconds in "250 us" or "1.5 ms". Raise TimeError if it is not a length of time, or too long."""
     quoted = shorten(repr(text), SHOWN)
-    number, _, unit = text.strip().replace("\u00b5", "u").replace("\u03bc", "u").partition(" ")  # micro sign, letter mu
-    if not unit:
-        cut = len(number.rstrip("abcdefghijklmnopqrstuvwxyz"))
-        number, unit = number[:cut], number[cut:]
+    number, unit = number_and_unit(text.replace("\u00b5", "u").replace("\u03bc", "u"))  # micro sign, letter mu
     if not unit:
         written = shorten(text.strip() or "20", SHOWN)
         raise TimeError(f"{quoted} has no unit; write for instance {written} ms ({', '.join(UNITS)})")
     if unit not in UNITS:
-        raise TimeError(f"{quoted}: unit {shorten(repr(unit), SHOWN)} is none of {', '.join(UNITS)}")
+        if not any(map(str.isdigit, number)):
+            raise TimeError(f"{quoted} is no length of time; write for instance 20 ms ({', '.join(UNITS)})")
+        raise TimeError(f"{quoted}: {unknown_unit(number, unit, UNITS)}")
     try:
         length = exact_number(number) * UNITS[unit]
     except ValueError as error:

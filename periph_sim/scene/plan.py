@@ -78,6 +78,8 @@ class ScenePlan:
     def limits(self) -> tuple[BudgetPlan, ...]:
         """The plans of the budgets, made again whenever `scope` is read again. Raise BadCase for an invalid budget."""
         if self._limits is None or self._names_of_files:
+            for name in self.case.unit:
+                self.unit(name)  # reports a misspelled module where it is written, not where a budget names it
             before = None if self._names_of_files else self._before
             self._limits = self._limits_as(before) or limit_plans(self.ticks, self.scope)
         return self._limits

@@ -32,8 +32,13 @@ def _settings(dsp: Dsp, module: str) -> tuple[int, int, Fraction, int]:
     """
     chip = dsp.sockets[module].chip
     ccr = chip.peek(0, SCICCR.offset)
-    brr = chip.peek(0, SCI_MAP["SCIHBAUD"].offset) << 8 | chip.peek(0, SCI_MAP["SCILBAUD"].offset)
-    return ccr, brr, dsp.control.sysclk_hz, dsp.control.lspclk_divider
+    return ccr, rate_register(dsp, module), dsp.control.sysclk_hz, dsp.control.lspclk_divider
+
+
+def rate_register(dsp: Dsp, module: str) -> int:
+    """Return SCIHBAUD and SCILBAUD as one number."""
+    chip = dsp.sockets[module].chip
+    return chip.peek(0, SCI_MAP["SCIHBAUD"].offset) << 8 | chip.peek(0, SCI_MAP["SCILBAUD"].offset)
 
 
 # The result is cached, because the function is called for each frame on each line and settings hardly ever change.

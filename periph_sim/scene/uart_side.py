@@ -29,6 +29,9 @@ if TYPE_CHECKING:
     from .serial.side import SerialSide
 
 
+LARGEST_DIFFERENCE = Fraction(1, 20)  # of two rates; beyond it, the stop bit of ten bits is missed
+
+
 class UartSide:
     """The serial lines of a scene. host: the host on RX, or None. serial: the parties in the table [serial]."""
 
@@ -46,9 +49,11 @@ class UartSide:
         self._scis = context.wiring.scis
         self.has_sci = bool(self._scis)
         self._recorder = context.recorder
+        self._per_second = context.timebase.per_second
         self._wires = wires
         self._pairs: Pairs | None = None
         self._lines: dict[str, Line] = {}  # from a wire to the function that returns its rate and format
+        self._own: Mapping[tuple[str, str], Line] = {}  # the same for each SCI, by its unit and module
         self._counters: dict[str, UartCounter] = {}
         self._counted: dict[str, int] = {}  # from a wire to the number of characters that came from outside
         self._sent: dict[str, int] = {}
@@ -60,6 +65,7 @@ class UartSide:
             }
             self._lines = {sci.rx: lines[sci.unit, sci.module] for sci in reversed(self._scis)}
             self._lines |= {sci.tx: lines[sci.unit, sci.module] for sci in self._scis}
+            self._own = lines
         if host is not None:
             self._lines["RX"] = host.line
         if serial is not None or context.case.transceiver:
@@ -128,8 +134,18 @@ class UartSide:
         return [cast("Sci", self._units[sci.unit].sockets[sci.module].chip) for sci in self._scis]
 
     def notes(self) -> list[str]:
-        """Return notes on errors on RS-485 pairs, and on sends that never began."""
+        """Return notes on unequal rates, on errors on RS-485 pairs, and on sends that never began."""
         told = [] if self._pairs is None else self._pairs.notes()
+        for sci in self._scis:
+            from .uart_lines import rate_register
+
+            (sent, _), (own, _) = self._lines[sci.rx](), self._own[sci.unit, sci.module]()
+            if abs(own / sent - 1) > LARGEST_DIFFERENCE and rate_register(self._units[sci.unit], sci.module):
+                rates = [float(self._per_second / bit) for bit in (sent, own)]
+                told.append(
+                    f"{sci.unit} {sci.module}: characters on {sci.rx} come at {rates[0]:.0f} baud, but SCIHBAUD, "
+                    f"SCILBAUD and LSPCLK give {rates[1]:.0f}; correct the registers, or the baud of the sender"
+                )
         return told + ([] if self._serial is None else self._serial.notes())
 
     def finish(self, now: int) -> None:

@@ -74,7 +74,7 @@ def refusal(folder: Path, old: str, new: str) -> str:
         (
             MEMORY,
             f"{MEMORY}\naddress = 0x80",
-            "line 10: device.memory.address: expected 0 to 127",
+            "line 10: device.memory.address: expected an address of 7 bits, 0x00 to 0x7f",
         ),
         (MEMORY, f"{MEMORY}\npages = 8", "line 10: device.memory.pages: a 24lc64 has no such key; did you mean page?"),
         (

@@ -82,7 +82,7 @@ def test_a_yaw_wrap_is_a_wrong_sign_in_q16_and_full_scale_in_float32():
         ("arithmetic=q20", "gyroscope: -32768 does not fit Q20"),
         ("arithmetic=q17x", "there is no arithmetic 'q17x'"),
         ("parameters=nowhere.toml", "nowhere.toml: cannot be read"),
-        ("model_cost=guess", "'guess': unit 'guess' is none of"),
+        ("model_cost=guess", "'guess' is no length of time"),
         ("model_cost=12", "12 has no unit"),
     ],
 )

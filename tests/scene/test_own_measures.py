@@ -129,11 +129,11 @@ def test_an_edit_of_the_shared_file_counts_for_the_next_scene(case_file: Path):
             '"runs" =',
             "own.toml, line 7: measures.runs: shared.toml has a measure 'runs', too; give one of them another name",
         ),
-        ('"uneven" =', '"rounds" =', "own.toml: it is not TOML: Cannot overwrite a value (at line 8, column 100)"),
+        ('"uneven" =', '"rounds" =', 'own.toml, line 8: "rounds" is given already in line 7; remove one of them'),
         (
             '"shared.toml"',
             '"shard.toml"',
-            "shard.toml: cannot be read (No such file or directory); give the path of a measures file",
+            "shard.toml: cannot be read (No such file or directory); did you mean shared.toml?",
         ),
         (
             'measure = "runs"',
@@ -173,7 +173,8 @@ def test_a_line_that_is_no_measure_is_one_sentence_with_its_place(case_file: Pat
         ('"runs" = "count of edge"', "shared.toml, line 1: runs: 'count of edge' ends where a wire is expected"),
         (
             "import os",
-            "shared.toml: it is not TOML: Expected '=' after a key in a key/value pair (at line 1, column 8)",
+            "shared.toml, line 1: it is not TOML: Expected '=' after a key in a key/value pair in `import os`; "
+            "write import = os",
         ),
     ],
 )

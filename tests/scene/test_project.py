@@ -95,7 +95,7 @@ def test_baselines_of_its_cases_stand_in_its_folder_and_those_of_others_beside_t
             'guaranteed = "yes"\n',
             "line 2: tool.periph-sim.guaranteed: expected true or false, but it is 'yes'",
         ),
-        ('cases = "timing"\n', "line 2: tool.periph-sim.cases: expected a list, but it is 'timing'"),
+        ('cases = "timing"\n', "line 2: tool.periph-sim.cases: expected a list, as in ['timing'], but it is 'timing'"),
         ("jobs = \n", "it is not TOML: Invalid value (at line 2, column 8)"),
     ],
 )

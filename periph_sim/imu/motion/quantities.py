@@ -15,6 +15,7 @@ from math import inf, isfinite, pi
 from typing import Annotated
 
 from ...core.convert import Before
+from ...core.exact_number import number_and_unit
 from ...core.time import UNITS as TIMES
 
 GRAVITY = 9.81  # m/s**2 in one g, as in the dissertation
@@ -44,7 +45,7 @@ def quantity(units: Mapping[str, float], least: float, most: float, value: objec
     elif not isinstance(value, str):
         raise ValueError(f"{value!r} has no unit; write a number, a blank and {example}")
     else:
-        digits, _, unit = value.strip().partition(" ")
+        digits, unit = number_and_unit(value)
         if unit not in units:
             raise ValueError(f"{value!r}: expected a number, a blank and {example}")
         try:

@@ -23,7 +23,7 @@ import click
 
 from ... import form
 from ...core.exact_number import exact_number
-from ...core.phrases import shorten
+from ...core.phrases import nearest, shorten
 from ...core.text_table import WIDTH, table_rows, together
 
 if TYPE_CHECKING:
@@ -34,16 +34,57 @@ if TYPE_CHECKING:
 Section = Literal["run", "understand", "traces", "sensors"]
 
 
-def command(section: Section, example: str) -> Callable[[Callable[..., object]], click.Command]:
+class Command(click.Command):
+    """A command whose messages about its command line suggest the fix."""
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        given = [*args]
+        try:
+            return super().parse_args(ctx, args)
+        except click.NoSuchOption as error:
+            text = self._long_option(given, error.option_name)
+            if text is None:
+                raise
+            raise click.NoSuchOption(text[0], possibilities=[text[1]], ctx=ctx) from None
+        except click.UsageError as error:
+            before, after = _split_change(given)
+            if after and "extra argument" in error.message:
+                fix = f"--set {shlex.quote(f'{before}={after}')}"
+                raise click.UsageError(f"--set {before}: expected KEY=VALUE; write {fix}", ctx) from None
+            raise
+
+    def _long_option(self, given: list[str], unknown: str) -> tuple[str, str] | None:
+        """Return the text with one dash that a long option was meant by, and this option; None if there is none."""
+        long = [name for one in self.params if isinstance(one, click.Option) for name in one.opts if name[:2] == "--"]
+        for text in given:
+            near = nearest(f"-{text}", long) if SINGLE_DASH.match(text) and unknown[1] in text else []
+            if near:
+                return text, near[0]
+        return None
+
+
+SINGLE_DASH = re.compile(r"-[A-Za-z][\w-]+")
+
+
+def _split_change(given: Sequence[str]) -> tuple[str, str]:
+    """Return the key and value of a --set that is written with a blank in place of the sign =; ("", "") if none is."""
+    for option, key, value in zip(given, given[1:], given[2:], strict=False):
+        if option == "--set" and "=" not in key and not value.startswith("-"):
+            return key.rstrip(": "), value.removeprefix("=").strip()
+    return "", ""
+
+
+def command(section: Section, *examples: str) -> Callable[[Callable[..., object]], click.Command]:
     """Return a decorator that makes a function a command of periph-sim.
 
     section: the section of `periph-sim --help` that lists the command.
-    example: the command line with which the help of the command begins.
+    examples: the command lines with which the help of the command begins.
     """
 
     def made(function: Callable[..., object]) -> click.Command:
-        found = click.command()(function)
-        found.help = f"\b\n$ {example}\n\n{cleandoc(found.help or '')}"
+        found = click.command(cls=Command)(function)
+        lines = "\n".join(f"$ {example}" for example in examples)
+        found.help = f"\b\n{lines}\n\n{cleandoc(found.help or '')}"
         return found
 
     return made

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from ...processor.user_code import FirmwareError
 from ...records.recording import recording
 from ...scene.case.load import load
 from ...scene.result import Result
@@ -76,11 +77,19 @@ def run(
             from ...traces.formats import atomic_write
 
             unfinished = outputs.enter_context(atomic_write(html))
-        subscribe, ended_at = outputs.enter_context(recording(record, loaded.recorded_modules))
-        with progress(loaded.name) as on_progress:
+        with recording(record, loaded.recorded_modules) as (subscribe, ended_at):
             scene = Scene(loaded, subscribe, keep_values=html is not None)
-            result = scene.run(length, on_progress)
-        ended_at(scene.kernel.now, scene.clocks())
+            stopped: Exception | None = None
+            try:
+                with progress(loaded.name) as on_progress:
+                    result = scene.run(length, on_progress)
+            except FirmwareError as error:
+                stopped = error
+            ended_at(scene.kernel.now, scene.clocks())
+        if stopped is not None:
+            at = scene.timebase.show(scene.kernel.now - scene.start)
+            kept = "" if record is None else f"; {record} contains the run up to there"
+            raise click.ClickException(f"{stopped}; this was at {at} of the run{kept}")
         chains: dict[str, Chain] = {}
         if explain:
             from ..reports.explain.explain import explain as explained

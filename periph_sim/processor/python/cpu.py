@@ -112,7 +112,7 @@ class Cpu:
         polled = tuple([read.operand for read in spin.reads[: spin.made]])
         topic = self._topics.get(polled)
         if topic is None:
-            what = spin.waits_for() or "nothing"
+            what = spin.waits_for() or "a variable"
             topic = self._topics[polled] = self._recorder.topic(Kind.WAIT, self.program.name, what)
         return topic
 

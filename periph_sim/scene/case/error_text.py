@@ -38,13 +38,17 @@ def complaint(first: Mistake) -> str:
         return f"there is no such key; {did_you_mean(str(first.place[-1]), first.known)}"
     if first.is_missing:
         return "it is missing"
-    found = repr(first.found)
+    found = str(first.found).lower() if isinstance(first.found, bool) else repr(first.found)  # as TOML spells it
+    if first.what == "expected a table" and isinstance(first.found, list):
+        return f"expected one table; write its header in single brackets, as in [{first.place[-1]}]"
+    if first.what == "expected a list" and isinstance(first.found, dict):
+        return f"expected a list of tables; write its header in double brackets, as in [[{first.place[-1]}]]"
     told = first.found is NOTHING
     # The value is not quoted a second time if the message of the check quotes it, or a text in it, already.
     # A BadCase is about a file that the value names, so its message is complete without the value.
     if first.error is not None:
         entries = first.found if isinstance(first.found, list) else []
-        quoted = [found, *(repr(one) for one in entries if isinstance(one, str))]
+        quoted = [found, repr(first.found), *(repr(one) for one in entries if isinstance(one, str))]
         told |= (
             any(one in first.what for one in quoted) or "but it is" in first.what or isinstance(first.error, BadCase)
         )

@@ -43,10 +43,18 @@ def _by_variable(value: object) -> object:
     return flat
 
 
+def _without_direction(value: object) -> object:
+    """Return an address unchanged. Raise ValueError if it seems to contain the R/W bit."""
+    if type(value) is int and 0x7F < value <= 0xFF:
+        hint = f"without its R/W bit, {value:#04x} is {value >> 1:#04x}"
+        raise ValueError(f"expected an address of 7 bits, 0x00 to 0x7f, but it is {value:#04x}; {hint}")
+    return value
+
+
 Exact = Annotated[Fraction, Before(_exact, int | float | str)]
 Answer = Annotated[Value, Before(_scalar)]  # an answer to an open question
 Length = Annotated[Duration, After(_above_zero)]
-Address = Annotated[int, Meta(ge=0, le=0x7F)]
+Address = Annotated[int, Before(_without_direction), Meta(ge=0, le=0x7F)]
 Byte = Annotated[int, Meta(ge=0, le=0xFF)]
 BusRate = Annotated[Frequency, Meta(le=5_000_000)]  # hertz, up to the fastest mode of UM10204
 Crystal = Annotated[Frequency, Meta(ge=4_000_000, le=150_000_000)]  # hertz at X1/X2 or XCLKIN, limits of SPRS439

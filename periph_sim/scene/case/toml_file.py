@@ -8,9 +8,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any, cast
 
-from ...core.input_files import read_input
+from ...core.input_files import read_input, similar_file
+from ...core.phrases import shorten
 from .model import BadCase
+from .origin import SHOWN
 
+_PLACE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)")
+_OPENS = re.compile(r"([^=\[]+=\s*)?[\[{](?!\[)")  # matches the begin of a line that opens a list or a table in braces
+QUOTES = "'\""
 _TOO_LONG = re.compile(r"[0-9_]{4300}")  # matches an integer that is too long for Python
 
 
@@ -32,7 +37,8 @@ def text_of(path: Path, what: str) -> str:
             f"{path}: is a folder; give a {what} file, or run all its cases: periph-sim check {path}"
         ) from None
     except OSError as error:
-        raise BadCase(f"{path}: cannot be read ({error.strerror}); give the path of a {what} file") from None
+        hint = similar_file(path) or f"give the path of a {what} file"
+        raise BadCase(f"{path}: cannot be read ({error.strerror}); {hint}") from None
     try:
         return data.decode("utf-8-sig")  # Notepad begins a file with a byte order mark
     except UnicodeDecodeError as error:
@@ -48,13 +54,61 @@ def tree_of(path: Path, text: str) -> dict[str, Any]:
     try:
         return cast(dict[str, Any], copied(_tables(text)))
     except tomllib.TOMLDecodeError as error:
-        raise BadCase(f"{path}: it is not TOML: {error}") from None
+        raise BadCase(f"{path}{_not_toml(text, str(error))}") from None
     except ValueError:
         found = _TOO_LONG.search(text)
         line = 0 if found is None else text.count("\n", 0, found.start()) + 1
         raise BadCase(f"{path}, line {line}: an integer is too long; it must fit 64 bits") from None
     except RecursionError:
         raise BadCase(f"{path}: its tables or lists are nested too deeply; a case has at most five levels") from None
+
+
+def _not_toml(text: str, error: str) -> str:
+    """Return the line of a mistake in TOML, what is wrong there, and the fix. error: the message of tomllib."""
+    lines = [line.strip() for line in text.splitlines()] or [""]
+    found = _PLACE.search(error)
+    number = min(int(found[1] or len(lines)), len(lines)) if found else len(lines)
+    what = _PLACE.sub("", error)
+    if what.startswith("Cannot"):
+        return _given_twice(lines, number)
+    if what.startswith("Unclosed"):  # tomllib names the line after
+        number = next((n for n in range(number, 0, -1) if _OPENS.match(lines[n - 1])), number)
+    line = lines[number - 1]
+    return f", line {number}: it is not TOML: {what} in `{shorten(line, SHOWN)}`; {_fix(line)}"
+
+
+def _fix(line: str) -> str:
+    """Return the way to correct a line that is not TOML."""
+    key, equals, value = (part.strip() for part in line.partition("="))
+    value = value.partition(" #")[0].strip(" =")
+    if line.startswith("["):
+        return "write a header as [table], or as [[table]] for one of several"
+    if _OPENS.match(line):
+        return "write texts in quotes, a comma between entries, and close the list or table"
+    if not equals:
+        key, _, value = re.sub(r"\s*[:\s]\s*", "=", line, count=1).partition("=")
+        return f"write {key} = {value or '...'}" if key else "write KEY = VALUE, with texts in quotes"
+    if value.lower() in ("true", "false"):
+        return f"write {key} = {value.lower()}"
+    if re.match(r"[-+]?\d\w*$", value):
+        return "write a number, as 12 or 0x0c; texts are in quotes"
+    return f'write texts, and numbers with a unit, in quotes: {key} = "{value.strip(QUOTES)}"'
+
+
+def _given_twice(lines: list[str], number: int) -> str:
+    """Return the line to correct, and the fix, if line `number` has a key or table that is in the file already."""
+    line = lines[number - 1].partition(" #")[0].strip()
+    name = line.partition("=")[0].strip("[] ")
+    for n, above in reversed(list(enumerate(lines[: number - 1], 1))):
+        if above.startswith("[") and not line.startswith("["):
+            break
+        if above.partition(" #")[0].strip() == f"[{name}]" != line:
+            return f", line {n}: [{name}] is one of several tables, as line {number} says; write [[{name}]]"
+        if above.startswith(f"[[{name}]]"):
+            return f", line {number}: {line} is one of several tables, as line {n} says; write [[{name}]]"
+        if above.partition("=")[0].strip("[] ") == name:
+            return f", line {number}: {name} is given already in line {n}; remove one of them"
+    return f", line {number}: {name} is given already; remove one of them"
 
 
 @lru_cache(maxsize=16)

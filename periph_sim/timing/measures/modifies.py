@@ -19,13 +19,13 @@ use `records/cleared_flags.py` to judge the cleared flags.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from fractions import Fraction
 from typing import final
 
 from msgspec import Struct
 
-from ...core.phrases import did_you_mean
+from ...core.phrases import counted, did_you_mean
 from ...core.records import NOWHERE, OF_MODIFIES, UNWANTED, Kind, Recorder, RecordSink, Subjects
 from ...form.c_types import Text
 from ...processor.source_location import statement
@@ -321,16 +321,29 @@ class Modifies(RecordSink):
         name: a flag to return, whether firmware had read it or not; "" for all flags that firmware had not read.
         """
         found = Cleared()
-        for register in self._registers.values():
-            if register.status or not self._status:
-                for place in register.places.values():
-                    meant = place.meant(register.flags)
-                    for flag, of in zip(register.flags, place.flags, strict=True):
-                        if name in ("", flag.name):
-                            found.add(of.between)
-                            if flag.name not in meant:
-                                found.add(of.along if name else of.unseen)
+        for _, gone in self._cleared(name):
+            found.add(gone)
         return found
+
+    def named(self, name: str = "") -> str:
+        """Return a phrase with the flags that `cleared` counts, how often each was cleared, and where; "" for none."""
+        counts = {what: gone.count for what, gone in self._cleared(name)}
+        return "; ".join(f"{what}, {counted(count, 'time')}" for what, count in counts.items() if count)
+
+    def _cleared(self, name: str) -> Iterator[tuple[str, Cleared]]:
+        """Yield, for each flag and place in the firmware, a text about both and the times that the flag was cleared."""
+        for (unit, title), register in self._registers.items():
+            if not register.status and self._status:
+                continue
+            for where, place in register.places.items():
+                meant = place.meant(register.flags)
+                for flag, of in zip(register.flags, place.flags, strict=True):
+                    if name in ("", flag.name):
+                        gone = Cleared()
+                        gone.add(of.between)
+                        if flag.name not in meant:
+                            gone.add(of.along if name else of.unseen)
+                        yield f"{unit}.{title}.{flag.name} at {where or 'an unknown place'}", gone
 
 
 class LostFlags(Measure):
@@ -372,6 +385,10 @@ class LostFlags(Measure):
         self.count = self.modifies.writes
         self.worst = self.least = gone.count
         self.worst_at = self.least_at = gone.first
+
+    def close(self, now: int) -> str:
+        super().close(now)
+        return self.modifies.named(self.watched.field)
 
     def why_silent(self) -> str:
         what = self.watched.text or "a register with flags that writing 1 clears"

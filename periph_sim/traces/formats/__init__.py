@@ -33,7 +33,7 @@ from pathlib import Path
 from typing import Protocol, cast
 
 from ...core.discover import has_plugins, modules_with
-from ...core.input_files import is_input, note_input, open_regular
+from ...core.input_files import is_input, note_input, open_regular, similar_file
 from ...core.phrases import did_you_mean
 from ...core.registered import registered
 from ...supervisor import remove_unless_complete
@@ -196,7 +196,11 @@ def _head(path: Path) -> bytes:
             return file.read(HEAD)
     except OSError as error:
         raise BadCapture(
-            path, "the file", (error.strerror or "an error").lower(), "a file that can be read", "check its name"
+            path,
+            "the file",
+            (error.strerror or "an error").lower(),
+            "a file that can be read",
+            similar_file(path) or "check its name",
         ) from error
 
 

@@ -122,7 +122,7 @@ def test_annotations_leave_json_alone(periph_sim: Run, cases: Path):
     ("arguments", "sentence"),
     [
         (["nowhere"], "nowhere: there is no such file or folder; give case files, or folders of them"),
-        (["timing/small_firmware.py"], "timing/small_firmware.py: it is not TOML: "),
+        (["timing/small_firmware.py"], "timing/small_firmware.py, line 1: it is not TOML: "),
         (["--junit", "no/out.xml"], "no/out.xml, its place: found no such file or directory, expected a place that"),
         (["--tolerance", "-1"], "Invalid value for '--tolerance': -1 is not in the range x>=0."),
         (["--set", "duration=1 ms"], "--update-baseline with --set: a baseline is of the unchanged case; remove one"),

@@ -52,9 +52,12 @@ def test_seconds_replaces_the_duration(periph_sim: Run, desk: Path, seconds: str
 @pytest.mark.parametrize(
     ("arguments", "sentence"),
     [
-        (["smal.toml"], "smal.toml: cannot be read (No such file or directory); give the path of a case file"),
+        (["smal.toml"], "smal.toml: cannot be read (No such file or directory); did you mean small.toml?"),
         (["."], ".: is a folder; give a case file, or run all its cases: periph-sim check ."),
-        (["small.toml", "--seconds", "ten"], "--seconds: 'ten': unit 'ten' is none of ns, us, ms, s, min, h, d"),
+        (
+            ["small.toml", "--seconds", "ten"],
+            "--seconds: 'ten' is no length of time; write for instance 20 ms (ns, us, ms, s, min, h, d)",
+        ),
         (["small.toml", "--seconds", "-1"], "--seconds: '-1 s' is negative; a duration is 0 or more"),
         (["small.toml", "--set", "seed"], "--set 'seed': expected key=value, for instance controller.period=10 ms"),
         (
@@ -77,15 +80,18 @@ def test_seconds_replaces_the_duration(periph_sim: Run, desk: Path, seconds: str
         ),
         (
             ["small.toml", "--set", "unit.dsp.firmware=crash.py"],
-            "dsp: AttributeError at line 3 of crash.py: I2C-A.I2CSTR has no field 'AS'; did you mean AAS?",
+            "dsp: AttributeError at line 3 of crash.py: I2C-A.I2CSTR has no field 'AS'; did you mean AAS?; "
+            "this was at 0.000 us of the run",
         ),
         (
             ["small.toml", "--set", "unit.dsp.firmware=crash.py", "--set", "unit.dsp.modules=[]"],
-            "dsp: KeyError at line 2 of crash.py: dsp has no module 'I2C-A'; name it in modules of [unit.dsp]",
+            "dsp: KeyError at line 2 of crash.py: dsp has no module 'I2C-A'; name it in modules of [unit.dsp]; "
+            "this was at 0.000 us of the run",
         ),
         (
             ["small.toml", "--set", "unit.dsp.firmware=starts.py", "--set", "unit.dsp.modules=[]"],
-            "dsp: KeyError at line 4 of starts.py: dsp has no module 'I2C-A'; name it in modules of [unit.dsp]",
+            "dsp: KeyError at line 4 of starts.py: dsp has no module 'I2C-A'; name it in modules of [unit.dsp]; "
+            "this was at 0.107 us of the run",
         ),
     ],
 )
@@ -113,13 +119,14 @@ def main(dsp, settings):
 
 
 @pytest.mark.parametrize("suffix", [".vcd", ".jsonl"])
-def test_a_run_that_fails_midway_leaves_no_recording(periph_sim: Run, desk: Path, suffix: str):
+def test_a_run_that_fails_midway_leaves_the_recording_up_to_there(periph_sim: Run, desk: Path, suffix: str):
     late = "def main(dsp, settings):\n    dsp.compute(1_500_000)\n    raise ValueError('boom')\n"
     (desk / "late.py").write_text(late, encoding="utf-8")
-    before = sorted(desk.iterdir())
+    before = {*desk.iterdir()}
     came = periph_sim("run", "small.toml", "--set", "unit.dsp.firmware=late.py", "--record", f"run{suffix}")
-    assert came == (2, "", "Error: dsp: ValueError at line 3 of late.py: boom\n")
-    assert sorted(desk.iterdir()) == before
+    place = f"this was at 10.000 ms of the run; run{suffix} contains the run up to there"
+    assert came == (2, "", f"Error: dsp: ValueError at line 3 of late.py: boom; {place}\n")
+    assert {*desk.iterdir()} == before | {desk / f"run{suffix}"}
 
 
 def test_recordings_of_two_equal_runs_are_equal_and_of_another_seed_are_not(periph_sim: Run, desk: Path):
@@ -128,6 +135,20 @@ def test_recordings_of_two_equal_runs_are_equal_and_of_another_seed_are_not(peri
         periph_sim("run", "small.toml", "--record", f"{name}.jsonl", "--set", f"seed={seed}", *jitter)
     a, b, c = ((desk / f"{name}.jsonl").read_bytes() for name in "abc")
     assert a == b != c
+
+
+@pytest.mark.parametrize(
+    ("arguments", "fix"),
+    [
+        (["-second", "1"], "No such option '-second'. Did you mean '--seconds'?"),
+        (["--set", "seed", "1"], "--set seed: expected KEY=VALUE; write --set seed=1"),
+    ],
+)
+def test_a_mistake_in_the_command_line_is_answered_with_the_fix(
+    periph_sim: Run, desk: Path, arguments: list[str], fix: str
+):
+    came = periph_sim("run", "small.toml", *arguments)
+    assert came.status == 2 and came.err.endswith(f"Error: {fix}\n")
 
 
 def test_a_recording_does_not_change_the_verdict(periph_sim: Run, desk: Path):

@@ -86,7 +86,7 @@ def test_pictures_appear_together_or_not_at_all(periph_sim: Run, case: str, desk
 MISTAKES = {
     ("respons",): "imu_hil.toml: there is no budget 'respons'; did you mean response?",
     ("--svg", "nowhere"): "--svg: nowhere is no folder; create it, or give another",
-    ("--seconds", "ten"): "--seconds: 'ten': unit 'ten' is none of ns, us, ms, s, min, h, d",
+    ("--seconds", "ten"): "--seconds: 'ten' is no length of time; write for instance 20 ms (ns, us, ms, s, min, h, d)",
     ("--set", "sed=1"): "imu_hil.toml, --set 'sed=1': there is no key 'sed'; did you mean seed?",
 }
 

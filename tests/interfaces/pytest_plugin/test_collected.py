@@ -129,7 +129,7 @@ def table(result: pytest.RunResult) -> list[str]:
          r".* max.*"),
         (('"responder"', '"respnder"'), r"small.toml, line \d+: unit.dsp.firmware: there is no firmware 'respnder'; "
          r"did you mean responder or responder_declared\?"),
-        (("[unit.dsp]", "[unit.dsp"), r"small.toml: it is not TOML: .*"),
+        (("[unit.dsp]", "[unit.dsp"), r"small.toml, line \d+: it is not TOML: .*"),
     ],
 )  # fmt: skip
 def test_a_bad_case_is_one_sentence(project: pytest.Pytester, change: tuple[str, str], said: str) -> None:

@@ -71,7 +71,7 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'duration = "1 s"',
             'duration = "1 s"\nbreaks = "nacks"',
-            "small.toml, line 3: breaks: expected a list, but it is 'nacks'",
+            "small.toml, line 3: breaks: expected a list, as in ['nacks'], but it is 'nacks'",
         ),
         (
             'duration = "1 s"',
@@ -111,7 +111,7 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'duration = "1 s"',
             'duration = "1 sec"',
-            "small.toml, line 2: duration: '1 sec': unit 'sec' is none of ns, us, ms, s, min, h, d",
+            "small.toml, line 2: duration: '1 sec': unit 'sec' is none of ns, us, ms, s, min, h, d; did you mean 1 s?",
         ),
         (
             'duration = "1 s"',
@@ -131,7 +131,7 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'modules = ["I2C-A"]',
             'modules = "I2C-A"',
-            "small.toml, line 6: unit.dsp.modules: expected a list, but it is 'I2C-A'",
+            "small.toml, line 6: unit.dsp.modules: expected a list, as in ['I2C-A'], but it is 'I2C-A'",
         ),
         (
             'modules = ["I2C-A"]',
@@ -146,7 +146,8 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'modules = ["I2C-A"]',
             'modules = []\noscclk = "30 mhz"',
-            "small.toml, line 7: unit.dsp.oscclk: '30 mhz': expected a number, a blank and one of Hz, kHz, MHz, GHz",
+            "small.toml, line 7: unit.dsp.oscclk: '30 mhz': unit 'mhz' is none of Hz, kHz, MHz, GHz; "
+            "did you mean 30 MHz?",
         ),
         (
             'modules = ["I2C-A"]',
@@ -173,7 +174,8 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'order = ["gyroscope"]',
             "[[controller.request]]\naddress = 0x68\n[[controller.request]]\naddress = 0x80",
-            "small.toml, line 15: controller.request.1.address: expected 0 to 127, but it is 128",
+            "small.toml, line 15: controller.request.1.address: expected an address of 7 bits, 0x00 to 0x7f, "
+            "but it is 0x80; without its R/W bit, 0x80 is 0x40",
         ),
         (
             'order = ["gyroscope"]',
@@ -226,17 +228,35 @@ def test_one_sentence_with_file_line_and_way_out(case_file: Path, line: str, by:
 
 def test_missing_file(case_file: Path):
     message = refusal(Path("smal.toml"))
-    assert message == "smal.toml: cannot be read (No such file or directory); give the path of a case file"
+    assert message == "smal.toml: cannot be read (No such file or directory); did you mean small.toml?"
 
 
 def test_a_folder_is_no_case(case_file: Path):
     assert refusal(Path(".")) == ".: is a folder; give a case file, or run all its cases: periph-sim check ."
 
 
-def test_not_toml(case_file: Path):
-    case_file.write_text('name = "x"\nduration = 1 s\n', encoding="utf-8")
-    assert refusal(case_file).startswith("small.toml: it is not TOML: ")
-    assert "line 2" in refusal(case_file)
+@pytest.mark.parametrize(
+    ("text", "line", "fix"),
+    [
+        ("duration = 1 s", 1, 'duration = "1 s"'),
+        ('duration = "1 s', 1, 'duration = "1 s"'),
+        ("seed : 5", 1, "write seed = 5"),
+        ("strict = True", 1, "write strict = true"),
+        ("seed = 5x", 1, "write a number, as 12 or 0x0c"),
+        ('breaks = ["a", "b"\nseed = 1', 1, "close the list or table"),
+        ("[host", 1, "write a header as [table]"),
+        ("seed = 1\nname = 'x'\nseed = 2 # one", 3, "seed is given already in line 1; remove one of them"),
+        ("[budget]\nmax = 1\n\n[[budget]]\nmax = 1", 1, "as line 4 says; write [[budget]]"),
+        ("[[budget]]\nmax = 1\n[budget]\nmax = 1", 3, "as line 1 says; write [[budget]]"),
+        ("name = 'x'\nduration = '1 s'\n[[controller]]\nperiod = '1 ms'", 3, "single brackets, as in [controller]"),
+        ("name = 'x'\nduration = '1 s'\n[budget]\nmax = 1", 3, "double brackets, as in [[budget]]"),
+        ("name = 'x'\nduration = '1 s'\n[[controller.request]]\naddress = 0x90", 4, "0x90 is 0x48"),
+    ],
+)
+def test_a_typing_mistake_is_named_with_its_line_and_the_fix(case_file: Path, text: str, line: int, fix: str):
+    case_file.write_text(text + "\n", encoding="utf-8")
+    message = refusal(case_file)
+    assert message.startswith(f"small.toml, line {line}: ") and fix in message
 
 
 def test_not_utf8(case_file: Path):
@@ -266,7 +286,7 @@ def test_not_utf8(case_file: Path):
         (
             "budget.nacks.max=true",
             "small.toml, --set 'budget.nacks.max=true': budget.nacks.max: expected a duration with its unit "
-            '("250 us"), or a whole number for counts, but it is True',
+            '("250 us"), or a whole number for counts, but it is true',
         ),
         (
             "controller.jitter=1 s",

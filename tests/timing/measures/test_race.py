@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from fractions import Fraction
 from typing import Any
 
@@ -93,6 +94,7 @@ def test_a_flag_lost_to_a_read_modify_write_breaks_its_budget(monkeypatch: pytes
     writes = asks(write="0102", count=0)
     lost, limited = judged(drops(False), *({"measure": name, "max": most} for most in (0, 1)), **writes)
     assert (lost.worst, lost.count, lost.verdict, limited.verdict) == (1, 1, "fail", "pass")
+    assert re.fullmatch(r"\w+\.I2C-A\.I2CSTR\.\w+ at .*, 1 time", lost.found) and lost.found == limited.found
     (seen,) = judged(drops(True), {"measure": name, "exactly": 0}, **writes)
     assert (seen.worst, seen.count, seen.verdict) == (0, 1, "pass")
     ticks = timing.lost_flags(ran(monkeypatch, drops(False), **writes).table, name.removeprefix("lost flags").strip())

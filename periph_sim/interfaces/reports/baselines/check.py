@@ -19,6 +19,7 @@ from difflib import unified_diff
 from pathlib import Path
 from typing import Literal, Protocol, TypeVar, TypeVarTuple
 
+from ....core.input_files import similar_file
 from ....scene.case.discover import cases_below
 from ....timing.verdict import broken
 from ..explain.chain import Chain
@@ -120,7 +121,8 @@ def case_files(paths: Iterable[Path | str]) -> list[Path]:
         elif path.exists():
             found[path] = None
         else:
-            raise BadCheck(f"{path}: there is no such file or folder; give case files, or folders of them")
+            hint = similar_file(path) or "give case files, or folders of them"
+            raise BadCheck(f"{path}: there is no such file or folder; {hint}")
     return list(found)
 
 

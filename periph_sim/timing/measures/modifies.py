@@ -387,8 +387,7 @@ class LostFlags(Measure):
         self.worst_at = self.least_at = gone.first
 
     def close(self, now: int) -> str:
-        super().close(now)
-        return self.modifies.named(self.watched.field)
+        return self.modifies.named(self.watched.field)  # no occurrence is unfinished, as none has a length
 
     def why_silent(self) -> str:
         what = self.watched.text or "a register with flags that writing 1 clears"

@@ -253,12 +253,13 @@ class Evidence:
     def stretches(self, begin: int, end: int) -> list[tuple[int, int]]:
         """Return the stretches of SCL between two ticks.
 
-        Each is a pair of ticks: the end of the controller's own low time, and the rise of SCL.
+        Each is a pair of ticks: the end of the controller's own low time, and the rise of SCL. A low phase that is one
+        tick longer is not stretched: the ticks of edges are rounded if the controller's clock has an error in ppm.
         """
         return [
             (max(fall + self.low, begin), min(rise, end))
             for fall, rise in self._scl_lows
-            if fall + self.low < end and begin < rise and rise - fall > self.low > 0
+            if fall + self.low < end and begin < rise and rise - fall > self.low + 1 > 1
         ]
 
     def _lows(self, wire: str) -> list[tuple[int, int]]:

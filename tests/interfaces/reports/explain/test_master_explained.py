@@ -6,9 +6,11 @@ from fractions import Fraction
 from typing import Any
 
 from periph_sim.interfaces.reports.explain.chain import Chain, text
+from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.scene import Scene
 from tests.interfaces.reports.explain.made import explain
+from tests.scene.runs import TIMING
 
 SCRIPT = ["50 W 00 10 11 22", "50 W", "50 W", "50 W", "50 W 00 10 Sr 50 R 2"]
 REQUEST = {"address": 0x50, "pointer": 0, "count": 0}
@@ -99,3 +101,11 @@ def test_a_page_begins_at_a_multiple_of_its_length():
     """Pages of 32 bytes: 0x50 lies in the one from 0x40 on."""
     steps = [step.what for step in read_back("50 11 22", "50", "11 23").steps]
     assert steps[2].startswith("byte 1: 0x11 ACK, sent by memory from 0x0050, last written 0x11, ")
+
+
+def test_a_low_phase_that_rounding_makes_longer_by_a_tick_is_not_held():
+    case = load(TIMING / "eeprom_log.toml", ["duration=20 ms", "unit.dsp.ppm=40"])
+    (verdict,) = [one for one in Scene(case).run().budgets if one.name == "round complete"]
+    explained = explain(case, [verdict])["round complete"]
+    assert explained.chain is not None and len(explained.chain.steps) > 5
+    assert [step.what for step in explained.chain.steps if "SCL held" in step.what] == []

@@ -124,7 +124,7 @@ def text(run: Run, findings: list[Finding]) -> str:
     lines = []
     for f in findings:
         times = "once" if f.count == 1 else f"{f.count} times, first"
-        lines.append(f"{f.unit} {f.place}: {f.text} [{f.source}]")
+        lines.append(f"{' '.join(filter(None, (f.unit, f.place)))}: {f.text} [{f.source}]")
         lines.append(f"  {f.lint}, {times} at {run.at(f.first)}")
     places = counted(len(findings), "finding") if findings else "nothing found"
     return "\n".join([*lines, f"{run.name}: {places} by {len(all_lints())} lints"])

@@ -11,7 +11,7 @@ import pytest
 
 from periph_sim.firmware import start_i2c, start_pie
 from periph_sim.processor.dsp import Dsp
-from periph_sim.records.lint import Options, all_lints, lint
+from periph_sim.records.lint import Finding, Options, all_lints, lint, text
 from periph_sim.scene.case.load import load
 from tests.records.scenes import ADDRESS, asks, by_hand, line_of, ran, recorded
 from tests.scene.runs import TIMING
@@ -171,6 +171,12 @@ def test_a_planted_fault_is_found_once_at_its_place(
     times = 2 if name == "transmit-register-overwritten" else 1
     assert [(f.lint, f.unit, f.place) for f in found] == [(name, "dsp", place)] and found[0].count <= times
     assert found[0].source.startswith(("SPRUG03B", "SPRUFB0D")) and 0 < found[0].first < run.table.end
+
+
+def test_a_finding_without_a_place_names_the_unit(monkeypatch: pytest.MonkeyPatch):
+    run = ran(monkeypatch, firmware(serve), **asks(pointer=1, count=1))
+    shown = text(run, [Finding("stale-flag", "dsp", "", 1, 0, "it is stale", "SPRUG03B")])
+    assert shown.startswith("dsp: it is stale [SPRUG03B]\n")
 
 
 def test_every_lint_has_a_fault_here():

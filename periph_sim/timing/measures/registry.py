@@ -90,7 +90,7 @@ MEASURES = {
     ),
     "nacked": Sentence(
         "count of record transfer refused",
-        "Requests whose address was not acknowledged.",
+        "Transfers whose address was not acknowledged, polls included.",
         "this transfer",
     ),
     "wrong bytes": Sentence(

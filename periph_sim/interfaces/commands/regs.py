@@ -29,14 +29,30 @@ MAPS: dict[str, tuple[int, RegisterMap]] = {module.name: (module.base, module.re
 @click.argument("name", required=False)
 @click.option("--options", "want_options", is_flag=True, help="List the open questions and their answers instead.")
 def regs(name: str | None, want_options: bool) -> None:
-    """Show the registers of MODULE, one register as MODULE.REGISTER, or all modules."""
+    """Show the registers of MODULE, one register as MODULE.REGISTER or REGISTER, or all modules."""
     if want_options:
         show_options(name)
     elif name is None:
         modules = [((m, f"{base:#06x}", str(len(of.registers)), of.source), "") for m, (base, of) in MAPS.items()]
         print_table(("module", "base", "registers", "source"), modules)
     else:
-        show_registers(*name.partition(".")[::2])
+        show_registers(*named(name))
+
+
+def named(name: str) -> tuple[str, str]:
+    """Return the module and the register that a user's text names. The register is "" if the text names a module.
+
+    A register without its module may have any case of letters. Raise ClickException if several modules have it.
+    """
+    register = name.upper()
+    modules = [] if name in MAPS else [module for module, (_, registers) in MAPS.items() if register in registers]
+    if len(modules) > 1:
+        ways = ", ".join(f"{module}.{register}" for module in modules)
+        raise click.ClickException(f"{len(modules)} modules have a register {register}; write one of {ways}")
+    if modules:
+        return modules[0], register
+    module, _, register = name.partition(".")
+    return module, register
 
 
 def show_registers(module: str, register: str) -> None:

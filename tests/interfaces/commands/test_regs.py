@@ -32,6 +32,11 @@ def test_one_register_with_its_fields(periph_sim: Run):
     assert all(name in came.out for name in ("SDIR", "NACKSNT", "BB", "RSFULL", "XSMT", "AAS", "AD0", "SCD", "XRDY"))
 
 
+@pytest.mark.parametrize("name", ["I2CSTR", "i2cstr", "I2cStr"])
+def test_a_register_that_one_module_has_needs_no_module(periph_sim: Run, name: str):
+    assert periph_sim("regs", name) == periph_sim("regs", "I2C-A.I2CSTR")
+
+
 @pytest.mark.parametrize("group", OPTIONS)
 def test_every_option_with_its_question(periph_sim: Run, group: str):
     came = periph_sim("regs", "--options", group)
@@ -52,6 +57,8 @@ def test_all_options(periph_sim: Run):
     [
         (["I2C"], "there is no module 'I2C'; did you mean I2C-A?"),
         (["I2C-A.I2CST"], "I2C-A has no register 'I2CST'; did you mean I2CSTR"),
+        (["sciccr"], "3 modules have a register SCICCR; write one of SCI-A.SCICCR, SCI-B.SCICCR, SCI-C.SCICCR"),
+        (["NOSUCH"], "there is no module 'NOSUCH'"),
         (["--options", "i2"], "there are no options for 'i2'; did you mean i2c?"),
     ],
 )

@@ -17,6 +17,7 @@ from periph_sim.core.input_files import (
     open_regular,
     read_input,
     read_regular,
+    similar_file,
 )
 
 
@@ -103,3 +104,11 @@ def test_a_file_whose_size_is_not_known_is_read_up_to_its_limit():
     assert os.stat("/proc/self/status").st_size == 0
     with pytest.raises(OSError, match="Longer than 4 bytes"):
         read_input(Path("/proc/self/status"), 4)
+
+
+def test_files_that_share_only_the_suffix_are_not_similar(tmp_path: Path):
+    for name in ("pyproject.toml", "memory.toml"):
+        (tmp_path / name).touch()
+    assert similar_file(tmp_path / "none.toml") == ""
+    assert similar_file(tmp_path / "memry.toml") == f"did you mean {tmp_path / 'memory.toml'}?"
+    assert similar_file(tmp_path / "memory.tml") == f"did you mean {tmp_path / 'memory.toml'}?"

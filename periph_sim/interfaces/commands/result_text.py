@@ -98,7 +98,7 @@ def assumptions(names: Sequence[str], case: Case, verbose: bool) -> list[str]:
 
         assumes 23 undocumented behaviours (-v lists them)
 
-        assumes 2 undocumented behaviours; periph-sim regs --options has their questions:      verbose
+        assumes 2 undocumented behaviours; `regs --options` lists the questions:      verbose
           dsp.i2c.bcm_reset = 0; the default is 1
           dsp.i2c.rrdy_point = fall8, the default
 
@@ -108,11 +108,10 @@ def assumptions(names: Sequence[str], case: Case, verbose: bool) -> list[str]:
     if not names:
         return []
     head = f"assumes {counted(len(names), 'undocumented behaviour')}"
-    questions = "their questions" if len(names) > 1 else "its question"
     if not verbose:
         return [f"{head} (-v lists {'them' if len(names) > 1 else 'it'})"]
     return [
-        f"{head}; periph-sim regs --options has {questions}:",
+        f"{head}; `regs --options` lists the questions:",
         *(f"  {name} {_answer(name, case)}" for name in names),
     ]
 

@@ -77,7 +77,7 @@ def test_what_a_run_assumes_is_a_number_and_with_v_a_line_each(periph_sim: Run):
     assert periph_sim(*short).out.endswith(f"\nassumes {len(names)} undocumented behaviours (-v lists them)\n")
     option = ("--set", "unit.dsp.options.i2c.noise_filter_cycles=2")
     told = periph_sim(*short, "-v", *option).out.splitlines()
-    at = told.index(f"assumes {len(names)} undocumented behaviours; periph-sim regs --options has their questions:")
+    at = told.index(f"assumes {len(names)} undocumented behaviours; `regs --options` lists the questions:")
     assert [line.split()[0] for line in told[at + 1 :]] == names
     assert "  dsp.i2c.noise_filter_cycles = 2; the default is 1" in told
     assert "  dsp.i2c.aas_sdir_point = fall8, the default" in told

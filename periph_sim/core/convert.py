@@ -2,10 +2,9 @@
 
     3, "250 us", {...}, [...] --converter_of(annotation)--> int, Fraction, a Table, a tuple ...
 
-msgspec checks plain values. Tables are checked here, key by key, so that every mistake is reported with its place. The
-type of a table is a class: a `Table`, another subclass of `msgspec.Struct`, a dataclass or a TypedDict. The fields of
-the class are the keys of the table. `Annotated` adds functions that run before and after the check (`Before`, `After`),
-and limits (`msgspec.Meta`).
+msgspec checks plain values. Tables are checked here, key by key, so that every mistake is reported with its place. A
+table is a class whose fields are the keys: a `Table`, another subclass of `msgspec.Struct`, a dataclass or a TypedDict.
+`Annotated` adds limits (`msgspec.Meta`), and functions that run before and after the check (`Before`, `After`).
 """
 
 from __future__ import annotations

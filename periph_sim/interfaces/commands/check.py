@@ -189,7 +189,7 @@ def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
     say(*(f"Error: {case.why}" for case in refused))
     for one in (one for one in checks if not one.passed):
         if set(one.outcome.not_passed) != set(one.outcome.breaks):
-            say(f"{one.outcome.figures.case}: FAIL", style="bold")
+            say(f"{one.outcome.figures.case}: FAIL", style="red")
             budget_table(one.outcome.verdicts)
             say(*legend(one.outcome.verdicts))
         say(*(f"{one.outcome.path.as_posix()}, line {finding.line}: {finding.text}" for finding in one.findings))
@@ -221,4 +221,4 @@ def _row(one: CaseCheck) -> tuple[tuple[str, ...], str]:
     changed = sum(not change.note for change in one.changes)
     state = f"{changed} changed" if one.state == "changed" else one.state
     cells = (one.outcome.figures.case, *numbers, str(len(one.outcome.breaks)), state)
-    return (*cells, "pass" if one.passed else "fail"), "" if one.passed else "red"
+    return (*cells, "pass" if one.passed else "fail"), "green" if one.passed else "red"

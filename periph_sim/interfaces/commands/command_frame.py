@@ -90,7 +90,14 @@ def command(section: Section, *examples: str) -> Callable[[Callable[..., object]
     return made
 
 
-CODES = {"bold": 1, "dim": 2, "italic": 3, "red": 31, "yellow": 33}  # a dictionary from styles to ANSI escape codes
+CODES = {
+    "bold": 1,
+    "dim": 2,
+    "italic": 3,
+    "red": 31,
+    "green": 32,
+    "yellow": 33,
+}  # a dictionary from styles to ANSI escape codes
 UNSEEN = dict.fromkeys((7, 8, 11, 12, 13))  # control codes that are removed from lines
 TAB = 8
 

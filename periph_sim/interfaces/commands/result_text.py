@@ -16,7 +16,8 @@ A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]
 # A dictionary from names of counts to their singular. Names that are not in it are used for all numbers: `2 missed`.
 THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}
 MOST_WRONG = 12  # maximum number of places of wrong bytes that are listed
-STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}
+STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}  # styles of a budget's row
+HEADLINES = {**STYLES, PASS: "green"}  # styles of the line that states a run's verdict
 
 
 def show(result: Result, case: Case, verbose: bool = False) -> None:
@@ -25,7 +26,8 @@ def show(result: Result, case: Case, verbose: bool = False) -> None:
     verbose: True to list the undocumented behaviours that the run assumed, and the counts of skipped polls and bits.
     """
     by_estimate = f"; cycles between accesses of {' and '.join(result.estimated)} are estimated"
-    say(f"{result.case}: {title(result)}{by_estimate if result.estimated else ''}", style="bold")
+    head = f"{result.case}: {title(result)}{by_estimate if result.estimated else ''}"
+    say(head, style=HEADLINES[result.verdict])
     if result.budgets:
         budget_table(result.budgets)
     else:

@@ -15,7 +15,7 @@ from ..reports.baselines.compare import compare
 from ..reports.baselines.files import BadCheck, path_for, read
 from ..reports.baselines.outcome import Outcome, RejectedCase, run_case
 from .command_frame import CHANGES, GUARANTEED, command, say, usage_errors_in_one_sentence
-from .result_text import broken_lines, budget_table, title
+from .result_text import HEADLINES, broken_lines, budget_table, title
 
 PAUSE = 0.3  # seconds between checks of the files; polling needs no library and works on any file system
 
@@ -53,7 +53,7 @@ def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome 
     if isinstance(came, RejectedCase):
         say(f"Error: {came.why}")
         return before
-    say(f"{came.figures.case}: {title(came.result)}", style="bold")
+    say(f"{came.figures.case}: {title(came.result)}", style=HEADLINES[came.result.verdict])
     if before is None:
         budget_table(came.verdicts)
     say(*(f"  {line}" for line in (*broken_lines(came.verdicts), *came.trouble)))

@@ -50,7 +50,7 @@ def test_a_table_is_as_rich_writes_it_and_never_below_80_columns(
     monkeypatch.setenv("COLUMNS", str(columns))
     draw = random.Random(columns)
     rows = []
-    for style in ("", "red", "yellow", "dim", ""):
+    for style in ("", "red", "green", "yellow", "dim"):
         words = [" ".join(draw.choices(("a", "word", "long" * 9), k=draw.randrange(9))) for _ in range(2)]
         rows.append(([*words, f"{draw.randrange(10**6)} us"], style))
     print_table(("what", "two\nlines", "number"), rows, right=(2,), whole=(2,))

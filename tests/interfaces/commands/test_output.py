@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from periph_sim.interfaces.commands.result_text import budget_table, legend, rounded
+from periph_sim.interfaces.commands.result_text import budget_table, legend, rounded, show
 from periph_sim.scene.case.load import load
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import FAIL, NOT_JUDGED, PASS, Verdict, Word
@@ -106,3 +106,19 @@ def test_polls_that_were_skipped_are_told_with_v_rounded(periph_sim: Run):
 )
 def test_a_count_of_which_only_the_size_matters(count: int, text: str):
     assert rounded(count) == text
+
+
+@pytest.mark.parametrize(("word", "code"), [(PASS, 32), (FAIL, 31), (NOT_JUDGED, 33)])
+def test_the_headline_has_the_colour_of_its_verdict_on_a_terminal_only(word: Word, code: int, monkeypatch, capsys):
+    for name in ("NO_COLOR", "TERM", "TTY_COMPATIBLE", "FORCE_COLOR"):
+        monkeypatch.delenv(name, raising=False)
+    case = load(TIMING / "imu_hil.toml")
+    result = Scene(case).run(Fraction(1, 1000))
+    result.verdict = word
+    show(result, case)
+    plain = capsys.readouterr().out
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    show(result, case)
+    styled = capsys.readouterr().out
+    assert "\x1b" not in plain
+    assert styled.startswith(f"\x1b[{code}m{plain.splitlines()[0]}\x1b[0m\n")

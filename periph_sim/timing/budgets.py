@@ -150,8 +150,8 @@ class BudgetJudge:
         else:
             nearest = min([self._beside(key, limit) for key, limit in limits], key=attrgetter("slack"))
         at = NO_TIME if silent else nearest.at
-        until = NO_TIME
-        if measure.refuted and (nearest.slack >= 0 or not measure.series):
+        until = measure.worst_until
+        if measure.refuted and nearest.slack >= 0:
             at, until = measure.refuted_at, measure.refuted_until
         return Verdict(
             name=self.budget.name,

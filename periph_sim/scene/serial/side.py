@@ -116,9 +116,9 @@ class SerialSide:
             scis += [named(one.to) for one in table.send if measure.name in ("", one.name)]
         for sci in dict.fromkeys(scis):
             numbers = [number for number, one in enumerate(table.expect) if named(one.from_) == sci]
-            self._listen(
-                sci, expected.get(sci), partial(self._unexpected, measure, f"{sci.unit}.{sci.module}", numbers)
-            )
+            if measure is self._unasked and len({self._line(table.expect[number]) for number in numbers}) > 1:
+                continue  # the characters of one reply would be misread with the format of the other
+            self._listen(sci, expected.get(sci), partial(self._unexpected, measure, sci, numbers))
         if measure.name:
             self._silences.append((scis[0], measure))
             for one, send in zip(table.send, self.sends.values(), strict=True):
@@ -136,10 +136,9 @@ class SerialSide:
         told |= {send.name for send in self._table.send if send.expect is not None}
         silent = [send for name, send in self.sends.items() if not send.sent and name not in told]
         notes = [f"serial: {self._never_sent(send.name)}" for send in silent]
-        first = self._unasked
-        first.finish(self._context.kernel.now)
-        if not self._is_judged and first.worst > sum(silence.worst for _, silence in self._silences):
-            notes.append(f"serial: {first.refuted} ({counted(first.worst, 'character')} in all); {JUDGES}")
+        first = self._unasked.close(self._context.kernel.now)
+        if first and not self._is_judged:
+            notes.append(f"serial: {first} ({counted(self._unasked.worst, 'character')} in all); {JUDGES}")
         return notes
 
     def _never_sent(self, name: str) -> str:
@@ -288,10 +287,15 @@ class SerialSide:
         for reply in self._replies[number]:
             reply.character(heard.begin, heard.end, heard.value, heard.good)
 
-    def _unexpected(self, measure: Unsolicited, source: str, expects: list[int], heard: Heard) -> None:
-        """Pass a character to a measure of unsolicited characters, unless a reply has taken it."""
-        if not any(reply.last == heard.begin for number in expects for reply in self._replies[number]):
-            measure.character(source, heard.begin, heard.end, heard.value if heard.good else BAD + heard.value)
+    def _unexpected(self, measure: Unsolicited, sci: SciLines, expects: list[int], heard: Heard) -> None:
+        """Pass a character to a measure of unsolicited characters, unless a reply or another verdict reports it."""
+        begin = heard.begin
+        told = any(reply.last == begin for number in expects for reply in self._replies[number])
+        if measure is self._unasked:
+            told |= any(silence.forbids(begin) for one, silence in self._silences if one == sci)
+        if not told:
+            value = heard.value if heard.good else BAD + heard.value
+            measure.character(f"{sci.unit}.{sci.module}", begin, heard.end, value)
 
     def _silent(self, measure: Unsolicited, within: int, tick: int) -> None:
         measure.due(tick + within)

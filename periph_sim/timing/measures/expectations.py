@@ -219,7 +219,7 @@ class Unsolicited(Measure):
     source: the SCI that sent the first of these characters.
     """
 
-    STATE = State("_answer _over", ticks="_since _until _ended")
+    STATE = State("source _is_open _answer _over", ticks="_since _until _ended")
     unit = "characters"
     series = False
     needs = "serial"
@@ -228,8 +228,9 @@ class Unsolicited(Measure):
         super().__init__()
         self.name = name
         self.source = ""
-        self._since = NO_TIME  # the begin of the send; NO_TIME if characters are allowed
-        self._until = NO_TIME  # the end of `within`; NO_TIME before the end of the send
+        self._is_open = False  # from the begin of a send until it is certain when the silence after it ends
+        self._since = NO_TIME  # the begin of the last silence
+        self._until = NO_TIME  # the end of the last silence; NO_TIME before the end of the send
         self._judged = 0  # number of sends whose time is over
         self._cut = False
         self._answer: list[int] = []  # the first unsolicited characters, without a pause between them
@@ -257,41 +258,55 @@ class Unsolicited(Measure):
     def window(self, tick: int) -> None:
         """Begin to forbid characters, because the send begins at `tick`."""
         self.others_turn(tick)
-        self._since, self._until = tick, NO_TIME
+        if self._until < tick:  # else the silence before goes on
+            self._since = tick
+        self._is_open, self._until = True, NO_TIME
 
     def due(self, tick: int) -> None:
         """Forbid characters up to `tick`."""
-        self._until = tick
+        if self._is_open:
+            self._until = tick
 
     def others_turn(self, tick: int) -> None:
         """Allow characters again, because other data is sent, or the next send of the same name begins."""
-        self._judged += self._since != NO_TIME
-        self._since = NO_TIME
+        if self._is_open:
+            self._judged += 1
+            self._is_open = False
+            self._until = tick if self._until == NO_TIME else min(self._until, tick)
+
+    def forbids(self, begin: int) -> bool:
+        """Return True if no character may begin at this tick, which is not earlier than the begin of the last send."""
+        in_time = NO_TIME < self._since <= begin and (self._until == NO_TIME or begin < self._until)
+        return in_time or not self.name
 
     def character(self, source: str, begin: int, end: int, value: int) -> None:
         """Handle a character that belongs to no expected reply. value: with BAD added if it has an error."""
-        if self.name and (self._since == NO_TIME or begin < self._since or NO_TIME < self._until < begin):
+        if not self.forbids(begin):
             return
         self.worst += 1
+        self.least = self.worst
         if not self._answer:
-            self.source, self.worst_at = source, begin
+            self.source, self.worst_at, self.least_at = source, begin, begin
         elif source != self.source or begin - self._ended > 2 * (end - begin):
             self._over = True
         if not self._over:
             self._answer.append(value)
-            self._ended = end
+            self._ended = self.worst_until = end
 
     # Judging --------------------------------------------------------------------
 
     def finish(self, now: int) -> None:
-        self._cut = self._since != NO_TIME and (self._until == NO_TIME or now < self._until)
+        self._cut = self._is_open and (self._until == NO_TIME or now < self._until)
         if not self._cut:
             self.others_turn(now)
-        if self._answer:
-            came, ended = self._show(tuple(self._answer)), (self._ended - self._began) / self._per_second
-            after = f" after send {self.name!r}" if self.name else ""
-            what = f"nothing was expected from {self.source}{after}, but {came} came, which ended at {ended:.6f} s"
-            self.refute(what, self.worst_at, self._ended)
+
+    def close(self, now: int) -> str:
+        """Return a sentence with the first characters; "" if none came."""
+        if not self._answer:
+            return ""
+        came, ended = self._show(tuple(self._answer)), (self._ended - self._began) / self._per_second
+        after = f" after send {self.name!r}" if self.name else ""
+        return f"nothing was expected from {self.source}{after}, but {came} came, which ended at {ended:.6f} s"
 
     def why_silent(self) -> str:
         if self._cut:

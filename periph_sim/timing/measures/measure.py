@@ -110,6 +110,7 @@ class Measure(Listener):
     """Base of all measures.
 
     worst, least: the largest and the smallest value.
+    worst_until: the end of what was counted, for a measure that is one number for a run; NO_TIME if it is unknown.
     not_before: occurrences before this tick do not count.
     occasions: the number of times at which a value should have been measured, counted on the bus and not by the
         firmware; None if the measure does not count them.
@@ -136,6 +137,7 @@ class Measure(Listener):
         self.worst = 0
         self.least = 0
         self.worst_at = NO_TIME
+        self.worst_until = NO_TIME
         self.least_at = NO_TIME
         self.cut_off = 0  # number of values of occurrences that the end of the run cut off
         self.not_before = NO_TIME

@@ -7,9 +7,11 @@ from typing import Any
 import pytest
 
 from periph_sim.core.records import Kind, Record
+from periph_sim.firmware import start_sci
 from periph_sim.interfaces.commands.result_text import legend
+from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.result import Result
-from tests.scene.serial.programs import answers, scene, unit
+from tests.scene.serial.programs import answers, scene, send, unit
 from tests.scene.serial.test_expect import answers_late
 
 GOOD = {"name": "good", "text": "ask\n", "at": "100 us"}
@@ -87,6 +89,15 @@ def test_a_character_after_within_or_before_the_send_is_not_forbidden_but_unsoli
     assert [v.word for v in early.budgets] == ["broken", "seen"]
 
 
+def test_a_character_that_is_under_way_when_other_data_is_sent_is_forbidden():
+    later = {"name": "later", "text": "x", "at": "1400 us"}  # the answer begins at 1348 us
+    (silent,) = ran({b"asc\n": b"O"}, {**BAD, "at": "1 ms", "within": "3 ms"}, later, expects=()).budgets
+    assert (silent.word, silent.worst) == ("broken", 1)
+    again = {**BAD, "at": "1 ms", "within": "3 ms", "period": "400 us", "times": 2}
+    (silent,) = ran({b"asc\n": b"O"}, again, expects=(), duration="6 ms").budgets
+    assert (silent.word, silent.worst, silent.count) == ("broken", 2, 2)
+
+
 def test_other_data_or_another_expected_reply_ends_the_silence():
     later = {"name": "later", "text": "x", "at": "2.5 ms"}
     (silent,) = ran({b"asc\nx": b"OK"}, BAD, later, expects=()).budgets
@@ -108,10 +119,61 @@ def test_what_no_reply_claims_is_a_note_and_with_a_budget_a_verdict():
     assert (judged.verdict, judged.budgets[0].worst, judged.notes) == ("fail", 4, [])
 
 
+def test_a_verdict_on_one_sci_does_not_hide_the_note_on_another():
+    def main(dsp: Dsp) -> None:
+        start_sci(dsp, "SCI-A")
+        bad = start_sci(dsp, "SCI-B")
+        send(dsp, "SCI-A", b"!")
+        dsp.spin(lambda: bad.SCIFFRX.RXFFST == 4)
+        send(dsp, "SCI-B", b"xy")
+
+    modules = {"dsp": unit("SCI-A", "SCI-B")}
+    table = {"send": [{**GOOD, "to": "SCI-A"}, {**BAD, "to": "SCI-B"}], "expect": [TOLD]}
+    result = scene({"dsp": main}, unit=modules, serial=table, duration="4 ms").run()
+    assert result.budgets[0].worst == 2
+    assert [note for note in result.notes if "from dsp.SCI-A, but '!' came" in note and "(1 character in all)" in note]
+
+
+@pytest.mark.parametrize(
+    ("limit", "word"),
+    [
+        ({"max": 2}, "seen"),
+        ({"max": 1}, "broken"),
+        ({"exactly": 2}, "seen"),
+        ({"min": 1}, "seen"),
+        ({"min": 3}, "broken"),
+    ],
+)
+def test_its_number_is_compared_with_each_limit(limit: dict[str, int], word: str):
+    budget = {"name": "unasked", "measure": "unsolicited replies", **limit}
+    (unasked,) = ran({b"ask\n": b"OK"}, GOOD, expects=(), budget=[budget]).budgets
+    assert (unasked.word, unasked.worst) == (word, 2) and "but 'OK' came" in unasked.found
+
+
 def test_without_an_expected_reply_every_character_is_unsolicited():
     (unasked,) = ran({b"ask\n": b"OK"}, GOOD, expects=(), budget=[ALL]).budgets
     assert (unasked.word, unasked.worst) == ("broken", 2)
     assert ran({b"ask\n": b"OK"}, GOOD, expects=()).notes == []
+
+
+def test_replies_in_two_formats_make_no_note_as_each_is_unreadable_in_the_other():
+    def main(dsp: Dsp) -> None:
+        sci = start_sci(dsp, "SCI-A")
+        for rate in (40, 81):
+            sci.SCILBAUD.all = rate
+            dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
+            _ = sci.SCIRXBUF.all
+            send(dsp, "SCI-A", b"OK")
+            dsp.spin(lambda: sci.SCICTL2.TXEMPTY == 1)
+
+    sends = [{"name": name, "to": "SCI-A", "text": "?"} for name in ("fast", "slow")]
+    expects = [{"from": "SCI-A", "after_send": name, "text": "OK", "within": "1 ms"} for name in ("fast", "slow")]
+    table = {
+        "send": [{**sends[0], "at": "1 ms"}, {**sends[1], "at": "2 ms", "baud": 57600}],
+        "expect": [{**expects[0], "name": "first"}, {**expects[1], "name": "second", "baud": 57600}],
+    }
+    result = scene({"dsp": main}, unit={"dsp": unit("SCI-A")}, serial=table, duration="4 ms").run()
+    assert result.verdict == "pass" and not [note for note in result.notes if note.startswith("serial")]
 
 
 def test_a_character_with_an_error_is_marked():

@@ -48,8 +48,8 @@ class Bus(NamedTuple):
         or selections.
     notes: sentences on the limitations of the decoding.
     lines: all lines: SCL and SDA, the serial line, or clock, data and chip select.
-    glitch: pulses of fewer positions are glitches by default: half a bit of a serial line, otherwise SPIKE; 0 if the
-        capture has no rate.
+    glitch: pulses of fewer positions are glitches by default: half a bit of a serial line with a known rate, otherwise
+        SPIKE; 0 if the capture has no rate.
     role: mosi or miso; "" for other buses.
     """
 
@@ -91,13 +91,13 @@ def asked_for(
             buses.append(_frames(capture, wire, {}, shortest, doubtful=False))
         except ValueError as error:
             failed.append(f"{wire.name} is not decoded: {error}; describe it with --uart")
-            buses.append(_nothing(wire, failed[-1]))
+            buses.append(_nothing(capture, wire, failed[-1]))
     if failed and not any(len(bus.rows.at) for bus in buses):
         raise click.ClickException("; ".join(failed))
     for wire in named.left_over:
         other = "SDA" if "scl" in wire.name.casefold() else "SCL"
         note = f"{wire.name} is not decoded: which {other} belongs to it? give --i2c scl=CHANNEL,sda=CHANNEL"
-        buses.append(_nothing(wire, note))
+        buses.append(_nothing(capture, wire, note))
     return buses
 
 
@@ -155,7 +155,8 @@ def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: in
     """
     notes = gap_notes(capture, wire)
     if not len(wire.edges):
-        return _nothing(wire, f"{wire.name} is {'high' if wire.initial else 'low'} throughout: nothing to decode")
+        level = "high" if wire.initial else "low"
+        return _nothing(capture, wire, f"{wire.name} is {level} throughout: nothing to decode")
     baud, shape = given.get("baud", "auto"), given.get("format")
     if baud == "auto":
         from ...traces.decode.uart_guess import guess
@@ -172,8 +173,8 @@ def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: in
     return Bus("uart", f"uart {wire.name}", rows, round(line.frame * bit), notes, (wire,), ceil(bit / 2))
 
 
-def _nothing(wire: Channel, note: str) -> Bus:
-    return Bus("uart", f"uart {wire.name}", no_rows(), 0, [note], (wire,), 0)
+def _nothing(capture: Capture, wire: Channel, note: str) -> Bus:
+    return Bus("uart", f"uart {wire.name}", no_rows(), 0, [note], (wire,), _spike(capture))
 
 
 # SPI -----------------------------------------------------------------------------

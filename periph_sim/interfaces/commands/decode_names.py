@@ -27,7 +27,7 @@ from ...scene.case.load import load
 from ...scene.case.model import BadCase, Case
 from ...scene.scene import Scene
 from ...traces.capture.capture import Capture, gaps
-from ...traces.decode.event_rows import ACK, ADDRESS, AGAIN, CUT, DATA, READ, START, STOP, WRITE, Rows
+from ...traces.decode.event_rows import ACK, ADDRESS, AGAIN, CUT, DATA, NACK, READ, START, STOP, WRITE, Rows
 from .bulk_text import Numbers
 from .command_frame import i2c_address_given
 from .decode_buses import Bus
@@ -66,7 +66,7 @@ class NamedDevice:
         named = [(1, NamedByte(self.label))]
         if hasattr(reply, "named"):
             data = [place for place, event in enumerate(events) if event == DATA]
-            named += self._read(reply, data, values) if read else self._write(reply, data, values)
+            named += self._read(reply, data, values) if read else self._write(reply, data, values, events)
             self.device.on_end(events[-1] == STOP, CUT not in events)
         return named
 
@@ -80,14 +80,18 @@ class NamedDevice:
         self.assumed |= not self._written and any(QUANTITY in one.meaning for _, one in named)
         return named
 
-    def _write(self, reply: Any, data: list[int], values: list[int]) -> list[tuple[int, NamedByte]]:
-        """Return the names up to the first byte that the device refuses, because the registers after it are unknown."""
+    def _write(self, reply: Any, data: list[int], values: list[int], events: list[int]) -> list[tuple[int, NamedByte]]:
+        """Return the names up to the first byte that the captured device, or its model, refuses.
+
+        Whether such a byte moves the pointer is unknown.
+        """
         named: list[tuple[int, NamedByte]] = []
         before: int | None = None
         for number, place in enumerate(data):
             is_pointer = number < reply.pointer_bytes
             one = None if is_pointer else reply.named(values[place], before)
-            if not reply.receive_byte(number, values[place]):
+            if events[place + 1 : place + 2] == [NACK] or not reply.receive_byte(number, values[place]):
+                self._pointed = False
                 break
             if one is None:
                 self._pointed = number + 1 == reply.pointer_bytes

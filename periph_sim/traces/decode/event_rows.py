@@ -203,8 +203,9 @@ def chosen(rows: Rows, first: NDArray[np.int64], addresses: Collection[int], ref
         kept &= np.isin(np.arange(len(first)), number[has_address & np.isin(rows.value, list(addresses))])
     if refused:
         kept &= np.isin(np.arange(len(first)), number[refusals(rows)])
-    begins = np.unique(rows.at[first[kept]])
-    if most is not None and most < len(begins):
-        kept &= rows.at[first] < begins[most]
+    if most is not None:
+        begins = rows.at[first[kept]]
+        shared = (rows.event[first[kept]] >= SELECT) & (np.diff(begins, prepend=-1) == 0)
+        kept[kept] = np.cumsum(~shared) <= most
     some = select(rows, kept[number])
     return select(some, np.argsort(some.at, kind="stable"))

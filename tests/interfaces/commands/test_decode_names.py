@@ -179,7 +179,7 @@ def test_a_memory_wraps_in_its_page_and_has_blocks(periph_sim: Run, tmp_path: Pa
 
 
 def test_what_is_unknown_has_no_name(periph_sim: Run, tmp_path: Path):
-    """A read before the capture shows a pointer; an address that nobody acknowledges; a byte that the model refuses."""
+    """There is no name before the first pointer, at an address without ACK, and after a byte that the model refuses."""
     file = drawn(tmp_path, (0xA1, 0x11))
     assert named(periph_sim, file, "--chip", "24c02") == [("11", "", "")]
     nack = str(ROUND_SR.with_name("nack.sr"))
@@ -195,6 +195,25 @@ def test_what_is_unknown_has_no_name(periph_sim: Run, tmp_path: Path):
     assert named(periph_sim, file, "--chip", "isl12026")[3:] == [
         *[("00", "pointer", ""), ("3F", "pointer", "SR"), ("06", "SR", "RWEL=0x1 WEL=0x1")],
         *[("00", "pointer", ""), ("32", "pointer", "HR"), ("95", "HR", "MIL=0x1 H=0x15")],
+    ]
+
+
+def test_a_byte_that_the_captured_device_refused_changes_nothing(periph_sim: Run, tmp_path: Path):
+    wave = I2cWave(20, 5, idle=100)
+    for values in ((0xA6, 0x31, 0x03), (0xA6, 0x32)):
+        for value in ((0xA6, 0x32), (0xA7, 0x40, 0x00)):
+            wave.transfer(*value, nack_last=bool(value[0] & 1))
+        wave.transfer(*values, nack_last=True)
+    wave.transfer(0xA7, 0x40, 0x00, nack_last=True)
+    path = tmp_path / "refused.sr"
+    path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(wave.samples)))
+    came = periph_sim("decode", str(path), "--chip", "adxl345", "--transfers")
+    assert [line.split(maxsplit=1)[1] for line in came.out.splitlines()[3:]] == [
+        "S 53 W(adxl345) A 31(pointer: DATA_FORMAT) A 03 N P",
+        "S 53 W(adxl345) A 32(pointer: DATAX0) A P",
+        "S 53 R(adxl345) A 40(DATAX0) A 00(DATAX1: 64 = 0.25 g) N P",
+        "S 53 W(adxl345) A 32 N P",
+        "S 53 R(adxl345) A 40 A 00 N P",
     ]
 
 

@@ -122,6 +122,18 @@ def test_messages_of_one_transfer_share_its_load(periph_sim: Run, tmp_path: Path
     assert len(periph_sim("decode", str(path), "--address", "0x2a5", "--transfers").out.splitlines()) == 2
 
 
+def test_transfers_of_two_buses_that_begin_together_are_two(periph_sim: Run, tmp_path: Path):
+    wave = I2cWave(20, 5, idle=100)
+    wave.transfer(0xA6, 0x11)
+    wave.idle(100)
+    path = tmp_path / "two.sr"
+    samples = bytes(levels | levels << 2 for levels in wave.samples)
+    path.write_bytes(sr_bytes(["SCL1", "SDA1", "SCL2", "SDA2"], "4 MHz", samples))
+    buses = ("--i2c", "scl=0,sda=1", "--i2c", "scl=2,sda=3")
+    lines = periph_sim("decode", str(path), *buses, "--first", "1", "--transfers").out.splitlines()
+    assert [line.split()[1:3] for line in lines[1:]] == [["i2c", "SCL1/SDA1"]]
+
+
 def test_serial_lines_have_frames_and_errors(periph_sim: Run, tmp_path: Path):
     bad = [*frame_bits(0x55)[:-1], 0]
     frames = [(Fraction(100), frame_bits(0x41)), (Fraction(200), bad), (Fraction(1000), frame_bits(0x42))]
@@ -201,6 +213,14 @@ def test_a_glitch_has_the_level_of_the_other_line(periph_sim: Run, tmp_path: Pat
     first = json.loads(periph_sim("decode", str(path), "--glitches", "--json").out.splitlines()[0])
     assert (first["time_s"], first["width_s"]) == (1e-6, 4e-8)
     assert periph_sim("decode", str(path), "--glitches", "--glitch", "50ns", "--format", "csv").out.count("SDA") == 1
+
+
+def test_a_line_that_is_not_decoded_has_the_limit_of_other_lines(periph_sim: Run, tmp_path: Path):
+    path = tmp_path / "idle.sr"
+    path.write_bytes(sr_bytes(["SCL", "SDA", "RX"], "50 MHz", bytes([7] * 50 + [5] * 2 + [7] * 48)))
+    came = periph_sim("decode", str(path), "--glitches", "--format", "csv")
+    assert (came.status, came.out.splitlines()[1:]) == (0, ["0.00000100,SDA,low,0.00000004,SCL high"])
+    assert came.err.endswith("note: uart RX: pulses shorter than 100 ns\n")
 
 
 def test_a_limit_below_a_sample_is_said(periph_sim: Run):

@@ -34,6 +34,8 @@ from .decode_buses import Bus
 
 BUSY = 10**12  # ticks; longer than any device is busy
 POINTER, QUANTITY = "pointer", " = "
+AT_POWER_ON = "before its data; quantities are at the scale after power-on"
+BEFORE_GAP = "since a gap; quantities are at the scale before the gap"
 
 
 class NamedDevice:
@@ -41,19 +43,23 @@ class NamedDevice:
 
     device: an object with `addresses`, `answer` and `on_end`.
     label: the model, or the name of its table in the case.
-    assumed: True if the device named quantities before the capture shows a write to its registers.
+    assumed: what the scale of quantities was assumed from, if the capture shows no write to the registers before them;
+        otherwise "".
     """
 
     def __init__(self, scene: Scene, device: Any, label: str) -> None:
         self.device = device
         self.label = label
-        self.assumed = False
+        self.assumed = ""
+        self._scale = AT_POWER_ON
         self._scene = scene
         self._pointed = False  # the capture shows a write of the pointer
         self._written = False
 
     def forget(self) -> None:
-        """Forget the pointer and the settings, which may have changed in a gap of the capture."""
+        """Forget that the pointer and the settings are known, because they may have changed in a gap of the capture."""
+        if self._written:
+            self._scale = BEFORE_GAP
         self._pointed = self._written = False
 
     def phase(self, events: list[int], values: list[int], read: bool) -> list[tuple[int, NamedByte]]:
@@ -77,7 +83,8 @@ class NamedDevice:
             named.append((place, reply.named(values[place], before)))
             reply.send_byte(number)
             before = values[place]
-        self.assumed |= not self._written and any(QUANTITY in one.meaning for _, one in named)
+        if not self._written and any(QUANTITY in one.meaning for _, one in named):
+            self.assumed = self._scale
         return named
 
     def _write(self, reply: Any, data: list[int], values: list[int], events: list[int]) -> list[tuple[int, NamedByte]]:
@@ -151,9 +158,7 @@ class RegisterNames:
                 for place, one in device.phase(*own):
                     codes[begin + place] = self._code(one)
         self.notes += [
-            f"{device.label}: no write to its registers before its data; quantities are at the scale after power-on"
-            for device in devices
-            if device.assumed
+            f"{device.label}: no write to its registers {device.assumed}" for device in devices if device.assumed
         ]
         return codes
 

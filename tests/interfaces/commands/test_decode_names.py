@@ -231,8 +231,15 @@ def test_a_gap_of_the_capture_ends_what_is_known(periph_sim: Run, tmp_path: Path
         "S 53 W(adxl345) A 32(pointer: DATAX0) A P",
         "S 53 R(adxl345) A 40 A 00 N P",
     ]
+    assert "scale" not in came.err, "no quantity is shown"
     whole = periph_sim("decode", file, "--chip", "adxl345", "--transfers")
     assert whole.out.count("40(DATAX0) A 00(DATAX1: 64 = 2 g) N P") == 2
+    lines = tuple(replace(line, unknown=(Span(starts[1] - 60, starts[1] - 40),)) for line in capture.channels)
+    formats.write(replace(capture, channels=lines), tmp_path / "gap.vcd")
+    came = periph_sim("decode", str(tmp_path / "gap.vcd"), "--chip", "adxl345", "--transfers")
+    assert came.out == whole.out and came.err.endswith(
+        "note: adxl345: no write to its registers since a gap; quantities are at the scale before the gap\n"
+    )
 
 
 def test_a_case_names_its_own_devices(periph_sim: Run, desk: Path):

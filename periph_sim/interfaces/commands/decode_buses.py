@@ -20,7 +20,7 @@ from ...traces.capture.capture import Capture, Channel, gap_notes, listed
 from ...traces.capture.channel_names import buses_named
 from ...traces.decode import spi
 from ...traces.decode.event_rows import Rows, i2c_rows, no_rows, spi_rows, uart_rows
-from ...traces.decode.i2c_table import i2c_table, impossible_rate
+from ...traces.decode.i2c_table import i2c_table, impossible_rate, swapped_lines
 from ...traces.decode.uart import uart_table, width_of
 from ...traces.decode.uart_line import line_of
 
@@ -115,9 +115,11 @@ def _i2c(capture: Capture, text: str, shortest: int) -> Bus:
 
 def _i2c_of(capture: Capture, scl: Channel, sda: Channel, shortest: int) -> Bus:
     rows = i2c_rows(i2c_table(capture, scl.index, sda.index, shortest))
-    wrong = impossible_rate(capture, scl.index)
-    doubts = [f"{wrong}; then all times are wrong; state the rate with --rate"] if wrong else []
-    notes = [*gap_notes(capture, scl, sda), *doubts]
+    notes = gap_notes(capture, scl, sda)
+    if wrong := impossible_rate(capture, scl.index):
+        notes.append(f"{wrong}; then all times are wrong; state the rate with --rate")
+    if swapped := swapped_lines(capture, scl.index, sda.index):
+        notes.append(f"{swapped}; give --i2c scl={sda.name},sda={scl.name}")
     return Bus("i2c", f"i2c {scl.name}/{sda.name}", rows, None, notes, (scl, sda), _spike(capture))
 
 

@@ -156,6 +156,15 @@ def test_without_events_there_are_no_counts(periph_sim: Run, tmp_path: Path):
     assert periph_sim("decode", str(path), "--nacked", "--transfers").out == "    time_s  transfer\n"
 
 
+def test_swapped_lines_are_noted(periph_sim: Run):
+    came = periph_sim("decode", str(TRACES / "imu_round.sr"), "--i2c", "scl=SDA,sda=SCL", "--counts")
+    assert came.status == 0 and came.err == (
+        "note: SCL and SDA are swapped: 0 of 98 STARTs on them have a whole address, and 6 of 6 the other way round; "
+        "give --i2c scl=SCL,sda=SDA\n"
+    )
+    assert periph_sim("decode", str(TRACES / "imu_round.sr")).err == ""
+
+
 # Glitches ------------------------------------------------------------------------
 
 

@@ -40,6 +40,11 @@ FIRST = {
 CONDITIONS = ("START", "repeated START", "STOP", NOTHING)
 
 
+def at_text(seconds: float | None) -> str:
+    """Return the time of an expected or found event in words; "" if there is none."""
+    return "" if seconds is None else f"at {seconds:.6f} s"
+
+
 @dataclass(frozen=True, slots=True)
 class Happened:
     """An event in words.

@@ -14,7 +14,7 @@ from ...replay.channels import ALL, channel_map, serial_channel
 from ...replay.i2c_closed_loop import I2cReplay
 from ...replay.i2c_master import I2cMasterReplay
 from ...replay.i2c_open_loop import I2cOpenReplay
-from ...replay.report import AMBIGUOUS, FIRST, PASS, Change, Divergence, Report, headline
+from ...replay.report import AMBIGUOUS, FIRST, PASS, Change, Divergence, Report, at_text, headline
 from ...replay.session import SessionReplay
 from ...replay.setup import PATIENCE
 from ...replay.uart import UartReplay, line_format
@@ -253,8 +253,8 @@ def rows(report: Report) -> list[tuple[str, str]]:
         share = report.captured_errors / report.events
         found.append(("frames with errors in the capture", f"{report.captured_errors} of {report.events}, {share:.1%}"))
     for divergence in report.divergences:
-        found.append((FIRST[divergence.kind], f"expected {divergence.expected} {_at(divergence.capture_s)}"))
-        found.append(("", f"found {divergence.found} {_at(divergence.replay_s)}"))
+        found.append((FIRST[divergence.kind], f"expected {divergence.expected} {at_text(divergence.capture_s)}"))
+        found.append(("", f"found {divergence.found} {at_text(divergence.replay_s)}"))
         if divergence.cause:
             found.append(("", divergence.cause))
     found.append(("bytes", str(report.bytes)))
@@ -325,7 +325,3 @@ def _polls_as_one(changes: list[Change]) -> list[Change]:
         for before, change in zip([None, *changes], changes, strict=False)
         if before is None or (before.what, before.value) != (change.what, change.value)
     ]
-
-
-def _at(seconds: float | None) -> str:
-    return "" if seconds is None else f"at {seconds:.6f} s"

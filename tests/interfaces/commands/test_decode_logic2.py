@@ -79,9 +79,8 @@ def test_a_byte_without_ack_is_an_error_and_bits_are_left_out(periph_sim: Run, t
     wave.start()
     for bit in (1, 0, 1, 0, 0, 1, 1, 0):
         wave.bit(bit)
-    path = tmp_path / "cut.sr"
-    path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(wave.samples)))
-    lines = periph_sim("decode", str(path), "--format", "logic2").out.splitlines()
+    path = wave.saved(tmp_path)
+    lines = periph_sim("decode", path, "--format", "logic2").out.splitlines()
     assert lines[0] == f'{I2C_TITLES},"error"'
     assert [line.split(",")[1] + "," + ",".join(line.split(",")[4:]) for line in lines[1:]] == [
         '"start",,,,,',
@@ -100,9 +99,8 @@ def test_the_bytes_of_a_10_bit_address_are_an_address_and_data(periph_sim: Run, 
     wave.byte(0xF5)
     wave.byte(0x22, ack=False)
     wave.stop()
-    path = tmp_path / "ten.sr"
-    path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(wave.samples)))
-    rows = list(csv.reader(periph_sim("decode", str(path), "--format", "logic2").out.splitlines()[1:]))
+    path = wave.saved(tmp_path)
+    rows = list(csv.reader(periph_sim("decode", path, "--format", "logic2").out.splitlines()[1:]))
     assert [row[1:2] + row[4:] for row in rows if row[1] in ("address", "data")] == [
         ["address", "true", "0x7A", "false", ""],
         ["data", "true", "", "", "0xA5"],

@@ -16,7 +16,7 @@ from periph_sim.traces.capture.capture import Span
 from tests.interfaces.commands.conftest import Run
 from tests.scene.test_plugins import BAROMETER, PROJECT
 from tests.traces.formats.make_traces import ROUND, read_registers
-from tests.traces.formats.writers import I2cWave, sr_bytes
+from tests.traces.formats.writers import I2cWave
 
 ROUND_SR = Path(__file__).resolve().parents[3] / "traces" / "imu_round.sr"
 CHIPS = ("--chip", "itg3200", "--chip", "0x53=adxl345", "--chip", "hmc5883l")
@@ -73,9 +73,7 @@ def drawn(folder: Path, *transfers: Sequence[int], reads: Sequence[tuple[int, in
     for address, pointer, values in reads:
         read_registers(wave, address, pointer, values)
         wave.idle(100)
-    path = folder / "drawn.sr"
-    path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(wave.samples)))
-    return str(path)
+    return wave.saved(folder)
 
 
 def named(periph_sim: Run, file: str, *options: str) -> list[tuple[str, str, str]]:
@@ -205,9 +203,8 @@ def test_a_byte_that_the_captured_device_refused_changes_nothing(periph_sim: Run
             wave.transfer(*value, nack_last=bool(value[0] & 1))
         wave.transfer(*values, nack_last=True)
     wave.transfer(0xA7, 0x40, 0x00, nack_last=True)
-    path = tmp_path / "refused.sr"
-    path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(wave.samples)))
-    came = periph_sim("decode", str(path), "--chip", "adxl345", "--transfers")
+    path = wave.saved(tmp_path)
+    came = periph_sim("decode", path, "--chip", "adxl345", "--transfers")
     assert [line.split(maxsplit=1)[1] for line in came.out.splitlines()[3:]] == [
         "S 53 W(adxl345) A 31(pointer: DATA_FORMAT) A 03 N P",
         "S 53 W(adxl345) A 32(pointer: DATAX0) A P",

@@ -109,9 +109,8 @@ def test_messages_of_one_transfer_share_its_load(periph_sim: Run, tmp_path: Path
     wave.stop()
     stop = len(wave.samples) - 20
     wave.idle(100)
-    path = tmp_path / "ten.sr"
-    path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(wave.samples)))
-    rows = csv.DictReader(periph_sim("decode", str(path), "--counts", "--format", "csv").out.splitlines())
+    path = wave.saved(tmp_path)
+    rows = csv.DictReader(periph_sim("decode", path, "--counts", "--format", "csv").out.splitlines())
     shares = {row["address"]: (row["transfers"], row["bytes"], row["refused"], row["load_percent"]) for row in rows}
     length = len(wave.samples)
     assert shares == {
@@ -119,7 +118,7 @@ def test_messages_of_one_transfer_share_its_load(periph_sim: Run, tmp_path: Path
         "0x50": ("1", "1", "0", str(round(100 * (again - 100) / length, 2))),
         "0x2A5": ("1", "1", "1", str(round(100 * (stop - again) / length, 2))),
     }
-    assert len(periph_sim("decode", str(path), "--address", "0x2a5", "--transfers").out.splitlines()) == 2
+    assert len(periph_sim("decode", path, "--address", "0x2a5", "--transfers").out.splitlines()) == 2
 
 
 def test_transfers_of_two_buses_that_begin_together_are_two(periph_sim: Run, tmp_path: Path):

@@ -7,6 +7,7 @@ import zipfile
 from collections.abc import Iterable, Mapping, Sequence
 from fractions import Fraction
 from math import ceil
+from pathlib import Path
 
 
 def zip_bytes(members: Mapping[str, bytes], compression: int = zipfile.ZIP_STORED) -> bytes:
@@ -115,6 +116,12 @@ class I2cWave:
         for place, value in enumerate(values, 1):
             self.byte(value, ack=not nack_last or place < len(values))
         self.stop()
+
+    def saved(self, folder: Path) -> str:
+        """Write the samples at 4 MHz as a .sr file; return its path."""
+        path = folder / "wave.sr"
+        path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes(self.samples)))
+        return str(path)
 
     def _low(self, value: int) -> None:
         self._put(0, self._sda, self.hold)

@@ -16,7 +16,7 @@ from ....core.records import Kind
 from ....processor.source_location import SourceLocation
 from ....replay.picture import Side
 from ....replay.replay import Replay
-from ....replay.report import FAIL, FIRST, NOT_JUDGED, PASS, TIMING, Divergence, Report
+from ....replay.report import FAIL, FIRST, NOT_JUDGED, PASS, TIMING, Divergence, Report, at_text
 from ....scene.case.model import Case
 from ....timing.verdict import Verdict, Word
 from ....traces.decode import i2c
@@ -118,24 +118,20 @@ def _divergence(case: Case, player: Replay, divergence: Divergence, window: Wind
     source = place_of(place) if place is not None else None
     return BudgetReport(
         verdict=window.verdict,
-        limits=(("expected", f"{divergence.expected} {_at(divergence.capture_s)}"),),
+        limits=(("expected", f"{divergence.expected} {at_text(divergence.capture_s)}"),),
         source="",
         must_break=False,
         distribution=None,
         timeline=timeline,
         explanation=None,
         failure=Failure(
-            f"expected {divergence.expected} {_at(divergence.capture_s)} of the capture, "
-            f"found {divergence.found} {_at(divergence.replay_s)} of the replay",
+            f"expected {divergence.expected} {at_text(divergence.capture_s)} of the capture, "
+            f"found {divergence.found} {at_text(divergence.replay_s)} of the replay",
             why=why,
             source=None if source is None else source_around(source),
         ),
         per_second=per_second,
     )
-
-
-def _at(seconds: float | None) -> str:
-    return "" if seconds is None else f"at {seconds:.6f} s"
 
 
 def _lanes(case: Case, per_second: int, window: Window) -> Lanes:

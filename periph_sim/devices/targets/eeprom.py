@@ -68,6 +68,13 @@ def part_of(model: str) -> Part:
     return PARTS[_split(model)[1]]
 
 
+def blocks_of(model: str) -> int:
+    """Return the number of device addresses to which a model in MODELS responds."""
+    make, size = _split(model)
+    part = PARTS[size]
+    return 8 if part.word == 1 and make in WITHOUT_PINS else part.blocks
+
+
 def _split(model: str) -> tuple[str, str]:
     """Split a model's name into make and size."""
     make = next(make for make in MAKES if model.startswith(make) and model.removeprefix(make) in PARTS)
@@ -181,16 +188,10 @@ class Eeprom(PlainReply):
 
 
 def build(model: str, settings: Settings, place: TargetContext) -> Eeprom:
-    make, size = _split(model)
-    part = PARTS[size]
-    if part.word == 1 and make in WITHOUT_PINS:
-        address_among(place, model, (FIRST,))
-        addresses = tuple(range(FIRST, FIRST + 8))
-    else:
-        first = address_among(place, model, tuple(range(FIRST, FIRST + 8, part.blocks)))
-        addresses = tuple(range(first, first + part.blocks))
+    part, blocks = part_of(model), blocks_of(model)
+    first = address_among(place, model, tuple(range(FIRST, FIRST + 8, blocks)))
     try:
-        eeprom = Eeprom(part, addresses, settings, place)
+        eeprom = Eeprom(part, tuple(range(first, first + blocks)), settings, place)
     except ValueError as error:
         raise BadDevice(str(error), "write_protect") from None
     if settings.page is not None and settings.page > part.size:

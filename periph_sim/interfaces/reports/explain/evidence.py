@@ -208,15 +208,13 @@ class Evidence:
 
     @cached_property
     def devices(self) -> dict[int, str]:
-        """A dictionary from addresses to the names of the case's devices.
-
-        A memory may respond to several addresses. Therefore, it also has all EEPROM addresses that no device has.
-        """
+        """A dictionary from addresses to the names of the case's devices. A memory may have several addresses."""
         tables = self.case.device.items()
         names = {table.address: name for name, table in tables if table.address is not None}
         for name, table in tables:
             if table.model in eeprom.MODELS:
-                names |= {address: name for address in range(eeprom.FIRST, eeprom.FIRST + 8) if address not in names}
+                first = eeprom.FIRST if table.address is None else table.address
+                names |= dict.fromkeys(range(first, first + eeprom.blocks_of(table.model)), name)
         return names
 
     def holder_at(self, tick: int) -> str:

@@ -407,3 +407,12 @@ def test_a_read_is_told_of_the_unit_that_has_its_address_unless_a_device_has():
     assert answering(Evidence(window, BOTH, "head"), read).unit == "dsp"
     memory = BOTH.model_copy(update={"device": case(device={"memory": {"model": "24lc64"}}, rounds=None).device})
     assert answering(Evidence(window, memory, "head"), read).unit == "head"
+
+
+def test_a_memory_has_only_its_own_addresses():
+    tables = {"whole": {"model": "24lc16"}, "block": {"model": "24c04", "address": 0x54}, "one": {"model": "24c02"}}
+    found = {}
+    for name, table in tables.items():
+        devices = case(device={name: table}, rounds=None)
+        found[name] = sorted(Evidence(drawn(), devices).devices)
+    assert found == {"whole": list(range(0x50, 0x58)), "block": [0x54, 0x55], "one": [0x50]}

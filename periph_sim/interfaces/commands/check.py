@@ -78,13 +78,14 @@ def check(
     refused: list[RejectedCase] = []
     with running_user_code(), ExitStack() as outputs:
         project = project_of(Path())
+        cases = case_files(paths or project.cases())
         if any(file is not None for file in (junit_file, html_file, summary_file)):
-            note_inputs(case_files(paths or project.cases()), but_baselines=update)
+            note_inputs(cases, but_baselines=update)
         before = None
         if since is not None:
             from ..reports.baselines.summary import baselines_at
 
-            before = since, baselines_at(since, map(path_for, case_files(paths or project.cases())))
+            before = since, baselines_at(since, map(path_for, cases))
         # Output files are opened before the runs, so that a file that cannot be written is reported at once.
         unfinished, unfinished_html, unfinished_summary = (
             None if file is None else outputs.enter_context(atomic_write(file))

@@ -18,7 +18,7 @@ from ..explain.chain import Chain, relative, text
 from .check import CaseCheck
 from .files import Baseline
 from .outcome import RejectedCase
-from .summary import repository_of
+from .summary import place_in_clone
 
 
 def github(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> list[str]:
@@ -46,8 +46,8 @@ def github(checks: list[CaseCheck], refused: Sequence[RejectedCase] = ()) -> lis
 
 def in_repository(path: Path) -> str:
     """Return a path as GitHub expects it: relative to the root of the git clone, or as it is outside of a clone."""
-    root = repository_of(path)
-    return (relative(path) if root is None else path.absolute().relative_to(root)).as_posix()
+    place = place_in_clone(path)
+    return relative(path).as_posix() if place is None else place[1]
 
 
 def _cause(budget: str, chain: Chain, title: str) -> list[str]:

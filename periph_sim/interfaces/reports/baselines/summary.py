@@ -18,32 +18,38 @@ from .outcome import RejectedCase
 
 TITLES = ("budget", "seen", "limit", "verdict")
 MARKS = {True: "✅", False: "❌"}
+NEW = "new"
+Baselines = Mapping[Path, Baseline | str]  # the baseline at each path, or why there is none
 
 
-def repository_of(path: Path) -> Path | None:
-    """Return the root of the git clone that contains a file, or None if it is in no clone."""
-    whole = path.absolute()
-    return next((folder for folder in whole.parents if (folder / ".git").exists()), None)
+def place_in_clone(path: Path) -> tuple[Path, str] | None:
+    """Return the root of the git clone that contains a file, and the file's path in it; None if it is in no clone."""
+    whole = Path(os.path.abspath(path))  # unlike `Path.absolute`, without ".."
+    root = next((folder for folder in whole.parents if (folder / ".git").exists()), None)
+    return None if root is None else (root, whole.relative_to(root).as_posix())
 
 
-def baselines_at(commit: str, paths: Iterable[Path]) -> dict[Path, Baseline | None]:
-    """Return the baselines at these paths as a commit contains them, or None where it contains no such file.
+def baselines_at(commit: str, paths: Iterable[Path]) -> Baselines:
+    """Return the baselines at these paths as a commit contains them, or why there is none.
 
     commit: a name that git knows, such as "origin/main".
 
-    Raise BadCheck if git is missing, a path is in no clone, the clone does not contain the commit, or a file is not a
-    baseline of this version.
+    Raise BadCheck if git is missing, a path is in no clone, or the clone does not contain the commit.
     """
-    found: dict[Path, Baseline | None] = {}
+    found: dict[Path, Baseline | str] = {}
     for path in paths:
-        root = repository_of(path)
-        if root is None:
+        place = place_in_clone(path)
+        if place is None:
             raise BadCheck(f"{path}: it is in no git clone, so it has no state at {commit}; leave --since out")
+        root, name = place
         if _git(root, "rev-parse", "--verify", "--quiet", f"{commit}^{{commit}}") is None:
             fetch = "fetch it first; with actions/checkout, `fetch-depth: 0` does"
             raise BadCheck(f"--since {commit}: the clone {root} does not contain this commit; {fetch}")
-        data = _git(root, "show", f"{commit}:{path.absolute().relative_to(root).as_posix()}")
-        found[path] = None if data is None else parse(f"{commit}:{path}", data)
+        data = _git(root, "show", f"{commit}:{name}")
+        try:
+            found[path] = NEW if data is None else parse(f"{commit}:{path}", data)
+        except BadCheck:  # the commit cannot be corrected, so this must not prevent the check
+            found[path] = "no readable baseline"
     return found
 
 
@@ -59,7 +65,7 @@ def _git(root: Path, *arguments: str) -> bytes | None:
 def summary(
     checks: Sequence[CaseCheck],
     refused: Sequence[RejectedCase] = (),
-    since: tuple[str, Mapping[Path, Baseline | None]] | None = None,
+    since: tuple[str, Baselines] | None = None,
 ) -> str:
     """Return the Markdown text.
 
@@ -77,23 +83,25 @@ def summary(
     return "\n".join(lines)
 
 
-def _table(check: CaseCheck, since: tuple[str, Mapping[Path, Baseline | None]] | None) -> list[str]:
+def _table(check: CaseCheck, since: tuple[str, Baselines] | None) -> list[str]:
     titles = TITLES if since is None else (*TITLES, f"since {since[0]}")
     rows = [f"| {' | '.join(titles)} |", f"|---|{'---:|' * 2}{'---|' * (len(titles) - 3)}"]
     for one in check.outcome.verdicts:
         word = f"{one.word}, must break" if one.name in check.outcome.breaks else one.word
         cells = [one.name, figure(one.worst, one.unit), limit(one.limit, one.unit, one.which), word]
         if since is not None:
-            cells.append(_change(one, since[1].get(check.baseline), check.outcome.figures))
+            cells.append(_change(one, since[1].get(check.baseline, NEW), check.outcome.figures))
         rows.append(f"| {' | '.join(map(_cell, cells))} |")
     return rows
 
 
-def _change(verdict: Verdict, before: Baseline | None, now: Baseline) -> str:
+def _change(verdict: Verdict, before: Baseline | str, now: Baseline) -> str:
     """Return the change of a budget's value since the earlier baseline, exactly, or why there is none."""
     name = "least" if verdict.which == "min" else "worst"
-    if before is None or verdict.name not in before.budgets:
-        return "new"
+    if isinstance(before, str):
+        return before
+    if verdict.name not in before.budgets:
+        return NEW
     old, new = before.budgets[verdict.name], now.budgets[verdict.name]
     was, came = (getattr(one, name) for one in (old, new))
     if (old.measure, old.unit) != (new.measure, new.unit):

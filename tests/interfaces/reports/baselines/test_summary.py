@@ -12,8 +12,8 @@ import pytest
 import yaml
 
 from periph_sim.interfaces.reports.baselines.check import check
-from periph_sim.interfaces.reports.baselines.ci_output import github
-from periph_sim.interfaces.reports.baselines.files import BadCheck, path_for
+from periph_sim.interfaces.reports.baselines.ci_output import github, in_repository
+from periph_sim.interfaces.reports.baselines.files import BadCheck, Baseline, path_for
 from periph_sim.interfaces.reports.baselines.outcome import RejectedCase
 from periph_sim.interfaces.reports.baselines.summary import baselines_at, summary
 from tests.docs.pages import ROOT
@@ -73,13 +73,28 @@ def test_what_git_cannot_say_is_refused_in_a_sentence(repository: Path, tmp_path
         baselines_at("origin/main", [baseline])
     with pytest.raises(BadCheck, match=r"^/x\.json: it is in no git clone, so it has no state at main; leave --since"):
         baselines_at("main", [Path("/x.json")])
-    baseline.write_text("{}")
-    git(Path.cwd(), "commit", "-qam", "broken")
-    with pytest.raises(BadCheck, match=r"^main:.*small\.json: it has no schema_version"):
-        baselines_at("main", [baseline])
     monkeypatch.setenv("PATH", str(tmp_path / "nothing"))
     with pytest.raises(BadCheck, match=r"^--since: git is not installed; install it, or leave --since out$"):
         baselines_at("main", [baseline])
+
+
+def test_a_broken_baseline_in_the_commit_does_not_prevent_the_check(repository: Path):
+    baseline = repository / "baselines" / "small.json"
+    good = baseline.read_bytes()
+    baseline.write_text("{}")
+    git(Path.cwd(), "commit", "-qam", "broken")
+    baseline.write_bytes(good)
+    text = summary(check([repository], jobs=1), since=("main", baselines_at("main", [baseline])))
+    assert table(text, "small")["response"] == ["5.000 us", "60 us", "seen", "no readable baseline"]
+
+
+def test_a_path_with_two_dots_is_found_in_the_commit(repository: Path, monkeypatch: pytest.MonkeyPatch):
+    inner = Path("other/inner").absolute()
+    inner.mkdir(parents=True)
+    monkeypatch.chdir(inner.parent)
+    path = Path("inner/..") / ".." / repository / "baselines" / "small.json"
+    assert in_repository(path) == "cases/baselines/small.json"
+    assert isinstance(baselines_at("main", [path])[path], Baseline)
 
 
 def test_annotations_are_relative_to_the_repository(repository: Path, monkeypatch: pytest.MonkeyPatch):

@@ -27,7 +27,7 @@ import shutil
 import sys
 import sysconfig
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import BrokenExecutor, ProcessPoolExecutor
 from contextlib import redirect_stderr
 from functools import cache
@@ -343,15 +343,24 @@ def build(
 def main(options: Sequence[str] = ()) -> int:
     """Build the core. Return the exit status: 0, or 1 if the core was not compiled."""
     prefixes, hard = [one for one in options if one != "--hard"], "--hard" in options
+    built, kind = (HARD_BUILT, HARD) if hard else (BUILT, NORMAL)
+    return status_of(lambda: build(PACKAGE, built, jobs(), kind, prefixes), "the core stays interpreted")
+
+
+def status_of(builds: Callable[[], None], failed: str) -> int:
+    """Call a function that builds the core. Return the exit status: 0, or 1 if it fails.
+
+    failed: the beginning of the message for a failure.
+    """
     try:
-        build(PACKAGE, HARD_BUILT if hard else BUILT, jobs(), HARD if hard else NORMAL, prefixes)
+        builds()
     except (
         NoBuild,
         BadDeclaration,
         OSError,
         BrokenExecutor,
     ) as why:  # BrokenExecutor: a worker process was killed, for example for lack of memory
-        print(f"the core stays interpreted: {why}", file=sys.stderr)
+        print(f"{failed}: {why}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print("stopped: the build is left as it was", file=sys.stderr)

@@ -14,13 +14,11 @@ import os
 import sys
 import tempfile
 from collections.abc import Sequence
-from concurrent.futures import BrokenExecutor
 from pathlib import Path
 from subprocess import run
 
 from . import BUILT, PACKAGE, VARIABLE
-from .build import NORMAL, Kind, NoBuild, build, compiler, jobs
-from .compiled_class import BadDeclaration
+from .build import NORMAL, Kind, NoBuild, build, compiler, jobs, status_of
 
 RELATIVE = "-fprofile-prefix-path={folder}"  # files of counts are named after modules, without the folder
 # Code that no run has executed is optimized as in an ordinary build, because other cases may execute it.
@@ -57,14 +55,17 @@ def count(case: str, package: Path, built: Path) -> None:
     command = [sys.executable, "-P", "-c", f"import sys, {package.name}; {package.name}.run(sys.argv[1])", case]
     done = run(command, env={**os.environ, VARIABLE: str(built)}, capture_output=True, text=True, check=False)
     if done.returncode:
-        raise NoBuild(f"{case} does not run, so nothing was counted; {done.stderr.strip().splitlines()[-1]}")
+        last = (done.stderr.strip().splitlines() or [f"exit status {done.returncode}"])[-1]  # a signal says nothing
+        raise NoBuild(f"{case} does not run, so nothing was counted; {last}")
 
 
 def build_for(cases: Sequence[str], package: Path, built: Path, jobs: int) -> None:
     """Compile the core for these cases, and replace the build in the folder `built`.
 
-    Raise NoBuild if the compiler is not gcc, a module does not compile, or a case does not run.
+    Raise NoBuild if no case is named, the compiler is not gcc, a module does not compile, or a case does not run.
     """
+    if not cases:
+        raise NoBuild("no case is named; name the cases to optimize for: python -m periph_sim.form.profiled CASE ...")
     require_gcc(compiler())
     with tempfile.TemporaryDirectory() as name:
         counts, counted = Path(name, "counts"), Path(name, "counted")
@@ -80,19 +81,7 @@ def build_for(cases: Sequence[str], package: Path, built: Path, jobs: int) -> No
 
 def main(cases: Sequence[str]) -> int:
     """Build the core for these cases. Return the exit status: 0, or 1 if the build was left as it was."""
-    try:
-        if not cases:
-            raise NoBuild(
-                "no case is named; name the cases to optimize for: python -m periph_sim.form.profiled CASE ..."
-            )
-        build_for(cases, PACKAGE, BUILT, jobs())
-    except (NoBuild, BadDeclaration, OSError, BrokenExecutor) as why:
-        print(f"the build is left as it was: {why}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print("stopped: the build is left as it was", file=sys.stderr)
-        return 1
-    return 0
+    return status_of(lambda: build_for(cases, PACKAGE, BUILT, jobs()), "the build is left as it was")
 
 
 if __name__ == "__main__":

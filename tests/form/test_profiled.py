@@ -74,6 +74,13 @@ def test_a_case_that_does_not_run_leaves_the_build(own: Path):
 
 
 @with_gcc
+def test_a_case_whose_process_is_killed_leaves_the_build(own: Path):
+    (own / "__init__.py").write_text("import os\n\ndef run(number):\n    os.kill(os.getpid(), 9)\n")
+    with pytest.raises(build.NoBuild, match=r"^27 does not run, so nothing was counted; exit status -9$"):
+        profiled.build_for(["27"], own, own / "compiled", 1)
+
+
+@with_gcc
 def test_runs_that_do_not_use_the_compiled_core_are_refused(own: Path):
     (own / "__init__.py").write_text(RUN.format(modules=[]))
     with pytest.raises(build.NoBuild, match="did not use the compiled core, so nothing was counted"):

@@ -41,11 +41,11 @@ def similar_file(path: Path) -> str:
         names = [] if path.exists() else os.listdir(path.parent)
     except (OSError, ValueError):
         return ""
-    # Two names with the same suffix must resemble each other without it.
+    # Two names with the same suffix must resemble each other without it. A broken link has the name itself.
     near = [
         str(path.parent / name)
         for name in nearest(path.name, names)
-        if Path(name).suffix != path.suffix or nearest(path.stem, [Path(name).stem])
+        if name != path.name and (Path(name).suffix != path.suffix or nearest(path.stem, [Path(name).stem]))
     ]
     return f"did you mean {' or '.join(near)}?" if near else ""
 

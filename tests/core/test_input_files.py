@@ -112,3 +112,5 @@ def test_files_that_share_only_the_suffix_are_not_similar(tmp_path: Path):
     assert similar_file(tmp_path / "none.toml") == ""
     assert similar_file(tmp_path / "memry.toml") == f"did you mean {tmp_path / 'memory.toml'}?"
     assert similar_file(tmp_path / "memory.tml") == f"did you mean {tmp_path / 'memory.toml'}?"
+    (tmp_path / "memry.toml").symlink_to("nowhere")
+    assert similar_file(tmp_path / "memry.toml") == f"did you mean {tmp_path / 'memory.toml'}?"

@@ -13,7 +13,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator
 from fractions import Fraction
-from os.path import relpath
+from os.path import abspath, relpath
 from pathlib import Path
 from typing import Any, NamedTuple, cast
 
@@ -162,7 +162,8 @@ def image_case(path: Path) -> WrittenCase:
 def sources_case(path: Path) -> WrittenCase:
     """Return a case for the C sources below a folder, in the present folder."""
     if not path.is_dir():
-        raise click.ClickException(f"{path}: there is no such folder; give the folder of the .c files")
+        what = "it is no folder" if path.exists() else "there is no such folder"
+        raise click.ClickException(f"{path}: {what}; give the folder of the .c files")
     sources = sorted(file for file in path.rglob("*.c") if not file.name.endswith(REPLACED))
     if not sources:
         raise click.ClickException(f"{path}: there is no C source below it; give the folder of the .c files")
@@ -191,7 +192,7 @@ def _boot(image: Image) -> tuple[str, str]:
 @output_muted()
 def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> WrittenCase:
     """Return the case of a program. program: the keys that name it. comments, notes: the first ones."""
-    name = re.sub(r"[^\w.-]", "_", path.stem)
+    name = re.sub(r"[^\w.-]", "_", Path(abspath(path)).stem)  # "." and ".." have names, too
     target = Path(f"{name}.toml")
     if target.exists():
         raise click.ClickException(f"{target}: exists already; move it, or type the command in another folder")
@@ -319,7 +320,8 @@ def _clock(dsp: Dsp) -> Iterator[str]:
 def _notes(scene: Scene, dsp: Dsp, seen: Seen) -> Iterator[str]:
     """Yield why a program does not get to a loop, and the interrupts that it expects in vain."""
     if dsp.watchdog_resets:
-        at = dsp.watchdog_resets[0][1]
+        tick, place = dsp.watchdog_resets[0]
+        at = place or scene.timebase.show(tick - scene.start)  # C sources that access nothing have no place
         times = counted(len(dsp.watchdog_resets), "time")
         yield f"its watchdog reset it {times}, first at {at}; disable it (WDCR = 0x68) or service it in the loop"
     entered = {topic.what for topic in seen.of(Kind.IRQ)}

@@ -215,7 +215,8 @@ HOOKS = (
 KEYWORDS = ("-Dinterrupt=", "-D__interrupt=", "-Dcregister=", "-Dfar=", "-Dasm(text)=c28x_assembly(text)")
 UNDEFINED = ("-fsanitize=undefined", "-fno-sanitize=alignment")
 COMPLAINT = re.compile(r"(?m)^(.+?):(\d+):(?:\d+:)? (?:fatal )?error: (.+)$")
-HEADER = re.compile(r"gcc says: ([^/\\]+): No such file or directory$")
+ABSENT = ": No such file or directory"
+HEADER = re.compile(rf"gcc says: ([^/\\]+){ABSENT}$")
 TWICE = re.compile(r"(?m)^(\S+?):\d+: multiple definition of [`']([^']+)'; \S+?:(\S+?):\d+: first defined")
 MISSING = re.compile(r"undefined reference to [`']([^']+)'")
 ENDING = ("exit", "_exit", "_Exit", "quick_exit", "abort", "__assert_fail")  # runtime.c replaces them
@@ -316,7 +317,8 @@ def _compile(command: Sequence[str], folders: Sequence[Path], aliases: Path) -> 
             alias = aliases / name
             found = [path for one in folders for path in one.glob("*") if path.name.lower() == name.lower()]
             if not found or alias.exists():
-                raise
+                hint = "; add it, or its folder to compile.include" if str(error).endswith(ABSENT) else ""
+                raise BadSources(f"{error}{hint}") from None
             alias.symlink_to(found[0].resolve())
 
 

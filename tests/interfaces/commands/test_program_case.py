@@ -194,6 +194,7 @@ def test_a_program_that_cannot_run_has_no_case(periph_sim: Run, here: Path):
         (["image", "none.out"], "none.out: No such file or directory; give the linker's .out file, or assembly (.asm)"),
         (["c"], "new c needs a folder, as in periph-sim new c firmware"),
         (["c", "none"], "none: there is no such folder; give the folder of the .c files"),
+        (["c", "there.asm"], "there.asm: it is no folder; give the folder of the .c files"),
         (["image", "there.asm"], "there.toml: exists already; move it, or type the command in another folder"),
         (["c", "empty"], "empty: there is no C source below it; give the folder of the .c files"),
         (["c", "part"], "part: there is 1 C source below it, but none defines main; add the file that does"),
@@ -244,6 +245,23 @@ def test_c_sources_below_a_folder_with_their_headers(periph_sim: Run, here: Path
     assert (unit["modules"], unit["pins"]) == (["GPIO"], {"GPIO5": 5})
     assert [budget["name"] for budget in case["budget"]] == ["period of GPIO5"]
     assert periph_sim("run", "led.toml").status == 0
+
+
+def test_the_present_folder_gives_the_case_its_name(periph_sim: Run, here: Path, monkeypatch: pytest.MonkeyPatch):
+    Path("led").mkdir()
+    monkeypatch.chdir("led")
+    Path("main.c").write_text("int main(void) { for (;;); }\n", encoding="utf-8")
+    came = periph_sim("new", "c", ".")
+    assert came.out.startswith("written: led.toml\nnote: its watchdog reset it 4 times, first at 4369.067 us; disable")
+
+
+def test_a_header_that_is_missing_is_named_with_the_file_that_includes_it(periph_sim: Run, here: Path):
+    Path("led").mkdir()
+    Path("led/main.c").write_text('#include "chip.h"\nint main(void) { for (;;); }\n', encoding="utf-8")
+    Path("led/chip.h").write_text('\n#include "gone.h"\n', encoding="utf-8")
+    came = periph_sim("new", "c", "led")
+    why = "led/chip.h, line 2: gcc says: gone.h: No such file or directory; add it, or its folder to compile.include"
+    assert (came.status, came.err) == (2, f"Error: no case was written: {why}\n")
 
 
 def test_c_sources_that_do_not_compile_have_no_case(periph_sim: Run, here: Path):

@@ -232,7 +232,7 @@ def test_what_the_host_has_replaced_ends_the_run_with_its_place(folder: Path, bo
     ("change", "text", "sentence"),
     [
         ("", "int main(void) { retrun 0; }", "echo.c, line 1: gcc says: "),
-        ("", '#include "none.h"\n', "echo.c, line 1: gcc says: none.h: No such file or directory"),
+        ("", '#include "none.h"\n', "echo.c, line 1: gcc says: none.h: No such file or directory; add it, or its"),
         ("", "void f(void); int main(void) { f(); }", "no source defines 'f'; add the file that does to sources"),
         ('unit.dsp.sources=["echo.c", "echo.c"]', "int main(void) { return 0; }", "echo.c define 'main'; leave one"),
         ('unit.dsp.sources=["none.c"]', "", "there is no source file"),

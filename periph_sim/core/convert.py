@@ -35,6 +35,7 @@ from typing import (
 import msgspec
 
 UNIONS = (Union, UnionType)
+LIST_OF_TABLES = "expected a list of tables"
 NAMES: dict[Any, str] = {int: "a whole number", float: "a number", Fraction: "a number", str: "a text"}
 NAMES |= {bool: "true or false", bytes: "bytes", Path: "a path", list: "a list", tuple: "a list"}
 
@@ -379,6 +380,8 @@ def _list(kind: type, entries: tuple[Any, ...]) -> Converter:
     of_entry = [converter_of(entry) for entry in entries if entry is not ...]
     places = None if kind is list or entries[-1] is ... else len(entries)
     phrase = "expected a list" if places is None else f"expected a list of {places}"
+    if is_table(entries[0]):
+        phrase = LIST_OF_TABLES
 
     def several(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
         if not isinstance(value, list | tuple) or places not in (None, len(value)):

@@ -167,16 +167,19 @@ def _range(text: str) -> Spread:
     return Spread(least, most)
 
 
-def frequency(value: object) -> Fraction:
-    """Return the hertz in a text such as "100 kHz". Raise ValueError with a suggestion for other values."""
+def frequency(value: object, usual: str = "kHz") -> Fraction:
+    """Return the hertz in a text such as "100 kHz". Raise ValueError with a suggestion for other values.
+
+    usual: the unit in the suggestion for a small number without a unit.
+    """
     if isinstance(value, Fraction):
         return value
     if not isinstance(value, str):
-        raise ValueError(_no_unit(value, "Hz" if isinstance(value, int) and value >= 10_000 else "kHz"))
+        raise ValueError(_no_unit(value, "Hz" if isinstance(value, int) and value >= 10_000 else usual))
     quoted = shorten(repr(value), SHOWN)
     number, unit = number_and_unit(value)
     if not any(map(str.isdigit, number)) or not unit:
-        example = f"write for instance {number or '100'} kHz ({', '.join(HERTZ)})"
+        example = f"write for instance {number or '100'} {usual} ({', '.join(HERTZ)})"
         raise ValueError(f"{quoted}: expected a number and a unit; {example}")
     if unit not in HERTZ:
         raise ValueError(f"{quoted}: {unknown_unit(number, unit, HERTZ)}")
@@ -221,12 +224,12 @@ def _said(pattern: str, *examples: str) -> Any:
 _TIME = rf"\s*[-+0-9._eE/]+\s*({'|'.join(TIMES)}|[\u00b5\u03bc]s)\s*"
 DURATION_TEXT = _said(f"^{_TIME}$", "250 us", "1.5 ms")
 _RANGE = _said(f"^{_TIME}( to {_TIME})?$", "240 us to 260 us")
-_FREQUENCY = _said(rf"^\s*[-+0-9._eE/]+\s*({'|'.join(HERTZ)})\s*$", "100 kHz")
+FREQUENCY_TEXT = _said(rf"^\s*[-+0-9._eE/]+\s*({'|'.join(HERTZ)})\s*$", "100 kHz")
 _BYTES = _said(r"^[0-9a-fA-F\s]*$", "1d 00 ff") | list[Annotated[int, Meta(ge=0, le=255)]]
 _SHARE = _said(r"^\s*[-+0-9._eE/]+\s*%\s*$", "90 %")
 
 Duration = Annotated[Fraction, Before(duration, DURATION_TEXT)]
 DurationRange = Annotated[Spread, Before(spread, _RANGE)]
-Frequency = Annotated[Fraction, Before(frequency, _FREQUENCY)]
+Frequency = Annotated[Fraction, Before(frequency, FREQUENCY_TEXT)]
 HexBytes = Annotated[bytes, Before(hex_bytes, _BYTES)]
 Share = Annotated[Fraction, Before(share, _SHARE)]

@@ -25,6 +25,7 @@ from .measures.measure import MILLIONTHS, Measure
 
 PER_MILLE = {"p50": 500, "p95": 950, "p99": 990, "p99_9": 999}
 WANTED = {"%": "a part of the time; write for instance '40 %'", "LSB": "in LSB; write for instance '2.5 LSB'"}
+SIGNED = ("value", "cycles")  # units of whole numbers that may be negative
 
 
 class BadBudget(ValueError):
@@ -133,13 +134,15 @@ def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, giv
             if steps >= 0 and (isinstance(given, int) or text.endswith("LSB")):
                 return round(steps * MILLIONTHS)
         elif isinstance(given, int):
-            return given
+            is_signed = unit in SIGNED or (isinstance(measure, EventMeasure) and measure.weighs)
+            if is_signed or given >= 0:
+                return given
     except ValueError as error:
         if unit == "time":
             raise BadBudget(str(error), which) from None
     counted = "a number" if unit in ("count", "value") else f"a number of {unit}"
-    wanted = WANTED.get(unit, f"{counted}; write a whole number")
-    raise BadBudget(f"{given!r}, but {budget.measure!r} is {wanted}", which)
+    wanted = "never negative; write 0 or more" if isinstance(given, int) else f"{counted}; write a whole number"
+    raise BadBudget(f"{given!r}, but {budget.measure!r} is {WANTED.get(unit, wanted)}", which)
 
 
 def _check(budget: Budget, measure: Measure, limits: dict[str, int], given: dict[str, str | int]) -> None:

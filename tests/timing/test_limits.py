@@ -142,6 +142,8 @@ def test_a_part_of_the_time_is_judged_and_shown_in_percent():
         ),
         ("bus load", {"max": "x %"}, "max", "'x %', but 'bus load' is a part of the time; write for instance '40 %'"),
         ("cpu load", {"p50": "4 %"}, "p50", "'cpu load' is one number a run and has no percentiles; write max"),
+        ("missed rounds", {"max": -1}, "max", "-1, but 'missed rounds' is never negative; write 0 or more"),
+        ("count of frame", {"min": -1}, "min", "-1, but 'count of frame' is never negative; write 0 or more"),
         ("count of frame", {"max": "4"}, "max", "'4', but 'count of frame' is a number; write a whole number"),
         (
             "count of span modle begin",

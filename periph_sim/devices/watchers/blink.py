@@ -11,8 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Set
 from fractions import Fraction
+from functools import partial
+from typing import Annotated
 
-from ...core.table import Duration, Frequency, Share, Table
+from ...core.convert import Before
+from ...core.table import FREQUENCY_TEXT, Duration, Share, Table, frequency
 from . import WatchContext
 
 KIND = "blink"
@@ -27,7 +30,7 @@ class Settings(Table, frozen=True, kw_only=True):
     first: latest first rise; otherwise two periods after `after`
     """
 
-    rate: Frequency
+    rate: Annotated[Fraction, Before(partial(frequency, usual="Hz"), FREQUENCY_TEXT)]
     duty: Share | None = None
     after: Duration = Fraction(0)
     first: Duration | None = None

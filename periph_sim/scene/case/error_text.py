@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TypeVar
 
-from ...core.convert import NOTHING, BadTable, Mistake, keys_of
+from ...core.convert import LIST_OF_TABLES, NOTHING, BadTable, Mistake, keys_of
 from ...core.options import Value, options_from
 from ...core.phrases import did_you_mean
 from ...core.table import Table
@@ -29,26 +29,31 @@ def explain(source: Source, error: BadTable, tree: object = None, above: Place =
         return f"{where}: there is no key {key!r}; {did_you_mean(str(place[-1]), first.known)}"
     if first.is_missing:
         return f"{where}: {key} is missing"
-    return f"{where}: {key or 'the case'}: {complaint(first)}"
+    return f"{where}: {key or 'the case'}: {complaint(first, above)}"
 
 
-def complaint(first: Mistake) -> str:
-    """Return a phrase that says what is wrong with a value, and quotes the value if it helps."""
+def complaint(first: Mistake, above: Place = ()) -> str:
+    """Return a phrase that says what is wrong with a value, and quotes the value if it helps.
+
+    above: the keys that lead to the checked table.
+    """
     if first.known is not None:
         return f"there is no such key; {did_you_mean(str(first.place[-1]), first.known)}"
     if first.is_missing:
         return "it is missing"
     found = str(first.found).lower() if isinstance(first.found, bool) else repr(first.found)  # as TOML spells it
-    if first.what == "expected a table" and isinstance(first.found, list):
-        return f"expected one table; write its header in single brackets, as in [{first.place[-1]}]"
-    if first.what == "expected a list" and isinstance(first.found, dict):
-        return f"expected a list of tables; write its header in double brackets, as in [[{first.place[-1]}]]"
+    is_list = isinstance(first.found, list)
+    tables = first.found if is_list else [first.found]
+    if first.what in ("expected a table", LIST_OF_TABLES) and all(isinstance(one, dict) for one in tables):
+        header = ".".join(str(part) for part in (*above, *first.place) if isinstance(part, str))
+        if is_list:
+            return f"expected one table; write its header in single brackets, as in [{header}]"
+        return f"{first.what}; write its header in double brackets, as in [[{header}]]"
     told = first.found is NOTHING
     # The value is not quoted a second time if the message of the check quotes it, or a text in it, already.
     # A BadCase is about a file that the value names, so its message is complete without the value.
     if first.error is not None:
-        entries = first.found if isinstance(first.found, list) else []
-        quoted = [found, repr(first.found), *(repr(one) for one in entries if isinstance(one, str))]
+        quoted = [found, repr(first.found), *(repr(one) for one in tables if isinstance(one, str))]
         told |= (
             any(one in first.what for one in quoted) or "but it is" in first.what or isinstance(first.error, BadCase)
         )

@@ -11,7 +11,7 @@ from msgspec import Meta
 from ...core.convert import After, Before
 from ...core.exact_number import exact_number
 from ...core.options import Value
-from ...core.table import Duration, Frequency
+from ...core.table import FREQUENCY_TEXT, Duration, Frequency, frequency
 
 
 def _exact(value: object) -> Fraction:
@@ -51,13 +51,21 @@ def _without_direction(value: object) -> object:
     return value
 
 
+def _crystal(value: object) -> Fraction:
+    """Return the hertz in a text. Raise ValueError if they are beyond the limits of SPRS439."""
+    hertz = frequency(value, "MHz")
+    if not 4_000_000 <= hertz <= 150_000_000:
+        raise ValueError("expected 4 MHz to 150 MHz")
+    return hertz
+
+
 Exact = Annotated[Fraction, Before(_exact, int | float | str)]
 Answer = Annotated[Value, Before(_scalar)]  # an answer to an open question
 Length = Annotated[Duration, After(_above_zero)]
 Address = Annotated[int, Before(_without_direction), Meta(ge=0, le=0x7F)]
 Byte = Annotated[int, Meta(ge=0, le=0xFF)]
 BusRate = Annotated[Frequency, Meta(le=5_000_000)]  # hertz, up to the fastest mode of UM10204
-Crystal = Annotated[Frequency, Meta(ge=4_000_000, le=150_000_000)]  # hertz at X1/X2 or XCLKIN, limits of SPRS439
+Crystal = Annotated[Fraction, Before(_crystal, FREQUENCY_TEXT)]  # hertz at X1/X2 or XCLKIN
 Ppm = Annotated[Exact, Meta(ge=-100_000, le=100_000)]
 RateError = Annotated[Exact, Meta(ge=-50, le=50)]
 Bits = Annotated[Exact, Meta(ge=0)]

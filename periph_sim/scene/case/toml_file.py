@@ -15,6 +15,7 @@ from .origin import SHOWN
 
 _PLACE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)")
 _OPENS = re.compile(r"([^=\[]+=\s*)?[\[{](?!\[)")  # matches the begin of a line that opens a list or a table in braces
+_NO_EQUALS = re.compile(r"([\w.-]+)(?:\s*:\s*|\s+(?![=:])|(?=[\[{\"']))([^=\s].*)")  # a key and a value without =
 QUOTES = "'\""
 _TOO_LONG = re.compile(r"[0-9_]{4300}")  # matches an integer that is too long for Python
 
@@ -79,15 +80,22 @@ def _not_toml(text: str, error: str) -> str:
 
 def _fix(line: str) -> str:
     """Return the way to correct a line that is not TOML."""
-    key, equals, value = (part.strip() for part in line.partition("="))
-    value = value.partition(" #")[0].strip(" =")
     if line.startswith("["):
         return "write a header as [table], or as [[table]] for one of several"
+    no_equals = _NO_EQUALS.match(line)
+    if no_equals:
+        line = f"{no_equals[1]} = {no_equals[2]}"
+        try:
+            tomllib.loads(line)
+        except tomllib.TOMLDecodeError:
+            return _fix(line)
+        return f"write {line}"
     if _OPENS.match(line):
         return "write texts in quotes, a comma between entries, and close the list or table"
+    key, equals, value = (part.strip() for part in line.partition("="))
+    value = value.partition(" #")[0].strip(" =")
     if not equals:
-        key, _, value = re.sub(r"\s*[:\s]\s*", "=", line, count=1).partition("=")
-        return f"write {key} = {value or '...'}" if key else "write KEY = VALUE, with texts in quotes"
+        return f"write {key} = ..." if key else "write KEY = VALUE, with texts in quotes"
     if value.lower() in ("true", "false"):
         return f"write {key} = {value.lower()}"
     if re.match(r"[-+]?\d\w*$", value):

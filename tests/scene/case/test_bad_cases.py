@@ -9,6 +9,7 @@ import pytest
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 
+UNIT = "name = 'x'\nduration = '1 s'\n[unit.dsp]\nmodules = []"
 GOOD = """\
 name = "small"
 duration = "1 s"
@@ -245,11 +246,24 @@ def test_a_folder_is_no_case(case_file: Path):
         ("seed = 5x", 1, "write a number, as 12 or 0x0c"),
         ('breaks = ["a", "b"\nseed = 1', 1, "close the list or table"),
         ("[host", 1, "write a header as [table]"),
+        ("duration: 20 ms", 1, 'duration = "20 ms"'),
+        ('duration "20 ms"', 1, 'write duration = "20 ms"'),
+        ("strict True", 1, "write strict = true"),
+        ("pins { MODEL = 34 }", 1, "write pins = { MODEL = 34 }"),
+        ("pins: { MODEL = 34 }", 1, "write pins = { MODEL = 34 }"),
+        ("breaks [a, b]", 1, "write texts in quotes, a comma between entries"),
+        ("seed", 1, "write seed = ..."),
         ("seed = 1\nname = 'x'\nseed = 2 # one", 3, "seed is given already in line 1; remove one of them"),
         ("[budget]\nmax = 1\n\n[[budget]]\nmax = 1", 1, "as line 4 says; write [[budget]]"),
         ("[[budget]]\nmax = 1\n[budget]\nmax = 1", 3, "as line 1 says; write [[budget]]"),
         ("name = 'x'\nduration = '1 s'\n[[controller]]\nperiod = '1 ms'", 3, "single brackets, as in [controller]"),
         ("name = 'x'\nduration = '1 s'\n[budget]\nmax = 1", 3, "double brackets, as in [[budget]]"),
+        (f"{UNIT}\n[[unit.dsp.pins]]\nMODEL = 34", 5, "single brackets, as in [unit.dsp.pins]"),
+        (f"{UNIT}\npins = [34]", 5, "unit.dsp.pins: expected a table, but it is [34]"),
+        (f"{UNIT}\n".replace("[]", "{ GPIO = 1 }"), 4, "unit.dsp.modules: expected a list, but it is"),
+        (f"{UNIT}\noscclk = 30", 5, 'write for instance "30 MHz"'),
+        (f"{UNIT}\noscclk = '30'", 5, "write for instance 30 MHz"),
+        (f"{UNIT}\noscclk = '30 kHz'", 5, "expected 4 MHz to 150 MHz, but it is '30 kHz'"),
         ("name = 'x'\nduration = '1 s'\n[[controller.request]]\naddress = 0x90", 4, "0x90 is 0x48"),
     ],
 )

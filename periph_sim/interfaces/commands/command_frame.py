@@ -67,10 +67,15 @@ SINGLE_DASH = re.compile(r"-[A-Za-z][\w-]+")
 
 
 def _split_change(given: Sequence[str]) -> tuple[str, str]:
-    """Return the key and value of a --set that is written with a blank in place of the sign =; ("", "") if none is."""
-    for option, key, value in zip(given, given[1:], given[2:], strict=False):
+    """Return the key and value of a --set that is written with a blank beside or in place of the sign =.
+
+    Return ("", "") if there is none.
+    """
+    for n, option in enumerate(given[:-2]):
+        key = given[n + 1].rstrip(":= ")
+        value, unit, *_ = *(word.removeprefix("=").strip() for word in given[n + 2 :] if word != "="), "", ""
         if option == "--set" and "=" not in key and not value.startswith("-"):
-            return key.rstrip(": "), value.removeprefix("=").strip()
+            return key, f"{value} {unit}" if unit.isalpha() or unit == "%" else value
     return "", ""
 
 

@@ -142,6 +142,9 @@ def test_recordings_of_two_equal_runs_are_equal_and_of_another_seed_are_not(peri
     [
         (["-second", "1"], "No such option '-second'. Did you mean '--seconds'?"),
         (["--set", "seed", "1"], "--set seed: expected KEY=VALUE; write --set seed=1"),
+        (["--set", "seed=", "1"], "--set seed: expected KEY=VALUE; write --set seed=1"),
+        (["--set", "duration", "3", "ms"], "--set duration: expected KEY=VALUE; write --set 'duration=3 ms'"),
+        (["--set", "duration", "=", "3", "ms"], "--set duration: expected KEY=VALUE; write --set 'duration=3 ms'"),
     ],
 )
 def test_a_mistake_in_the_command_line_is_answered_with_the_fix(

@@ -94,7 +94,8 @@ class SendTable(SerialEntry, frozen=True, kw_only=True):
     missing_stop: characters with low stop bits; an idle bit follows
     ppm: replaces that of `[serial]`
     expect, within: `"nothing"`: the SCI must send nothing from the begin of the send until this time after its end, or
-        until other data is sent. This is a budget of the send's name with the measure `silence:NAME`
+        until other data is sent or another reply is expected. This is a budget of the send's name with the measure
+        `silence:NAME`
     """
 
     name: str | None = None

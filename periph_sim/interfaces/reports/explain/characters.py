@@ -74,7 +74,7 @@ def _bits(window: Window, wire: str, begin: int, end: int) -> tuple[Bit, ...]:
         return ()
     bit, form = window.formats[wire]
     halves = form.half_bits(bit)
-    if abs(begin + halves[-1] - end) > bit:
+    if abs(begin + halves[-1] - end) > bit / 2 + 1:
         return ()
     texts = "S" + "D" * form.bits + "A" * form.address + "P" * (form.parity != "none") + "T" * form.stop
     levels = window.edges.channel(wire).at(begin + np.array(halves[1::2]))

@@ -61,7 +61,11 @@ BEFORE, AFTER = 14, 4  # maximum numbers of changes of registers that are shown 
 )
 @RATE
 @SALVAGE
-@click.option("--loop", type=click.Choice(["closed", "open"]), help="I2C: see above. [closed]")
+@click.option(
+    "--loop",
+    type=click.Choice(["closed", "open"]),
+    help="I2C: decisions (closed) or edges (open) of the capture. [closed]",
+)
 @click.option("--as", "role", type=click.Choice(["slave", "master"]), help="I2C: role of the F28335. [slave]")
 @click.option("--tolerance", metavar="TIME", help="I2C: fail if an event is further off in time: '2 us'.")
 @click.option("--address", "addresses", multiple=True, metavar="ADDRESS", help="I2C: an address of the firmware.")

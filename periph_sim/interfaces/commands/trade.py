@@ -28,7 +28,9 @@ from .command_frame import CHANGES, SECONDS, command, print_answer, progress, ru
     metavar="CASE",
     help="Add the units of CASE.",
 )
-@click.option("--row", "--level", "names", multiple=True, metavar="ROW", help="Run only these rows, besides two.")
+@click.option(
+    "--row", "--level", "names", multiple=True, metavar="ROW", help="Run only these rows, the reference and the case."
+)
 @click.option("--max-error", metavar="TIME", help="Recommend a row within this error of times, such as '1 us'.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
 def trade(

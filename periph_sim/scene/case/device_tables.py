@@ -24,7 +24,7 @@ class Strikes(Table, frozen=True, kw_only=True):
     access: `"read"`, `"write"` or `"any"`
     phases: numbers, from 1, of addresses that match `access`: `[1, 4]`; otherwise all
     share: random part of these bytes
-    after, until: times between which bytes are affected; otherwise all
+    after, until: bytes from `after` to `until` are affected; otherwise all
     """
 
     bytes: tuple[ByteNumber, ...] = ()

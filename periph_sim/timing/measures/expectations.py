@@ -212,7 +212,7 @@ class Reply(Measure):
 
 
 class Unsolicited(Measure):
-    """Number of characters that SCIs send although nothing asked for them, after one send or in the whole run.
+    """Number of characters without a request: `silence:NAME` after that send, `unsolicited replies` in the whole run.
 
     name: the send after which no character may come until `within` is over or other data is sent; "" for the whole run,
         in which each character must belong to an expected reply.

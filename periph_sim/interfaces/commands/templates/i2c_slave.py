@@ -1,6 +1,6 @@
 """An I2C slave at address 0x48 with four registers.
 
-A controller writes the number of a register, and either values from there on, or it reads from there on.
+A controller writes the number of a register. Then it writes values, or reads them, from this register on.
 """
 
 from periph_sim.firmware import start_i2c

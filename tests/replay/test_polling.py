@@ -212,6 +212,33 @@ def test_polls_of_other_targets_and_polls_without_a_write_are_played_as_captured
     assert played(memory, captured(wave), 400).verdict == "pass"
 
 
+def test_a_refusal_after_a_read_is_no_poll(memory: Path):
+    wave = new_wave()
+    ask(wave, MEMORY, b"\xff")
+    for acked in (False, True):
+        wave.idle(400)
+        wave.transfer(MEMORY << 1, *[0x10] * acked, nack_last=not acked)
+    report = played(memory, captured(wave), 0)
+    assert report.verdict == "fail" and report.divergences[0].found == "ACK"
+
+
+def test_polls_are_added_before_the_first_captured_poll(memory: Path):
+    wave = new_wave()
+    for refused in (0, 1):
+        wave.transfer(MEMORY << 1, 0x10, 0x33)
+        for acked in (*[False] * refused, True):
+            wave.idle(800)
+            wave.transfer(MEMORY << 1, *[0x10] * acked, nack_last=not acked)
+        wave.idle(400)
+    report = played(memory, captured(wave), 800)
+    assert report.verdict == "pass" and (report.refusals, report.captured_refusals) == (4, 1)
+
+
+def test_patience_is_a_limit_for_each_write(memory: Path):
+    report = played(memory, stored_and_read(1), 5000, patience=Fraction(6, 1000))
+    assert report.verdict == "pass" and report.busy_us[1] > 5000
+
+
 def test_a_session_keeps_the_captured_polls(memory: Path):
     case = load(memory, ["unit.dsp.settings.busy_us=3000", 'unit.dsp.modules=["I2C-A", "SCI-A"]'])
     idle = of_bytes(bytes([1]) * 4000, ("RX",), RATE)

@@ -120,8 +120,13 @@ def test_spi_lines_share_their_rows(periph_sim: Run, tmp_path: Path):
         ['"result"', "0x12", "0x34"],
         ['"disable"', "", ""],
     ]
+    first = periph_sim("decode", flash, "--spi", LINES, "--first", "1", "--transfers").out.splitlines()
+    assert [line.split()[1:3] for line in first[1:]] == [["spi", "MOSI"], ["spi", "MISO"]], "one transfer, two lines"
     lines = periph_sim("decode", flash, "--spi", "clk=CLK,miso=MISO,cs=CS", "--format", "logic2").out.splitlines()
     assert lines[2].endswith(",,0x00")
+    apart = ("--spi", "clk=CLK,mosi=MOSI,cs=CS", "--spi", "clk=CLK,miso=MISO,cs=CS")
+    lines = periph_sim("decode", flash, *apart, "--format", "logic2").out.splitlines()
+    assert [line.rpartition('"result"')[2].split(",")[3:] for line in lines[3:5]] == [["0x9F", ""], ["", "0x00"]]
 
 
 def test_several_buses_share_one_table(periph_sim: Run, tmp_path: Path):
@@ -140,6 +145,7 @@ def test_several_buses_share_one_table(periph_sim: Run, tmp_path: Path):
     assert times == sorted(times)
     names = [line.partition(",")[0] for line in lines[1:]]
     assert {name: names.count(name) for name in names} == {'"I2C"': 4, '"Async Serial"': 2, '"Async Serial [1]"': 2}
+    assert lines[-1].split(",")[3] == f"{9.5 * 40 / 4e6:.8f}", "up to the middle of the stop bit"
     assert lines[-1].split(",")[1:2] + lines[-1].split(",")[4:] == ['"data"', "", "", "", "0x55", "framing"]
 
 

@@ -16,7 +16,7 @@ from periph_sim.traces.capture.capture import Span
 from tests.interfaces.commands.conftest import Run
 from tests.scene.test_plugins import BAROMETER, PROJECT
 from tests.traces.formats.make_traces import ROUND, read_registers
-from tests.traces.formats.writers import I2cWave
+from tests.traces.formats.writers import I2cWave, sr_bytes
 
 ROUND_SR = Path(__file__).resolve().parents[3] / "traces" / "imu_round.sr"
 CHIPS = ("--chip", "itg3200", "--chip", "0x53=adxl345", "--chip", "hmc5883l")
@@ -248,6 +248,35 @@ def test_a_case_names_its_own_devices(periph_sim: Run, desk: Path):
         "S 48 W(adc) A 01(pointer: VALUE) A Sr 48 R(adc) A 12(VALUE) A 34(VALUE: 0x1234) A 00(0x03: not in the map) "
         "N P",
         "S 42 W(own) A 01 A Sr 42 R(own) A 12 N P",
+    ]
+
+
+def test_a_chip_that_is_given_replaces_that_of_the_case(periph_sim: Run):
+    case = ROUND_SR.parents[1] / "timing" / "imu_chips.toml"
+    came = periph_sim("decode", str(ROUND_SR), "--case", str(case), "--chip", "itg3200", "--transfers")
+    assert re.findall(r"S (\w\w) W\((\w+)\)", came.out) == [
+        ("68", "itg3200"),
+        ("53", "accelerometer"),
+        ("1E", "magnetometer"),
+    ]
+
+
+def test_each_bus_has_a_device_of_its_own(periph_sim: Run, tmp_path: Path):
+    waves = []
+    for idle, pointer in ((100, 0x32), (2000, 0x34)):
+        wave = I2cWave(20, 5, idle=idle)
+        wave.transfer(0xA6, pointer)
+        read_registers(wave, 0x53, pointer, (1,))
+        wave.idle(5000 - len(wave.samples))
+        waves.append(wave.samples)
+    path = tmp_path / "two.sr"
+    samples = bytes(one | other << 2 for one, other in zip(*waves, strict=True))
+    path.write_bytes(sr_bytes(["SCL1", "SDA1", "SCL2", "SDA2"], "4 MHz", samples))
+    assert named(periph_sim, str(path), "--chip", "adxl345") == [
+        *[("32", "pointer", "DATAX0")] * 2,
+        *[("01", "DATAX0", "")],
+        *[("34", "pointer", "DATAY0")] * 2,
+        *[("01", "DATAY0", "")],
     ]
 
 

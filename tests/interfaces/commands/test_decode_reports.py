@@ -146,6 +146,21 @@ def test_serial_lines_have_frames_and_errors(periph_sim: Run, tmp_path: Path):
     assert none.out.splitlines()[1:] == ["uart RX,all,0,0,,,0,0.0"]
 
 
+def test_an_incomplete_byte_is_an_error_and_a_glitch_is_none(periph_sim: Run, tmp_path: Path):
+    wave = I2cWave(20, 5, idle=100)
+    wave.start()
+    wave.bit(1)
+    cut = csv.DictReader(periph_sim("decode", wave.saved(tmp_path), "--counts", "--format", "csv").out.splitlines())
+    assert [row["errors"] for row in cut] == ["1"]
+    samples = bytearray(uart_wave([(Fraction(100), frame_bits(0x55))], Fraction(10), 300))
+    samples[114] ^= 1  # one of the three samples of the first data bit
+    path = tmp_path / "glitch.sr"
+    path.write_bytes(sr_bytes(["RX"], "1 MHz", bytes(samples)))
+    line = ("decode", str(path), "--uart", "rx=RX,baud=100000,vote")
+    assert "glitch" in periph_sim(*line).out
+    assert json.loads(periph_sim(*line, "--counts", "--json").out)["errors"] == 0
+
+
 def test_without_events_there_are_no_counts(periph_sim: Run, tmp_path: Path):
     path = tmp_path / "idle.sr"
     path.write_bytes(sr_bytes(["SCL", "SDA"], "4 MHz", bytes([3]) * 100))

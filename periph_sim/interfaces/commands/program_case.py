@@ -55,9 +55,10 @@ MARGIN = 10  # percent
 SEEN = "seen, not required"
 PORT_DATA = re.compile(r"W GPIO\.GP([ABC])(?:DAT|SET|CLEAR|TOGGLE)")
 MOST_PINS = 32  # number of outputs with a wire of their own
-NOTHING_REPEATS = (
-    "nothing repeats, so the case has no budget; add what the program waits for: [[serial.send]] for an SCI, "
-    "[controller] for an I2C slave, [device.NAME] for an I2C master, [[unit.dsp.stub]] for a register without a model"
+NOTHING_REPEATS = "nothing repeats, so the case has no budget"
+ADD_INPUT = (
+    "add what the program waits for: [[serial.send]] for an SCI, [controller] for an I2C slave, [device.NAME] for an "
+    "I2C master, [[unit.dsp.stub]] for a register without a model"
 )
 REPLACED = "GlobalVariableDefs.c"  # the end of the name of TI's file that defines the register structures
 
@@ -223,12 +224,13 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
         if length < stretch:
             break
     head = [f"A run of {tree['duration']} showed this.", *comments, *_clock(dsp), *_vectors(dsp, seen)]
-    head.append(f"limits: the largest value of that run and {MARGIN} %; {SEEN}")
     notes += [*scene.finish(scene.timebase.ticks(length, "nearest")).stuck, *_notes(scene, dsp, seen)]
     if budgets:
         tree["budget"] = budgets
+        head.append(f"limits: the largest value of that run and {MARGIN} %; {SEEN}")
     else:
-        notes.append(NOTHING_REPEATS)
+        waits = not (dsp.program.finished or dsp.watchdog_resets)
+        notes.append(f"{NOTHING_REPEATS}; {ADD_INPUT}" if waits else NOTHING_REPEATS)
     text = "".join(f"# {line}\n" for line in head) + re.sub(r"\n{3,}", "\n\n", toml(tree))
     return WrittenCase(target, text, budgets[0]["name"] if budgets else "", notes)
 

@@ -149,23 +149,29 @@ def test_a_run_goes_on_until_something_has_repeated(periph_sim: Run, here: Path,
         (
             "_main: LRETR\n_once:\n_often:\n",
             0x68,
-            ["ESTOP0 ended the program at ", "nothing repeats, so the case has no"],
+            ["ESTOP0 ended the program at ", "nothing repeats, so the case has no budget"],
         ),
         (
             "_main: SB _main,UNC\n_once:\n_often:\n",
             0x28,
-            ["its watchdog reset it 4 times, first at _main (mine.asm:14, ", "nothing repeats, so"],
+            [
+                "its watchdog reset it 4 times, first at _main (mine.asm:14, ",
+                "nothing repeats, so the case has no budget",
+            ],
         ),
         (
             "_main: MOVW DP,#0x7119 >> 6\nlook: TBIT @0x7119,#0\n SB look,NTC\n LRETR\n_once:\n_often:\n",
             0x68,
-            ["dsp waits for ADC.ADCST & 0x0001 at _main (mine.asm:16, ", "nothing repeats, so"],
+            [
+                "dsp waits for ADC.ADCST & 0x0001 at _main (mine.asm:16, ",
+                "nothing repeats, so the case has no budget; add",
+            ],
         ),
         (
             "_main: OR IER,#1\n MOVW DP,#PIEIER1 >> 6\n MOV @PIEIER1,#0x20\n MOV @0x0CE6,#1\n EALLOW\n CLRC INTM\n"
             "loop: NOP\n SB loop,UNC\n_once:\n_often:\n",
             0x68,
-            ["ADCINT, served by ", "nothing repeats, so"],
+            ["ADCINT, served by ", "nothing repeats, so the case has no budget; add"],
         ),
     ],
 )
@@ -175,7 +181,8 @@ def test_a_program_that_never_loops_is_told_why(periph_sim: Run, here: Path, bod
     assert came.status == 0 and "budget" not in written()
     told = [line.removeprefix("note: ") for line in came.out.splitlines() if line.startswith("note: ")]
     assert len(told) == len(notes) and all(line.startswith(note) for line, note in zip(told, notes, strict=True)), told
-    assert "periph-sim worst" not in came.out
+    assert "periph-sim worst" not in came.out and "limits:" not in Path("mine.toml").read_text(encoding="utf-8")
+    assert told[-1].endswith("without a model") or told[-1] == notes[-1]
 
 
 def test_a_program_that_cannot_run_has_no_case(periph_sim: Run, here: Path):

@@ -1,4 +1,4 @@
-"""Hooks of mkdocs: README and CONTRIBUTING become pages of the site, and headings get the anchors of GitHub.
+"""Hooks of mkdocs: README and CONTRIBUTING become pages of the site.
 
 README.md       --> index.md         "docs/x.md" becomes "x.md"
 CONTRIBUTING.md --> contributing.md
@@ -13,11 +13,6 @@ from typing import Any
 ROOT = Path(__file__).parents[2]
 PAGES = {"README.md": "index.md", "CONTRIBUTING.md": "contributing.md"}
 LINK = re.compile(r"\[([^\]]*)\]\((?!https?:|#)([^)#\s]+)(#[^)\s]*)?\)")
-
-
-def anchor(heading: str, separator: str) -> str:
-    """Return the anchor of a heading as GitHub makes it, so that links work on both sites."""
-    return re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", separator)
 
 
 def on_files(files: Any, config: Any) -> Any:

@@ -331,7 +331,7 @@ def _notes(scene: Scene, dsp: Dsp, seen: Seen) -> Iterator[str]:
         enabled = dsp.core.ier >> group - 1 & 1 and dsp.pie.peek(0, PIEIER[group - 1].offset) >> line - 1 & 1
         if enabled and vector not in entered:
             asks = ", ".join(PART.requesters(vector)) or "a module without a model"
-            yield f"{vector}{_served_by(dsp, vector)}, is enabled, and {asks} did not request it"
+            yield f"{asks} did not request {vector}{_served_by(dsp, vector)}, which is enabled"
     if dsp.program.returned_at is not None:
         at_end = scene.timebase.show(dsp.clock.tick(dsp.program.returned_at) - scene.start)
         yield f"{dsp.program.ending(at_end)}; a loop in main would keep it running"

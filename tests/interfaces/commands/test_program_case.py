@@ -171,7 +171,10 @@ def test_a_run_goes_on_until_something_has_repeated(periph_sim: Run, here: Path,
             "_main: OR IER,#1\n MOVW DP,#PIEIER1 >> 6\n MOV @PIEIER1,#0x20\n MOV @0x0CE6,#1\n EALLOW\n CLRC INTM\n"
             "loop: NOP\n SB loop,UNC\n_once:\n_often:\n",
             0x68,
-            ["ADCINT, served by ", "nothing repeats, so the case has no budget; add"],
+            [
+                "a module without a model did not request ADCINT, served by ",
+                "nothing repeats, so the case has no budget; add",
+            ],
         ),
     ],
 )
@@ -252,6 +255,11 @@ def test_c_sources_below_a_folder_with_their_headers(periph_sim: Run, here: Path
     assert (unit["modules"], unit["pins"]) == (["GPIO"], {"GPIO5": 5})
     assert [budget["name"] for budget in case["budget"]] == ["period of GPIO5"]
     assert periph_sim("run", "led.toml").status == 0
+
+
+def test_an_interrupt_that_is_enabled_but_was_not_requested_is_named(periph_sim: Run, here: Path):
+    came = periph_sim("new", "c", str(C28X.parent / "c"))
+    assert "note: SCI-A did not request SCIRXINTA, which is enabled\n" in came.out
 
 
 def test_the_present_folder_gives_the_case_its_name(periph_sim: Run, here: Path, monkeypatch: pytest.MonkeyPatch):

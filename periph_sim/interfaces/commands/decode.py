@@ -84,7 +84,7 @@ A_SECOND = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9, "ps": 10**12}
 )
 @click.option("--glitch", metavar="TIME", help="Ignore pulses shorter than '50ns'; a bare number counts samples.")
 @click.option("--glitches", "want_glitches", is_flag=True, help="List short pulses instead; --glitch sets the limit.")
-@click.option("--counts", "want_counts", is_flag=True, help="Count transfers, bytes, NACKs and load instead.")
+@click.option("--counts", "want_counts", is_flag=True, help="Count transfers, bytes, refusals and load instead.")
 @click.option("--address", "addresses", multiple=True, metavar="ADDRESS", help="Only I2C transfers with this address.")
 @click.option("--nacked", is_flag=True, help="Only I2C transfers in which a target did not acknowledge.")
 @click.option("--first", type=click.IntRange(min=1), metavar="N", help="Only the first N transfers.")
@@ -141,7 +141,7 @@ def decode(
     reports, names_given = want_counts + want_glitches, bool(chips) or case_file is not None
     if reports and (reports > 1 or style in EXPORTS or names_given or (whole and not as_json)):
         raise click.ClickException(
-            "--counts and --glitches print one table each; they take --format table, csv or json, no --chip or --case"
+            "--counts and --glitches print their rows as table, csv or json; leave out --transfers, --chip and --case"
         )
     if names_given and style in EXPORTS:
         raise click.ClickException(f"--chip and --case: --format {style} has no place for the names of registers")

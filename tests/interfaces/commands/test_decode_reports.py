@@ -265,7 +265,11 @@ def test_glitches_of_a_serial_line_are_shorter_than_half_a_bit(periph_sim: Run):
     [
         (
             ["--counts", "--glitches"],
-            "--counts and --glitches print one table each; they take --format table, csv or json, no --chip or --case",
+            "--counts and --glitches print their rows as table, csv or json; leave out --transfers, --chip and --case",
+        ),
+        (
+            ["--counts", "--transfers"],
+            "--counts and --glitches print their rows as table, csv or json; leave out --transfers, --chip and --case",
         ),
         (["--glitches", "--nacked"], "--glitches lists pulses of lines; leave out --address, --nacked and --first"),
         (["--address", "0x400"], "--address: '0x400' is no 10-bit address; expected 0 to 0x3FF, right-aligned"),

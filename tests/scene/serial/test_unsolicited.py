@@ -103,8 +103,10 @@ def test_other_data_or_another_expected_reply_ends_the_silence():
     (silent,) = ran({b"asc\nx": b"OK"}, BAD, later, expects=()).budgets
     assert silent.word == "seen"
     heartbeat = {"name": "told", "from": "SCI-A", "at": "1 ms", "text": "OK", "within": "1 ms"}
-    result = ran({b"asc\n": b"OK!"}, {**BAD, "at": "100 us", "within": "3 ms"}, expects=(heartbeat,), delay=150_000)
-    assert [v.word for v in result.budgets] == ["seen", "seen"]
+    for at in ("1 ms", "200 us"):  # after the end of the send, and during it
+        expects = ({**heartbeat, "at": at, "within": "2 ms"},)
+        result = ran({b"asc\n": b"OK!"}, {**BAD, "at": "100 us", "within": "3 ms"}, expects=expects, delay=150_000)
+        assert [v.word for v in result.budgets] == ["seen", "seen"]
 
 
 def test_what_no_reply_claims_is_a_note_and_with_a_budget_a_verdict():
@@ -119,12 +121,18 @@ def test_what_no_reply_claims_is_a_note_and_with_a_budget_a_verdict():
     assert (judged.verdict, judged.budgets[0].worst, judged.notes) == ("fail", 4, [])
 
 
+def test_the_note_leaves_out_what_the_verdict_of_a_send_reports():
+    result = ran({b"ask\n": b"OK\r", b"asc\n": b"NO"}, GOOD, BAD)
+    (note,) = result.notes
+    assert result.budgets[0].worst == 2 and "but '\\r' came" in note and "(1 character in all)" in note
+
+
 def test_a_verdict_on_one_sci_does_not_hide_the_note_on_another():
     def main(dsp: Dsp) -> None:
         start_sci(dsp, "SCI-A")
         bad = start_sci(dsp, "SCI-B")
-        send(dsp, "SCI-A", b"!")
         dsp.spin(lambda: bad.SCIFFRX.RXFFST == 4)
+        send(dsp, "SCI-A", b"!")
         send(dsp, "SCI-B", b"xy")
 
     modules = {"dsp": unit("SCI-A", "SCI-B")}

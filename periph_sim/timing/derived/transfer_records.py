@@ -75,7 +75,7 @@ class TransferRecords:
                 if phase.answer_at != NO_TIME:
                     self._acknowledge.emit(phase.answer_from)
                     self._answer.emit(phase.answer_at)
-        if phase.acked and phase.data and not phase.read:
+        if phase.acked and phase.data:  # empty for a read
             self._write_end.emit(transfer.stop_at, phase.address)
 
     def finish(self, now: int, unfinished: Transfer | None, held_since: int) -> None:

@@ -155,6 +155,15 @@ def test_characters_with_errors_are_counted_in_the_result():
     assert scene({"dsp": lambda dsp: None}, unit={"dsp": unit("I2C-A")}).run().sci_errors == {}
 
 
+@pytest.mark.parametrize(("baud", "noted"), [(120_500, True), (120_000, False), (109_000, False), (108_000, True)])
+def test_a_rate_that_differs_by_more_than_5_percent_from_that_of_the_sci_is_a_note(baud: int, noted: bool):
+    """BRR = 40 gives 114 329 baud."""
+    table = {"send": [{"to": "SCI-A", "text": "a", "at": "100 us", "baud": baud}]}
+    result = scene({"dsp": hears("SCI-A", [])}, unit={"dsp": unit("SCI-A")}, serial=table, duration="1 ms").run()
+    text = f"dsp SCI-A: characters on RX come at {baud} baud, but SCIHBAUD, SCILBAUD and LSPCLK give 114329; "
+    assert [note.startswith(text) for note in result.notes] == [True] * noted
+
+
 def test_a_break_sets_brkdt():
     status: list[int] = []
 

@@ -46,6 +46,7 @@ LEAD = Fraction(25, 1000)  # seconds that are kept before a range, so that a tra
 BITS = 18  # minimum extent of a picture in bits: two bytes with their ACKs
 BIT = Fraction(1, 100_000)  # length of a bit in seconds if there is no SCL
 
+WRONG_BYTES = "wrong bytes"  # the measure whose verdict has expected bytes
 I2C_BUS = "I2C"  # the bus of a wrong byte on I2C
 # A wrong byte: the bus, and the tick of the START and the place of the byte in the read, from 0; or the wire of a
 # character, the tick of its start bit, and 0.
@@ -145,12 +146,16 @@ def windows(
         end = start + timebase.ticks(case.duration if length is None else length, "nearest")
         keepers.append(_Keeper(wanted, timebase, start, end))
         recorder.subscribe(RECORDED, keepers[0].add)
-        if any(verdict.measure == "wrong bytes" for verdict in wanted):
+        if any(verdict.measure == WRONG_BYTES for verdict in wanted):
             recorder.subscribe((Kind.DATA,), keepers[0].expect, things={(Kind.DATA, "expected byte")})
 
     scene = Scene(case, subscribe, programs)
     (keeper,) = keepers
-    scene.advance(keeper.ends)
+    until = keeper.ends
+    scene.advance(until)
+    while keeper.awaits_bytes and until < keeper.end:
+        until = min(2 * until, keeper.end)
+        scene.advance(until)
     found = keeper.windows(case.name, scene.wires, {name: unit.modules for name, unit in case.unit.items()})
     return [replace(window, formats=scene.uart.formats()) for window in found]
 
@@ -220,7 +225,7 @@ class _Keeper:
 
     def __init__(self, verdicts: Iterable[Verdict], timebase: Timebase, start: int, end: int) -> None:
         self._timebase = timebase
-        self._start, self._end = start, end
+        self._start, self.end = start, end
         self._wanted = [self._want(verdict, verdict.at_s) for verdict in verdicts if verdict.at_s is not None]
         lead = timebase.ticks(LEAD, "nearest")
         self._ranges: list[Span] = []  # in order of time; ranges that touch or overlap are merged
@@ -239,6 +244,12 @@ class _Keeper:
         """The tick after which no record is kept."""
         return self._ranges[-1].end - 1 if self._ranges else self._start
 
+    @property
+    def awaits_bytes(self) -> bool:
+        """True if the expected bytes of a wrong read are not known yet, because they come with its STOP."""
+        known = {tick for _, tick, _ in self._expected}
+        return any(one.verdict.measure == WRONG_BYTES and one.begin not in known for one in self._wanted)
+
     def _want(self, verdict: Verdict, at_s: float) -> _Wanted:
         per_second = self._timebase.per_second
         at = self._start + round(at_s * per_second)
@@ -249,7 +260,7 @@ class _Keeper:
         of_data = event is not None and event.name == Kind.DATA.value
         begin, end = sorted((at - length, at) if of_data else (at, at + length))
         around = self._timebase.ticks(AROUND if _is_length(verdict) else WIDE, "nearest")
-        first, last = max(begin - around, self._start), min(end + around, self._end)
+        first, last = max(begin - around, self._start), min(end + around, self.end)
         longest = self._timebase.ticks(LONGEST, "nearest")
         kept: tuple[Span, ...] = (Span(first, last + 1),)
         if end - begin > 2 * longest:

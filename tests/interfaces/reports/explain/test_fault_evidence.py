@@ -40,6 +40,7 @@ def explained(
     request: dict[str, Any],
     start: bool = True,
     limit: str | int = 0,
+    duration: str = "8 ms",
     **controller: Any,
 ) -> Explained:
     """The one budget of a scene in which `serve` is a slave at 0x50. start: it finds the module set up."""
@@ -54,7 +55,7 @@ def explained(
     programs = {"dsp": Firmware("slave", main, None)}
     head = {"first": "1 ms", "period": "3 ms", "request": [request], **controller}
     made = case(
-        "8 ms",
+        duration,
         unit={"dsp": {"firmware": "slave", "modules": ["I2C-A"]}},
         controller=head,
         budget=[{"name": "b", "measure": measure, "max": limit}],
@@ -246,6 +247,17 @@ def test_a_byte_of_another_transfer_is_told_as_one():
     assert [label for label in labels if "not" in label][:6] == wrong
     rows = [row.data for row in rows_of(one.window, lambda at, end: True, 0) if row.bus == "I2C" and row.way == "R"]
     assert [expected for _, _, expected in rows[0]] == ["11", "12", "13", "14", "15", "16"]
+
+
+def test_the_expected_bytes_of_a_read_are_known_that_ends_long_after_its_first_wrong_byte():
+    def serve(i2c: Any, dsp: Dsp) -> None:
+        while True:
+            dsp.spin(lambda: i2c.I2CSTR.SDIR == 1 and i2c.I2CSTR.XRDY == 1)
+            i2c.I2CDXR.all = 0x12
+
+    slow = {"address": 0x50, "count": 40, "expect": "11" * 40}  # 37 ms at 10 kHz
+    one = explained(serve, "wrong bytes", slow, duration="80 ms", rate="10 kHz", period="50 ms")
+    assert said(one)[2].startswith("byte 1: 0x12 ACK, not 0x11")
 
 
 def reset_in_read(i2c: Any, dsp: Dsp) -> None:

@@ -67,10 +67,10 @@ def in_logic2(rows: Rows, buses: Sequence[Bus], clock: Clock, sample: int) -> It
         own = select(rows, rows.bus == number)
         if bus.role == "miso" and number and bus.lines == buses[number - 1].lines:
             # The two data lines of an SPI bus share the lines of the table.
-            values = dict(zip(own.at.tolist(), own.value.tolist(), strict=True))
+            words = dict(zip(own.at.tolist(), zip(own.value.tolist(), own.bits.tolist(), strict=True), strict=True))
             for line in lines:
                 if line.name == name and "mosi" in line.cells:
-                    line.cells["miso"] = _hexadecimal(values[line.at], 8 * (len(line.cells["mosi"]) // 2 - 1))
+                    line.cells["miso"] = _hexadecimal(*words[line.at])
             continue
         protocols.append(bus.protocol)
         again = protocols.count(bus.protocol) - 1

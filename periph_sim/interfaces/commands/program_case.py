@@ -141,7 +141,7 @@ class LoopCalls(CallListener):
         """
         for caller in self.callers:
             recent = {name: count for name, (count, last) in caller.callees.items() if last > since}
-            least = min(recent.keys() - handlers, key=lambda name: (recent[name], list(recent).index(name)), default="")
+            least = min((name for name in recent if name not in handlers), key=recent.__getitem__, default="")
             if least:
                 return least if recent[least] >= OFTEN else ""
         return ""
@@ -219,9 +219,7 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
             raise click.ClickException(f"{path}: it cannot run, so no case was written: {scene.stalled}")
         tree |= {"duration": duration_text(float(length)), "unit": {UNIT: {**program, **_unit(dsp, seen)}}}
         budgets = _as_seen(tree, target, _measures(scene, dsp, seen, calls))
-        if budgets or dsp.program.finished or dsp.watchdog_resets or scene.deadlocks():
-            break
-        if length < stretch:
+        if budgets or dsp.program.finished or dsp.watchdog_resets or scene.deadlocks() or length < stretch:
             break
     head = [f"A run of {tree['duration']} showed this.", *comments, *_clock(dsp), *_vectors(dsp, seen)]
     notes += [*scene.finish(scene.timebase.ticks(length, "nearest")).stuck, *_notes(scene, dsp, seen)]

@@ -108,9 +108,11 @@ def figure(value: float | int | None, unit: str) -> str:
 
 
 def in_words(value: float | int, unit: str) -> str:
-    """Return a figure for use within a sentence, where no column names the unit: `12 words`."""
+    """Return a figure for use within a sentence, where no column names the unit: `12 words`, `1 word`."""
     text = figure(value, unit)
-    return f"{text} {unit}" if unit not in PLAIN and text == f"{value}" else text
+    if unit in PLAIN or text != f"{value}":
+        return text
+    return f"{text} {unit.removesuffix('s') if value == 1 else unit}"
 
 
 def limit(value: float | int, unit: str, which: str) -> str:

@@ -228,7 +228,7 @@ class Unsolicited(Measure):
         super().__init__()
         self.name = name
         self.source = ""
-        self._is_open = False  # from the begin of a send until it is certain when the silence after it ends
+        self._is_open = False  # from the begin of a send until other data is sent, or the run is over
         self._since = NO_TIME  # the begin of the last silence
         self._until = NO_TIME  # the end of the last silence; NO_TIME before the end of the send
         self._judged = 0  # number of sends whose time is over
@@ -275,7 +275,7 @@ class Unsolicited(Measure):
             self._until = tick if self._until == NO_TIME else min(self._until, tick)
 
     def forbids(self, begin: int) -> bool:
-        """Return True if no character may begin at this tick, which is not earlier than the begin of the last send."""
+        """Return True if no character may begin at this tick, as far as the last silence is concerned."""
         in_time = NO_TIME < self._since <= begin and (self._until == NO_TIME or begin < self._until)
         return in_time or not self.name
 

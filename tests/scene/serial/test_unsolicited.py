@@ -93,6 +93,7 @@ def test_a_character_that_is_under_way_when_other_data_is_sent_is_forbidden():
     later = {"name": "later", "text": "x", "at": "1400 us"}  # the answer begins at 1348 us
     (silent,) = ran({b"asc\n": b"O"}, {**BAD, "at": "1 ms", "within": "3 ms"}, later, expects=()).budgets
     assert (silent.word, silent.worst) == ("broken", 1)
+    assert legend([silent])[0].startswith("bad CRC: 1 character is over its limit of 0 characters, at 0.001348 s (")
     again = {**BAD, "at": "1 ms", "within": "3 ms", "period": "400 us", "times": 2}
     (silent,) = ran({b"asc\n": b"O"}, again, expects=(), duration="6 ms").budgets
     assert (silent.word, silent.worst, silent.count) == ("broken", 2, 2)

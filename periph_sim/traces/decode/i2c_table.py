@@ -353,7 +353,7 @@ def impossible_rate(capture: Capture, scl: str | int) -> str:
     )
 
 
-def whole_addresses(capture: Capture, scl: str | int, sda: str | int) -> tuple[int, int]:
+def _whole_addresses(capture: Capture, scl: str | int, sda: str | int) -> tuple[int, int]:
     """Return the number of STARTs with a whole address byte and its ACK, and the number of all STARTs."""
     whole = starts = 0
     for edges in i2c_edges(capture, scl, sda):
@@ -369,10 +369,10 @@ def swapped_lines(capture: Capture, scl: str | int, sda: str | int) -> str:
 
     Raise LookupError if a channel is missing.
     """
-    whole, starts = whole_addresses(capture, scl, sda)
+    whole, starts = _whole_addresses(capture, scl, sda)
     if 2 * whole > starts:
         return ""
-    other, others = whole_addresses(capture, sda, scl)
+    other, others = _whole_addresses(capture, sda, scl)
     if 2 * other <= others:
         return ""
     return (

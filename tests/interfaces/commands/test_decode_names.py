@@ -280,6 +280,13 @@ def test_each_bus_has_a_device_of_its_own(periph_sim: Run, tmp_path: Path):
     ]
 
 
+def test_a_strict_case_does_not_end_at_a_write_that_its_device_reports(periph_sim: Run, desk: Path):
+    unit = ADC.partition("[device.adc]")[0]
+    (desk / "clock.toml").write_text(f'strict = true\n{unit}[device.clock]\nmodel = "isl12026"\n', "utf-8")
+    file = drawn(desk, (0xDE, 0x00, 0x30, 0x50))
+    assert named(periph_sim, file, "--case", "clock.toml")[1:] == [("30", "pointer", "SC"), ("50", "", "")]
+
+
 def test_a_chip_of_a_plugin_has_names_from_its_own_file(
     periph_sim: Run, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):

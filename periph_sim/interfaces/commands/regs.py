@@ -8,7 +8,7 @@ from textwrap import wrap
 import click
 
 from ...core.options import Answers, allowed
-from ...core.phrases import did_you_mean
+from ...core.phrases import did_you_mean, nearest
 from ...core.registers import Register, RegisterMap
 from ...core.text_table import WIDTH
 from ...devices.chips import chip_models
@@ -51,7 +51,10 @@ def named(name: str) -> tuple[str, str]:
         raise click.ClickException(f"{len(modules)} modules have a register {register}; write one of {ways}")
     if modules:
         return modules[0], register
-    module, _, register = name.partition(".")
+    module, dot, register = name.partition(".")
+    names = [register.name for _, registers in MAPS.values() for register in registers]
+    if not dot and not nearest(name, MAPS) and nearest(name, names):
+        raise click.ClickException(f"there is no module or register {name!r}; {did_you_mean(name, names)}")
     return module, register
 
 

@@ -6,6 +6,7 @@ import re
 import tomllib
 from functools import lru_cache
 from pathlib import Path
+from shlex import quote
 from typing import Any, cast
 
 from ...core.input_files import read_input, similar_file
@@ -16,6 +17,7 @@ from .origin import SHOWN
 _PLACE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)")
 _OPENS = re.compile(r"([^=\[]+=\s*)?[\[{](?!\[)")  # matches the begin of a line that opens a list or a table in braces
 _NO_EQUALS = re.compile(r"([\w.-]+)(?:\s*:\s*|\s+(?![=:])|(?=[\[{\"']))([^=\s].*)")  # a key and a value without =
+_PROGRAMS = {".out": "image", ".asm": "image", ".c": "c"}  # from a suffix to the kind of `periph-sim new`
 QUOTES = "'\""
 _TOO_LONG = re.compile(r"[0-9_]{4300}")  # matches an integer that is too long for Python
 
@@ -31,6 +33,10 @@ def read(path: Path, what: str) -> tuple[str, dict[str, Any]]:
 
 def text_of(path: Path, what: str) -> str:
     """Return the text of a TOML file. what: the kind of file, for messages. Raise BadCase if the file is not UTF-8."""
+    program = _PROGRAMS.get(path.suffix.lower())
+    if program is not None and what == "case" and path.is_file():
+        shown = quote(str(path if program == "image" else path.parent))
+        raise BadCase(f"{path}: is a program; write its case first: periph-sim new {program} {shown}")
     try:
         data = read_input(path)
     except IsADirectoryError:
@@ -95,7 +101,7 @@ def _fix(line: str) -> str:
     key, equals, value = (part.strip() for part in line.partition("="))
     value = value.partition(" #")[0].strip(" =")
     if not equals:
-        return f"write {key} = ..." if key else "write KEY = VALUE, with texts in quotes"
+        return f"write {key} = ..." if re.fullmatch(r"[\w.-]+", key) else "write KEY = VALUE, with texts in quotes"
     if value.lower() in ("true", "false"):
         return f"write {key} = {value.lower()}"
     if re.match(r"[-+]?\d\w*$", value):

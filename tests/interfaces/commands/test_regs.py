@@ -56,6 +56,7 @@ def test_all_options(periph_sim: Run):
     ("arguments", "sentence"),
     [
         (["I2C"], "there is no module 'I2C'; did you mean I2C-A?"),
+        (["i2cstrx"], "there is no module or register 'i2cstrx'; did you mean I2CSTR"),
         (["I2C-A.I2CST"], "I2C-A has no register 'I2CST'; did you mean I2CSTR"),
         (["sciccr"], "3 modules have a register SCICCR; write one of SCI-A.SCICCR, SCI-B.SCICCR, SCI-C.SCICCR"),
         (["NOSUCH"], "there is no module 'NOSUCH'"),

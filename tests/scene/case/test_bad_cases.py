@@ -253,6 +253,7 @@ def test_a_folder_is_no_case(case_file: Path):
         ("pins: { MODEL = 34 }", 1, "write pins = { MODEL = 34 }"),
         ("breaks [a, b]", 1, "write texts in quotes, a comma between entries"),
         ("seed", 1, "write seed = ..."),
+        ("; a comment", 1, "write KEY = VALUE, with texts in quotes"),
         ("seed = 1\nname = 'x'\nseed = 2 # one", 3, "seed is given already in line 1; remove one of them"),
         ("[budget]\nmax = 1\n\n[[budget]]\nmax = 1", 1, "as line 4 says; write [[budget]]"),
         ("[[budget]]\nmax = 1\n[budget]\nmax = 1", 3, "as line 1 says; write [[budget]]"),
@@ -271,6 +272,13 @@ def test_a_typing_mistake_is_named_with_its_line_and_the_fix(case_file: Path, te
     case_file.write_text(text + "\n", encoding="utf-8")
     message = refusal(case_file)
     assert message.startswith(f"small.toml, line {line}: ") and fix in message
+
+
+@pytest.mark.parametrize(("name", "command"), [("led.out", "image fw/led.out"), ("led.c", "c fw")])
+def test_a_program_in_place_of_a_case_is_answered_with_the_command(case_file: Path, name: str, command: str):
+    Path("fw").mkdir()
+    Path("fw", name).write_bytes(b"\xc2\x00")
+    assert refusal(Path("fw", name)) == (f"fw/{name}: is a program; write its case first: periph-sim new {command}")
 
 
 def test_not_utf8(case_file: Path):

@@ -43,6 +43,7 @@ def test_sines_are_those_of_a_rotation():
     exact = circle()
     assert fixed(0x3FE000, 641) == [round(one * 2**30) for one in exact]
     assert floating(0x3FEBDC, 641) == [unpack("<f", pack("<f", round(one, 12)))[0] for one in exact]
+    assert fixed(0x3FEDDC, 1) == [-(2**31)]  # TI's sample at pi is -0.0
     assert floating(0x3FECDC, 1) == [1.0]  # where TI's images look for the cosine of 0
 
 

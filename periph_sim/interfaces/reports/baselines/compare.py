@@ -116,7 +116,7 @@ def _budget(name: str, before: Baseline, old: Figures, now: Baseline, new: Figur
         else:
             of = new.unit if figure in VALUES else "count"
             counted = "" if of == "count" else f" {of}"
-            text = f"{name} {shown} {_counted(was, of)} -> {_counted(came, of)}{counted}"
+            text = f"{name} {shown} {number_text(was, of)} -> {number_text(came, of)}{counted}"
         changes.append(Change(name, figure, was, came, text))
     return changes
 
@@ -183,7 +183,7 @@ def _cycles(of: Baseline, ticks: int | None, nothing: str) -> str:
     return nothing if ticks is None else f"{of.cycles(ticks)} cycles"
 
 
-def _counted(value: int | None, unit: str) -> str:
+def number_text(value: int | None, unit: str) -> str:
     """Format a number that is not a time; percentages and values in LSB are stored in millionths."""
     if value is None:
         return "none"

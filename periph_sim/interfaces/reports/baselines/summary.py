@@ -13,6 +13,7 @@ from subprocess import run
 
 from ....timing.verdict import Verdict, figure, limit
 from .check import CaseCheck
+from .compare import number_text
 from .files import BadCheck, Baseline, parse
 from .outcome import RejectedCase
 
@@ -96,26 +97,31 @@ def _table(check: CaseCheck, since: tuple[str, Baselines] | None) -> list[str]:
 
 
 def _change(verdict: Verdict, before: Baseline | str, now: Baseline) -> str:
-    """Return the change of a budget's value since the earlier baseline, exactly, or why there is none."""
-    name = "least" if verdict.which == "min" else "worst"
+    """Return the change of a budget's value since the earlier baseline, exactly, or why there is none.
+
+    Baselines contain no percentiles, so for a percentile it is the change of the largest value.
+    """
     if isinstance(before, str):
         return before
     if verdict.name not in before.budgets:
         return NEW
     old, new = before.budgets[verdict.name], now.budgets[verdict.name]
+    name = "least" if verdict.which == "min" else "worst"
     was, came = (getattr(one, name) for one in (old, new))
+    of = "largest value: " if verdict.which.startswith("p") else ""
     if (old.measure, old.unit) != (new.measure, new.unit):
         return "another measure"
     if was == came:
-        return "unchanged"
+        return f"{of}unchanged"
     if was is None or came is None:
         return "not measured before" if was is None else "no longer measured"
     if new.unit != "time":
-        return f"{came - was:+d}"
-    if before.ticks_per_second != now.ticks_per_second:
+        text = number_text(came - was, new.unit) + (f" {new.unit}" if new.unit in ("%", "LSB") else "")
+    elif before.ticks_per_second != now.ticks_per_second:
         return "another clock"
-    cycles = now.cycles(came - was)
-    return f"{'' if cycles[0] == '-' else '+'}{cycles} cycles"
+    else:
+        text = f"{now.cycles(came - was)} cycles"
+    return f"{of}{'' if text[0] == '-' else '+'}{text}"
 
 
 def _cell(text: str) -> str:

@@ -61,6 +61,23 @@ def test_each_budget_has_its_value_its_limit_and_its_change(repository: Path):
     assert "line 3: a \\| b c" in text
 
 
+def test_changes_have_the_unit_of_their_budget_and_say_which_value_they_are_of(repository: Path):
+    case, firmware = repository / "small.toml", repository / "small_firmware.py"
+    more = '[[budget]]\nname = "busy"\nmeasure = "cpu load"\nmax = "90 %"\n'
+    more += '[[budget]]\nname = "floor"\nmeasure = "period of edge SCL fall"\nmin = "1 us"\n'
+    more += '[[budget]]\nname = "most"\nmeasure = "response"\np95 = "60 us"\n'
+    case.write_text(case.read_text(encoding="utf-8") + more, encoding="utf-8")
+    check([repository], jobs=1, update=True)
+    git(Path.cwd(), "commit", "-qam", "more")
+    firmware.write_text(firmware.read_text(encoding="utf-8").replace("compute(0)", "compute(30000)"), encoding="utf-8")
+    checks = check([repository], jobs=1)
+    rows = table(summary(checks, since=("main", baselines_at("main", [path_for(case)]))), "small")
+    changes = {name: row[-1] for name, row in rows.items()}
+    assert changes["busy"] == "+1.8185 %"
+    assert changes["floor"] == "unchanged"
+    assert changes["most"] == "largest value: +27793 cycles"
+
+
 def test_without_a_commit_there_is_no_change(repository: Path):
     text = summary(check([repository], jobs=1))
     assert table(text, "small")["response"] == ["5.000 us", "60 us", "seen"]

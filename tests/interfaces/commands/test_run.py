@@ -127,6 +127,8 @@ def test_a_run_that_fails_midway_leaves_the_recording_up_to_there(periph_sim: Ru
     place = f"this was at 10.000 ms of the run; run{suffix} contains the run up to there"
     assert came == (2, "", f"Error: dsp: ValueError at line 3 of late.py: boom; {place}\n")
     assert {*desk.iterdir()} == before | {desk / f"run{suffix}"}
+    if suffix == ".vcd":  # its last line is the end of the run, in ns
+        assert (desk / "run.vcd").read_text(encoding="utf-8").endswith("\n#10000000\n")
 
 
 def test_recordings_of_two_equal_runs_are_equal_and_of_another_seed_are_not(periph_sim: Run, desk: Path):

@@ -225,7 +225,7 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
     notes += [*scene.finish(scene.timebase.ticks(length, "nearest")).stuck, *_notes(scene, dsp, seen)]
     if budgets:
         tree["budget"] = budgets
-        head.append(f"limits: the largest value of that run and {MARGIN} %; {SEEN}")
+        head.append(f"limits: the largest value of that run plus {MARGIN} %; {SEEN}")
     else:
         waits = not (dsp.program.finished or dsp.watchdog_resets)
         notes.append(f"{NOTHING_REPEATS}; {ADD_INPUT}" if waits else NOTHING_REPEATS)

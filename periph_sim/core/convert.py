@@ -77,9 +77,7 @@ NOTHING: Any = msgspec.UNSET  # marks a message that quotes no value, and a key 
 
 
 class Before(msgspec.Struct, frozen=True):
-    """A function that converts the value in a file before the check. said: the type of the value in the file, from
-    which the schema is made; None if the schema is made from the annotated type.
-    """
+    """A function that converts a value before the check. said: its type in the file and schema, if it differs."""
 
     function: Callable[[Any], object]
     said: Any = None
@@ -380,8 +378,7 @@ def _list(kind: type, entries: tuple[Any, ...]) -> Converter:
     of_entry = [converter_of(entry) for entry in entries if entry is not ...]
     places = None if kind is list or entries[-1] is ... else len(entries)
     phrase = "expected a list" if places is None else f"expected a list of {places}"
-    if is_table(entries[0]):
-        phrase = LIST_OF_TABLES
+    phrase = LIST_OF_TABLES if is_table(entries[0]) else phrase
 
     def several(value: Any, place: Place, mistakes: list[Mistake]) -> Any:
         if not isinstance(value, list | tuple) or places not in (None, len(value)):

@@ -67,10 +67,7 @@ SINGLE_DASH = re.compile(r"-[A-Za-z][\w-]+")
 
 
 def _split_change(given: Sequence[str]) -> tuple[str, str]:
-    """Return the key and value of a --set that is written with a blank beside or in place of the sign =.
-
-    Return ("", "") if there is none.
-    """
+    """Return the key and value of a --set with a blank beside or in place of the sign =; ("", "") if none is so."""
     for n, option in enumerate(given[:-2]):
         key = given[n + 1].rstrip(":= ")
         value, unit, *_ = *(word.removeprefix("=").strip() for word in given[n + 2 :] if word != "="), "", ""

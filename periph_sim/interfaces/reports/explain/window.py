@@ -4,9 +4,8 @@
     recorded run, verdicts ------------------------------------------------------^
 
 Runs are deterministic, so the second run has the same occurrences. It ends after the last range. The records in the
-ranges and shortly before the ranges are kept. Of all earlier records with the same `kind`, `where` and `what`, only the
-last one is kept. These last records are the state at the begin of a range. Therefore, the needed memory does not grow
-with the length of the run.
+ranges and shortly before them are kept. Of earlier records with the same `kind`, `where` and `what`, the last one is kept
+as the state at the begin of a range. The needed memory does not grow with the length of the run.
 """
 
 from __future__ import annotations
@@ -46,8 +45,7 @@ LEAD = Fraction(25, 1000)  # seconds that are kept before a range, so that a tra
 BITS = 18  # minimum extent of a picture in bits: two bytes with their ACKs
 BIT = Fraction(1, 100_000)  # length of a bit in seconds if there is no SCL
 
-WRONG_BYTES = "wrong bytes"  # the measure whose verdict has expected bytes
-I2C_BUS = "I2C"  # the bus of a wrong byte on I2C
+WRONG_BYTES, I2C_BUS = "wrong bytes", "I2C"  # the measure whose verdict has expected bytes, and their bus
 # A wrong byte: the bus, and the tick of the START and the place of the byte in the read, from 0; or the wire of a
 # character, the tick of its start bit, and 0.
 WrongByte = tuple[str, int, int]
@@ -253,13 +251,14 @@ class _Keeper:
     def _want(self, verdict: Verdict, at_s: float) -> _Wanted:
         per_second = self._timebase.per_second
         at = self._start + round(at_s * per_second)
-        length = round((verdict.worst or 0) * per_second / 1_000_000) if _is_length(verdict) else 0
+        is_interval = verdict.unit == "us" and not verdict.measure.startswith(("jitter of", "time in"))
+        length = round((verdict.worst or 0) * per_second / 1_000_000) if is_interval else 0
         if verdict.until_s is not None:
             length = round(verdict.until_s * per_second) - (at - self._start)
         event = event_of(verdict)  # the instant of an age is the read at which the age ends
         of_data = event is not None and event.name == Kind.DATA.value
         begin, end = sorted((at - length, at) if of_data else (at, at + length))
-        around = self._timebase.ticks(AROUND if _is_length(verdict) else WIDE, "nearest")
+        around = self._timebase.ticks(AROUND if is_interval else WIDE, "nearest")
         first, last = max(begin - around, self._start), min(end + around, self.end)
         longest = self._timebase.ticks(LONGEST, "nearest")
         kept: tuple[Span, ...] = (Span(first, last + 1),)
@@ -362,11 +361,6 @@ def is_late(verdict: Verdict) -> bool:
     return event is not None and event.how in LATE
 
 
-def _is_length(verdict: Verdict) -> bool:
-    """Return True if the value of a verdict is the length of its occurrence, so that the occurrence is an interval."""
-    return verdict.unit == "us" and not verdict.measure.startswith(("jitter of", "time in"))
-
-
 def _with_stretch(window: Window) -> Window:
     """Return a window whose occurrence is the stretch, if the verdict is about a stretch; else the window itself.
 
@@ -401,8 +395,7 @@ def within_reach(window: Window, most: int) -> tuple[Span, ...]:
     inside = [r.tick for r in window.records if window.begin <= r.tick <= window.end]
     if len(inside) >= most:
         return (Span(min(window.drawn.begin, window.begin), inside[most - 1] + 1),)
-    apart: Callable[[Record], int] = lambda r: max(window.begin - r.tick, r.tick - window.end, 0)  # noqa: E731
-    reach = sorted(map(apart, window.records))[most - 1]
+    reach = sorted(max(window.begin - r.tick, r.tick - window.end, 0) for r in window.records)[most - 1]
     first, last = window.begin - reach, window.end + reach
     cut = [Span(max(span.begin, first), min(span.end, last + 1)) for span in window.kept]
     return tuple(span for span in cut if span.begin < span.end)

@@ -4,7 +4,7 @@
     recorded run, verdicts ------------------------------------------------------^
 
 Runs are deterministic, so the second run has the same occurrences. It ends after the last range. The records in the
-ranges and shortly before them are kept. Of earlier records with the same `kind`, `where` and `what`, the last one is kept
+ranges and shortly before them are kept, and of earlier records with the same `kind`, `where` and `what` the last one,
 as the state at the begin of a range. The needed memory does not grow with the length of the run.
 """
 
@@ -379,8 +379,7 @@ def _with_stretch(window: Window) -> Window:
     longest, fall = max(falls)
     rise = longest - fall
     begin = max(-fall, rise - (window.end - window.begin))
-    room = (window.drawn.end - window.drawn.begin) // 2
-    middle = (begin + rise) // 2
+    room, middle = (window.drawn.end - window.drawn.begin) // 2, (begin + rise) // 2
     drawn = Span(max(middle - room, window.start), min(middle + room, window.kept[-1].end))
     return replace(window, begin=begin, end=rise, drawn=drawn)
 

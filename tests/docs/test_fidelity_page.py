@@ -33,5 +33,5 @@ def test_each_row_that_is_to_be_proved_names_a_test():
 
 
 def test_each_file_that_the_page_names_as_a_case_is_there():
-    named = re.findall(r"`(timing/[\w/]+\.toml)`", PAGE)
+    named = re.findall(r"\btiming/[\w/]+\.toml\b", PAGE)
     assert named and [path for path in named if not (ROOT / path).exists()] == []

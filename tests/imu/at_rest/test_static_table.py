@@ -174,7 +174,7 @@ MEMORY = {
     "other routines": (3839, 11.29, 1.50),
     "total": (10703, 31.48, 4.18),
 }
-PAGE = (Path(__file__).parents[3] / "docs" / "numerics.md").read_text(encoding="utf-8")
+PAGE = (Path(__file__).parents[3] / "docs" / "reproduce.md").read_text(encoding="utf-8")
 RAM, FLASH = 34 * 1024, 256 * 1024  # words: SPRS439M, SARAM M0, M1 and L0 to L7; flash
 
 

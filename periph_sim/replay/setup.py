@@ -27,7 +27,7 @@ from ..scene.scene import Scene
 from ..traces.capture.capture import Capture, Channel, gap_notes
 from ..traces.capture.sampling import rate_text, sample_step, stamp_notes
 from ..traces.decode import i2c as decode
-from ..traces.decode.i2c_table import impossible_rate
+from ..traces.decode.i2c_table import impossible_rate, likely_cause
 from . import BadReplay
 from .i2c_script import Turn, as_target, most_frequent, turns
 
@@ -230,7 +230,7 @@ def played(capture: Capture, scl: str | int, sda: str | int, first: int | None =
     whole = [transfer for transfer in found if transfer.phases]
     wanted = whole[:first]
     if not wanted:
-        raise BadReplay(f"{capture.path}: no I2C transfer on {scl!r} and {sda!r}; the lines may be swapped")
+        raise BadReplay(f"{capture.path}: no I2C transfer on {scl!r} and {sda!r}; {likely_cause(capture, scl, sda)}")
     last = wanted[-1]
     check_length(capture, capture.length if last.stop is None else last.stop.at)
     notes = []
@@ -311,7 +311,7 @@ def _addresses(case: Case, unit: str, part: Played, given: Sequence[int]) -> lis
         return [own] if isinstance(own, int) else []
     address = most_frequent(part.turns)
     if address is None:
-        raise BadReplay(f"{part.capture.path}: no whole address byte; the lines may be swapped")
+        raise BadReplay(f"{part.capture.path}: no whole address byte; the capture may be cut or its lines swapped")
     return [address]
 
 

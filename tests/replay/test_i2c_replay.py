@@ -378,5 +378,5 @@ def test_what_cannot_be_replayed_is_refused_in_one_sentence():
     cut = new_wave()
     cut.start()
     cut.bit(1)
-    with pytest.raises(BadReplay, match="no whole address byte; the lines may be swapped"):
+    with pytest.raises(BadReplay, match="no whole address byte; the capture may be cut or its lines swapped"):
         replay(captured(cut))

@@ -43,6 +43,7 @@ def compliance(
     from ...traces import formats
     from ...traces.compliance import Verdict, check
     from ...traces.compliance.report import as_json as as_dict
+    from ...traces.decode.i2c_table import likely_cause
 
     try:
         given = read_capture(capture, rate, salvage)
@@ -56,7 +57,8 @@ def compliance(
         raise click.ClickException(str(error)) from None
     if not report.starts:
         raise click.ClickException(
-            f"{capture}: no I2C START on {lines['scl']!r} and {lines['sda']!r}; the lines may be swapped"
+            f"{capture}: no I2C START on {lines['scl']!r} and {lines['sda']!r}; "
+            + likely_cause(given, lines["scl"], lines["sda"])
         )
     print_answer("compliance", as_dict(report) if as_json else str(report))
     failed = report.verdict in (Verdict.FAIL, Verdict.NOT_JUDGED) or (strict and report.verdict is Verdict.UNDECIDABLE)

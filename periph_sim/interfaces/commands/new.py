@@ -195,6 +195,7 @@ def _as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
     from ...replay.channels import channel_map
     from ...replay.i2c_script import most_frequent, turns
     from ...traces.decode import i2c
+    from ...traces.decode.i2c_table import likely_cause
 
     lines = channel_map(capture, mapping)
     if "rx" in lines:
@@ -205,7 +206,8 @@ def _as_captured(files: Files, capture: Capture, mapping: str | None) -> Files:
     address = most_frequent(found)
     if address is None:
         raise click.ClickException(
-            f"{capture.path}: no I2C transfer with an address in it; the lines of --map may be swapped"
+            f"{capture.path}: no I2C transfer with an address in it; "
+            + likely_cause(capture, lines["scl"], lines["sda"])
         )
     lengths = [len(turn.answer.data) for turn in found if turn.address == address and turn.read and turn.answer.ack]
     refused = any(turn.address == address and not (turn.answer.ack and all(turn.answer.acks)) for turn in found)

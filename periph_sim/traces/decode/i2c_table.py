@@ -379,3 +379,14 @@ def swapped_lines(capture: Capture, scl: str | int, sda: str | int) -> str:
         f"SCL and SDA are swapped: {whole} of {counted(starts, 'START')} on them have a whole address, "
         f"and {other} of {others} the other way round"
     )
+
+
+def likely_cause(capture: Capture, scl: str | int, sda: str | int) -> str:
+    """Return the likely reason why lines have no complete START and address: idle lines, or swapped ones.
+
+    Raise LookupError if a channel is missing.
+    """
+    idle = [line.name for line in map(capture.channel, (scl, sda)) if not len(line.edges)]
+    if len(idle) == 2:
+        return "neither line changes in the capture"
+    return f"{idle[0]!r} does not change in the capture" if idle else "the lines may be swapped"

@@ -98,4 +98,7 @@ def test_lines_without_a_start_are_refused(periph_sim: Run, tmp_path: Path):
     csv = tmp_path / "quiet.csv"
     csv.write_text("Time [s],SCL,SDA\n0.000000000,1,1\n0.000010000,0,1\n0.000020000,0,1\n")
     came = periph_sim("compliance", str(csv), "--mode", "fast")
-    assert came.status == 2 and "no I2C START on 'SCL' and 'SDA'" in came.err
+    assert came.status == 2 and "no I2C START on 'SCL' and 'SDA'; 'SDA' does not change in the capture" in came.err
+    csv.write_text("Time [s],SCL,SDA\n0.000000000,1,1\n0.000010000,0,1\n0.000020000,0,0\n")
+    came = periph_sim("compliance", str(csv), "--mode", "fast")
+    assert came.status == 2 and "no I2C START on 'SCL' and 'SDA'; the lines may be swapped" in came.err

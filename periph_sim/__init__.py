@@ -1,7 +1,7 @@
-"""Models of the TMS320F28335's SCI and I2C that run firmware against bus traces and check its timing.
+"""Models of the TMS320F28335's SCI, I2C and SPI that run its firmware and check the timing on its buses.
 
-`__all__` is the public interface (docs/python_api.md), with `periph_sim.firmware` for what firmware imports. Each name
-is imported when it is first used: `import periph_sim` alone loads what chooses the form of the core, and no more.
+`__all__` is the public interface (docs/python_api.md). Firmware imports its names from `periph_sim.firmware`. Each name
+is imported when it is first used: `import periph_sim` itself only decides whether the compiled core is used.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 from .form import choose
 
-__version__ = "0.1.0"  # the one place: the wheel's metadata and `periph-sim --version` are read from here
+__version__ = "0.1.0"  # the wheel's metadata and `periph-sim --version` read the version from this line
 
 if TYPE_CHECKING:
     from importlib.machinery import ModuleSpec
@@ -102,7 +102,7 @@ def __getattr__(name: str) -> object:
     if name not in _PLACES:
         from .removed import NAMES
 
-        if name in NAMES:  # `from periph_sim import ...` would replace the text of an AttributeError
+        if name in NAMES:  # no AttributeError, because `from periph_sim import ...` would not show its message
             raise ImportError(NAMES[name], name=__name__)
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     home, inside = _PLACES[name]
@@ -112,7 +112,7 @@ def __getattr__(name: str) -> object:
 
 
 class _MovedModules:
-    """Finder of modules by their names in an earlier version. names: the beginnings of names that it looks up."""
+    """Finder of modules by their names in an earlier version. names: the prefixes of the names that it looks up."""
 
     def __init__(self, *names: str) -> None:
         self._names = names
@@ -126,7 +126,7 @@ class _MovedModules:
 
 
 choose()
-# An update may leave the folders of former packages behind, which Python would import as empty packages.
+# An update may leave folders of former packages behind. This finder is first, so Python does not import them.
 sys.meta_path.insert(0, _MovedModules(*(f"{__name__}.{package}" for package in _FORMER_PACKAGES)))
 sys.meta_path.append(_MovedModules(f"{__name__}."))
 

@@ -1,4 +1,4 @@
-"""`periph-sim`, and `python -m periph_sim`: the command line, in a process that another one waits for."""
+"""Start of `periph-sim` and `python -m periph_sim`: the command line runs in a worker process (see `supervisor`)."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from .supervisor import supervise
 
 
 def command_line() -> None:
-    gc.disable()  # until the command is imported, since what is imported stays
+    gc.disable()  # imported modules stay in memory; `get_command` enables collection after the command's import
     from .cli import run_command
 
     run_command()

@@ -1,4 +1,4 @@
-"""Functions for Python programs: a case from tables or a file, and the judged result of its run.
+"""Functions for Python programs: make a case from tables, and run a case and judge the result.
 
 make_case(...) or load(file) --> Case --run--> Result
 """
@@ -20,9 +20,11 @@ from .scene.result import Result
 
 
 def make_case(changes: Sequence[str] = (), **tables: Any) -> Case:
-    """Return the case of these tables, as of a file: make_case(name="mine", duration="10 ms", unit={...}).
+    """Return a case with the tables of a case file: make_case(name="mine", duration="10 ms", unit={...}).
 
-    changes: "key=value" texts, as for `--set`. BadCase with one sentence if a table is wrong.
+    changes: texts "key=value", which change the tables as `--set` does.
+
+    Raise BadCase if a table is invalid.
     """
     tree = dict(tables)
     places = tuple((change, apply(tree, change)) for change in changes)
@@ -43,11 +45,14 @@ def run(
 ) -> Result:
     """Run a case and return its judged result, as `periph-sim run` does.
 
-    case: of `load` or `make_case`, or a file, to which `changes` apply. seconds: instead of the case's own: "10 ms"
-    or a Fraction. programs: firmware given as functions (dsp, settings), by unit; the unit's own `firmware` is then
-    only a name. record: a file for the records; its suffix says the format.
+    case: the result of `load` or `make_case`, or the path of a case file.
+    changes: texts "key=value" that change a case file as `--set` does. They are only accepted with a path.
+    seconds: the duration of the run, as a text such as "10 ms" or as a Fraction; None for the duration of the case.
+    programs: a dictionary from units to firmware given as functions (dsp, settings). The key `firmware` of such a unit
+        is then only a name.
+    record: the path of a file for the records of the run. Its suffix determines the format.
 
-    BadCase or FirmwareError, one sentence each, if it cannot be run; BadRecording if `record` has no known suffix,
-    cannot be written, or is a file that this run has read.
+    Raise BadCase or FirmwareError if the case cannot be run, BadRecording if `record` has no known suffix, cannot be
+    written, or is a file that this run has read.
     """
     return PreparedScene(case, changes).run(seconds=seconds, programs=programs, record=record)

@@ -1,10 +1,10 @@
-"""The command line: arguments go in; tables or one JSON object come out, and an exit status.
+"""The command line, which prints tables or one JSON object and ends with an exit status.
 
-0 all budgets hold or the replay agrees, 1 not so, 2 bad usage or bad input, 3 a fault of our own, or user code that
-ended the process (`supervisor`).
+The exit status is 0 if all budgets hold or the replay agrees, and 1 if not. It is 2 for incorrect usage or input, and 3
+for an internal error or if user code has ended the process (see `supervisor`).
 
-A file of a package in `PACKAGES` that defines a command of its own name, by the decorator `command`, is a subcommand.
-Only the one that is asked for is imported: `periph-sim decode` starts without chips and boards.
+A file in a package of `PACKAGES` is a subcommand if its decorator `command` defines a command with the file's name.
+Only the subcommand that is run is imported: `periph-sim decode` starts without chips and boards.
 """
 
 from __future__ import annotations
@@ -22,17 +22,17 @@ import click
 from . import __version__, form
 
 MISTAKE, FAULT = 2, 3
-CLOSED_PIPE = 141  # as of a process that SIGPIPE ends; 0 and 1 would be a verdict
+CLOSED_PIPE = 141  # exit status that shells report for a process ended by SIGPIPE; 0 and 1 would be a verdict
 CANNOT_WRITE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-LONGEST_MESSAGE = 2000  # characters: a path and a few shortened quotes
+LONGEST_MESSAGE = 2000  # maximum number of characters of an error message, enough for a path and a few quotes
 
 ROOT = Path(__file__).parent
 PACKAGES = (
     "interfaces.commands",
     "imu.commands",
-)  # inside this one: each file with a command of its name is one
+)  # packages, within this package, whose files can be subcommands
 
-SECTIONS = {  # of the help; the decorator of a command names one
+SECTIONS = {  # sections of the command line's help; the decorator of each command names its section
     "run": "Run cases",
     "understand": "Understand a run",
     "traces": "Work with traces",
@@ -41,7 +41,7 @@ SECTIONS = {  # of the help; the decorator of a command names one
 
 
 class Commands(click.Group):
-    """The files of the packages as subcommands; a `_` of the file's name is a `-` of the command's."""
+    """Group of the subcommands in PACKAGES. An underscore in a file's name is a hyphen in the command's name."""
 
     def invoke(self, ctx: click.Context) -> object:
         from .core.input_files import inputs_of_one_command
@@ -49,7 +49,7 @@ class Commands(click.Group):
         try:
             with inputs_of_one_command():
                 return super().invoke(ctx)
-        except BrokenPipeError:  # click would exit with 1, which says that a budget is broken
+        except BrokenPipeError:  # click would exit with 1, which means that a budget is broken
             raise click.exceptions.Exit(CLOSED_PIPE) from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
@@ -62,9 +62,9 @@ class Commands(click.Group):
             return None
         name = ".".join([__package__, *file.relative_to(ROOT).with_suffix("").parts])
         if name not in sys.modules:
-            gc.disable()  # what is imported stays: looking through it for garbage, now or at exit, only takes time
+            gc.disable()  # imported modules stay in memory, so searching them for garbage would only take time
             importlib.import_module(name)
-            gc.freeze()  # and never again in a process that runs several commands: what they left would stay, too
+            gc.freeze()  # not after a run, because garbage of the run would then be kept, too
             gc.enable()
         found: click.Command = getattr(sys.modules[name], file.stem)
         return found
@@ -111,7 +111,7 @@ def _is_command(file: Path) -> bool:
 
 
 def _about(file: Path) -> tuple[str, str]:
-    """Section and first sentence of a command, read from its file: importing all of them takes long."""
+    """Return the section and the summary of a command. They are read from its file, because importing takes longer."""
     import ast
 
     for node in ast.parse(file.read_text(encoding="utf-8")).body:
@@ -136,8 +136,8 @@ def main() -> NoReturn:
 
 def run_command() -> None:
     """Run the command that sys.argv names, in this process, and exit with its status."""
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # no matrices here: numpy need not start threads for them
-    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # cases need none: it need not look through packages
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's threads are for matrices, which are not used here
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # so that pydantic does not search for plugins
     if form.note:
         click.echo(form.note, err=True)
     try:
@@ -177,13 +177,13 @@ def run_command() -> None:
 
 
 def _output_is_gone(error: Exception) -> bool:
-    """True if the command began without a writable standard output, or if user code closed it."""
+    """Return True if standard output was missing at the start, or if user code has closed it."""
     closed = sys.stdout is None or sys.stdout.closed
     return closed or (isinstance(error, OSError) and error.errno == errno.EBADF and error.filename is None)
 
 
 def _drop_output() -> None:
-    """Discard what standard output still buffers, which would fail once more as the process ends."""
+    """Redirect standard output to the null device, because writing its buffer at exit would fail again."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
 
 

@@ -1,4 +1,4 @@
-"""`import periph_sim.live`: from then on pyserial's `serial_for_url` knows `f28335://CASE?port=scia&pace=1`."""
+"""Importing this module registers URLs such as `f28335://CASE?port=scia&pace=1` for pyserial's `serial_for_url`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Names that users may still write and that were removed or moved, each with the sentence that says what to use."""
+"""Names of earlier versions that were removed or moved, each with the name or the method that replaces it."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ NAMES = {
     for name in ("schedule", "BadSchedule", "ScheduleResult")
 }
 
-MOVED = {  # modules and packages of earlier versions, which one release still finds
+MOVED = {  # from former to present names of modules and packages; the next release removes the former names
     "periph_sim.core.settings": "periph_sim.core.table",
     "periph_sim.devices.attitude": "periph_sim.imu.attitude",
     "periph_sim.devices.samples": "periph_sim.imu.samples",
@@ -45,15 +45,17 @@ MOVED = {  # modules and packages of earlier versions, which one release still f
 
 
 def moved_module(name: str) -> ModuleSpec | None:
-    """Return the spec of a module by its former name; None if no module has moved from there."""
+    """Return the spec of a module that is imported by its former name; None if `name` is not a former name."""
     former = next((old for old in MOVED if name == old or name.startswith(f"{old}.")), None)
     return None if former is None else ModuleSpec(name, cast("Loader", _MovedModule(former)))
 
 
 class _MovedModule:
-    """Loader of a module by its former name. former: the entry of MOVED.
+    """Loader of a module that is imported by its former name.
 
-    Importing its base `importlib.abc.Loader` would take 10 ms.
+    former: the key of MOVED that is this name or a package that contains it.
+
+    The class is not derived from `importlib.abc.Loader`, because the import of that class takes 10 ms.
     """
 
     def __init__(self, former: str) -> None:
@@ -72,4 +74,4 @@ class _MovedModule:
             sys.modules[name] = found
             return
         vars(module).update((key, value) for key, value in vars(found).items() if not key.startswith("__"))
-        module.__path__ = []  # modules inside are found by their former names, too, and only here
+        module.__path__ = []  # no folders, so that only the finder of this package finds the submodules

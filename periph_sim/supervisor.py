@@ -1,8 +1,10 @@
-"""Runs a command in a worker process, so that its exit status is a verdict only if the command completed.
+"""Worker process for a command, so that the exit status is a verdict only if the command was completed.
 
-    process that was started --fork--> worker: runs the command; its output is written; `complete`
-      waits, forwards signals <--pipe-- "pid status", which only `complete` writes
-      exits with the status, with 3, or by the worker's signal
+    waiting process                    worker process
+        |--fork--------------------------> run the command
+    forward signals                        write its output
+        |<--pipe: "pid status"------------ complete
+    exit with the status, with 3, or by the signal that ended the worker
 
 User code can end the worker without Python's knowledge. If it does so by `os._exit` or `execv`, nothing is written to
 the pipe, and the command exits with status 3 and a message. If a signal ends the worker, as `abort` in C does, the
@@ -12,7 +14,7 @@ Temporary files of outputs, which the worker names by `remove_unless_complete`, 
 complete.
 
 SIGTERM and SIGHUP raise KeyboardInterrupt in the worker, as Ctrl-C does. If the waiting process is killed, the worker
-receives SIGTERM. Without `fork`, on Windows, the work is done in the process that was started.
+receives SIGTERM. On Windows, which has no `fork`, the command runs without a worker.
 """
 
 from __future__ import annotations
@@ -29,7 +31,7 @@ from types import FrameType
 from typing import NoReturn, TextIO
 
 NO_VERDICT = 3
-REPEATED = 1.0  # seconds: a signal of a process group and its forwarded copy arrive within that
+REPEATED = 1.0  # maximum time, in seconds, between a signal to the process group and its forwarded copy
 FORWARDED = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2")
 STOPPING = ("SIGINT", "SIGTERM", "SIGHUP")
 PR_SET_PDEATHSIG = 1
@@ -39,7 +41,7 @@ _temporary_files = -1  # the worker's end of the pipe for their names; -1 if no 
 
 
 class Completion:
-    """The worker's end of the pipe. name: of the command, for sentences."""
+    """The worker's end of the pipe to the waiting process. name: the command's name, for messages."""
 
     def __init__(self, name: str, pipe: int) -> None:
         self.name = name
@@ -61,27 +63,30 @@ class Completion:
         return "" if same else "user code redirected standard output"
 
     def complete(self, status: int) -> None:
-        """Report to the waiting process that all output is written, with the exit status.
+        """Report to the waiting process the exit status, and that all output is written.
 
-        If user code has closed the pipe, the waiting process takes the output as incomplete.
+        If user code has closed the pipe, nothing is reported, and the output counts as incomplete.
         """
         with suppress(OSError):
             os.write(self._pipe, _completed(os.getpid(), status))
 
 
 def remove_unless_complete(file: str) -> None:
-    """Have the waiting process remove this file if the worker ends before its output is complete."""
+    """Request that the waiting process remove a file if the worker ends before its output is complete."""
     if _temporary_files >= 0:
         with suppress(OSError):  # user code has closed the pipe
             os.write(_temporary_files, os.fsencode(os.path.abspath(file)) + b"\0")
 
 
 def supervise(work: Callable[[], object], name: str) -> NoReturn:
-    """Do `work`, a command that ends with SystemExit, in a worker; exit with its status once its output is complete."""
+    """Run `work` in a worker and exit with its status. SystemExit ends `work`, as it ends a process.
+
+    name: the command's name, for messages.
+    """
     if not can_fork:
         work()
         sys.exit(0)
-    if sys.stderr is None:  # else the next file that is opened would receive what C code writes to standard error
+    if sys.stderr is None:  # open descriptor 2, so that no other file gets this number and the output of C code
         nowhere = os.open(os.devnull, os.O_WRONLY)
         os.dup2(nowhere, 2)
         os.set_inheritable(2, True)
@@ -94,25 +99,26 @@ def supervise(work: Callable[[], object], name: str) -> NoReturn:
         status = NO_VERDICT
     done.complete(status)
     left = [one.name for one in threading.enumerate() if one is not threading.main_thread() and not one.daemon]
-    if left:  # Python would wait for them as it ends, for ever if they never do
+    if left:  # at a normal exit, Python would wait for these threads
         _say(f"{name}: ended thread {left[0]!r}, which user code started and which was still running")
     atexit._run_exitfuncs()
     for stream in (sys.stdout, sys.stderr):
-        with suppress(AttributeError, OSError, ValueError):  # there is none, or it is closed
+        with suppress(AttributeError, OSError, ValueError):  # the stream is None or closed
             stream.flush()
-    os._exit(status)  # to take all modules apart first would cost more than the second process does
+    os._exit(status)  # without the destruction of all modules, which takes longer than the fork
 
 
 def split(name: str, *, strict: bool = True) -> Completion:
-    """Fork: returns in the worker. The waiting process exits with the worker's status.
+    """Fork. The worker returns from this function. The waiting process exits with the worker's status.
 
-    strict: a status other than 0 needs completion, too.
+    name: the command's name, for messages.
+    strict: False to accept a status other than 0 from a worker that has not called `complete`.
     """
     for stream in (sys.stdout, sys.stderr):
         if stream is not None:
             stream.flush()
     mask = signal.pthread_sigmask(signal.SIG_BLOCK, _numbers(FORWARDED))
-    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # ignored, as some callers leave it, it takes the status away
+    signal.signal(signal.SIGCHLD, signal.SIG_DFL)  # if a caller has set it to be ignored, waitpid returns no status
     global _temporary_files
     reader, writer = os.pipe()
     names, _temporary_files = os.pipe()
@@ -133,7 +139,7 @@ def split(name: str, *, strict: bool = True) -> Completion:
 
 
 def _status_of(work: Callable[[], object]) -> int:
-    """Return the exit status that `work` ends with."""
+    """Run `work` and return its exit status."""
     try:
         work()
     except SystemExit as ended:
@@ -155,7 +161,7 @@ def _completed(worker: int, status: int) -> bytes:
 
 def _wait(worker: int, reader: int, names: int, mask: Iterable[int], name: str, strict: bool) -> NoReturn:
     def forward(number: int, _: FrameType | None) -> None:
-        with suppress(ProcessLookupError):  # a signal that comes as the worker ends is handled after the wait for it
+        with suppress(ProcessLookupError):  # Python may call this handler when `waitpid` has removed the worker already
             os.kill(worker, number)
 
     for number in _numbers(FORWARDED):
@@ -171,7 +177,7 @@ def _wait(worker: int, reader: int, names: int, mask: Iterable[int], name: str, 
                 os.unlink(file)
     if os.WIFSIGNALED(how):
         by = os.WTERMSIG(how)
-        if said.startswith(f"{worker} ".encode()) and by in _numbers(STOPPING):  # it was about to exit
+        if said.startswith(f"{worker} ".encode()) and by in _numbers(STOPPING):  # the worker was about to exit
             os._exit(int(said.split()[1]))
         _die_by(by, name, complete)
     status = os.WEXITSTATUS(how)
@@ -183,7 +189,7 @@ def _wait(worker: int, reader: int, names: int, mask: Iterable[int], name: str, 
 
 
 def _waiting_in(pipe: int) -> bytes:
-    os.set_blocking(pipe, False)  # a process that the worker left behind may have the other end
+    os.set_blocking(pipe, False)  # no end of file comes while a process started by the worker has the other end open
     try:
         return os.read(pipe, 1 << 16)
     except BlockingIOError:
@@ -191,13 +197,13 @@ def _waiting_in(pipe: int) -> bytes:
 
 
 def _die_by(number: int, name: str, complete: bool) -> NoReturn:
-    """End by the signal that ended the worker, which the caller then sees as the cause."""
+    """End this process by the signal that ended the worker, so that its parent is informed of that signal."""
     if number not in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
         why = "after its output" if complete else "before its output was complete"
         _say(f"{name}: {signal.strsignal(number)}: a signal ended the process {why}")
     import resource
 
-    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # the worker's core is the one of interest
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))  # no core dump, because it would replace that of the worker
     if number != signal.SIGKILL:
         signal.signal(number, signal.SIG_DFL)
     os.kill(os.getpid(), number)
@@ -210,7 +216,7 @@ _stopped_at = float("-inf")
 
 
 def _interrupt(number: int, _: FrameType | None) -> None:
-    """Raise KeyboardInterrupt, once for a signal that comes twice."""
+    """Raise KeyboardInterrupt, but only once for a signal and its forwarded copy."""
     global _stopped_at
     before, _stopped_at = _stopped_at, time.monotonic()
     if _stopped_at - before > REPEATED:
@@ -218,12 +224,12 @@ def _interrupt(number: int, _: FrameType | None) -> None:
 
 
 def _end_with(caller: int) -> None:
-    """Ask for SIGTERM as the waiting process ends, where the system can send it."""
+    """Request that Linux send SIGTERM to this process when the waiting process ends."""
     if sys.platform == "linux":
         import ctypes
 
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGTERM)
-        if os.getppid() != caller:  # it ended before
+        if os.getppid() != caller:  # the waiting process had ended before the request
             os._exit(NO_VERDICT)
 
 
@@ -245,9 +251,9 @@ def _say(sentence: str) -> None:
 
 
 class StandardError:
-    """Standard error whose failures are ignored: a verdict on standard output does not depend on it.
+    """Standard error with write errors ignored, so that they do not change the exit status.
 
-    stream: None if it was closed when Python started.
+    stream: the standard error of Python; None if it was closed when Python started.
     """
 
     def __init__(self, stream: TextIO | None) -> None:

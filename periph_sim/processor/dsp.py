@@ -310,7 +310,7 @@ class Dsp(FirmwareView):
         watch([xrs], self._xrs_changed)
 
     def _xrs_changed(self, tick: int, level: int) -> None:
-        """Begin or end the reset at the next cycle, since clocks change only at the begin of a cycle."""
+        """Begin or end the reset at the next cycle, since clocks change only at the start of a cycle."""
         action = partial(self._restart, 0) if level else self._enter_reset
         self._kernel.call_at(self.clock.tick(self.clock.cycle_at(tick)), action)
 

@@ -45,7 +45,7 @@ MARKS = {START: "start", AGAIN: "start", STOP: "stop", SELECT: "enable", DESELEC
 
 
 class Line(NamedTuple):
-    """A line of the table. at, end: its begin and end. cells: a dictionary from titles to texts."""
+    """A line of the table. at, end: its start and end. cells: a dictionary from titles to texts."""
 
     at: int
     end: int

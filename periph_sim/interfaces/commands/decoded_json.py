@@ -117,7 +117,7 @@ class _Table:
         return f'"time_s": {time}, "position": {self._at[row]}' if time else f'"position": {self._at[row]}'
 
     def span(self, row: int, end_time: str, end: int) -> str:
-        """Format the JSON keys for the begin and the end of a transfer.
+        """Format the JSON keys for the start and the end of a transfer.
 
         row: the first row of the transfer.
         end_time: the time of the end; "" if the capture has no sample rate.

@@ -198,7 +198,7 @@ def transfers(
 
 
 def _head(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, full: bool) -> tuple[str, list[Column]]:
-    """Return the begin of the title line, and the columns for time, position and bus to which these titles belong."""
+    """Return the start of the title line, and the columns for time, position and bus to which these titles belong."""
     is_table = style == "table"
     pad = BLANK if is_table else NONE
     named: list[tuple[str, Digits | Words]] = [*_when(rows, clock, full or not is_table, pad)]

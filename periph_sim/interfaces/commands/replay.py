@@ -57,7 +57,7 @@ BEFORE, AFTER = 14, 4  # maximum numbers of changes of registers that are shown 
     "--uart", "serial", metavar="FILE[,rx=CHANNEL]", help="With an I2C capture: the capture of RX at the same time."
 )
 @click.option(
-    "--offset", metavar="TIME", help="From the begin of CAPTURE to that of the --uart file; '-2 ms' if before."
+    "--offset", metavar="TIME", help="From the start of CAPTURE to that of the --uart file; '-2 ms' if before."
 )
 @RATE
 @SALVAGE

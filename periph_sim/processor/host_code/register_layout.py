@@ -304,7 +304,7 @@ class RegisterLayout:
 
 
 def _aligned(bit: int, width: int, container: int) -> int:
-    """Return the first bit of a field: `bit`, or the begin of the next container if the field does not fit in this one.
+    """Return the first bit of a field: `bit`, or the start of the next container if the field does not fit in this one.
 
     width, container: the bits of the field, and of its declared type.
     """

@@ -365,7 +365,7 @@ class CountingLoop(InstructionWatch):
     def cut_off(self, cycles: int) -> None:
         """Make those stores of the pass in progress that come before a reset.
 
-        cycles: the number of cycles from the begin of that pass to the reset.
+        cycles: the number of cycles from the start of that pass to the reset.
         """
         for at, address, value, step in self._stores:
             if at - self._began < cycles:

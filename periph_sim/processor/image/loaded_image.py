@@ -212,11 +212,11 @@ class LoadedImage(Program):
         self._calls.add_listener(listener)
 
     def record_waits(self, recorder: Recorder) -> None:
-        """Record the begin and the end of each wait, in the same form as for waits of Python firmware."""
+        """Record the start and the end of each wait, in the same form as for waits of Python firmware."""
         self._recorder = recorder
 
     def _record_wait(self, cycle: int, begins: int) -> None:
-        """Record the begin (begins = 1) or the end (0) of a wait, if waits are recorded."""
+        """Record the start (begins = 1) or the end (0) of a wait, if waits are recorded."""
         if self._recorder is not None:
             place = ""
             if begins:

@@ -115,7 +115,7 @@ class CallListener:
     """A listener to calls of functions. tick: that at which the first instruction after a call or return begins."""
 
     def called(self, name: str, tick: int) -> None:
-        """Receive the begin of a function."""
+        """Receive the start of a function."""
 
     def returned(self, name: str, tick: int) -> None:
         """Receive the end of the innermost active function."""
@@ -149,7 +149,7 @@ class CallStack:
             listener.called(frame.name, frame.since)
 
     def began(self, pc: int, cycle: int) -> None:
-        """Receive the begin of the program at `pc`; all frames end."""
+        """Receive the start of the program at `pc`; all frames end."""
         self._drop(0, cycle)
         self.push(pc, NOWHERE, cycle)
 

@@ -66,7 +66,7 @@ class PollSkipper:
         self._values: list[int] = []
         self.changed: dict[int, int] = {}
         self._failed: dict[int, int] = {}  # from the branch of a loop to the number of failed analyses
-        self._compared = False  # True if the state at the begin of the last pass is known
+        self._compared = False  # True if the state at the start of the last pass is known
         self._branch = -1
         self._spin = Spin(0)
         self.forget()
@@ -100,7 +100,7 @@ class PollSkipper:
         return self._passes >= self._examine_at
 
     def is_repeatable(self) -> bool:
-        """Return True, at the begin of a pass, if the previous pass was examined and clean.
+        """Return True, at the start of a pass, if the previous pass was examined and clean.
 
         The caller then compares the states and calls `repeats`.
         """
@@ -120,7 +120,7 @@ class PollSkipper:
         self.tracking = False
 
     def repeats(self, as_before: bool) -> bool:
-        """Return True, at the begin of a pass, if two clean passes of equal length have left the state unchanged.
+        """Return True, at the start of a pass, if two clean passes of equal length have left the state unchanged.
 
         Call this method if `is_repeatable` is True. as_before: True if the state equals that at the last call.
         """
@@ -139,7 +139,7 @@ class PollSkipper:
     # Passes that count -------------------------------------------------------------
 
     def may_count(self) -> bool:
-        """Return True, at the begin of a pass, if it should be analysed for counters.
+        """Return True, at the start of a pass, if it should be analysed for counters.
 
         Call this method if the previous pass was not repeatable.
         """

@@ -87,7 +87,7 @@ class FirmwareView:
 
         pass_cycles: all cycles of one pass of the loop, as counted in its disassembly; by default `code.poll_pass` of
         the unit and the cycles of further reads.
-        timeout: cycles, or seconds (rounded up to a cycle), from the begin of the wait, service routines included. It
+        timeout: cycles, or seconds (rounded up to a cycle), from the start of the wait, service routines included. It
         is checked between two passes.
         """
         if not callable(condition):

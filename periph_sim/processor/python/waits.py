@@ -151,7 +151,7 @@ class Waits:
 
         skip_polls: False if each pass is executed; tests of the skipping compare runs with and without it.
         """
-        # The cycles of the branch back to the begin of a pass.
+        # The cycles of the branch back to the start of a pass.
         self._branch: int = max(0, poll_pass - cpu_costs.SIMPLE - pf2_read_ws.unrecorded())
         self._branch_listed = False  # True once it is noted that the run depends on the option
         self._pf2_read_ws = pf2_read_ws
@@ -166,7 +166,7 @@ class Waits:
         """Wait as compiled `while (!condition()) ;` does, in passes of reads, their tests and the branch back.
 
         Return True as soon as the condition holds. Return False at the end of the first pass at which `timeout` cycles,
-        those of interrupts included, have passed since the begin of the wait.
+        those of interrupts included, have passed since the start of the wait.
 
         pass_cycles: the cycles of a pass, unless its reads take more; None to compute them from the reads.
         """

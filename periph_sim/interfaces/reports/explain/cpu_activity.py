@@ -1,6 +1,6 @@
 """Activities of a CPU from its records: the time is divided into stretches by the innermost activity.
 
-    SPAN, IRQ, WAIT begin and end --> a stack --> Stretch, Stretch, ...     model |SCIRXINTA| model | wait for AAS
+    SPAN, IRQ, WAIT start and end --> a stack --> Stretch, Stretch, ...     model |SCIRXINTA| model | wait for AAS
 
 The top of the stack is the activity at an instant: for example a service routine within a span, or a wait within the
 routine. If the stack is empty, the firmware executes other code.

@@ -4,7 +4,7 @@ case, verdicts, typical occurrences --> windows --> a Chain for each, with the d
 
 A Chain follows from the records of a window and not from the kind of the budget:
 
-steps of an interval    the causes of the record at its end, back to the record at its begin
+steps of an interval    the causes of the record at its end, back to the record at its start
 parts of an interval    begin |-- firmware --|-- SCL held --|-- hardware --| end; the whole interval is divided
 steps of an instant     findings from the records around the instant (`findings`)
 
@@ -56,7 +56,7 @@ def places(evidence: Evidence, ends: Ends) -> list[Stretch]:
 def reached(evidence: Evidence, record: Record) -> Record | None:
     """Follow the causes of a record back in time. Return the record at which the search ends.
 
-    The search ends at an action of the firmware, or at a record that is not later than the begin of the occurrence.
+    The search ends at an action of the firmware, or at a record that is not later than the start of the occurrence.
     Return None if there is no such record.
     """
     for cause, link in evidence.walk(record):
@@ -218,7 +218,7 @@ def _between_rounds(evidence: Evidence, ends: Ends) -> bool:
 def _of_firmware(evidence: Evidence, record: Record, since: int) -> list[Step]:
     """Return steps for the causes of a record of the bus; an empty list if no access of the firmware caused the record.
 
-    The causes go back to the begin of the phase in progress at tick `since`. If SCL was held low until the record, the
+    The causes go back to the start of the phase in progress at tick `since`. If SCL was held low until the record, the
     step for the access states the time for which SCL was held low.
     """
     made_by = next((cause for cause, _ in evidence.walk(record) if cause.kind not in ON_WIRES), None)

@@ -288,7 +288,7 @@ def _writes(evidence: Evidence, read: RecordedPhase) -> Iterator[tuple[int, Reco
 MOST_CHARACTERS = 8  # maximum number of wrong characters that are listed
 
 
-WrongCharacter = tuple[Record, Step, int | None]  # the begin of its frame, its write, and the expected value if any
+WrongCharacter = tuple[Record, Step, int | None]  # the start of its frame, its write, and the expected value if any
 
 
 def request_of(evidence: Evidence) -> list[Step]:
@@ -313,7 +313,7 @@ def wrong_characters(evidence: Evidence) -> list[WrongCharacter]:
 def _asked(evidence: Evidence) -> list[Record]:
     """Return the beginnings of the frames up to the end of the request, on the line of the request.
 
-    The request ends with the frame whose end is the begin of the occurrence. Return an empty list if there is no such
+    The request ends with the frame whose end is the start of the occurrence. Return an empty list if there is no such
     frame.
     """
     window = evidence.window

@@ -56,7 +56,7 @@ ON_THE_BUS = frozenset({Kind.TRANSFER, Kind.ROUND})
 class Ends:
     """The records at both ends of an occurrence.
 
-    begin, end: the record at the begin and at the end; None if there is no record, for example at the end of the run.
+    begin, end: the record at the start and at the end; None if there is no record, for example at the end of the run.
     thing: the name of the last event of the measure, such as "refused"; "" if the measure has no such name.
     """
 

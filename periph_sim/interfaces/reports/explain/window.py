@@ -5,7 +5,7 @@
 
 Runs are deterministic, so the second run has the same occurrences. It ends after the last range. The records in the
 ranges and shortly before them are kept, and of earlier records with the same `kind`, `where` and `what` the last one,
-as the state at the begin of a range. The needed memory does not grow with the length of the run.
+as the state at the start of a range. The needed memory does not grow with the length of the run.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ if TYPE_CHECKING:
 AROUND = Fraction(5, 1000)  # seconds that are kept before and after an interval; enough for a transfer or a frame
 WIDE = Fraction(25, 1000)  # seconds that are kept before and after an instant; enough for a period of rounds
 LATE = ("missed", "stuck")  # events whose instant is the end of a wait that is too long
-LONGEST = Fraction(1, 10)  # seconds that are kept after the begin and before the end of a long occurrence
+LONGEST = Fraction(1, 10)  # seconds that are kept after the start and before the end of a long occurrence
 LEAD = Fraction(25, 1000)  # seconds that are kept before a range, so that a transfer in progress is decoded
 BITS = 18  # minimum extent of a picture in bits: two bytes with their ACKs
 BIT = Fraction(1, 100_000)  # length of a bit in seconds if there is no SCL

@@ -20,7 +20,7 @@ LONGEST = 24  # maximum number of bytes in a row of characters
 class Row(NamedTuple):
     """A row of the protocol table. In JSON, a row is a list of these values.
 
-    at, end: the begin and the end in ticks from the origin of the timeline.
+    at, end: the start and the end in ticks from the origin of the timeline.
     bus: "I2C", or the wire of SCI characters.
     start: "START", "Sr" for a repeated START, or "" for characters.
     address: the address, as in "0x68"; "" for characters.
@@ -45,7 +45,7 @@ class Row(NamedTuple):
 def rows(window: Window, seen: Callable[[int, int], bool], zero: int) -> list[Row]:
     """Return the rows of the protocol table in order of time.
 
-    seen: a function that returns True if a range of ticks, given by its begin and end, is shown.
+    seen: a function that returns True if a range of ticks, given by its start and end, is shown.
     zero: the tick from which the times of rows are counted.
     """
     names = {channel.name for channel in window.edges.channels}
@@ -98,7 +98,7 @@ def _frame_rows(window: Window) -> list[Row]:
     return [row for rows in found.values() for row in rows]
 
 
-Box = tuple[int, int, str, str]  # the begin and the end as positions in the capture, the label, and the text of a box
+Box = tuple[int, int, str, str]  # the start and the end as positions in the capture, the label, and the text of a box
 
 
 def bytes_of(

@@ -95,7 +95,7 @@ class Timeline:
     """The timeline around one worst occurrence.
 
     origin: the tick of time 0, counted from the start of the run. All other ticks are relative to the origin.
-    begin, end: the begin and the end of the occurrence.
+    begin, end: the start and the end of the occurrence.
     per_second: the number of ticks per second.
     cycles: a dictionary from units to ticks per SYSCLKOUT cycle. Lanes without a unit use the value of the first unit.
     shown: the range of ticks that is visible at first.

@@ -53,7 +53,7 @@ def costs_of(rows: Mapping[str, tuple[Case, str]], start: Fraction, length: Frac
     All rows are run once before any row is run again, so that changes of the computer's load affect all rows.
 
     rows: a dictionary from the names of rows to their cases and the suffixes of their recordings; "" for no recording.
-    start: the number of simulated seconds at the begin that are not measured.
+    start: the number of simulated seconds at the start that are not measured.
     length: the number of simulated seconds after `start` that are measured.
     """
     seconds: dict[str, list[float]] = {name: [] for name in rows}
@@ -115,7 +115,7 @@ class Trade:
     refused: a dictionary from the names of the other rows to the reasons why these rows cannot be run.
     ran_s: the simulated seconds over which errors are measured.
     changed: the names of the rows whose errors are different if only half of `ran_s` is simulated.
-    start_s: the simulated seconds at the begin, which are excluded from CPU times.
+    start_s: the simulated seconds at the start, which are excluded from CPU times.
     timed_s: the simulated seconds after `start_s` in which CPU times are measured.
     best: the outcome of the recommended row.
     why: the reason for the recommendation, as a phrase.

@@ -22,11 +22,11 @@ KEPT = 1 << 14  # number of edges that are kept, of all wires together; a round 
 MARGIN = 20  # microseconds that are shown before and after the round
 SERIAL = 2000  # length of a waveform of serial lines, in microseconds
 
-Span = tuple[int, int, str]  # begin and end in ticks, and its title
+Span = tuple[int, int, str]  # start and end in ticks, and its title
 
 
 class Line(TypedDict):
-    """One line of a waveform. first: the level at its begin. edges: times in microseconds since its begin."""
+    """One line of a waveform. first: the level at its start. edges: times in microseconds since its start."""
 
     name: str
     first: int

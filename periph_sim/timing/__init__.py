@@ -1,4 +1,13 @@
-"""Measures, budgets and verdicts. For recorded runs: `between`, `periods`, `happened`, `races` and `lost_flags`."""
+"""Measures, budgets and verdicts. For recorded runs: `between`, `periods`, `happened`, `races` and `lost_flags`.
+
+Terms of this package:
+
+round: one execution of the list of transfers that a controller repeats periodically; it is due at its planned start.
+frame: the values that the [host] sends in one message over UART.
+occurrence: an event, or a time between two events, that has one value of a measure.
+occasion: an event at which a measure should take a value.
+clause: a part of a measure's text after a comma that names one more event, such as "given EVENT".
+"""
 
 from __future__ import annotations
 

@@ -45,7 +45,7 @@ class Values(Struct, frozen=True, eq=False):
     a run (counts, loads) have no values.
 
     values: int64[n], in ticks if `unit` is "time", in millionths if it is "LSB", else counts.
-    at: int64[n], the tick of each value, counted from the begin of the run.
+    at: int64[n], the tick of each value, counted from the start of the run.
     limits: a dictionary from a key to the limit of the budget, in the same unit as the values.
     """
 

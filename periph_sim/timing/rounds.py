@@ -10,7 +10,7 @@ allows if the START comes later. It ends with the STOP of its last request. A ro
 is also missed if a request is not made: a later request, or the first request of the next round, comes in its place.
 
 The rounds of an agent are due by a fixed schedule. Firmware and captures have a clock of their own: a round is due one
-period after the begin of the round before, and is missed if it has not begun half a period after its due time.
+period after the start of the round before, and is missed if it has not begun half a period after its due time.
 """
 
 # core: compiled
@@ -35,7 +35,7 @@ class Asked(Struct, frozen=True):
     requests: the transfers of each round.
     startup: the transfers before the first round.
     first: the due time of the first round; None if it is not known.
-    late: the maximum delay of a round's begin after its due time.
+    late: the maximum delay of the start of a round after its due time.
     rounds: the number of rounds that are due; None if rounds are due until the end of the run.
     ack_polling: True if a write of only the address polls whether a device is ready. This write is then no request.
     """
@@ -54,7 +54,7 @@ class Schedule:
 
     If the due time of the first round is known, as for an agent, round n is due n periods later. The round is missed if
     it has not begun when the next round is due. Otherwise, as for firmware or a capture, a round is due one period
-    after the begin of the round before. The round is missed if it has not begun half a period after its due time.
+    after the start of the round before. The round is missed if it has not begun half a period after its due time.
     After the requested number of rounds, no further round is due.
     """
 
@@ -171,11 +171,11 @@ class BusRounds:
                 told(transfer)
 
     def at_start(self) -> bool:
-        """Return True if no round and no set-up is in progress, so that the next START may begin a round."""
+        """Return True if neither a round nor the set-up is in progress, so that the next START may begin a round."""
         return self._round is None and not self._startup
 
     def finish(self, now: int) -> None:
-        """Report, when the run ends, the rounds that were due and did not begin, except one that is cut off."""
+        """Report, when the run ends, the rounds that were due but did not begin, except one that the end cuts off."""
         begun_at = self._begun_at()
         if self._schedule is not None:
             if self._round is None and begun_at != NO_TIME and not self._startup:

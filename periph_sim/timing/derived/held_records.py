@@ -1,7 +1,7 @@
-"""Records of the time for which only one unit holds SCL low, transfer by transfer.
+"""Records of the times for which one unit, and no other party, holds SCL low; one record for each transfer.
 
 thing       tick                        value
-held alone  START of each transfer      the sum of these times in the transfer, in ticks
+held alone  START of each transfer      the sum of the times within the transfer, in ticks
 unfinished  START of the last transfer  the same sum, for a transfer that the end of the run cuts off
 """
 

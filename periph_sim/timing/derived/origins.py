@@ -4,16 +4,17 @@
     MODEL pin (runs of models) --+--> Origins --of(phase)--> Origin: frame, when it had ended, wanted bytes
     reads of the controller ----'
 
-Firmware answers the reads like sensor chips. A chip shows a frame while its registers contain values of the frame.
+The firmware emulates sensor chips, which the controller reads. An emulated chip is called a chip here. It shows a frame
+while its registers contain values of the frame.
 
 If the chips show the values of frames (`FrameOrigins`), a read's bytes are compared with the last 8 frames and with
 every frame since the one that the chip showed last. The measure `age` judges how old the values are.
 
 If firmware computes the chips' values with models (`ModelOrigins`), each run of the models may have used any frame that
-ended before the MODEL pin rose. A chain is one possible sequence of the frames that the runs used. It never goes back
-to an older frame. Each read removes the chains whose values disagree with its bytes. The number of chains is limited:
-if chains had to be left out, a read that agrees with none of the remaining chains is not judged. The firmware provides
-only the level of the MODEL pin.
+ended before the MODEL pin rose. A chain is one possible sequence of the frames that the successive runs used. No run of
+a chain uses an older frame than the run before. After each read, the chains whose values disagree with the bytes read
+are removed. The number of chains is limited: if chains had to be left out, a read that agrees with none of the
+remaining chains is not judged. The firmware provides only the level of the MODEL pin.
 """
 
 # core: compiled
@@ -110,7 +111,7 @@ class FrameHistory:
 RECENT = 8  # number of recent frames with which each read is compared
 KEPT = 64  # number of recent frames from which a model run may have taken its input
 COMPLETE = 256  # maximum number of chains (possible sequences of frames) up to which all chains are followed
-PASSED_OVER = 3  # with more chains than COMPLETE, a model run can pass over at most this number of younger frames
+PASSED_OVER = 3  # with more chains than COMPLETE, only the PASSED_OVER + 1 newest frames are tried for a run
 MOST = 64  # with more chains than COMPLETE, at most this number of them is followed, with younger frames preferred
 
 
@@ -130,9 +131,11 @@ NOTHING_SENT = Sent(BEFORE_ANY, (), NO_TIME)
 
 
 class Origins:
-    """Finds the origins of the reads of one transfer at a time: call `transfer`, then `of` for each of its phases.
+    """Finds the host frame whose values each read of a chip returned.
 
-    addresses: the addresses of the chips that return values of frames, or values that models compute from frames.
+    Call `transfer` with a complete transfer, then `of` with each phase of this transfer.
+
+    addresses: the addresses of the chips whose reads are examined.
     """
 
     def __init__(self, addresses: frozenset[int]) -> None:
@@ -144,11 +147,11 @@ class Origins:
         return self._of.get(id(phase))
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        """Note a host frame that ended at `tick`."""
+        """Store a host frame that ended at `tick`."""
         raise NotImplementedError
 
     def transfer(self, transfer: Transfer) -> None:
-        """Find the origins of the reads of a complete transfer."""
+        """Find the origin of each read in a complete transfer."""
         self._of.clear()
         for phase in transfer.phases:
             if phase.read and phase.got and phase.address in self.addresses:
@@ -194,8 +197,8 @@ class FrameOrigins(Origins):
 class Chain:
     """A possible sequence of the frames that the model runs used, of which only the end is stored.
 
-    sent: the frame that the last run used.
-    before: the number of the frame that the previous run used. The values depend on this frame, too.
+    sent: the frame that the last run of the chain used.
+    before: the number of the frame that the run before used; the values of the last run depend on this frame, too.
     shown: the values that the last run produced.
     """
 
@@ -248,7 +251,7 @@ class ModelOrigins(Origins):
         """Handle a change of the MODEL pin, which is high during a run. A run may use frames that ended earlier."""
         if level:
             self._may_take = list(self._sent)
-        elif self._pulled_up:  # this fall is no end of a run: the pin becomes an output
+        elif self._pulled_up:  # the pin falls because it becomes an output, not because a run ends
             self._pulled_up = False
         else:
             self._last = Run(self._runs, self._may_take)
@@ -292,9 +295,9 @@ class ModelOrigins(Origins):
         return list(longer.values())[:MOST] if many else list(longer.values())
 
     def _may_be(self, chain: Chain, run: Run) -> list[Sent]:
-        """Return the frames that a run may have used after a chain, in order.
+        """Return the frames that `run` may have used, oldest first, if the runs before used the frames of `chain`.
 
-        They are the last frame of the chain and later frames.
+        These are the last frame of the chain and all later frames in `run.sent`.
         """
         least = chain.sent.number
         may_be: list[Sent] = []
@@ -311,7 +314,11 @@ class ModelOrigins(Origins):
         return may_be
 
     def _anew(self) -> Iterator[Chain]:
-        """Yield chains that do not continue a known chain. In each, the last three runs used recent frames in order."""
+        """Yield new chains, to be used if a read agrees with no known chain.
+
+        Each new chain consists of three runs of the models, the last of which is `_last`. All three used frames among
+        the PASSED_OVER + 1 newest frames that `_last` may have used, and none used an older frame than the run before.
+        """
         if self._last is not None:
             number, recent = self._last.number, self._last.sent[-PASSED_OVER - 1 :]
             at_rest = Chain(NOTHING_SENT, BEFORE_ANY, self._codes.at_rest)

@@ -82,7 +82,7 @@ class AgeRecords(Listener):
         self._made = NO_TIME  # the end of the frame that the last complete model run used, in ticks
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
-        """Note a host frame that ended at `tick`."""
+        """Store the end of a host frame, which is at `tick`."""
         if self._first_ended == NO_TIME:
             self._first_ended = tick
         self._last_ended = tick
@@ -91,7 +91,7 @@ class AgeRecords(Listener):
         return 0 if what == MODEL else UNWANTED
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
-        """Handle the begin (1) or the end (0) of a model run."""
+        """Handle the start (value 1) or the end (value 0) of a model run."""
         if value:
             self._taken = self._last_ended
         elif self._taken != NO_TIME:

@@ -1,6 +1,6 @@
 """Records of I2C transfers and of rounds, as values that budgets measure.
 
-The records of a transfer and its phases are made when the transfer is over:
+The records of a transfer and its phases are made when the transfer is over. Others are all parties except the master.
 
 thing     tick                                                          value
 phase     START of each addressed phase, ACK polls excluded             its address
@@ -10,7 +10,7 @@ answer    SCL rise of the first data bit of a read                      0
 stretch   START of each acknowledged phase                              longest time others held SCL low, in ticks
 write end STOP of a transfer whose last phase wrote at least one byte  its address
 refused   START of a transfer whose address was not acknowledged        number of its phases
-held      release of SCL by the master, if others hold it till the end  ticks up to the end of the run
+held      release of SCL by the master, if others hold it to the end    ticks up to the end of the run
 """
 
 # core: compiled
@@ -96,16 +96,16 @@ class TransferRecords:
 
 
 class RoundRecords:
-    """Makes the records of rounds.
+    """Makes the records of rounds. A round is one execution of the master's periodic list of requests.
 
     thing     tick                      value
     due       due time of a round       0; recorded for each round, once it is known whether the round began
     missed    due time of a round       0; recorded if the round did not begin
-    missed    START of a transfer       0; recorded if this transfer came in place of a request of the round
-    begin     begin of the round        0; recorded for each complete round, at its end
+    missed    START of a transfer       0; recorded if a request of the round is missing and this transfer came instead
+    begin     start of the round        0; recorded for each complete round, when it ends
     end       last STOP of the round    0; recorded for each complete round
-    next      due time of next round    0; recorded for each complete round, even if it ended after this time
-    refused   due time of the round     number of its requests whose address was not acknowledged; recorded if not 0
+    next      due time of next round    0; recorded for each complete round, even if the round ended after this time
+    refused   due time of the round     number of requests whose address was not acknowledged; recorded if not 0
 
     period: the number of ticks from the due time of a round to the due time of the next round.
     """

@@ -81,7 +81,7 @@ class Event(Struct, frozen=True):
 class Group(Struct, frozen=True):
     """A part of a run in which events are counted, such as a transfer.
 
-    begin: the event at which the group begins: a START, the begin of a frame, or the entry of a service routine.
+    begin: the event at which the group begins: a START, the start of a frame, or the entry of a service routine.
     end: the event at which the group ends: a STOP, the end of a frame, or the return from a service routine.
     """
 

@@ -233,7 +233,7 @@ def _share(words: Words) -> Said:
 
 
 def _during(words: Words) -> During:
-    """Read the word "in" and the state that follows it."""
+    """Read the word "in" and the name of a state after this word."""
     words.one_of(["in"])
     begin = words.place
     if words.next == "cpu" and words.following in CPU_STATES:
@@ -246,9 +246,9 @@ def _during(words: Words) -> During:
 
 
 def _span(words: Words) -> tuple[Event, Event]:
-    """Read the word "span", if it is there, and the name of a span, and return the begin and the end of the span.
+    """Read an optional word "span" and the name of a span. Return the events "begin" and "end" of the span.
 
-    All words that follow are the name. Read as an event, a name such as "wait to send" would end at "to".
+    All remaining words are the name. If they were read as an event, a name such as "wait to send" would end at "to".
     """
     words.took("span")
     begin = words.place

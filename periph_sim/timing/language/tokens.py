@@ -11,7 +11,7 @@ WORD = re.compile(r"""\s*("[^"]+"|'[^']+'|["',=]|[^\s,="']+)""")
 
 
 class Words:
-    """The words of a text, taken one by one. place: the number of words that were taken."""
+    """The words of a text, taken one by one. place: the number of words taken so far."""
 
     def __init__(self, text: str) -> None:
         self.text = text

@@ -1,12 +1,12 @@
 """Measures of events that the text of a measure names: how often they happen, and with which values.
 
-    topic  --tag_of--> events that its records can be, and the values for that; determined once per topic
-    record --on_record--> event that counts immediately --------------.
-                   '---> "last ... of transfer": known when that is over -+--in order--> happened(place, tick, value)
+    topic  --tag_of--> events that a record of the topic can be, and with which values; determined once for each topic
+    record --on_record--> event that counts immediately ------------------.
+                   '---> "last ... of transfer": decided at its end ------+--in order--> happened(place, tick, value)
                                                                           '--> occasions, things that cannot be judged
 
-Events are counted in the order of their records. Of two events with the same tick, the event that was recorded first
-counts as the earlier event.
+A topic is a kind of record about one thing at one place. Events are counted in the order of their records. Of two
+events with the same tick, the event that was recorded first counts as the earlier event.
 """
 
 # core: compiled
@@ -30,7 +30,8 @@ from .registry import UNNAMED, Sentence
 class _Seen:
     """An event that happened.
 
-    counts: 1 if the event counts, 0 if it does not, WAITS while a later event in the same group may replace it.
+    counts: 1 if the event counts; 0 if the event does not count; WAITS while this is not known, because a later event
+        in the same group may replace the event.
     """
 
     STATE = State("place value counts", ticks="tick", made=True)
@@ -44,7 +45,7 @@ class _Seen:
 
 
 WAITS = -1
-FOR_EACH, MEASURED_AT, GIVEN, UNLESS, UNFINISHED = range(5)  # roles of a clause's event
+FOR_EACH, MEASURED_AT, GIVEN, UNLESS, UNFINISHED = range(5)  # roles of the event in a clause; one for each clause word
 
 
 class Clauses(Struct, frozen=True):
@@ -167,7 +168,7 @@ class EventMeasure(Measure):
         if self.spans is not None:  # all spans are needed, so that the right name can be suggested
             self._every.add(Kind.SPAN)
         self._needed: dict[Kind, frozenset[str]] = subjects_of([*matchers, *starts])
-        self._plans: list[list[Hearing]] = []  # for each tag, the events that records with this tag may be
+        self._plans: list[list[Hearing]] = []  # for each tag, the events that a record with this tag can be
         self._names: list[str] = []  # for each tag, the name of the span; "" if the records are not about a span
 
     @property
@@ -219,7 +220,7 @@ class EventMeasure(Measure):
             self._drain()
 
     def _counts(self, place: int, tick: int, value: int) -> None:
-        """Count an event and report it, or queue it if earlier events still wait."""
+        """Report an event, or queue it if earlier events are still in the queue."""
         if self._queued:
             self._queue.append(_Seen(place, tick, value, 1))
         else:
@@ -249,7 +250,7 @@ class EventMeasure(Measure):
             self._unfinished.append((value, tick))
 
     def measured_at(self, tick: int, number: int) -> None:
-        """Count `number` more events as measured: a value was measured at each of them."""
+        """Add `number` to the events at which a value was measured."""
         if self.weighs:
             self.count += number
         elif tick >= self.not_before:

@@ -1,12 +1,12 @@
 """Measures of expected replies, of replies that nothing asked for, and of expected edges on watched wires.
 
-A party of the scene provides their values.
+The scene reports to these measures what was sent, what was received, and the edges of watched wires.
 
 The time of a reply:
 
-send begins          ends
+send begins          send ends                       last character of the reply ends
 |====================|------------- time ------------|
-window: characters from here on      the last character ends
+'-- window: a character that begins here or later can belong to the reply
 """
 
 from __future__ import annotations
@@ -55,8 +55,8 @@ class _Occasion(Struct):
     window: int
     since: int = NO_TIME
     came: list[int] = field(default_factory=list)
-    first: int = NO_TIME  # begin of the first character
-    ended: int = NO_TIME  # end of the last character so far
+    first: int = NO_TIME  # the tick at which the first character began
+    ended: int = NO_TIME  # the tick at which the last character so far ended
     wrong_at: int = NO_TIME
     ends: int = NO_TIME  # a wrong character that begins after this tick does not belong to the reply
     shut: bool = False  # True after a wrong character that begins after `ends`; all later characters are ignored
@@ -95,12 +95,12 @@ class Reply(Measure):
     # Events from the scene ----------------------------------------------------
 
     def window(self, tick: int) -> None:
-        """Begin to wait for a reply. Characters that begin at `tick` or later can be part of the reply."""
+        """Start to wait for a reply. Characters that begin at `tick` or later can be part of the reply."""
         self._give_up(tick)
         self._open.append(_Occasion(tick))
 
     def due(self, tick: int) -> None:
-        """Begin to count the time of the reply, because the request for it ended at `tick`."""
+        """Start the time of the reply, because the request for this reply ended at `tick`."""
         waiting = next((one for one in self._open if one.since == NO_TIME), None)
         if waiting is not None:
             waiting.since = tick
@@ -186,7 +186,7 @@ class Reply(Measure):
         return f"{wanted}, but {came + ' came last' if occasion.came else 'nothing came'}"
 
     def _give_up(self, now: int) -> None:
-        """Judge the replies that are overdue, because another reply is requested."""
+        """Judge the replies that are overdue or wrong, because another reply is requested."""
         while self._open:
             first = self._open[0]
             late = first.since != NO_TIME and now - first.since > self._expected.within
@@ -212,10 +212,12 @@ class Reply(Measure):
 
 
 class Unsolicited(Measure):
-    """Number of characters without a request: `silence:NAME` after that send, `unsolicited replies` in the whole run.
+    """Number of characters that nothing asked for: after a send (`silence:NAME`) or in a run (`unsolicited replies`).
 
-    name: the send after which no character may come until `within` is over or other data is sent; "" for the whole run,
-        in which each character must belong to an expected reply.
+    A silence is a time in which no character may come.
+
+    name: the send with which a silence begins. The silence lasts until `within` is over or other data is sent. "" for
+        the whole run, in which each character must belong to an expected reply.
     source: the SCI that sent the first of these characters.
     """
 
@@ -228,14 +230,14 @@ class Unsolicited(Measure):
         super().__init__()
         self.name = name
         self.source = ""
-        self._is_open = False  # from the begin of a send until other data is sent, or the run is over
-        self._since = NO_TIME  # the begin of the last silence
+        self._is_open = False  # True from the start of a send until other data is sent, or the run is over
+        self._since = NO_TIME  # the start of the last silence
         self._until = NO_TIME  # the end of the last silence; NO_TIME before the end of the send
-        self._judged = 0  # number of sends whose time is over
+        self._judged = 0  # number of silences that are over, so that they are judged
         self._cut = False
         self._answer: list[int] = []  # the first unsolicited characters, without a pause between them
         self._ended = NO_TIME  # the end of the last character in `_answer`
-        self._over = False  # True if a character after a pause ends `_answer`
+        self._over = False  # True if `_answer` is complete, because a character came after a pause or from another SCI
 
     @property
     def silent(self) -> bool:
@@ -256,26 +258,26 @@ class Unsolicited(Measure):
     # Events from the scene ----------------------------------------------------
 
     def window(self, tick: int) -> None:
-        """Begin to forbid characters, because the send begins at `tick`."""
+        """Start a silence, because the send begins at `tick`."""
         self.others_turn(tick)
-        if self._until < tick:  # else the silence before goes on
+        if self._until < tick:  # otherwise, the previous silence continues
             self._since = tick
         self._is_open, self._until = True, NO_TIME
 
     def due(self, tick: int) -> None:
-        """Forbid characters up to `tick`."""
+        """Let the silence in progress end at `tick`."""
         if self._is_open:
             self._until = tick
 
     def others_turn(self, tick: int) -> None:
-        """Allow characters again, because other data is sent, or the next send of the same name begins."""
+        """End the silence, because other data is sent, or the next send of the same name begins."""
         if self._is_open:
             self._judged += 1
             self._is_open = False
             self._until = tick if self._until == NO_TIME else min(self._until, tick)
 
     def forbids(self, begin: int) -> bool:
-        """Return True if no character may begin at this tick, as far as the last silence is concerned."""
+        """Return True if no character may begin at the tick `begin`, which is not before the last silence."""
         in_time = NO_TIME < self._since <= begin and (self._until == NO_TIME or begin < self._until)
         return in_time or not self.name
 

@@ -3,7 +3,7 @@
 transfer   from its START to the START of the next transfer
 round      from its first START to the first START of the next round (see `timing/rounds.py`)
 burst      UART frames of one wire, with no pause between them that is longer than two characters
-interrupt  from the begin of a service routine to its end
+interrupt  from the start of a service routine to its end
 """
 
 # core: compiled
@@ -21,7 +21,7 @@ PAUSE = 2  # number of character times without a frame after which a burst ends
 
 
 class Groups:
-    """Counter of one event in each group, such as a transfer.
+    """Counts an event within each group, such as a transfer, to find the n-th occurrence.
 
     nth: the number of the event in the group that is wanted, from 1; -1 for the last event.
     """

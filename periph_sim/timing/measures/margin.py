@@ -89,7 +89,7 @@ class Margin(Measure):
             self._shifting, self._waiting = self._waiting, NO_TIME
 
     def needed(self, let_go: int, rose: int) -> None:
-        """Take the margin of a byte, after SCL has risen for its first bit."""
+        """Take the margin of a byte, after SCL has risen for the first bit of this byte."""
         self.occasion(rose)
         self._copied()
         written, self._shifting = self._shifting, NO_TIME

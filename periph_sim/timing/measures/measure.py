@@ -190,7 +190,7 @@ class Measure(Listener):
         return ""
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
-        """Return (value so far, begin) of each occurrence that is not over at tick `now`."""
+        """Return (value so far, tick at which it began) of each occurrence that is not over at tick `now`."""
         return []
 
     def unfinished_text(self) -> str:

@@ -5,7 +5,7 @@
          |--------------|
     |--------------|           next: each A with the next B, which may end several pairs
          |---------|
-         |---------|           last: each B with only the last A before it
+         |---------|           last: each B with only the last A since the previous B; B2 has no such A
 
 If no pairing is given and another A comes before the B of the first A, it is not known which events belong together,
 so nothing is proven. With the rule `same unit`, only events of the same unit are paired. A period is the time from an
@@ -26,7 +26,7 @@ from .event import NO_CLAUSES, Clauses, EventMeasure
 from .groups import Groups
 from .measure import MeasuredScene
 
-FIRST, SECOND, START, STOP = range(4)  # indices in `matchers`: the events of a pair, the begin and end of a group
+FIRST, SECOND, START, STOP = range(4)  # indices in `matchers`: the events of a pair, the start and end of a group
 
 
 class _Waiting:

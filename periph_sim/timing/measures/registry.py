@@ -141,7 +141,7 @@ MEASURES = {
 PHRASES = {
     "span": Sentence(
         "from span any:{quoted} begin to span any:{quoted} end, last, same unit",
-        "Time from the begin of a named stretch of firmware to its end, service routines in between included.",
+        "Time from the start of a named stretch of firmware to its end, service routines in between included.",
         nothing="there was no span {name!r}",
         cut_off="span {name!r} still lasted when the run ended",
         cost=30,

@@ -3,8 +3,8 @@
     wire SCL low   ──┐______┌──────┐___┌──     each: 6 and 3      time in: 9
                        |--- W ---|             share of any W: the share in the busiest window W
 
-The time of a state that already holds when the run begins is part of the sum. Its begin is not known, so it is a value
-of "each time" only if the state lasts to the end of the run.
+If a state already holds when the run begins, the time up to its end is part of the sum. It is no complete time in the
+state, because its start is not known, so it is a value of "each time" only if the state lasts to the end of the run.
 """
 
 # core: compiled
@@ -34,11 +34,11 @@ WAIT, ROUTINE = 0, 1  # indices in `StateEvents.nests`
 class StateEvents(Struct, frozen=True):
     """The events that define a state.
 
-    enters: the events that begin it.
-    leaves: the events that end it, unless they are also in `enters`.
-    nests: for the state of a CPU, which has no `enters` and `leaves`: the events of waits and of service routines.
-        Their records have the value 1 at the begin and 0 at the end. The CPU is idle while the innermost wait or
-        routine is a wait.
+    enters: the events that begin the state.
+    leaves: the events that end the state. A record that is also an event in `enters` does not end the state.
+    nests: the events of waits and of service routines, which define the state of a CPU without `enters` and `leaves`.
+        A record of such an event has the value 1 at the start and 0 at the end of the wait or routine. Waits and
+        routines can be nested. The CPU is idle while the innermost of them is a wait.
     is_idle: for the state of a CPU: True if the state is "idle", False if it is "busy".
     """
 
@@ -84,7 +84,7 @@ class BusiestWindow:
         self._since = NO_TIME  # the tick since which the state holds; NO_TIME if it does not hold
         # `_stretches` has (begin, end) of each past time in the state that an unfinished window may overlap.
         self._stretches: deque[tuple[int, int]] = deque()
-        self._begins: deque[int] = deque([began])  # begins of the windows that are not over yet
+        self._begins: deque[int] = deque([began])  # the ticks at which the windows begin that are not over yet
 
     def begins(self, at: int) -> None:
         self._pass(at)
@@ -124,7 +124,7 @@ class BusiestWindow:
 
 
 class TimeIn(EventMeasure):
-    """Time in a state, from its begin to its end. For a span, service routines are included.
+    """Time in a state, from its start to its end. For a span, the time in service routines is included.
 
     form: each   each time in the state, except one that had begun before the run
           time   the sum of all times
@@ -196,7 +196,7 @@ class TimeIn(EventMeasure):
             self._ends(tick)
 
     def _waits(self, place: int, value: int) -> bool:
-        """Note the begin (1) or the end (0) of a wait or service routine. Return True if the CPU waits after this."""
+        """Store the start (1) or the end (0) of a wait or service routine. Return True if the CPU waits after this."""
         under_way = self._under_way
         if value:
             under_way.append(place)

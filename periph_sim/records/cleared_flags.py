@@ -144,7 +144,7 @@ class Looks:
         self._of: list[Look] = []
 
     def add(self, field: Text, number: int) -> None:
-        """Note a read of a field."""
+        """Store a read of a field as the last read of this field."""
         look: Look
         for look in self._of:
             if look.field is field:
@@ -159,7 +159,7 @@ class Looks:
         self._of.append(look)
 
     def last(self, field: str) -> int:
-        """Return the record number of the last read that returned a field; NEVER_YET if there is none."""
+        """Return the record number of the last read of a field or of the whole register; NEVER_YET if there is none."""
         return max((look.number for look in self._of if look.field in ("", field)), default=NEVER_YET)
 
 
@@ -219,9 +219,9 @@ class ClearedRegister:
         return next((flag for flag in self.flags if flag.name == name), None)
 
     def looked_at(self, flag: Flag, place: Text) -> int:
-        """Return the record number of the last read that returned this flag.
+        """Return the record number of the last read of this flag, by its own name or in a read of the whole register.
 
-        Reads that belong to read-modify-writes at `place` do not count.
+        The value that was read does not matter. Reads that belong to read-modify-writes at `place` do not count.
         """
         last: int = self.looks.last(flag.name)
         other: Place
@@ -248,9 +248,14 @@ class ClearedRegister:
         return made
 
     def judge(self, number: int, value: int, field: Text, made: Modify | None) -> None:
-        """Process a read. It must be called in the order of the reads.
+        """Process a read of the register. Calls must be in the order of the reads.
 
-        `Place.meant` decides later which flags the firmware intended to clear.
+        If a write belongs to the read, the flags that this write cleared are counted at the place of the write.
+        `Place.meant` decides later which of these flags the firmware intended to clear.
+
+        number: the number of the record of the read.
+        value: the value that was read.
+        field: the name of the field that was read; "" for the whole register.
         made: the write that belongs to the read; None for a read without a write.
         """
         if made is None:
@@ -268,7 +273,7 @@ class ClearedRegister:
         flag: Flag
         for at, flag in enumerate(self.flags):
             is_cleared = made.cleared & flag.mask != 0
-            if not (is_cleared or self.keeps_ticks):  # the flag rose but was not cleared, so it is not counted
+            if not (is_cleared or self.keeps_ticks):  # without ticks, only cleared flags are counted
                 continue
             of: FlagOfPlace = place.flags[at]
             if made.rose[at] > number:

@@ -1,4 +1,4 @@
-"""History of a unit's SYSCLKOUT, which a recording contains."""
+"""History of the SYSCLKOUT frequency of a unit, read from a recording."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ MOST_TOLD = 3
 
 
 class ClockHistory(NamedTuple):
-    """The clocks that a unit had during a run.
+    """The successive SYSCLKOUT frequencies of a unit during a run. Each frequency is called a clock here.
 
-    begins: the tick from which each clock is in effect.
-    periods: the length of a cycle of each clock, in ticks.
+    begins: for each clock, the tick from which the clock is in effect.
+    periods: for each clock, the length of a cycle in ticks.
     """
 
     begins: tuple[int, ...]

@@ -23,9 +23,9 @@ from .run import Group, Rows, Run
 
 
 class Fault(NamedTuple):
-    """Accesses of one unit that have one kind of fault.
+    """Faulty accesses of one unit, all with the same kind of fault.
 
-    rows: the rows of these accesses, in order; empty if there is no fault.
+    rows: the rows of these accesses, in order. A lint may yield no rows; this reports nothing.
     source: the section of the manual that gives the violated rule.
     """
 

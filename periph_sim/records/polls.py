@@ -1,8 +1,9 @@
 """Reconstruction of skipped polls next to a change, from the recorded passes of a wait.
 
-A recording contains only the first and the last passes of a skipped wait. All passes are equally long, so the skipped
-polls are on a grid that the passes before the gap define. If the first read after the gap is on this grid, the gap is a
-skipped wait.
+A pass is one execution of the body of a polling loop. A recording contains only the first and the last passes of a
+skipped wait; the time between them is a gap in the recording. All passes are equally long, so the skipped polls are on
+a grid in time that the passes before the gap define. If the first read after the gap is on this grid, the gap is taken
+for a skipped wait.
 
     first pass, . . . . . . [change] . , last pass
                         ^before    ^after
@@ -51,7 +52,7 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
     looking: for each read, True if it read the fields that changed. Only polls by these reads are returned.
     """
     clock = run.clock(unit)
-    begins = clock.numbers(run.table.tick[reads])  # in cycles, as a cycle need not be a whole number of ticks
+    begins = clock.numbers(run.table.tick[reads])  # in cycles, because a cycle need not be a whole number of ticks
     gaps = np.where(waits, np.diff(begins, append=begins[-1:]), 0)
     places = np.searchsorted(reads, changes) - 1
     inside = (places >= 0) & (places < len(reads) - 1)
@@ -95,7 +96,12 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
 
 
 def _period(begins: Rows, waits: NDBool, gaps: Rows, in_pass: int) -> int:
-    """Return the length in cycles of a pass with `in_pass` reads; 0 if the recording does not show the length."""
+    """Return the length in cycles of one pass of the polling loop; 0 if the recording does not show the length.
+
+    begins, waits, gaps: for each read of the loop, its cycle, True if the next access is a read of the loop, too, and
+        the number of cycles to that read.
+    in_pass: the assumed number of reads in a pass.
+    """
     whole = _within(waits, in_pass)
     lengths = (begins - _shifted(begins, in_pass))[whole]
     short = lengths[(lengths > 0) & (lengths <= LONGEST_PASS)]
@@ -111,7 +117,7 @@ def _period(begins: Rows, waits: NDBool, gaps: Rows, in_pass: int) -> int:
 
 
 def _shifted(column: NDArray[Number], back: int) -> NDArray[Number]:
-    """Return the column shifted by `back` places towards the end. The first value is repeated at the begin."""
+    """Return the column shifted by `back` places towards the end. The first value is repeated at the start."""
     return column if not back else np.concatenate([column[:1].repeat(min(back, len(column))), column[:-back]])
 
 

@@ -47,11 +47,12 @@ class PlaceRaces:
 
     reads: number of recorded reads.
     polls: number of reads that were reconstructed from skipped waits.
-    unplaced: number of skipped waits with a change whose reads could not be reconstructed.
+    unplaced: number of skipped waits that contain a change, but whose polls could not be reconstructed.
     before: the read that was the fewest cycles before a change.
     after: the read that was the fewest cycles after a change.
     histogram: for each decade, the number of reads whose distance to the nearest change, in cycles, is in this decade.
-    alone: number of reads for which the run has no change to compare with.
+    alone: number of reads that could not be compared with a change, because only the firmware itself changes the fields
+        that they read, or nothing changes them.
     """
 
     unit: str
@@ -111,7 +112,7 @@ def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
     cycles: the distance of each read or reconstructed poll to the nearest change. Reads are left out if the run has no
         change to compare them with.
     ticks: the ticks of these reads and polls, in order.
-    unplaced: number of skipped waits with a change whose polls could not be reconstructed.
+    unplaced: number of skipped waits that contain a change, but whose polls could not be reconstructed.
     """
     unplaced = 0
     cycles, ticks = [np.zeros(0, np.int64)], [np.zeros(0, np.int64)]
@@ -166,8 +167,8 @@ def _reads_by_place(run: Run, group: Group) -> Iterator[_Reads]:
 def _loops_of_an_image(run: Run, unit: str, reads: Rows, nexts: Rows) -> NDBool:
     """Return, for each read, True if a loop makes this read again after one or two reads at other places.
 
-    A loop is assumed if only reads are in between, and if the next pass follows after at most LONGEST_PASS cycles or
-    after a recorded wait.
+    A loop is assumed if all accesses in between are reads, and if the read is repeated after at most LONGEST_PASS
+    cycles or after a recorded wait.
     """
     rows, following = run.in_order(unit)
     order = np.argsort(rows)
@@ -195,11 +196,13 @@ def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
 
 
 class _Side(NamedTuple):
-    """Reads and reconstructed polls, each with one change: either the next change or the previous change.
+    """Reads and reconstructed polls, each paired with a change.
+
+    In one object, either all reads are paired with the next change or all are paired with the previous change.
 
     ticks: the tick of each read or poll.
-    distances: the number of ticks between each read and its change; NEVER if there is no change.
-    changes: the row of each change.
+    distances: the number of ticks between each read and the change paired with it; NEVER if there is no such change.
+    changes: for each read, the row of the change paired with it.
     """
 
     ticks: Rows

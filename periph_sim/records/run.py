@@ -27,13 +27,13 @@ from .register_maps import register_of
 Rows = NDArray[np.int64]
 
 UNITS = (("ns", 1), ("us", 10**3), ("ms", 10**6))
-HEAD = 64  # number of bytes at the begin of a file by which a recording is recognized
+HEAD = 64  # number of bytes at the start of a file by which a recording is recognized
 WAY_OUT = "record one with periph-sim run CASE --record RUN.psr"
 SYSCLK_HZ = 150_000_000  # SYSCLKOUT of an F28335 at full speed
 
 
 def among(these: Rows, rows: Rows) -> NDArray[np.bool_]:
-    """Return, for each element of `these`, whether it is in `rows`. np.isin is five times slower for few rows."""
+    """Return, for each element of `these`, True if `rows` has it. np.isin is five times slower for few rows."""
     if not len(rows):
         return np.zeros(len(these), bool)
     rows = np.sort(rows)
@@ -101,7 +101,7 @@ class Run:
             raise NotInRun(f"{path}: a capture of wires, with no accesses or flags; {WAY_OUT}")
         return cls(table, str(path), sysclk)
 
-    # Looks -----------------------------------------------------------------------
+    # Rows ------------------------------------------------------------------------
 
     def rows(self, kind: Kind, where: str | None = None, what: str | None = None) -> Rows:
         """Return the rows of this kind, in the order of their ticks. where, what: None for any place or thing."""
@@ -182,10 +182,10 @@ class Run:
         return held[before]
 
     def in_order(self, unit: str) -> tuple[Rows, Rows]:
-        """Return two arrays: the unit's accesses, ordered by routine, and the next access of the same routine for each.
+        """Return two arrays of rows: the unit's accesses, and for each of them the next access of the same routine.
 
-        The main program comes first, then each run of a service routine. The accesses of a routine are in order. For
-        the last access of a routine, the second array has -1.
+        The accesses are ordered by routine: the main program comes first, then each run of a service routine. The
+        accesses of one routine are in order of time. For the last access of a routine, the second array has -1.
         """
 
         def found() -> Rows:

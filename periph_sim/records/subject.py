@@ -19,7 +19,7 @@ from ..f28335.memory.ram import MEMORY
 from .register_maps import is_status, registers_of
 from .run import Group, NotInRun, Run
 
-COARSEST = Fraction(1, 10**6)  # seconds; a time with this or a finer resolution can select a change near this time
+COARSEST = Fraction(1, 10**6)  # seconds; a time typed to this or a finer digit can mean a change that is displayed so
 
 
 @dataclass(frozen=True)
@@ -95,8 +95,9 @@ def subjects(run: Run) -> list[RecordedSignal]:
 def _tick(run: Run, text: str, subject: RecordedSignal) -> int:
     """Return the tick that a time in a question means.
 
-    If a change of the signal is displayed as this time, the result is the tick of that change. Displayed times are
-    rounded, so the exact tick differs slightly from the typed time.
+    If a change of the signal is displayed as this time, the result is the tick of that change, because displayed times
+    are rounded: the exact tick of the change differs slightly from the typed time. A time typed to a digit coarser than
+    COARSEST always means its exact tick.
     """
     try:
         at = seconds(text)

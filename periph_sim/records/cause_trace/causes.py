@@ -87,10 +87,10 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
 
 
 def looks_before(run: Run, row: int, record: Record) -> list[int]:
-    """Return the rows of the looks that a write's routine made before the write.
+    """Return the rows of the reads that the routine of a write made before the write.
 
-    A look is a read that is not the first half of a read-modify-write. Of several looks with the same register, place
-    and field, only the last look is returned.
+    Reads that are the first half of a read-modify-write are left out. Of several reads with the same register, place
+    and field, only the last one is returned.
     """
     accesses = accesses_before(run, row, record)[-MOST_ACCESSES:][::-1]
     found: dict[tuple[str, str, str], int] = {}
@@ -229,7 +229,7 @@ def walk_back(run: Run, row: int, depth: int) -> Iterator[Link]:
 
 
 def end_of_walk(run: Run, steps: Sequence[Link], depth: int) -> str:
-    """Return a clause that says why `walk_back` ended at its last step; "" if there was no step."""
+    """Return a phrase that says why `walk_back` ended at its last step; "" if there was no step."""
     main = [step for step in steps if not step.aside]
     if not main:
         return ""
@@ -358,8 +358,8 @@ def wire_rows(run: Run, wire: str) -> Rows:
 def causes_of_hold(run: Run, row: int, record: Record) -> list[Link]:
     """Return a link to the record since which all parties that now hold the wire low have held it low.
 
-    Return no link if one of these parties began to hold the wire with the record `record` itself, because the cause of
-    this record then explains the state of the wire.
+    Return no link if one of these parties began to hold the wire with `record` itself, because the cause of `record`
+    then explains the state of the wire.
     """
     ours = set(_named(record.text))
     joined = row

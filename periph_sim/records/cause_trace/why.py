@@ -30,12 +30,12 @@ SKIPPED = (
 
 @dataclass(frozen=True)
 class Answer:
-    """The answer to a question.
+    """The value of a signal at an instant, with its causes and effects: the answer to a question such as "SDA@3us".
 
     value: the value of the signal; None if it is not known, as for a wire before its first edge.
     since: the tick from which the signal had the value; 0 if the signal never changed before.
-    back: the record that gave the value, then its causes. For a low wire, the first record is the last change of the
-        set of parties that hold the wire low.
+    back: the record that gave the value, then its causes. If the signal is a wire and low, `back` begins with the
+        record since which the parties in `held_by`, and no others, hold the wire low.
     pulled_by: the parties that first pulled the wire low; empty if the wire is not low.
     held_by: the parties that hold the wire low at the tick of the question; empty if the wire is not low.
     effects: the records whose cause is the record that gave the value.
@@ -128,7 +128,7 @@ def _step(run: Run, row: int) -> Link:
 
 
 def text(answer: Answer) -> str:
-    """Return an answer as text: the value and its begin, its meaning, its causes, and later reads and changes."""
+    """Return an answer as text: the value and its start, its meaning, its causes, and later reads and changes."""
     run, subject = answer.run, answer.subject
     lines = [f"{subject.name} at {run.at(answer.tick)}: {_value_text(answer)}"]
     register, f = subject.register, subject.field

@@ -14,15 +14,15 @@ from ..register_maps import reads_take, register_of
 from ..run import Rows, Run
 
 Bools = NDArray[np.bool_]
-LONGEST_PASS = 4  # maximum number of reads in a pass of a loop
+LONGEST_PASS = 4  # maximum number of reads in one pass of a loop
 
 
 @finds("a place that polls registers for longer than --bound, or to the end of the run without ever getting past")
 def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
     """Yield reads of a place that polls one register for longer than the bound, or until the run ends.
 
-    A wait contains no other access. A loop that makes several reads in the same order again and again is judged in the
-    same way, unless one of its reads removes data, as a read of SCIRXBUF does: such a loop makes progress. The rows of
+    A wait contains no access other than the polls. A loop that repeats several reads in the same order is judged in the
+    same way, unless one of the reads removes data, as a read of SCIRXBUF does: such a loop makes progress. The rows of
     a fault are the first reads of its waits.
 
     Skipped polls are not recorded, so a wait lasts from its first recorded read to the next access of the same routine
@@ -68,7 +68,7 @@ def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
 def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> Iterator[tuple[int, int]]:
     """Yield the first and last index of each stretch in which the same `reads` reads are made at least twice in a row.
 
-    A stretch is within one routine, and it is left out if a shorter series of reads repeats in it.
+    A stretch is within one routine. A stretch in which a shorter series of reads repeats is left out.
     """
     if len(ids) < 2 * reads:
         return

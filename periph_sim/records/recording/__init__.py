@@ -25,7 +25,7 @@ class RecordingWriter:
 
     SUFFIX: the end of the names of its files.
     MODE: "w" for text, "wb" for bytes.
-    KINDS: the kinds of records that it needs.
+    KINDS: the kinds of records that the format needs.
     write: the method that is called with each record.
     sink: the RecordSink that receives the records instead of `write`; None if the writer needs Record objects.
     clocks: the history of SYSCLKOUT of each unit, which is set before `close` is called.
@@ -80,8 +80,8 @@ def format_of(path: Path) -> type[RecordingWriter] | None:
 def recording(path: Path | None, modules: dict[str, tuple[str, ...]]) -> Iterator[tuple[Subscribe, EndedAt]]:
     """Yield two functions for the recording of one run.
 
-    The first function subscribes the recording in a scene. The second function must be called at the end of the run,
-    with the last tick and the clocks of the units.
+    The first function takes the recorder and the timebase of a scene, and subscribes the file to the records of this
+    scene. The second function must be called at the end of the run, with the last tick and the clocks of the units.
 
     path: the file of the recording; if it is None, the functions do nothing.
     modules: for each unit, the names of its modules and of its named pins.

@@ -41,7 +41,7 @@ class JsonlWriter(RecordingWriter):
     """Writer of .jsonl: one JSON array per line with number, tick, kind, where, what, value, text, cause and field.
 
     The first line has the version and the number of ticks per second. The value of an address or byte on the bus, or of
-    a byte of a UART frame, is text: "0x21 R ACK", "0x11 ACK", "0x55". The value of a START, a STOP or the begin of a
+    a byte of a UART frame, is text: "0x21 R ACK", "0x11 ACK", "0x55". The value of a START, a STOP or the start of a
     frame is null.
     """
 

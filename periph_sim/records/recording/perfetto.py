@@ -2,7 +2,7 @@
 
     records --> process "dsp":        threads "firmware" and "interrupts", slices that nest; notes
                 process "dsp.I2C-A":  a counter for each register field that changed
-                process "bus":        transfers with their bytes, decoded from SCL and SDA; what each party said
+                process "bus":        transfers with their bytes, decoded from SCL and SDA; bus records of each party
                 process "wires":      a counter for each wire, 0 or 1
 
 `ts` is in microseconds with three decimals, rounded down to a nanosecond, the resolution of the viewers. `args.tick` of

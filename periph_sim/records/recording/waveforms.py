@@ -2,7 +2,7 @@
 
     EDGE   wires.SCL                     a wire: SCL, SDA, RX, TX, each named pin, and any other wire that changes
     FLAG   dsp.I2C_A.I2CSTR              a whole register of an I2C or SCI module
-           dsp.I2C_A.I2CSTR.BB           each field of it
+           dsp.I2C_A.I2CSTR.BB           each field of the register
     IRQ    dsp.interrupt.I2CINT1A        1 from entering the service routine to leaving it
     SPAN   dsp.span.model                1 while the span lasts
            bus.I2C.busy, address, ...    state of the bus, decoded from SCL and SDA when the run is over
@@ -190,7 +190,7 @@ def _bus_state(lines: Capture) -> list[Signal]:
 
 
 def _while(name: str, table: I2cTable, rows: NDArray[np.bool_]) -> Signal:
-    """Return a signal that is 1 from the begin of each row to its end."""
+    """Return a signal that is 1 from the start to the end of each chosen row of the table, such as a byte or an ACK."""
     signal = Signal(name)
     at = np.column_stack((table.at[rows], table.end[rows])).ravel()
     signal.put_all(at, np.tile(np.array([1, 0], np.int64), len(at) // 2))

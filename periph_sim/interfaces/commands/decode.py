@@ -160,7 +160,7 @@ def decode(
         cells = decode_reports.glitches(found, capture, clock, limit)
         decode_reports.print_cells(decode_reports.GLITCHES, cells, style)
         return
-    found = [bus for bus in found if len(bus.rows.at)] or found[:1]
+    found = [bus for bus in found if len(bus.rows.at) or (want_counts and bus.is_decoded)] or found[:1]
     for number, bus in enumerate(found):
         bus.rows.bus[:] = number
     rows = merged([bus.rows for bus in found])

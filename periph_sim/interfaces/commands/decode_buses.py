@@ -51,6 +51,7 @@ class Bus(NamedTuple):
     glitch: pulses of fewer positions are glitches by default: half a bit of a serial line with a known rate, otherwise
         SPIKE; 0 if the capture has no rate.
     role: mosi or miso; "" for other buses.
+    is_decoded: False if the lines are not decoded, so that the absence of rows does not mean silence.
     """
 
     protocol: str
@@ -61,6 +62,7 @@ class Bus(NamedTuple):
     lines: tuple[Channel, ...]
     glitch: int
     role: str = ""
+    is_decoded: bool = True
 
 
 def asked_for(
@@ -91,13 +93,13 @@ def asked_for(
             buses.append(_frames(capture, wire, {}, shortest, doubtful=False))
         except ValueError as error:
             failed.append(f"{wire.name} is not decoded: {error}; describe it with --uart")
-            buses.append(_nothing(capture, wire, failed[-1]))
+            buses.append(_nothing(capture, wire, failed[-1])._replace(is_decoded=False))
     if failed and not any(len(bus.rows.at) for bus in buses):
         raise click.ClickException("; ".join(failed))
     for wire in named.left_over:
         other = "SDA" if "scl" in wire.name.casefold() else "SCL"
         note = f"{wire.name} is not decoded: which {other} belongs to it? give --i2c scl=CHANNEL,sda=CHANNEL"
-        buses.append(_nothing(capture, wire, note))
+        buses.append(_nothing(capture, wire, note)._replace(is_decoded=False))
     return buses
 
 

@@ -170,6 +170,23 @@ def test_without_events_there_are_no_counts(periph_sim: Run, tmp_path: Path):
     assert periph_sim("decode", str(path), "--nacked", "--transfers").out == "    time_s  transfer\n"
 
 
+def test_a_silent_bus_is_counted_and_a_line_that_is_not_decoded_is_not(periph_sim: Run, tmp_path: Path):
+    wave = I2cWave(20, 5, idle=100)
+    wave.transfer(0xA6, 0x11)
+    path = tmp_path / "silent.sr"
+    samples = bytes(levels | 0b111100 | 0b1000000 * (n % 9 == 8) for n, levels in enumerate(wave.samples))
+    path.write_bytes(sr_bytes(["SCL1", "SDA1", "SCL2", "SDA2", "RX", "TX"], "4 MHz", samples))
+    lines = periph_sim("decode", str(path), "--counts", "--format", "csv").out.splitlines()
+    assert [line.split(",")[:3] for line in lines[1:3]] == [
+        ["i2c SCL1/SDA1", "all", "1"],
+        ["i2c SCL1/SDA1", "0x53", "1"],
+    ]
+    assert lines[3:] == ["i2c SCL2/SDA2,all,0,0,0,0,0,0.0", "uart RX,all,0,0,,,0,0.0", "uart TX,all,0,0,,,0,0.0"]
+    path.write_bytes(sr_bytes(["SCL1", "SDA1", "SCL"], "4 MHz", samples))
+    lines = periph_sim("decode", str(path), "--counts", "--format", "csv").out.splitlines()
+    assert {line.split(",")[0] for line in lines[1:]} == {"i2c SCL1/SDA1"}, "a zero would say that SCL was decoded"
+
+
 def test_swapped_lines_are_noted(periph_sim: Run):
     came = periph_sim("decode", str(TRACES / "imu_round.sr"), "--i2c", "scl=SDA,sda=SCL", "--counts")
     assert came.status == 0 and came.err == (

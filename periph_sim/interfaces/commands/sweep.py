@@ -173,10 +173,13 @@ def _show(came: Sweep, varied: list[str], stopped: str) -> None:
 
 def _why(came: Sweep, row: int) -> str:
     """Return the reason why a run does not pass, as the end of a sentence."""
-    if came.error[row]:
-        return f": error: {came.error[row]}"
+    error = str(came.error[row])
+    if came.verdict[row] == "error":
+        return f": error: {error}"
     words = {name: str(budget.verdict[row]) for name, budget in came.budgets.items()}
-    return "".join(f"; {name} {word}" for name, word in words.items() if word in ("broken", "not judged"))
+    return f": {error}" * bool(error) + "".join(
+        f"; {name} {word}" for name, word in words.items() if word in ("broken", "not judged")
+    )
 
 
 def _rows(came: Sweep) -> tuple[list[tuple[tuple[str, ...], str]], list[int]]:

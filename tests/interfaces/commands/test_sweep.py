@@ -106,6 +106,21 @@ def test_a_run_that_cannot_be_made_is_a_line_and_status_2_and_the_others_are_tol
     assert "unit 'parsec'" in bad["error"]
 
 
+def test_a_run_that_is_stuck_says_where_in_its_row(periph_sim: Run) -> None:
+    text = FIRMWARE.replace("work: Duration", "work: Duration\n    waits: bool = False")
+    waits = "    if settings.waits:\n        sci = dsp.module('SCI-A')\n        dsp.spin(lambda: sci.SCIRXST.RXRDY)\n"
+    Path("mine.py").write_text(text + waits, encoding="utf-8")
+    Path("small.toml").write_text(CASE.replace("modules = []", 'modules = ["SCI-A"]'), encoding="utf-8")
+    came = periph_sim("sweep", *HERE, "--vary", "unit.dsp.settings.waits=false, true", "--csv", "all.csv")
+    assert came.status == 1
+    assert "\nrun 1: unit.dsp.settings.waits=true: stuck: dsp waits" in came.out, came.out
+    with open("all.csv", encoding="utf-8", newline="") as file:
+        good, bad = csv.DictReader(file)
+    assert (good["verdict"], good["error"]) == ("pass", "")
+    assert bad["verdict"] == "fail" and bad["error"].startswith("stuck: dsp waits"), bad["error"]
+    assert bad["work: worst"] == "10.0"
+
+
 def test_of_many_that_fail_some_are_told_and_the_others_counted(periph_sim: Run) -> None:
     came = periph_sim("sweep", *HERE, "--vary", f"{WORK}=31 us to 45 us step 1 us")
     assert came.out.count("; work broken") == 11  # ten of them, and the last one, which was furthest beyond

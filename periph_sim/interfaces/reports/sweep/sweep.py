@@ -26,7 +26,7 @@ from ....scene.case.load import UnknownKey, load
 from ....scene.case.model import BadCase, Case
 from ....scene.firmware_loader import Firmware
 from ....scene.result import Result
-from ....timing.verdict import Verdict
+from ....timing.verdict import FAIL, Verdict
 from ..processes import DIED, processes
 from .runs import Changes, Job, Row, rows_of, runs_of, texts_of
 
@@ -61,7 +61,7 @@ class Sweep:
 
     changes: a dictionary from changed keys to their values in all runs; "" for a run that does not change the key.
     verdict: "pass", "fail", "not judged", or "error" if the run could not be made.
-    error: the reason why the run could not be made, or "".
+    error: the reason why the run could not be made, or "stuck: " and the reason why a failed run got stuck; or "".
     wire_bytes: the number of bytes on the I2C bus.
     sci_bytes: the number of bytes that the SCIs of units received.
     sci_bytes_sent: the number of bytes that the SCIs of units sent.
@@ -111,7 +111,7 @@ def sweep_of(case: str, runs: Sequence[Mapping[str, object]], rows: Sequence[Row
         case=case,
         changes={key: _numbers_or_texts([run.get(key, "") for run in runs]) for key in keys},
         verdict=_texts(one.verdict for one in results),
-        error=_texts("" if isinstance(row, Result) else row for row in rows),
+        error=_texts(_error(row) for row in rows),
         simulated_s=np.array([one.simulated_s for one in results], dtype=np.float64),
         wire_bytes=_whole(one.wire_bytes for one in results),
         sci_bytes=_whole(one.sci_bytes for one in results),
@@ -120,6 +120,12 @@ def sweep_of(case: str, runs: Sequence[Mapping[str, object]], rows: Sequence[Row
         budgets={name: _budget([verdicts.get(name) for verdicts in by_name]) for name in names},
         counts={name: _whole(one.counts.get(name, -1) for one in results) for name in counts},
     )
+
+
+def _error(row: Row) -> str:
+    if isinstance(row, str):
+        return row
+    return f"stuck: {'; '.join(row.stuck)}" if row.stuck and row.verdict == FAIL else ""
 
 
 def _budget(verdicts: Sequence[Verdict | None]) -> BudgetColumns:

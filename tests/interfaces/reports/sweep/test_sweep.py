@@ -132,6 +132,9 @@ def figures(came: Sweep) -> dict[str, list[object]]:
     }
 
 
+STUCK = "stuck: dsp waits for SCI-A.SCIRXST.RXRDY since {} and would for ever: PCLKCR gives SCI-A no clock"
+
+
 def test_a_column_for_each_figure_and_an_entry_for_each_run(case: Path) -> None:
     parts: list[float] = []
     came = sweep(case, {WORK: LENGTHS}, jobs=1, on_progress=parts.append)
@@ -145,7 +148,7 @@ def test_a_column_for_each_figure_and_an_entry_for_each_run(case: Path) -> None:
     assert work.verdict.tolist() == ["pass", "pass", "broken", "pass"]
     assert (work.count.tolist(), work.at_s.tolist()) == ([1] * 4, [0.0] * 4)
     assert np.isnan(never.worst).all() and never.verdict.tolist() == ["not judged"] * 4
-    assert came.verdict.tolist() == ["fail"] * 4 and came.error.tolist() == [""] * 4
+    assert came.verdict.tolist() == ["fail"] * 4 and came.error[0] == STUCK.format("20.000 us")
     assert came.simulated_s.tolist() == [0.0003] * 4
     assert came.counts["overruns"].tolist() == [0] * 4
 
@@ -211,7 +214,7 @@ def test_many_runs_go_to_workers_some_at_a_time_and_stay_in_order(case: Path) ->
 def test_what_changes_may_be(case: Path, changes, columns: dict[str, list[object]]) -> None:
     came = sweep(case, changes, jobs=1)
     assert {key: column.tolist() for key, column in came.changes.items()} == columns
-    assert came.error.tolist() == [""] * len(came)
+    assert all(error.startswith("stuck: dsp waits") for error in came.error)
 
 
 def test_a_run_that_cannot_be_made_says_why_and_loses_no_other(case: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -221,11 +224,11 @@ def test_a_run_that_cannot_be_made_says_why_and_loses_no_other(case: Path, monke
     )
     assert came.verdict.tolist() == ["fail", "error", "error", "fail"]
     assert came.error.tolist() == [
-        "",
+        STUCK.format("20.000 us"),
         f"small.toml, --set '{WORK}=3 parsec': {WORK}: '3 parsec': unit 'parsec' is none of ns, us, ms, s, min, h, d",
         "small.toml, --set 'unit.dsp.firmware=none.py': unit.dsp.firmware: there is no firmware file 'none.py'; "
         "its path counts from the folder of the case",
-        "",
+        STUCK.format("25.000 us"),
     ]
     work = came.budgets["work"]
     assert figures(came)["work: worst"] == [20.0, None, None, 25.0]

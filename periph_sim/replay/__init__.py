@@ -2,8 +2,13 @@
 
 Capture, Case --> I2cReplay or UartReplay --run--> Report: the first differences of the wires from the capture
 
-A session is an I2C capture and a UART capture that are replayed together. A position is a time in a capture: the number
-of a sample, or the value of a time stamp.
+Terms of this package:
+
+session: an I2C capture and a UART capture that are replayed together.
+position: a time in a capture, which is the number of a sample or the value of a time stamp.
+turn: a part of an I2C transfer that begins with a START or repeated START and an address.
+player: the agent that drives the captured edges on the wires.
+divergence: a difference between an event of the capture and the corresponding event of the replay.
 """
 
 

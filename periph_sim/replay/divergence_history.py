@@ -5,8 +5,8 @@ value on the wires, or else the one that was executed at the divergence.
 
     Recorder --FLAG, ACCESS--> a ring buffer per field or access --at each divergence--> changes, oldest first
 
-The first run records nothing, because the divergences are not known until it ends. Both runs are equal. The ring
-buffers are bounded, so memory does not grow with the length of the run.
+The first run records nothing, because the divergences are not known until this run ends. The second run repeats the
+first exactly. The ring buffers are bounded, so memory does not grow with the length of the run.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ class FlagHistory:
     moments: for each divergence, its tick and the last tick of its history.
     module: the module whose registers are recorded.
     keep: the number of entries in each ring buffer.
-    instants: the ticks at which the executed statement is noted.
+    instants: the ticks at which the executed statement is stored.
     """
 
     def __init__(
@@ -63,7 +63,7 @@ class FlagHistory:
         recorder.subscribe([Kind.FLAG, Kind.ACCESS], self._record)
 
     def watch(self, scene: Scene) -> None:
-        """Note the statement that the unit's firmware executes at each of `instants` in the run of this scene."""
+        """Store the statement that the unit's firmware executes at each of `instants` in the run of this scene."""
         dsp = scene.units[self._unit]
         for tick in self._instants:
             scene.kernel.call_at(max(tick, scene.kernel.now), partial(self._note_place, tick, dsp))
@@ -99,10 +99,11 @@ Run = Callable[[FlagHistory, int], None]  # a function that repeats a run up to 
 
 
 class Role(NamedTuple):
-    """The role of a unit in a replay.
+    """The role of a unit in a replay: slave, master or receiver.
 
     module: the module that is connected to the replayed lines.
-    writes: the register that contains the value of an event, by the first words of the event.
+    writes: a dictionary from the first words of an event that the firmware causes, such as "data read", to the register
+        that the firmware writes to cause this event.
     """
 
     module: str
@@ -124,9 +125,10 @@ def with_history(
     after: the number of ticks after a divergence for which its history is shown.
     again: a function that repeats the run.
 
-    A divergence is at the tick of the replayed event, or at the tick of the captured event if the replay has none. Its
-    cause is the statement that wrote the wrong value, or else the one that is executed at that tick. If only the time
-    differs, it is the statement that is executed when the event occurs in the capture.
+    The tick of a divergence is that of the replayed event, or that of the captured event if the replay has none. The
+    cause of a divergence is the statement that wrote the wrong value, or else the statement that is executed at the
+    tick of the divergence. If only the time differs, the cause is the statement that is executed at the time of the
+    captured event.
     """
     if not divergences:
         return []

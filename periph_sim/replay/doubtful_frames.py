@@ -4,9 +4,12 @@
     words received by the firmware -------------+--> ambiguous frames: a glitch is at a sample point
 
 Receivers may read an ambiguous frame in different ways. After a glitch in a data, parity or stop bit, this bit may be
-read as 0 or 1. After a glitch in the start bit, or a nearly valid start bit, a receiver may read a frame or none. If it
-decides differently from the decoder, it may also read other frames up to the next pause. Among these frames and the
-first one after the pause, the comparison resumes at the one from which on the most words agree.
+read as 0 or 1. After a glitch in the start bit, or a nearly valid start bit, a receiver may read a frame or none. If
+the receiver decides differently from the decoder, it may also read other frames up to the next pause. The comparison
+then skips some frames and words. It resumes at the frame after which the most words agree; this frame is at most the
+first one after the pause.
+
+An item is a decoded frame, or a rejected start that some receivers accept. A word is what the firmware received.
 
 If a line is decoded at a wrong rate, in a wrong format or inverted, frames have errors. A receiver with the same wrong
 settings reads the same bytes with the same errors, so agreement between capture and receiver proves nothing.
@@ -107,10 +110,10 @@ class Settled:
         )
 
     def _until_agreed(self, item: int, word: int) -> tuple[int, int]:
-        """Return how many items and words to skip at an uncertain start bit, so that those after them agree best.
+        """Return how many items and words to skip at an uncertain start bit, so that the following ones agree best.
 
-        Of equally good choices, take those with the fewest items. Of these, take the one that is nearest to one word
-        per item.
+        Of equally good choices, those with the fewest items are preferred. Of these, the choice is taken that is
+        nearest to one word for each item, where a rejected start at the beginning counts as no word.
         """
         usual = int(self._items[item].kind is UartRowKind.FRAME)
         last = item + 1
@@ -126,7 +129,7 @@ class Settled:
         return best
 
     def _agreeing(self, item: int, word: int) -> int:
-        """Return how many of the next words fit the next items, at most AHEAD.
+        """Return how many of the next words fit the next items, up to the first that does not fit, at most AHEAD.
 
         Also return AHEAD if items and words end together, or if all words up to the next uncertain start bit fit.
         """
@@ -181,7 +184,7 @@ def _better(capture: Capture, channel: str | int, line: Line, share: Fraction) -
         return None
     same_rate = abs(Fraction(other.line.baud) / Fraction(line.baud) - 1) <= NEAR
     if same_rate and other.line.invert == line.invert:
-        # The same format is not better. Nine data bits are not better, because a bad stop bit then counts as data.
+        # The same format is not better. Nine data bits are not better, because a wrong stop bit would count as data.
         hides = other.line.shape == line.shape or other.line.bits > SCI_BITS
         if hides or share <= MOST:
             return None

@@ -8,12 +8,14 @@
 The comparison decodes the wires and the capture by the same code, which the agents and the chip do not use. Firmware
 whose `REPLAY` names `address`, `replies`, `asleep` and `busy` is set to answer like the captured target.
 
-The controller decides how often it polls the firmware (see `polling`), so the expected events are those of the capture
-with as many polls as it made. In a session it does not decide, because the UART capture has fixed times.
+The controller polls the firmware until the firmware acknowledges (see `polling`), so the expected events are those of
+the capture with the number of polls that were made. In a session, the captured polls are played without a change,
+because the UART capture has fixed times.
 
 The agents can deviate from the capture even if the firmware behaves as captured, for instance because `longest_low`
 shortens a pause of the controller. `without_firmware` runs the agents with the captured answers in place of the
-firmware. A difference that also occurs in this run is caused by the agents. It is not judged, nor are later ones.
+firmware. A difference that also occurs in this run is caused by the agents. It is not judged, and neither are later
+differences.
 """
 
 from __future__ import annotations
@@ -115,7 +117,8 @@ class CapturedController:
         self._captured: list[Edge] = []
         self._edges: list[Edge] = []  # as captured, but with short low phases
         self._moves: list[Move] = []
-        self._answers: deque[tuple[int, int]] = deque()  # a phase's number, and the moves up to its ninth bit
+        # `_answers` has, for each phase that the firmware answers, its number and the moves up to its ninth bit.
+        self._answers: deque[tuple[int, int]] = deque()
         self._plan = plan
         self._kernel = kernel
         self._on_end = on_end
@@ -173,7 +176,7 @@ class CapturedController:
             self.player.play(self._moves[move:end], partial(self._answered, number, end))
 
     def _answered(self, phase: int, move: int) -> None:
-        """React to the firmware's answer to its address. SCL has just risen for it."""
+        """React to the firmware's answer to its address. SCL has just risen in the ninth bit of the address."""
         acked, now = not self._sda_level.level, self._kernel.now
         changed = self.polled.answered(phase, acked)
         if changed:

@@ -5,11 +5,12 @@
     in bits that the chip must drive:      the back wire must have the captured level when SCL rises
     in all other bits:                     the chip must not pull SDA low if the captured bit is 1
 
-If the chip still holds SCL low when SCL rises in the capture, its answer is late. Its later data are then not those
-that it would send to a controller that waits. The capture may have low phases that are longer than usual. A note counts
-those that the chip would have ended earlier.
+If the chip still holds SCL low when SCL rises in the capture, its answer is late. The chip's later data are then not
+those that it would send to a controller that waits. The capture may have low phases that are longer than usual. A note
+in the report counts those that the chip would have ended earlier.
 
-An edge of SDA in the same sample as an edge of SCL is moved by half a sample into the low phase of SCL.
+An edge of SDA in the same sample as an edge of SCL is moved by half a sample into the low phase of SCL: before a rising
+edge of SCL, after a falling edge.
 """
 
 from __future__ import annotations
@@ -108,7 +109,7 @@ class I2cOpenReplay(SlaveReplay):
     def _would_be(self, sda: Channel) -> list[decode.Transfer]:
         """Return the capture's transfers with the bits that they would have if the chip were on the bus.
 
-        A bit that the chip must drive has the chip's level. Any other bit is 0 if the chip pulls SDA low during it.
+        A bit that the chip must drive has the chip's level. Any other bit is 0 if the chip pulls SDA low in this bit.
         """
         found: list[decode.Transfer] = []
         for transfer in self._part.transfers:
@@ -248,7 +249,7 @@ def _edges(
 ) -> tuple[list[tuple[Position, int]], list[tuple[Position, int]]]:
     """Return the edges of SCL and those of SDA up to position `end`, as (position, level).
 
-    An edge of SDA in the same sample as an edge of SCL is moved by half a sample.
+    An edge of SDA in the same sample as an edge of SCL is moved by half a sample into the low phase of SCL.
     """
     rising = dict(_up_to(end + half_sample, scl))
     data: list[tuple[Position, int]] = []

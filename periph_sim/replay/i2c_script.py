@@ -192,7 +192,7 @@ class _ControllersHalf:
         self._fall = None if bit.high is None else bit.at + bit.high
 
     def condition(self, condition: Condition, level: int) -> None:
-        """Add a START, repeated START or STOP. If SCL rises for it alone, also add this pulse of SCL.
+        """Add a START, repeated START or STOP. If SCL has a pulse only for this condition, add the pulse, too.
 
         level: the level of SDA after the condition: 0 after START, 1 after STOP.
         """
@@ -230,7 +230,7 @@ class _ControllersHalf:
 
 @dataclass
 class AsTarget:
-    """The settings of firmware that plays a captured target. Times are in positions of the capture."""
+    """The settings of firmware that replaces a captured target. Times are in positions of the capture."""
 
     address: int
     replies: list[bytes] = field(default_factory=list)  # the data of each read
@@ -285,7 +285,7 @@ AGAINST = "the controller continued after a NACK"
 
 @dataclass
 class AsMaster:
-    """The settings of firmware that plays the controller, and the targets' answers.
+    """The settings of firmware that replaces the captured controller, and the targets' answers.
 
     script: the text of each transfer in `done`.
     pauses: the pause before each transfer in `done`, in positions.

@@ -50,7 +50,8 @@ class PolledCapture:
         self.left = deque(captured)
         self._shift = 0  # positions by which the transfers in `left` move
         self._captured = Transfer((), None, None)  # the last transfer as captured, or its end if it was changed
-        self._from: list[int] = [-1]  # positions after which a shift holds
+        # From the position after `_from[i]` on, times are `_shifts[i]` later than in the capture.
+        self._from: list[int] = [-1]
         self._shifts: list[int] = [0]
         self._polls: dict[tuple[int | None, bool | None], list[_Poll]] = {}
         self._may_be_busy: set[int] = set()  # positions of captured accesses at which the target may be busy
@@ -87,10 +88,13 @@ class PolledCapture:
         return self.left[0].phases[0].start.at + self._shift
 
     def answered(self, number: int, acked: bool) -> bool:
-        """Adapt the last transfer to the firmware's answer to the address of one of its phases.
+        """Adapt the transfer in progress to the firmware's answer to an address.
 
-        Return True if the transfer was changed. An answer that no change of the polls explains is an error of the
-        firmware, and the transfer remains as captured.
+        Return True if the transfer was changed, because a poll was added or polls were removed. If neither explains the
+        answer, the answer is an error of the firmware, and the transfer remains as captured.
+
+        number: the index of the phase of this transfer that has the address.
+        acked: True if the firmware acknowledged the address.
         """
         phase = self.transfers[-1].phases[number]
         if acked == phase.bytes[0].acked or self._rest(number)[0].start.at not in self._may_be_busy:
@@ -115,7 +119,7 @@ class PolledCapture:
         return False
 
     def _continue_at(self, number: int, source: Transfer, place: int) -> None:
-        """Replace the end of the last transfer, from the ACK in a phase on, by the end of a captured transfer."""
+        """Replace the last transfer, from the ACK in phase `number` on, by the end of a captured transfer."""
         current = self.transfers[-1]
         poll, phase = current.phases[number], source.phases[place]
         ninth = poll.bytes[0].bits[8]
@@ -165,7 +169,7 @@ class PolledCapture:
         return next(iter([*before[-1:], *polls[:1]]), None)
 
     def _rest(self, number: int) -> tuple[Phase, ...]:
-        """Return the captured phases of the last transfer from a phase on."""
+        """Return the captured phases of the last transfer from phase `number` on."""
         return self._captured.phases[number - len(self.transfers[-1].phases) :]
 
     def _hold_from(self, position: int, shift: int) -> None:
@@ -201,8 +205,9 @@ def busy_bounds(transfers: Iterable[Transfer], own: Sequence[int], us: Fraction)
 
     us: microseconds per position.
 
-    The lower bound is the latest NACK of the address, the upper bound the earliest ACK after a NACK. If the lower bound
-    is the larger one, the time is not the same after each write. The list is empty if there are not both.
+    The lower bound is the time of the latest NACK of the address, the upper bound that of the earliest ACK after a
+    NACK. If the lower bound is the larger one, the busy time differs between writes. The list is empty if there is no
+    such ACK.
     """
     refused: list[int] = []
     acknowledged: list[int] = []
@@ -234,7 +239,7 @@ def _value(phase: Phase) -> int | None:
 
 
 def _with_ninth(byte: Byte, other: Byte) -> Byte:
-    """Return a byte with the acknowledge of another byte."""
+    """Return the byte with its ninth bit (ACK or NACK) replaced by that of `other`."""
     ninth = other.bits[8]._replace(low=byte.bits[8].low)
     return byte._replace(acked=other.acked, bits=(*byte.bits[:8], ninth))
 

@@ -41,7 +41,7 @@ class Replay:
 
     KIND, LOOP, ROLE = "i2c", "closed", "slave"
     SIDE = AS_SLAVE
-    _repeated: Callable[..., Replay]  # creates the same replay again, with another `subscribe`
+    _repeated: Callable[..., Replay]  # creates the same replay once more, with another `subscribe`
 
     def __init__(self, scene: Scene, unit: str, lead: Fraction) -> None:
         self.scene = scene

@@ -194,7 +194,8 @@ class Report:
     refusals, captured_refusals: closed loop: how often the firmware, and the captured target, refused its address. They
         may differ, since the controller polls until the firmware answers.
     busy_us, captured_busy_us: two bounds of the time for which the firmware, or the captured target, was busy after a
-        write: the latest NACK of its address and the earliest ACK, from the STOP on. Empty if there are not both.
+        write: the times from the STOP to the latest NACK of its address, and to the earliest ACK after a NACK. Empty if
+        there is no such ACK.
     captured_events, captured_transfers: numbers of events and transfers in the whole capture.
     transfers: number of replayed transfers.
     captured_errors: number of UART frames with a framing or parity error in the capture, without breaks.

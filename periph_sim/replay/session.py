@@ -7,8 +7,9 @@ The controller keeps the times of the capture. If a stretch delays a transfer, t
 transfers begin at their captured times again. The host does not wait for the firmware, so the edges of RX keep their
 times.
 
-A round is due one period after the previous one. If a capture has no round of the case's requests, budgets on rounds
-are not judged, and a note names them.
+The case describes the transfers (requests) that a controller repeats in each period. A round is one execution of these
+requests. A round is due one period after the previous one. If a capture has no round, budgets on rounds are not judged,
+and a note in the report names them.
 
 A frame is a fixed number of bytes that the host sends together. A shorter frame, which a pause on RX ends, is ignored.
 """
@@ -158,7 +159,10 @@ class SessionReplay(I2cReplay):
     # Running ------------------------------------------------------------------------
 
     def _least_gap(self) -> int:
-        """Return the shortest gap in the capture, in ticks. Gaps are not shortened below it to make up for a delay."""
+        """Return the shortest gap between two captured transfers, in ticks.
+
+        The controller shortens gaps at most to this minimum to make up for a delay.
+        """
         gaps = [transfer.gap for transfer in self._part.transfers if transfer.gap is not None]
         return int(min(gaps, default=0) * self._per_position)
 
@@ -200,7 +204,10 @@ class SessionReplay(I2cReplay):
         return report
 
     def _other_transfers(self) -> list[str]:
-        """Return a list with a note on transfers outside of the case's rounds; an empty list if there are none."""
+        """Return a list with a note on captured transfers that are no requests of the case; empty if there are none.
+
+        The list is also empty if the capture has no complete round.
+        """
         scene = self._session_scene
         if not scene.others or not scene.bus.rounds.completed:
             return []

@@ -2,8 +2,9 @@
 
     capture --decode--> transfers --> turns --> the party of each address --> settings of the answering firmware
 
-The agent that the capture replaces is removed. Settings of the firmware that the case does not set are filled in from
-the capture if the firmware's module names them in `REPLAY`. Other firmware may use `address` or `busy` for something
+A turn is a part of a transfer that begins with a START and an address. The agent that the capture replaces is removed
+from the case. Settings of the firmware that the case does not set are filled in from the capture, but only if the
+firmware's module names them in `REPLAY`, because other firmware may use names such as `address` or `busy` for something
 else.
 
 Except in a session, budgets are not judged: the verdict of a replay says whether the wires agree with the capture.
@@ -127,7 +128,7 @@ def tolerance_of(given: Fraction | None, rate: Fraction, scene: Scene) -> Fracti
 STEP = Fraction(25, 1000)  # simulated seconds between two progress reports
 TAIL = Fraction(1, 10_000)  # seconds for which the wires are observed after the last move
 PATIENCE = Fraction(200, 1000)  # maximum seconds for which SCL may be held low; an SHT21 stretches for up to 85 ms
-BYTE = 9  # number of bits in a byte with its ACK
+BYTE = 9  # number of bits in a byte, with the ACK bit
 LONG = Fraction(3, 2)  # a low phase is a stretch or a pause if it is longer than the usual one by this factor
 HOLD = Fraction(300, 10**9)  # data hold time, in seconds, of targets that agents play: UM10204 Table 11
 
@@ -161,8 +162,9 @@ class Played:
     def step(self) -> int:
         """The number of positions from one sample to the next, which is the uncertainty of an edge.
 
-        It is 1 if the usual low time of SCL is less than two of these steps. In that case, the step follows from the
-        clock of the bus, and not from the sample rate of an analyser.
+        If all positions of edges are multiples of one step, this step is taken for the distance of samples. But if the
+        usual low time of SCL is shorter than two steps, the positions are multiples because the bus has a regular
+        clock, and the step says nothing about the samples. The result is then 1.
         """
         step = int(2 * self.half_sample)
         return step if self.low >= 2 * step else 1

@@ -4,7 +4,7 @@
 
 Cython checks the indices of lists but not those of C arrays. With the check, an index out of range ends the process
 with a message instead of changing other memory. The C compiler removes the check where the index is always in range,
-for example after a mask or in a loop to a constant.
+for example after a mask or in a loop with a constant bound.
 
     cdef public Kernel kernel    -->  `wire.kernel = None` and `del wire.kernel` are TypeErrors
     cdef public Event following  -->  unchanged, because the source assigns None to it or declares `Event | None`

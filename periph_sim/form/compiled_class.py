@@ -112,7 +112,7 @@ class Class:
         """The types of attributes, by name, if an annotation or the first value determines the type."""
         inherited = {name for base in self.bases for name in (*base.known, *base.defined)}
         found: dict[str, Type] = {}
-        self.__dict__["known"] = found  # set while `found` is incomplete, because values may refer to other attributes
+        self.__dict__["known"] = found  # already set here, because the value of an attribute may use other attributes
         nodes = [one for one in self.node.body if isinstance(one, ast.AnnAssign) and one.value is None]
         annotated = [(one.target.id, one.annotation) for one in nodes if isinstance(one.target, ast.Name)]
         for one in (one for method in self.defined.values() for one in walked(method)):

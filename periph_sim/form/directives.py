@@ -2,8 +2,8 @@
 
     @cython.final            the type is no base type
     @cython.freelist(16)     the deallocator keeps objects while there are fewer than 16
-    @cython.locals(at=...)   the function declares this variable, of this C type
-    trashcan (every class)   a deallocator that releases objects does so in a loop
+    @cython.locals(at=...)   the function declares this variable with this C type
+    trashcan (every class)   a deallocator that releases other objects uses Python's trashcan, and so no recursion
 
 Cython silently ignores a directive in an unexpected place. `declarations` writes no other directives than these.
 """

@@ -1,11 +1,11 @@
-"""Compilation of the core for the cases that a user runs most: gcc optimizes what these cases execute.
+"""Compilation of the core for the cases that a user runs most: gcc optimizes the code that these cases execute.
 
 python -m periph_sim.form.profiled CASE [CASE ...]
 
     sources --gcc, counting--> a library --runs of the cases--> counts --gcc, using them--> compiled/
 
-Every module is compiled twice. Records and verdicts are equal to those of every other build. Later builds keep the
-result until a source changes. clang stores counts in another way, so the compiler must be gcc.
+Every module is compiled twice. Records and verdicts are equal to those of other builds. `make core` keeps the result
+until a source changes. clang stores counts in another way, so the compiler must be gcc.
 """
 
 from __future__ import annotations
@@ -55,7 +55,8 @@ def count(case: str, package: Path, built: Path) -> None:
     command = [sys.executable, "-P", "-c", f"import sys, {package.name}; {package.name}.run(sys.argv[1])", case]
     done = run(command, env={**os.environ, VARIABLE: str(built)}, capture_output=True, text=True, check=False)
     if done.returncode:
-        last = (done.stderr.strip().splitlines() or [f"exit status {done.returncode}"])[-1]  # a signal says nothing
+        # A process that is ended by a signal writes no message.
+        last = (done.stderr.strip().splitlines() or [f"exit status {done.returncode}"])[-1]
         raise NoBuild(f"{case} does not run, so nothing was counted; {last}")
 
 

@@ -13,9 +13,10 @@
     from ..core.records import Kind                             from ..core.records import Kind; Kind_FLAG = Kind.FLAG
     recorder.wants(Kind.FLAG)                                   recorder.wants(Kind_FLAG)
 
-Cython obeys `freelist` at the class itself and ignores it in a .pxd file. A C function without a result shows by its
-return value whether it raised, so its bare `return` needs a value. Constants would be looked up at each use, so
-integers with uppercase names become literals, and members of enumerations become global names that are bound once.
+Cython obeys `freelist` at the class itself and ignores it in a .pxd file. The C function of a Python function without a
+result returns its error value or False, so a bare `return` becomes `return False`. Constants would be looked up at each
+use. So integers with uppercase names become literals, and members of enumerations become global names that are bound
+once.
 """
 
 from __future__ import annotations
@@ -64,7 +65,7 @@ def prepared(source: Source) -> str:
 
 
 def _replace_bare_annotations(body: list[ast.stmt], lines: list[str]) -> None:
-    """Replace each annotation without a value by `pass`, because Cython would read the variable there."""
+    """Replace each annotation without a value by `pass`, because Cython would generate code that reads the variable."""
     for statement in body:
         for node in [statement] if isinstance(statement, ast.ClassDef | ast.FunctionDef) else ast.walk(statement):
             if isinstance(node, ast.AnnAssign) and node.value is None:
@@ -106,7 +107,7 @@ def _remove_names(statement: ast.ImportFrom, names: Collection[str], lines: list
 
 
 def _look_up_spelled_out(source: Source, text: str) -> str:
-    """Return the text with `if` statements in place of a last line that looks up a function by name in `globals()`.
+    """Return the text with its last line replaced by `if` statements, if it looks up a function in `globals()`.
 
     C functions are not in the module's `globals()`. The `if` statements compare the name with the names of the module's
     C functions that begin with an uppercase letter.

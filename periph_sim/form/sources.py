@@ -301,7 +301,7 @@ class Source:
 
     @cached_property
     def cimported(self) -> dict[str, str]:
-        """The imported C functions that this module only calls, each with the module that defines it."""
+        """The imported C functions that this module calls and never uses as objects, each with its defining module."""
         found = {}
         calls = (node.func for node in walked(self.tree) if isinstance(node, ast.Call))
         called = {one.id for one in calls if isinstance(one, ast.Name)} - read_names(self.tree, "")

@@ -1,6 +1,6 @@
 """The frames that a [host] sends: six signed 16-bit values, three angles and three accelerations.
 
-    [host.motion], [host.encoding] or a ramp --> values of frame n --> bytes, and the values that chips show
+    [host.motion], [host.encoding] or a ramp --> values of frame n --> bytes, and the values in the chips' registers
 
 The dissertation does not define the encoding; low byte first is our choice. Nothing in a frame marks its start.
 """
@@ -28,7 +28,7 @@ FRAME_BYTES = 2 * VALUES
 PACKED = {"little": Struct(f"<{VALUES}h"), "big": Struct(f">{VALUES}h")}
 RAMP = ((1, 1), (3, 1000), (5, -2000), (7, 12), (11, -34), (13, 1000))
 PARTS = {"angles": slice(0, 3), "accelerations": slice(3, 6)}
-# A dictionary from the name of a chip to the part of a frame that the chip shows if the firmware has no sensor models.
+# From the name of a chip to the part of a frame that firmware without sensor models copies to the chip's registers.
 SHOWN = {"gyroscope": "angles", "accelerometer": "accelerations", "magnetometer": "angles"}
 BY_ADDRESS = {SENSORS[name].address: (SENSORS[name], PARTS[part]) for name, part in SHOWN.items()}
 ADDRESSES = frozenset(BY_ADDRESS)
@@ -56,12 +56,12 @@ def decode(data: bytes) -> tuple[int, ...]:
 
 
 def shown(values: Sequence[T]) -> dict[str, Sequence[T]]:
-    """Return a dictionary from a chip's name to the three values of a frame that it shows without sensor models."""
+    """Return a dictionary from a chip's name to the values of a frame that are copied to its registers (see SHOWN)."""
     return {name: values[PARTS[part]] for name, part in SHOWN.items()}
 
 
 def data(address: int, values: tuple[int, ...]) -> bytes:
-    """Return the register bytes with which the chip at this address shows the values of a frame."""
+    """Return the register bytes of the chip at this address, with its values of a frame (see SHOWN)."""
     chip, part = BY_ADDRESS[address]
     return register_bytes(chip, values[part])
 

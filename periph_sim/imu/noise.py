@@ -136,7 +136,7 @@ class AxisNoise:
     def _flicker(self, first: int, count: int) -> Floats:
         """Return 1/f noise, which is the sum of all octaves.
 
-        Octave k has a new value every 2**k samples. The key of the octave selects the samples of these changes.
+        Octave k is a noise that has a new value every 2**k samples. Its key selects the samples of these changes.
         """
         import numpy as np
 
@@ -173,7 +173,7 @@ def _phase(octave: Gaussian, k: int) -> int:
 
 
 def _hold(octave: Gaussian, k: int, number: int) -> int:
-    """Return the number of the value that octave `k` has at sample `number`."""
+    """Return the index of the value of the stream `octave` at sample `number`. Octave k uses each value 2**k times."""
     return (number + _phase(octave, k)) >> k
 
 

@@ -1,9 +1,9 @@
 """Sessions: external code steps a case and moves some of its lines. A session has no input or output of its own.
 
-simulator, serial port, driver --apply--> Session --advance--> changes of our pins, with their ticks
+simulator, serial port, driver --apply--> Session --advance--> changes of the case's pins, with their ticks
                                              `--log--> replay --> the same run again
 
-In this package, "our" pins are those of the case, and "the outside" is the code that uses the session.
+In this package, "the outside" is the code that uses the session and moves lines of the case.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def replay(
     subscribe: Subscribe | None = None,
     programs: Mapping[str, Firmware] | None = None,
 ) -> Result:
-    """Run the case with the moves of a log. The run has the same records as the session that wrote it.
+    """Run the case with the moves of lines in a log. The run has the same records as the session that wrote the log.
 
     Raise OutsideError if the log is damaged or has ticks of another length.
     """

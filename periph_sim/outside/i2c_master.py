@@ -2,7 +2,7 @@
 
     start(0x68, read=False)   write(0x3B)        start(0x68, read=True)      read(ack=False)      stop()
     SDA --|__ A6..A0 W [ack]  D7..D0 [ack]    --|__ A6..A0 R [ack]        [D7..D0] N            __|--
-    SCL is held low between calls, as by real adapters
+    SCL is held low between calls, as real adapters do
 
 Every call advances the session by its duration on the wires. This includes the time for which others hold SCL low.
 
@@ -34,8 +34,8 @@ class Master:
         other.
     held: True if SCL is held low between two calls.
 
-    Raise OutsideError if SDA and SCL do not lead outside, if a call comes in the wrong order, if others hold a line for
-    more than 25 ms, or if another controller wins the bus.
+    Raise OutsideError if SDA and SCL do not lead outside, if calls are made in the wrong order, if others hold a line
+    for more than 25 ms, or if another controller wins the bus.
     """
 
     _reads: bool  # True if the present transfer reads; valid while `held` is True

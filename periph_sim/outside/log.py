@@ -77,13 +77,13 @@ class LogWriter:
 
 
 def refuse_input(path: Path, case: Case, what: str) -> None:
-    """Raise OutsideError if a session of this case reads the file. what: the name of the output in the message."""
+    """Raise OutsideError if the case reads this file, so that no output replaces it. what: the output, for messages."""
     if is_input(path) or any(is_same(path, file) for file in case.files()):
         raise OutsideError(f"{path}: the session reads this file; give the {what} another place")
 
 
 def is_same(path: Path, other: Path) -> bool:
-    """Return True if both paths lead to the same existing file."""
+    """Return True if both paths refer to the same existing file."""
     try:
         return path.samefile(other)
     except OSError:

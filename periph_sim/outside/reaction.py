@@ -1,12 +1,12 @@
 """Calculation of the earliest tick at which a case may answer a move of the outside.
 
-    events of the kernel                                              --+--> the first tick at which our pins may move
-    edges from `put`, not applied yet: at once, or after a filter ------'
+    events of the kernel                                          --+--> first tick at which pins of the case may move
+    edges from `put`, not applied yet: at once, or after a filter --'
 
 An I2C module that is not a master receives an edge after its noise filter, and an SCI receives it after its
 synchroniser. An I2C module does not answer in the middle of a byte. It states the number of further SCL edges to which
 it will not answer. The number is valid if all pulses pass the filter and SDA changes only while SCL is low. All other
-listeners are assumed to answer at once. Firmware moves a pin when one of its writes reaches a register.
+listeners are assumed to answer at once. Firmware moves a pin when one of its writes arrives at a register.
 """
 
 # core: compiled
@@ -73,7 +73,7 @@ class Reaction(Agent):
         self._listening: list[Socket] = []  # listening modules whose inputs have a filter: I2C and SCI
         self._modules: list[tuple[Socket, I2c]] = []  # the I2C modules in `_listening`
         self._pins: list[list[Pin]] = []  # for each module in `_modules`: its pins of SCL, then its pins of SDA
-        self._scl = self._sda = ""  # the lines on which all these modules are; "" if they are on different lines
+        self._scl = self._sda = ""  # the lines to which all these modules are connected; "" if the lines differ
         self._at_once = True  # True if a listener may answer without the delay of a filter
         self._now = scene.kernel.now  # the first tick that has not run yet
         self._levels = dict.fromkeys(lines, 1)  # levels of the lines just before tick `_now`
@@ -106,7 +106,7 @@ class Reaction(Agent):
             self._pass(len(self._put) - REMEMBERED)
 
     def due(self) -> int:
-        """Return a tick before which our pins do not move if `put` is not called again; NEVER if they never move."""
+        """Return a tick before which no pin of the case moves without a further `put`; NEVER if none ever moves."""
         if not self._fresh:
             self._look()
         return self._due
@@ -171,7 +171,7 @@ class Reaction(Agent):
         self._modules = [(socket, socket.chip) for socket in self._listening if isinstance(socket.chip, I2c)]
 
     def _lines(self) -> None:
-        """Update `_pins`, and the lines on which the I2C modules are."""
+        """Update `_pins`, and the names of the lines to which the I2C modules are connected."""
         pins = [pins for socket, _ in self._modules for pins in socket.pins]  # SCL and SDA of each module
         if pins != self._pins:
             self._pins = pins

@@ -1,12 +1,12 @@
-"""A case that external code steps. The code moves lines at given ticks, and receives the changes of our pins.
+"""A case that external code, called the outside, runs step by step. The outside also moves some lines of the case.
 
     apply(at, levels) --> Door --> wires of the scene <-- units, chips, agents of the case
-    advance(until)    --> kernel runs up to `until` --> changes of our own pulls
+    advance(until)    --> kernel runs up to `until` --> changes of the pins of the case
     finish()          --> Result, as from a run
 
-"Our" pins and pulls are those of the case; "the outside" is the external code. `now` is the next tick. None of its
-events have run, so a level that is applied at `now` is effective in this tick. The records depend only on the calls of
-`apply`, and not on the steps in which time advances. A session has no input or output of its own.
+`now` is the next tick. None of its events have run, so a level that is applied at `now` is effective in this tick. The
+records depend only on the calls of `apply`, and not on the steps in which time advances. A session has no input or
+output of its own.
 """
 
 # core: compiled
@@ -43,7 +43,7 @@ WHO = "outside"  # name of the outside in records, and as a party on the wires
 
 
 class Change(NamedTuple):
-    """Our side has released a line (level 1) or pulled it low (level 0) at tick `at`."""
+    """A change of a line by the case, which has released it (level 1) or pulled it low (level 0) at tick `at`."""
 
     at: int
     line: str
@@ -105,7 +105,7 @@ class Door(Agent):
         pin.drive(level)
 
     def held(self, name: Text) -> int:
-        """Return 0 if our side pulls the line low, else 1."""
+        """Return 0 if the case pulls the line low, else 1."""
         wire: Wire
         pin: Pin
         wire, pin = self._wires[name], self._pins[name]
@@ -134,7 +134,7 @@ class Door(Agent):
 
 
 class Session:
-    """A case that external code steps and whose lines it moves.
+    """A case that external code runs step by step, and whose lines it moves.
 
     case: a case from `load` or `make_case`, or the path of its file.
     outside: the names of the wires that lead outside; None for those in the [outside] table of the case.
@@ -202,7 +202,7 @@ class Session:
         return self.scene.timebase.ticks(duration(length), "nearest")
 
     def advance(self, until: BigInt) -> list[Change]:
-        """Run up to tick `until`, exclusive, and return the changes of our pulls.
+        """Run up to tick `until`, exclusive, and return the changes of lines by the case.
 
         Raise OutsideError if `until` is past.
         """
@@ -226,7 +226,7 @@ class Session:
         return [change._replace(at=change.at - self._start) for change in changes] if changes else changes
 
     def next_output(self) -> int | None:
-        """Return a tick before which our pins do not move unless the outside moves a line; None if they never move.
+        """Return a tick before which no pin of the case moves unless the outside moves a line; None if none ever moves.
 
         The outside moves lines by `apply` and by writes to a serial line. If bytes are waiting for a serial line, the
         returned tick is at most that of their first start bit.
@@ -262,7 +262,7 @@ class Session:
             self._reaction.put(tick, name, int(level))
 
     def pulls(self, line: Text) -> bool:
-        """Return True if our side pulls a line low, regardless of the outside.
+        """Return True if the case pulls a line low, regardless of the outside.
 
         Raise OutsideError if the line does not lead outside.
         """
@@ -271,7 +271,7 @@ class Session:
         return not self._door.held(line)
 
     def level(self, line: Text) -> int:
-        """Return the level of a wire at the end of the last tick that has run. It includes the pulls of both sides."""
+        """Return the level of a wire, as driven by case and outside, at the end of the last tick that has run."""
         if line not in self.scene.wires:
             raise OutsideError(f"there is no wire {line!r}; {did_you_mean(line, self.scene.wires)}")
         return self.scene.wires[line].level

@@ -1,16 +1,19 @@
 """Earth field of the dissertation's laboratory, from Table 5.1, Table 4.1 and section 5.2.
 
-    real mean at rest m, hard iron V --> m = H + d V --> d --> H_rt --> x, y, z at a yaw of 270, 180, 90, 0 degrees
+    m = H_rt + d V --> d --> H_rt --> x, y, z at a yaw of 270, 180, 90, 0 degrees
 
-Table 5.1 gives the mean of the real magnetometer, level and pointing north. The table does not say whether the mean
-includes the hard iron of Table 4.1 (d = 1) or not (d = 0). Section 5.2 has two statements that determine d. For the
-turn about z (Figure 5.1), the section says that y is approximately the bias at 0 and 180 degrees, so the field has
-hardly any y component. The section also says that the field is nearly horizontal, so the field has hardly any z
-component. Each statement gives a value of d by least squares:
+    m       mean of the real magnetometer, level and pointing north (Table 5.1)
+    H_rt    earth field in the axes of a level body that points north
+    V       hard iron (Table 4.1)
+    d       1 if m includes the hard iron, 0 if not, which Table 5.1 does not state
+
+Section 5.2 has two statements that determine d. For the turn about z (Figure 5.1), the section says that y is
+approximately the bias at 0 and 180 degrees, so the field has hardly any y component. The section also says that the
+field is nearly horizontal, so the field has hardly any z component. Each statement gives a value of d by least squares:
 
     y: (m_y - d V_y)^2 is least at d = m_y / V_y        z: d = m_z / V_z
 
-Both values are below 0, so d = 0 is nearer than d = 1: the mean is the undisturbed field.
+Both values are below 0, and so nearer to 0 than to 1: the mean is the undisturbed field.
 
 Equation 4.10 agrees: the hard iron is the mean measured near iron minus the undisturbed mean.
 """

@@ -1,7 +1,7 @@
 """The sensors at rest: samples, and their expected mean and variance.
 
-    Imu --> LSB at rest + S noise --> codes / scale --> samples    random
-    Imu --> LSB at rest, Gaussian over the codes --> Expected      exact: rounding and saturation included
+    Imu --> values at rest + S noise --> codes / scale --> samples    random
+    Imu --> values at rest, Gaussian over the codes --> Expected      exact: rounding and saturation included
 
 The models add noise just before the matrix S, which is linear. So the models are evaluated once without noise, and S
 times the noise is added to the result.
@@ -73,7 +73,7 @@ def at_rest(imu: ImuParameters, samples: int, seed: int) -> dict[str, Floats]:
 
 
 def lsb_at_rest(imu: ImuParameters) -> dict[str, Triple[float]]:
-    """Return a dictionary from the name of a sensor to its LSB without noise, before saturation and rounding."""
+    """Return a dictionary from a sensor's name to its values in LSB, without noise, saturation and rounding."""
     model = Imu(Float64(), imu)
     zero = model.at_rest.body
     turned, body = model.motion(zero, zero)

@@ -1,12 +1,11 @@
 """Reproduction of Table 5.1 of the dissertation: mean, 3 sigma and variance of the sensors at rest.
 
-Published and expected values are shown beside the reproduced values.
+Published and expected values are shown beside the reproduced values. The deviation of a value from the expected value
+is shown in standard errors of 10 000 samples, so that a reader can see which deviations are explained by chance.
 
-ours, published --minus expectation, in standard errors of 10 000 samples--> which differences are explained by chance
-
-A reading is an interpretation of the dissertation's parameters. The means that follow from it are compared with the
-means of the published emulator. Each reading adds one effect to the previous reading. The last reading but one is the
-shipped set `table_5_1`.
+The dissertation's parameters can be interpreted in several ways, and each interpretation predicts other means. Class
+`Reading` compares these means with those of the published emulator. Each reading adds one effect to the previous one.
+The last but one is the set `table_5_1`, which comes with periph_sim.
 """
 
 from __future__ import annotations
@@ -120,7 +119,7 @@ def _row(sensor: str, axis: int, values: Floats, expected: Expected) -> AxisRow:
 
 @dataclass(frozen=True)
 class Reading:
-    """An interpretation of the dissertation's parameters.
+    """An interpretation of the dissertation's parameters, and its agreement with the published means.
 
     says: the effect that the interpretation adds, as a phrase.
     off: a dictionary from the name of a sensor to the means of the published emulator minus those of this
@@ -136,7 +135,7 @@ class Reading:
 
 
 def readings() -> list[Reading]:
-    """Return all readings, each with its differences from the published means.
+    """Return all interpretations, each with its differences from the published means.
 
     Table 4.1 prints biases with two decimals. The set `table_5_1` has biases with four decimals, which follow from the
     means of the real IMU in Table 5.1. It has no hard iron, since Table 5.1 was measured away from iron (section 5.2).
@@ -172,7 +171,7 @@ COLUMNS = ("", "real IMU", "emulator", "ours", "expected", "ours off", "emulator
 
 
 def text(imu: ImuParameters, rows: Sequence[AxisRow], found: Sequence[Reading], samples: int, seed: int) -> str:
-    """Format the table of a parameter set, with deviations in standard errors, and the readings `found`, if any."""
+    """Format the table of a parameter set, with deviations in standard errors, and the interpretations `found`."""
     lines = [
         f"At rest, {samples} samples, seed {seed}; published (Table 5.1) {SAMPLES} at {RATE} Hz.",
         "off: difference to the expectation, in standard errors, of figures with four",

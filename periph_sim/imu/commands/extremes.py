@@ -1,4 +1,4 @@
-"""`periph-sim extremes`: limits and costs of the sensor models' arithmetics."""
+"""`periph-sim extremes`: limits and costs of the sensor models in float64, float32 and Q formats."""
 
 from __future__ import annotations
 

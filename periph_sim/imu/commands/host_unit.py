@@ -1,4 +1,4 @@
-"""`periph-sim host-unit PORT`: sends the frames of a flight or of datagrams to a serial port, as the host does."""
+"""`periph-sim host-unit PORT`: sends the frames of a flight or of UDP datagrams to a serial port, as the host does."""
 
 from __future__ import annotations
 

@@ -1,8 +1,10 @@
-"""Limits of the sensor models' arithmetics: a report of their behaviour at every extreme.
+"""Limits of the sensor models: a report of their behaviour at extreme inputs in each arithmetic.
+
+An arithmetic is float64, which is the reference, float32, or a Q format (see `numeric`).
 
 working range --search--> deviation of each arithmetic from float64
 motions, fields --sweep--> first input at which an arithmetic deviates from the reference, and how
-events ------------------> lost frames, weeks, divisions by 0, rejected parameters
+events ------------------> lost frames, runs of weeks, divisions by 0, rejected parameters
 outside the models ------> length of a run, clocks of some ppm, baud rates, sums of noise, Allan variances, inputs
 costs -------------------> cycles for a sample
 """
@@ -50,12 +52,12 @@ class Report:
     """The results of all examinations.
 
     imu, seed: the parameters and the seed of the search in the working range.
-    names: the names of the arithmetics.
+    names: the names of the examined kinds of arithmetic.
     errors: a dictionary from the name of an arithmetic to its largest errors in the working range. The reference is
         omitted.
     costs: a dictionary from the name of an arithmetic to its cost.
     without_fastrts: the cost of float32 with the compiler's library in place of fastRTS.
-    findings: the behaviour of the arithmetics at each extreme.
+    findings: the behaviour of each arithmetic at each extreme.
     """
 
     imu: ImuParameters
@@ -81,9 +83,9 @@ def report(
     imu: ImuParameters | None = None,
     tables: Tables = "RAM",
 ) -> Report:
-    """Examine extremes of several arithmetics.
+    """Examine several kinds of arithmetic at extreme inputs.
 
-    names: the names of the arithmetics.
+    names: the names of the kinds of arithmetic, such as "float32".
     seed, samples: the seed and the number of samples of the search in the working range.
     only: the names of the extremes to examine; empty for all extremes.
     imu: the parameters of the search and of the costs; None for Table 4.1. Extremes have parameters of their own.

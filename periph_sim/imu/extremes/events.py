@@ -1,7 +1,7 @@
-"""Extremes other than a sweep of one sample: lost frames, weeks, divisions by 0, rejected parameters, steps.
+"""Extremes that are not sweeps: lost frames, runs of weeks, divisions by 0, rejected parameters, small steps.
 
-Each function yields its findings for the arithmetics in `names`. The argument `worst` is a dictionary from the name of
-an arithmetic to its largest errors in the working range.
+Each function examines one extreme in each arithmetic (float32, a Q format ...) in `names`, and yields its findings. The
+argument `worst` is a dictionary from the name of an arithmetic to its largest errors in the working range.
 """
 
 from __future__ import annotations
@@ -41,9 +41,10 @@ def first_where(holds: Callable[[float], bool], low: float, high: float) -> floa
 
 
 def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
-    """Examine a lost or a doubled frame, which causes a sample without a step and a sample with two steps.
+    """Examine a lost or doubled frame during a steady rotation.
 
-    The sum of both samples is right, unless the double step exceeds the range of the converter.
+    One sample then contains no change of the angle, and another sample contains twice the usual change. The sum of both
+    samples is right, unless the double change exceeds the range of the converter.
     """
     rates = np.arange(1, 2001)
     steps = np.rint(np.radians(rates) * ImuParameters().period / ANGLE).astype(np.int64)
@@ -64,7 +65,10 @@ def lost_frames(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Fin
 
 
 def _rolled(steps: Ints, times: int) -> Ints:
-    """Return the counts of a body that is at rest and then rolls by `times` steps within one sample, int64[12, n]."""
+    """Return the counts of n bodies that are at rest and then roll within one sample, int64[12, n] (see `frames`).
+
+    The roll is `times` times a step. steps: the steps in counts, int64[n].
+    """
     counts = np.zeros((12, len(steps)), dtype=np.int64)
     counts[0] = counts[3] = -(times * steps) // 2
     counts[6] = counts[0] + times * steps
@@ -106,7 +110,7 @@ def _first_time(a: Arithmetic[Any], end: float, holds: Callable[[float], bool]) 
 
 
 def zero_period(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
-    """Examine a division by a measured Ts of 0, with a step of one count and without a step."""
+    """Examine the rate of an angle if a measured Ts is 0, for a change by one count and for a constant angle."""
     for name in names:
         a = named.scalar(name)
         with np.errstate(all="ignore"):
@@ -117,7 +121,7 @@ def zero_period(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Fin
 
 
 def refused(names: tuple[str, ...], worst: dict[str, Worst]) -> Iterator[Finding]:
-    """Check that non-finite parameters, and a Ts of 0, are rejected before any arithmetic uses them."""
+    """Check that the parameter sets reject non-finite values and a Ts of 0."""
     tried: tuple[tuple[str, Callable[[], object]], ...] = (
         ("Ts = 0", lambda: ImuParameters(period=0.0)),
         ("Ts infinite", lambda: ImuParameters(period=inf)),

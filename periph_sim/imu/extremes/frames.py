@@ -32,7 +32,7 @@ class Codes:
     """The codes of n samples.
 
     codes: the codes that the chips return, in LSB, float64[9, n].
-    exact: the LSB before saturation and rounding, float64[9, n].
+    exact: the values in LSB before saturation and rounding, float64[9, n].
     overflown: for each sample, True if an intermediate value exceeded the Q format, bool[n].
     """
 
@@ -62,7 +62,7 @@ def codes_of(name: str, imu: parameters.ImuParameters, counts: Ints) -> Codes:
 
 
 def _sample(model: Imu[Any], counts: Any) -> tuple[list[Any], list[Any]]:
-    """Return the codes of a sample, and its LSB before saturation and rounding as floats. counts: the twelve counts."""
+    """Return a sample's codes, and its values in LSB before saturation and rounding. counts: the twelve counts."""
     a = model.a
     before, last, now = (_scaled(a, counts[i : i + 3], ANGLE) for i in (0, 3, 6))
     _, body_before = model.motion(last, before)

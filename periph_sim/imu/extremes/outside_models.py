@@ -1,4 +1,4 @@
-"""Extremes outside the models' arithmetic: time, clocks, lines, sums of noise, inputs, baud rates, Allan variances.
+"""Extremes that do not depend on the arithmetic: time, clocks, lines, noise, inputs, baud rates, Allan variances.
 
     longest run, clocks of some ppm over a day, a transfer at the last tick, 10^9 samples of noise, NaN in a sample,
     a sender's largest rate error, large offsets and steep ramps, a scene whose crystals are 200 000 ppm apart
@@ -243,7 +243,7 @@ def received(bit: Fraction, phase: int) -> bool:
 LENGTH = 3001  # number of samples; their mean is no whole number, so `allan` rounds when it subtracts the mean
 NOISE = 9  # maximum noise in LSB; all samples are whole numbers, so that `exact_variance` does not round
 OFFSETS = (10**9, 10**15)
-RAMPS = (10**3, 10**9)  # slopes in LSB per sample
+RAMPS = (10**3, 10**9)  # slopes of the ramps in LSB per sample
 ALLOWED = 1e-9  # maximum relative error of the variance
 
 

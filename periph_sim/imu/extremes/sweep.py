@@ -133,7 +133,7 @@ class Sweep:
 
 @dataclass(frozen=True)
 class Grid:
-    """The results of an arithmetic at the points of a grid.
+    """The results of one arithmetic at the points of a grid.
 
     values: the values of the input, float64[n].
     off: the deviation of the codes from the reference, float64[9, n].

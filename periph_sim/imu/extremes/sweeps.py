@@ -91,13 +91,13 @@ def yawing(value: float, imu: ImuParameters, wrapped_by_host: bool) -> Sample:
 
 
 def yaw_step(value: float) -> Sample:
-    """Return the sample of a yaw step in degrees from rest. The step is centred at 0, so that no angle wraps."""
+    """Return the sample of a yaw step from rest, centred at 0 so that no angle wraps. value: the step in degrees."""
     half = radians(value) / 2
     return Sample(AS_BUILT, sent(lambda ago: (0.0, 0.0, -half if ago else half)))
 
 
 def rolling(value: float, late: float = 0.0) -> Sample:
-    """Return the sample of a roll at a rate in deg/s. late: the delay of the frames as a fraction of Ts."""
+    """Return the sample of a roll. value: the rate in deg/s. late: the delay of the frames as a fraction of Ts."""
     step = radians(value) * AS_BUILT.period
 
     def steady(ago: int) -> Attitude:
@@ -107,7 +107,7 @@ def rolling(value: float, late: float = 0.0) -> Sample:
 
 
 def spinning(value: float) -> Sample:
-    """Return the sample of a roll at a rate in deg/s, which no frame could represent. Counts have no range limit."""
+    """Return the sample of a roll at a rate that no frame can represent. value: the rate in deg/s."""
     step = radians(value) * AS_BUILT.period
     counts = meant(lambda ago: (-ago * step, 0.0, 0.0))
     return Sample(AS_BUILT, counts)

@@ -27,7 +27,7 @@ ROUNDS = 10  # number of refinements of the search
 class Worst:
     """The largest errors of an arithmetic in the working range.
 
-    error: a dictionary from the name of a sensor to its largest error, in LSB before saturation and rounding.
+    error: a dictionary from the name of a sensor to its largest error before saturation and rounding, in LSB.
     at: a dictionary from the name of a sensor to the counts of the sample with this error, int64[12].
     """
 

@@ -112,7 +112,7 @@ class Identified:
 
     @property
     def quantisation_density(self) -> float:
-        """The part of the density that is due to rounding to whole LSB, in unit**2 s: LSB**2 / 12 for each sample."""
+        """The density of the noise that is caused by rounding to whole LSB: LSB**2 / 12 times the sampling period."""
         return 0.0 if self.series.lsb is None else self.series.lsb**2 / 12 * self.series.period
 
     @property

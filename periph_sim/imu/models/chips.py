@@ -93,7 +93,7 @@ class SensorEquations(Generic[T]):
         self._rounding = sensor.rounding
 
     def converted(self, lsb: Triple[T]) -> Triple[T]:
-        """Convert LSB to codes: limit them to the range of the converter, and round them to whole numbers."""
+        """Convert values in LSB to codes: limit them to the range of the converter and round them to whole numbers."""
         return self._v.whole(lsb, self._low, self._high, self._rounding)
 
 
@@ -128,7 +128,7 @@ class Gyroscope(SensorEquations[T]):
         return body_rates(self._a, rates, angles) if self._corrected else rates
 
     def lsb(self, body: Triple[T], acceleration: Triple[T], noise: Triple[T]) -> Triple[T]:
-        """Return LSB before saturation and rounding.
+        """Return the values in LSB, before saturation and rounding.
 
         body: p, q, r in rad/s.
         acceleration: the linear acceleration in g.
@@ -173,7 +173,7 @@ class Accelerometer(SensorEquations[T]):
     def lsb(
         self, angles: Angles[T], acceleration: Triple[T], body: Triple[T], change: Triple[T], noise: Triple[T]
     ) -> Triple[T]:
-        """Return LSB before saturation and rounding.
+        """Return the values in LSB, before saturation and rounding.
 
         acceleration: the linear acceleration in g.
         body: p, q, r in rad/s.
@@ -236,7 +236,7 @@ class Magnetometer(SensorEquations[T]):
         self._one, self._zero = a.constant(1.0), a.constant(0.0)
 
     def lsb(self, angles: Angles[T], noise: Triple[T]) -> Triple[T]:
-        """Return LSB before saturation and rounding. noise: the noise in gauss."""
+        """Return the values in LSB, before saturation and rounding. noise: the noise in gauss."""
         v = self._v
         seen = v.plus(rotated(v, angles, self._earth), self._hard_iron)
         return v.transformed(self._rows, v.plus(self.on_board(seen), noise))

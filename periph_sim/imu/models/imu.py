@@ -132,7 +132,7 @@ class Imu(Generic[T]):
         return equations.converted(self.lsb_of(chip, inputs))
 
     def lsb_of(self, chip: str, inputs: Inputs[T]) -> Triple[T]:
-        """Return the LSB of a chip before saturation and rounding. chip: the name of a field of Codes."""
+        """Return the values of a chip in LSB, before saturation and rounding. chip: the name of a field of Codes."""
         turned, acceleration, body, body_before, noise = inputs
         if chip == "gyroscope":
             return self.gyroscope.lsb(body, acceleration, noise.gyroscope)

@@ -56,7 +56,7 @@ class Parameter(Struct, frozen=True):
     """One entry of a set of parameters, as declared by its annotation.
 
     kind: the type: Vector, float, int, a Literal, or a set of parameters.
-    says: the rest of the annotation; None if the entry is a set of parameters.
+    says: the Quantity or Choice in the annotation; None if the entry is a set of parameters.
     """
 
     name: str

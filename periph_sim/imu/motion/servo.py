@@ -54,7 +54,7 @@ class Settings:
 
 
 def path(settings: Settings) -> Straight:
-    """Return the true motion of the servos."""
+    """Return the exact motion of the servos, which is neither rounded nor sampled."""
     times, poses = [0.0], [[0.0] * 6]
 
     def go(angle: str, to: float, rate: float) -> None:

@@ -1,4 +1,4 @@
-"""The experiment over wires that are simulated edge by edge: the codes that the sensor head reads in each round.
+"""The moving experiment over simulated wires: the codes that the sensor head reads in each round.
 
 emulator   host --SCI--> firmware --I2C--> head     chips   motion --> ITG-3200, ADXL345, HMC5883L --I2C--> head
 """

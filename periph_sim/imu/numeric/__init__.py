@@ -1,1 +1,1 @@
-"""Arithmetics of firmware and their costs: float64, float32 and Q formats. They are independent of sensors."""
+"""Kinds of arithmetic in which firmware calculates, and their costs: float64, float32 and Q formats."""

@@ -1,4 +1,4 @@
-"""The interface of the arithmetics in which models calculate: operations on numbers and on vectors of three numbers.
+"""The interface of each arithmetic in which models calculate: operations on numbers and on vectors of three numbers.
 
     equations --add, mul, sin ...--> Arithmetic[T] --> float64, float32, Q16, or arrays of them
 

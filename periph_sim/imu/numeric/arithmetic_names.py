@@ -1,4 +1,4 @@
-"""Names of arithmetics: "float64", "float32", "q16", "q12 saturating", "q16 rounded".
+"""Names of the kinds of arithmetic: "float64", "float32", "q16", "q12 saturating", "q16 rounded".
 
 name --> scalar(name)   one number at a time, as firmware does
      --> library(name)  the costs of the operations on the F28335

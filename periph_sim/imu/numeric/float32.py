@@ -79,7 +79,7 @@ class Float32:
         return self.sqrt(self.add(self.mul(x, x), self.mul(y, y)))
 
     def sincos(self, x: Singles) -> tuple[Singles, Singles]:
-        """Return the sine and the cosine. Sine and cosine have a cubic each, as in sinf and cosf."""
+        """Return the sine and the cosine, each from a cubic of its own, as in sinf and cosf."""
         k, over = _step(x)
         s, c, sixth = SINE[k], COSINE[k], _flushed(SIXTH * over)
         bend_s = _flushed(_flushed(HALF * s) + _flushed(sixth * c))

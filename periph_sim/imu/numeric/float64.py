@@ -1,4 +1,4 @@
-"""float64 for single numbers, the reference for the other arithmetics.
+"""float64 for single numbers, the reference for the other kinds of arithmetic.
 
 Operations follow IEEE 754: x/0 is infinite, and 0/0 and similar operations give NaN, without exceptions. A NaN cannot
 be rounded to a whole number, so `to_integer` returns 0 for a NaN. A model must therefore check for NaN before it

@@ -31,7 +31,7 @@ POLYNOMIAL = 0x107
 
 
 class SmbusTransfer:
-    """An SMBus transfer with one target. checks: True for a transfer with a packet error code (PEC).
+    """An SMBus transfer with one target. checks: True if the transfer has a packet error code (PEC).
 
         S address W command [data ...] [PEC] P
         S address W command [data ...] Sr address R data ... [PEC] N P

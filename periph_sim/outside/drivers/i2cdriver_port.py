@@ -100,7 +100,7 @@ class I2cDriverPort:
         self._ready.set()
 
     def _serve(self, session: Session, door: I2cDriverDoor) -> None:
-        """Let the door transfer bytes until the block is left. Time passes by itself only during a capture."""
+        """Let the door transfer bytes until the block is left. Without transfers, time passes only during a capture."""
         while True:
             writes = [door.file] if len(door.back) else []
             turn = TURN if door.adapter.capturing else None

@@ -1,1 +1,1 @@
-"""Sessions in real time. A loop steps the session by a clock; its doors, the connections to clients, transfer bytes."""
+"""Sessions in real time. A loop advances the session in steps. A `Door` transfers bytes between session and clients."""

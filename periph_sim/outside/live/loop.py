@@ -1,6 +1,8 @@
-"""Loop that steps a session in the session's thread. A pacer delays the steps; doors transfer bytes between them.
+"""Loop that advances a session in steps, in the session's thread. A pacer delays each step until it is due.
 
-doors --turn--> session --advance a step--> doors --turn--> ...      until `stop`, or a tick
+doors --turn--> session --advance by a step--> doors --turn--> ...      until `stop`, or a tick
+
+A door is a connection between the session and clients. Between the steps, the doors transfer bytes.
 """
 
 from __future__ import annotations
@@ -30,7 +32,7 @@ class Door(Protocol):
 
 
 class Loop:
-    """Loop that steps a session. step: the simulated time of a step."""
+    """Loop that advances a session in steps. step: the simulated time of a step."""
 
     def __init__(self, session: Session, pacer: Pacer, doors: Sequence[Door], step: str = STEP) -> None:
         self._session = session
@@ -57,7 +59,7 @@ class Loop:
         self._turn()
 
     def _wait(self, due: int) -> None:
-        """Wait until the step to `due` is due. Meanwhile, let the doors transfer bytes whenever input arrives."""
+        """Wait until the clock reaches the end of the step, tick `due`. Meanwhile, doors transfer bytes that arrive."""
         left = self._pacer.wait(due)
         while left > 0 and not self._stopped:
             files = [file for door in self._doors for file in door.files()]

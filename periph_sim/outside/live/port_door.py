@@ -38,7 +38,7 @@ WHY = {
 
 
 def in_our_words(port: str, error: BaseException) -> str:
-    """Return the message for an error of a port as "PORT: reason".
+    """Return a message for an error of a port: "PORT: reason".
 
     For errors that are not in WHY, the reason is the text of the operating system or of pyserial.
     """

@@ -165,8 +165,9 @@ class TerminalDoor:
 class PtyDoor(TerminalDoor):
     """Door that passes bytes between a pseudo-terminal and a serial line. Raise OutsideError if `link` exists.
 
-    If a client is a megabyte ahead of the line, its writes wait, as at a port with flow control. When the next client
-    comes, unsent bytes of the previous one are discarded and reported, unless they take at most a tenth of a second.
+    If a client is a megabyte ahead of the line, its writes wait, as at a port with flow control. When another client
+    opens the terminal, the unsent bytes of the previous client are discarded and reported. They are sent instead if the
+    line needs at most a tenth of a second for them.
 
     link: the path of a symbolic link to the path of the door, or None.
     """

@@ -34,7 +34,7 @@ class Line(TypedDict):
 
 
 class Wave(TypedDict):
-    """A waveform. at_s: its begin in seconds since the start of the run. length: its length in microseconds."""
+    """A waveform. at_s: its start, in seconds after that of the run. length: its length in microseconds."""
 
     title: str
     at_s: float

@@ -260,7 +260,7 @@ EVERY = 0.25  # seconds between two snapshots
 
 
 class ViewDoor:
-    """Publisher that the loop runs as a `Door`: it puts a snapshot on a board several times per second."""
+    """Publisher that puts a snapshot on a board several times per second. The loop runs it like the other doors."""
 
     def __init__(self, status: Status, board: Board, clock: Callable[[], float] = time.monotonic) -> None:
         self._status, self._board, self._clock = status, board, clock

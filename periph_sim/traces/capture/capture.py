@@ -116,7 +116,7 @@ class Channel:
         return replace(self, edges=self.edges[ends[(ends - begins) & 1 == 0]])
 
     def cut(self, span: Span) -> Channel:
-        """Return the line within a span. Positions are unchanged; `initial` is the level at the begin of the span."""
+        """Return the line within a span. Positions are unchanged; `initial` is the level at the start of the span."""
         first, last = np.searchsorted(self.edges, [span.begin + 1, span.end])
         initial = self.initial ^ (int(first) & 1)
         return Channel(self.name, self.index, initial, self.edges[first:last])
@@ -130,7 +130,7 @@ class Capture:
     sampled: True if positions are samples of the analyser; False if they are ticks of time stamps whose sampling grid
         is unknown (see `sampling`).
     notes: sentences that say how the reader treated irregularities of the file.
-    exact: True if positions are exact instants, as in our own simulations.
+    exact: True if positions are exact instants, as in recordings of our own simulations.
     """
 
     path: Path
@@ -302,7 +302,7 @@ def with_channels(capture: Capture, names: Sequence[str]) -> Capture:
 
 
 def within(capture: Capture, window: Span) -> Capture:
-    """Return the part of the capture in a window. Positions are then counted from the begin of the window.
+    """Return the part of the capture in a window. Positions are then counted from the start of the window.
 
     Raise BadCapture if the window is not within the capture.
     """

@@ -1,7 +1,7 @@
 """Find the buses of a capture by the names of its channels: pairs of SCL and SDA, and serial lines.
 
 SCL, SDA                                             one bus
-EEPROM SCL, EEPROM SDA, SCL2, SDA2                   two buses: the names of a pair have the same other word or number
+EEPROM SCL, EEPROM SDA, SCL2, SDA2                   two buses: both names of a pair contain the same word or number
 Channel 0 (SDA), Channel 1 (SCL)                     one bus, because no other channel can be SCL or SDA
 SCL_A, SDA_A, SCL_B                                  one bus; SCL_B has no partner
 tb.scl, tb.dut.scl, tb.sda, tb.dut.sda               one bus if both scopes show the same edges

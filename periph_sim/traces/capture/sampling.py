@@ -185,7 +185,7 @@ def exact_time(text: str) -> tuple[int, int]:
     """
     whole, _, part = text.partition(".")
     if part.isdecimal() and whole.isdecimal() and text.isascii() and len(text) <= MOST_DIGITS:
-        return int(whole + part), len(part)  # a quicker way to parse the most frequent form of a time
+        return int(whole + part), len(part)  # the most frequent form of a time is parsed here, because this is quicker
     if match := DECIMAL.fullmatch(text):
         part = match[3] or ""
         decimals = len(part) - int(match[4] or 0)

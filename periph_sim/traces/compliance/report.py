@@ -101,7 +101,7 @@ def _judged(limit: Limit, bounds: Bounds, found: Measured, resolution: Resolutio
         within = lengths <= resolution.surely_at_most(bounds.most)
         excused = int((found.excused & ~within).sum())
         kept &= within | found.excused
-        if not (hidden or coarse):  # otherwise edges may be missed, and two short times may be measured as a long one
+        if not (hidden or coarse):  # otherwise, edges may have been missed, and one long time may be two short times
             broken |= (lengths >= resolution.surely_above(bounds.most)) & ~found.excused
     unsure = int((broken & found.doubtful).sum())
     broken &= ~found.doubtful

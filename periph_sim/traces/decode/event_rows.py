@@ -111,12 +111,12 @@ def i2c_rows(table: I2cTable, bus: int = 0) -> Rows:
     again = addresses[byte & 0xF9 == 0xF1]  # address bytes 11110xx with R/W = 1
     if len(again):
         lows, starts = np.flatnonzero(table.kind == ADDRESS_LOW), np.flatnonzero(table.kind == START)
-        known = np.searchsorted(lows, again)  # number of lower address bytes before each of these addresses
-        again, known = again[known > 0], known[known > 0] - 1
+        before = np.searchsorted(lows, again)  # for each address in `again`, the number of earlier rows in `lows`
+        again, low = again[before > 0], lows[before[before > 0] - 1]  # the last earlier row in `lows` for each address
         # True if the lower address byte and the repeated address are in the same transfer.
-        same = np.searchsorted(starts, lows[known]) == np.searchsorted(starts, again)
-        same &= value[lows[known]] >> 8 == value[again] & 3
-        value[again[same]] = value[lows[known[same]]]
+        same = np.searchsorted(starts, low) == np.searchsorted(starts, again)
+        same &= value[low] >> 8 == value[again] & 3
+        value[again[same]] = value[low[same]]
         bits[again[same]] = 10
     return Rows(table.at, table.end, np.full_like(table.kind, bus), table.kind, value, bits, detail)
 

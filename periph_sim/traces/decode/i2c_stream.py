@@ -1,6 +1,6 @@
 """I2C decoder of streams: it receives the levels of the lines sample by sample.
 
-    levels --> START, STOP, rises and falls of SCL; a flag of these events marks the end of a complete byte
+    levels --> START, STOP, rises and falls of SCL; the flag BYTE marks an event that ends a complete byte
 
 The decoder of arrays, `i2c_table`, uses the same two tables:
 

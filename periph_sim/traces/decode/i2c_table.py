@@ -76,8 +76,8 @@ class I2cBits(NamedTuple):
 
     at      int64   the rising SCL
     value   uint8   the level of SDA at the rising SCL
-    low     int64   length of the low phase before the rise, including stretching; -1 if its begin was not captured
-    high    int64   length of the high phase after the rise; -1 if its end was not captured
+    low     int64   length of the low phase before the rise, including stretching; -1 if it began before the capture
+    high    int64   length of the high phase after the rise; -1 if it ends after the capture
     """
 
     at: Positions

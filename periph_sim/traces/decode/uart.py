@@ -19,9 +19,9 @@ Rules:
 
     falling edges --> the next possible start after each --> chain of frames --> edges within each frame --> bits
 
-The position of a frame determines where the next frame can begin, so frames are found one after the other, with one
-list access for each. All other steps are done for all frames at once, in arrays. The function `events` converts the
-rows of the resulting table to objects.
+The position of a frame determines where the next frame can begin, so frames are found one after the other (this is the
+chain), with one list access for each. All other steps are done for all frames at once, in arrays. The function `events`
+converts the rows of the resulting table to objects.
 """
 
 from __future__ import annotations
@@ -288,7 +288,7 @@ def breaks_of(wire: Channel, line: Line, width: Fraction) -> UartTable:
 
 
 def low_pulses(wire: Channel, invert: bool) -> tuple[Positions, Positions]:
-    """Return the begins and the ends of the pulses that have the level of a start bit."""
+    """Return the positions at which the pulses with the level of a start bit begin, and those at which they end."""
     first = int(wire.initial == int(invert))
     rises = wire.edges[first + 1 :: 2]
     return wire.edges[first::2][: len(rises)], rises

@@ -7,7 +7,7 @@ The shape of a frame states data bits, parity and stop bits, as in 8n1. Low puls
 their lengths are whole numbers of bits. The lengths of high pulses are not, because they include silence.
 
 A shape that decodes without errors is not necessarily right: a line of 7e1 also decodes as 8n1, and any parity is right
-for half of all bytes. So a shape other than 8n1 is accepted only if at least six different values agree with it.
+for half of all bytes. So a shape other than 8n1 is preferred only if it decodes at least six different byte values.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ NEAR = 0.035
 # Shapes in order of preference. The first shape that decodes without errors, and with enough values, is chosen.
 SHAPES = ("5n1", "6n1", "7n1", "7e1", "7o1", "8n1", "8e1", "8o1", "9n1")
 PLAIN = "8n1"
-ENOUGH = 6  # minimum number of different values that must agree with a shape other than PLAIN
+ENOUGH = 6  # a shape other than PLAIN (8n1) needs at least this number of different byte values as evidence
 CLEAN = 0.005  # maximum share of wrong frames of an accepted shape, in addition to the smallest share of all shapes
 
 MANY = 12  # minimum number of pulses from which a constant lengthening of all pulses can be estimated
-LOOKED_AT = 20_000  # maximum number of edges on which a shape is tried
+LOOKED_AT = 20_000  # maximum number of edges that are decoded to try a shape
 LONGEST = 10.5  # maximum length of a low pulse in bits, for a start bit and nine data bits; longer pulses are breaks
 
 

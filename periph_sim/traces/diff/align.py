@@ -1,5 +1,7 @@
 """Alignment of two sequences of numbers. The result is the items that both have in common, as runs in order.
 
+A run is a series of successive items that are equal in both sequences.
+
     1 2 3 4 5 6
     1 2 9 4 5 5 6   -->  Run(0, 0, 2) Run(3, 3, 2) Run(5, 6, 1)
 

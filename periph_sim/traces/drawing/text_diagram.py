@@ -1,7 +1,7 @@
 """A timing diagram as lines of text, from lanes, a window of time and marks.
 
     lanes --cut to window--> waves (two rows per lane), boxes (one row)     SCL   ┐ ┌─┐ ┌─┐
-    marks -----------------> a row above each, pointing down                    └─┘ └─┘ └
+    marks -----------------> a row for each mark, with v above it               └─┘ └─┘ └
     window ----------------> axis with its unit                           bytes [-- 68 write --]
 
 One column is one slice of the window. A column in which a wave has more than one edge is drawn as ░. `svg_diagram`

@@ -232,7 +232,7 @@ class Columns(RecordSink):
         return places.setdefault(text, len(places))
 
     def add(self, record: Record) -> None:
-        """Add a record that was made elsewhere."""
+        """Add a `Record` object. `keep` adds the same data without such an object."""
         number, tick, kind, where, what, value, text, cause, field = record
         self.keep(self.tag_of(kind, where, what), number, tick, value, text, cause, field)
 

@@ -6,7 +6,7 @@ Times are float64 seconds. If the rate is known, they are converted to samples: 
 version 0 the caller must state `rate`. Otherwise they are converted to nanoseconds, as in Saleae's CSV of the same
 capture.
 
-Chosen: position 0 is the earliest beginning of all files. Levels between chunks are unknown. With salvage, the levels
+Chosen: position 0 is the earliest start of all files. Levels between chunks are unknown. With salvage, the levels
 of a channel are unknown after a damaged place in its file.
 
 Source: Saleae's published export formats, binary digital version 0 and the 2025 update.
@@ -118,7 +118,7 @@ class _Grid:
         return near.astype(np.int64)
 
     def nearest(self, path: Path, time: float) -> int:
-        """Return the position nearest to the begin or end of a chunk, even if this time is between two samples."""
+        """Return the position nearest to the start or end of a chunk, even if this time is between two samples."""
         return round(float(self._exact(path, np.array([time]))[0]))
 
     def _exact(self, path: Path, times: NDArray[np.float64]) -> NDArray[np.float64]:

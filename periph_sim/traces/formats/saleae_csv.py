@@ -30,7 +30,7 @@ SUFFIXES = (".csv",)
 
 HEADER = re.compile(rb'(?:\xef\xbb\xbf)?"?Time ?\[s\]"?[,\r\n]')
 STATES = {"0": 0, "1": 1, "X": UNKNOWN, "x": UNKNOWN}
-ROUNDED_TO = 10  # minimum number of units of the last decimal in a sample period, if times are not exact
+ROUNDED_TO = 10  # if times cannot be exact, a sample period is at least this number of units of the last decimal
 CELLS = "01X"
 NO_END = "the format has no row for the end, so the last change is used"
 

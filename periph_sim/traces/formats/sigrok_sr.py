@@ -45,7 +45,7 @@ SALVAGE = "read the intact part with --salvage"
 class Metadata:
     """The data about the first device in the member `metadata`.
 
-    capturefile: the name of the member with the samples, or the begin of the names of its chunks.
+    capturefile: the name of the member with the samples, or the prefix of the names of the chunks.
     unitsize: the number of bytes of a sample.
     probes: a dictionary from the bit of each probe in a sample to the name of the probe.
     """
@@ -221,7 +221,10 @@ def _check_writable(capture: Capture, path: Path) -> None:
 
 
 def _few_names(capture: Capture) -> list[str]:
-    """Return the names of the first channels called SCL, SDA, RX and TX; without any, the names of two channels."""
+    """Return the names of the first channels that are called SCL, SDA, RX and TX, as far as there are such channels.
+
+    If there are none, return the names of the first two channels of the capture.
+    """
     usual = [found[0].name for line in ("scl", "sda", "rx", "tx") if (found := channels_named(capture, line))]
     return usual or [channel.name for channel in capture.channels[:2]]
 

@@ -37,7 +37,9 @@ from ..capture.size_limits import MOST_EDGES
 
 SECONDS = {"s": 0, "ms": 3, "us": 6, "ns": 9, "ps": 12, "fs": 15}  # number of decimals of a second for each unit
 MOST_TICKS = 1 << 62
-ROUNDED_TO = 1000  # minimum number of ticks in a sample period that is not a whole number of ticks
+# If a sample period cannot be a whole number of ticks, times are rounded to ticks. A sample period then has at least
+# this number of ticks, so that the error of rounding is small.
+ROUNDED_TO = 1000
 LETTERS = "01x"
 OURS, SCOPE = "periph-sim", "capture"  # variables need a scope; SCOPE is removed when our own files are read
 

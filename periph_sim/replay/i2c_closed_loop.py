@@ -368,7 +368,7 @@ class I2cReplay(SlaveReplay):
             events,
             own.own,
             self._allowed,
-            stuck + part.notes,
+            stuck + part.notes + polled.notes,
             verdict=verdict,
             unjudged=unjudged,
             transfers=len(part.transfers),

@@ -6,9 +6,9 @@
 A poll is an address without data that is not acknowledged. Polls are added and removed only between a write with data,
 which a STOP ends, and the next acknowledge of the same target, because the target may be busy with these data. If the
 firmware acknowledges a poll that the captured target refused, the remaining polls are removed, and the controller
-continues with the access that it polled for. If the firmware refuses an access that the captured target acknowledged, a
-poll is added: the controller does what it did after a captured poll, and repeats the access after the captured wait.
-Any other difference is an error.
+continues with the access that it polled for, or stops if the capture ends before it. If the firmware refuses an access
+that the captured target acknowledged, a poll is added: the controller does what it did after a captured poll, and
+repeats the access after the captured wait. Any other difference is an error.
 
 Later transfers keep their distances, so they move by the time of the added or removed polls. Positions are those of the
 capture, plus this time.
@@ -43,11 +43,13 @@ class PolledCapture:
 
     transfers: the transfers that have begun, as they are played.
     left: the captured transfers that have not begun.
+    notes: a note if the firmware acknowledged a poll and the capture ends before its target does.
     """
 
     def __init__(self, captured: Sequence[Transfer], own: Sequence[int]) -> None:
         self.transfers: list[Transfer] = []
         self.left = deque(captured)
+        self.notes: list[str] = []
         self._shift = 0  # positions by which the transfers in `left` move
         self._captured = Transfer((), None, None)  # the last transfer as captured, or its end if it was changed
         # From the position after `_from[i]` on, times are `_shifts[i]` later than in the capture.
@@ -107,16 +109,25 @@ class PolledCapture:
         if not is_poll(poll):
             return False
         sources = [Transfer(rest, self._captured.stop, None), *self.left]
-        for skipped, transfer in enumerate(sources):
-            for place, phase in enumerate(transfer.phases):
-                if _value(phase) != poll.bytes[0].value or not (phase.bytes[0].acked or is_poll(phase)):
-                    return False
-                if phase.bytes[0].acked:
-                    for _ in range(skipped):
-                        self.left.popleft()
-                    self._continue_at(number, transfer, place)
-                    return True
-        return False
+        phases = [(skipped, place) for skipped, one in enumerate(sources) for place in range(len(one.phases))]
+        if not is_addressed(sources[phases[-1][0]].phases[phases[-1][1]]):
+            phases.pop()  # the capture ends within an address
+        for skipped, place in phases:
+            phase = sources[skipped].phases[place]
+            if _value(phase) != poll.bytes[0].value or not (phase.bytes[0].acked or is_poll(phase)):
+                return False
+            if phase.bytes[0].acked:
+                for _ in range(skipped):
+                    self.left.popleft()
+                self._continue_at(number, sources[skipped], place)
+                return True
+        self.left.clear()
+        self._continue_at(number, _acknowledged(sources[phases[-1][0]], phases[-1][1]), phases[-1][1])
+        self.notes.append(
+            f"the capture ends before {poll.address:02X} answers its polls, and the firmware answers: the rest of the "
+            "polls is not played"
+        )
+        return True
 
     def _continue_at(self, number: int, source: Transfer, place: int) -> None:
         """Replace the last transfer, from the ACK in phase `number` on, by the end of a captured transfer."""
@@ -236,6 +247,15 @@ def _accesses(transfers: Iterable[Transfer], own: Sequence[int]) -> Iterator[tup
 def _value(phase: Phase) -> int | None:
     """Return the address byte of a phase; None if it is not whole."""
     return phase.bytes[0].value if is_addressed(phase) else None
+
+
+def _acknowledged(transfer: Transfer, last: int) -> Transfer:
+    """Return a transfer up to one of its phases, with the address of this phase acknowledged."""
+    phase = transfer.phases[last]
+    address = phase.bytes[0]
+    address = address._replace(acked=True, bits=(*address.bits[:8], address.bits[8]._replace(value=0)))
+    stop = transfer.stop if last + 1 == len(transfer.phases) else None
+    return Transfer((*transfer.phases[:last], replace(phase, bytes=(address, *phase.bytes[1:]))), stop, None)
 
 
 def _with_ninth(byte: Byte, other: Byte) -> Byte:

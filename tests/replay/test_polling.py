@@ -259,3 +259,67 @@ def test_without_a_change_of_the_polls_the_replay_is_that_of_the_capture(memory:
 def test_polls_as_captured_are_not_limited_by_patience(memory: Path):
     report = played(memory, stored_and_read(20), 195 + 310 * 20, patience=Fraction(1, 1000))
     assert report.verdict == "pass" and report.refusals == 40
+
+
+# The capture ends before an answer -----------------------------------------------
+
+
+def unanswered(refused: int, *, again: bool = False, bits: int | None = None) -> Capture:
+    """A write of two bytes and polls until the end of the capture.
+
+    again: polls follow by a repeated START instead of STOP and START.
+    bits: the capture ends after this number of bits of a further poll; None to end it after the last whole poll.
+    """
+    wave = new_wave()
+    wave.transfer(MEMORY << 1, 0x10, 0x20)
+    for number in range(refused + (bits is not None)):
+        if again and number:
+            wave.again()
+        else:
+            wave.idle(200 * RATE // 10**6)
+            wave.start()
+        if number == refused:
+            for place in range(bits or 0):
+                wave.bit((MEMORY << 1) >> (7 - place) & 1)
+            return of_bytes(bytes(wave.samples), ("SCL", "SDA"), RATE)
+        wave.byte(MEMORY << 1, ack=False)
+        if not again:
+            wave.stop()
+    if again:
+        wave.stop()
+    return captured(wave)
+
+
+@pytest.mark.parametrize("bits", [None, 0, 3, 8], ids=str)
+@pytest.mark.parametrize("again", [False, True], ids=["by STOP", "by repeated START"])
+@pytest.mark.parametrize("polls", [0, 1, 3])
+def test_firmware_that_answers_polls_which_the_capture_never_shows_answered_is_not_wrong(memory, polls, again, bits):
+    busy = FIRST + (105 if again else 310) * polls - NINTH - 5
+    report = played(memory, unanswered(4, again=again, bits=bits), busy)
+    assert (report.verdict, report.divergences) == ("pass", [])
+    assert (report.refusals, report.captured_refusals) == (polls, 4)
+    assert report.agreed == report.events
+    assert report.notes[-1] == (
+        "the capture ends before 50 answers its polls, and the firmware answers: the rest of the polls is not played"
+    )
+
+
+@pytest.mark.parametrize("again", [False, True])
+def test_firmware_that_is_still_busy_where_the_capture_ends_agrees_with_it(memory: Path, again: bool):
+    report = played(memory, unanswered(4, again=again), 10**5)
+    assert report.verdict == "pass" and report.refusals == 4 and report.agreed == report.events
+    assert not any("answers" in note for note in report.notes)
+
+
+def test_an_access_that_the_captured_target_refuses_with_data_is_no_poll_at_the_end(memory: Path):
+    wave = new_wave()
+    wave.transfer(MEMORY << 1, 0x10, 0x33)
+    for data in (False, True):
+        wave.idle(400)
+        wave.start()
+        wave.byte(MEMORY << 1, ack=False)
+        if data:
+            wave.byte(0x10, ack=False)
+        wave.stop()
+    report = played(memory, captured(wave), 0)
+    assert report.verdict == "fail" and report.divergences[0].found == "ACK"

@@ -64,9 +64,9 @@ class DspPlan(Struct):
     from_boot: True if the firmware begins with the state after a reset, False if TI's start-up code has run before.
     skip_polls: True if passes of a wait that repeat the previous pass are skipped.
     keeps_decoded: see `Engine`.
-    strict: True if a violated duty of the firmware ends the run.
+    strict: True if the run ends when the firmware violates a rule of the manuals (a note with the code "duty").
     seed: seed of the values drawn from spreads.
-    stall_limit: seconds of CPU time that firmware may take at one instant of simulated time; 0 if unlimited.
+    stall_limit: seconds of host CPU time that firmware may take at one instant of simulated time; 0 if unlimited.
     pulled_down: the GPIO numbers of the pins with an external pull-down resistor.
     part: the part of the F2833x family.
     code: the cycles of compiled code around accesses.
@@ -99,7 +99,7 @@ class Dsp(FirmwareView):
 
     resets: the number of resets since the start.
     clock_history: (tick, frequency) of each change of SYSCLKOUT.
-    note_places: a dictionary from (module, tick) to the statement that violated a duty of the firmware.
+    note_places: a dictionary from (module, tick) to the statement that violated a rule of the manuals.
     watchdog_resets: tick and statement of each reset by the watchdog.
     on_reset: functions that are called at each reset.
     sources: the C sources that the unit runs; None for other firmware.
@@ -156,7 +156,7 @@ class Dsp(FirmwareView):
         for socket in self.sockets.values():
             socket.publish(cycle)  # schedules the first wake-ups of the modules, such as that of a running watchdog
 
-    # Life ----------------------------------------------------------------------
+    # Start and end -------------------------------------------------------------
 
     def start(self, firmware: Callable[[], None]) -> None:
         """Run Python firmware."""
@@ -226,7 +226,7 @@ class Dsp(FirmwareView):
         self.memory.places[name] = ModuleRange(name, descriptor.base, descriptor.size, descriptor.frame, socket)
 
     def _noted(self, socket: Socket, cycle: int, note: Note) -> None:
-        """Keep the statement of an access by which the firmware violates a duty."""
+        """Keep the statement of an access by which the firmware violates a rule of the manuals."""
         if note.code != "duty":
             return
         self.processor.notes.raise_if_strict(note, socket.name, self._kernel.now)
@@ -235,7 +235,7 @@ class Dsp(FirmwareView):
             self.note_places.setdefault((socket.name, self.clock.tick(cycle)), where)
 
     def restored(self) -> None:
-        """Take the settings of the restored system control as those that are in effect already."""
+        """Treat the settings of the restored system control as already applied."""
         control = self.control
         self._nominal_hz, self._gates = control.sysclk_hz, control.gates
         self._lspclk = (control.lspclk_divider, control.lspclk_phase)

@@ -1,4 +1,7 @@
-"""Notes on the firmware of one CPU: they are counted and recorded. With `strict`, a violated duty is an error."""
+"""Notes on the firmware of one CPU, which are counted and recorded.
+
+A note with the code "duty" states that the firmware has violated a rule of the manuals. With `strict`, it is an error.
+"""
 
 # core: compiled
 
@@ -24,7 +27,7 @@ class FirmwareNotes:
     counts: a dictionary from a note to the number of its occurrences.
     first_at: a dictionary from a note to the tick of its first occurrence.
     places: a dictionary from a note to the statement of its first occurrence, if the statement is known.
-    strict: True if a violated duty ends the run.
+    strict: True if a note with the code "duty" ends the run.
     placed: True if posted writes keep the statement that issued them until they land.
     """
 
@@ -70,7 +73,7 @@ class FirmwareNotes:
             self._recorder.emit(tick, Kind.NOTE, self._name, note.code, self.counts[note], note.text)
 
     def raise_if_strict(self, note: Note, who: Text, tick: int) -> None:
-        """If `strict`, raise FirmwareError for a violated duty. who: the module or unit that makes the note."""
+        """If `strict`, raise FirmwareError for the code "duty". who: the module or unit that makes the note."""
         if self.strict and note.code == "duty":
             at = self._clock.timebase.show(tick)
             where = self._place()

@@ -1,4 +1,4 @@
-"""Operand of a register access: the words that are transferred, and all that the bus must know about them.
+"""Operand of a register access: the words that are transferred, and their properties that the bus needs.
 
 An operand is made once, and is used again for all later accesses to the same words.
 """

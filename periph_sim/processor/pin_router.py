@@ -133,7 +133,10 @@ class Router(Agent):
         self._plan_between(begin)
 
     def fed(self) -> list[Socket] | None:
-        """Return the peripherals that pads with a synchroniser feed; None if an edge may have other effects, too."""
+        """Return the peripherals that receive edges through a synchroniser.
+
+        Return None if an edge may have other effects: it is observed, or a qualifier delays it.
+        """
         if self._gpio_socket.watchers or self._gpio.watched:
             return None
         if any(self._gpio.seen_at(0, n, exact=True) == NEVER for n in sorted(self._monitored)):
@@ -149,7 +152,7 @@ class Router(Agent):
                 self._kernel.schedule(begin, self, BETWEEN)
 
     def _between(self) -> None:
-        """Pass on the levels just before this SYSCLKOUT edge, which the synchronisers sample."""
+        """Pass the levels just before this SYSCLKOUT edge to the peripherals, because the synchronisers sample them."""
         self._between_at = NO_TIME
         cycle, levels = self._clock.cycle_at(self._kernel.now), self._levels_of(self.pads.levels)
         self._pass_pads(cycle, levels, exact=False)

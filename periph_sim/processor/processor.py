@@ -212,7 +212,7 @@ class Processor(Agent):
             raise RuntimeError(f"{self.name} has no program; give it one with Processor.start")
         return self._program
 
-    # Life --------------------------------------------------------------------
+    # Start and end -----------------------------------------------------------
 
     def start(self, program: Program, delay: int = 0) -> None:
         """Run a program from its beginning, `delay` cycles after now."""

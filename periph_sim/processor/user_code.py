@@ -11,7 +11,7 @@ User code is prevented from the following:
 - to poll for long without notice. `warn` writes a sentence during the run.
 - to print twice. A case that is run again for an explanation prints nothing the second time.
 
-`periph_sim.entry` notices exits that Python does not handle, such as `os._exit`, from outside of the process.
+`periph_sim.supervisor` detects exits without an exception, such as `os._exit`, from another process.
 """
 
 from __future__ import annotations
@@ -182,7 +182,7 @@ FIRMWARE_VIEW = (
 
 
 class FirmwareError(Exception):
-    """Firmware cannot continue: it has raised an exception, or violated a duty in a scene with `strict`."""
+    """Firmware cannot continue: it has raised an exception, or violated a rule of the manuals in a `strict` scene."""
 
 
 class Misuse(FirmwareError):

@@ -38,7 +38,7 @@ def extremes(
     as_json: bool,
     plot: Path | None,
 ) -> None:
-    """Run the sensor models in several arithmetics at every extreme, and compare them with float64.
+    """Run the sensor models in several kinds of arithmetic at every extreme, and compare them with float64.
 
     Shows, for each arithmetic, the deviation in the working range, the cost in cycles, and the first input at which a
     value saturates, wraps, or becomes NaN. NAME and EXTREME may be given several times.

@@ -54,7 +54,7 @@ class Command(click.Command):
             raise
 
     def _long_option(self, given: list[str], unknown: str) -> tuple[str, str] | None:
-        """Return the text with one dash that a long option was meant by, and this option; None if there is none."""
+        """Return an argument that is a long option with a missing dash, and this option; None if there is none."""
         long = [name for one in self.params if isinstance(one, click.Option) for name in one.opts if name[:2] == "--"]
         for text in given:
             near = nearest(f"-{text}", long) if SINGLE_DASH.match(text) and unknown[1] in text else []
@@ -67,7 +67,7 @@ SINGLE_DASH = re.compile(r"-[A-Za-z][\w-]+")
 
 
 def _split_change(given: Sequence[str]) -> tuple[str, str]:
-    """Return the key and value of a --set with a blank beside or in place of the sign =; ("", "") if none is so."""
+    """Return key and value of a --set that has a blank beside "=" or instead of it; ("", "") if there is none."""
     for n, option in enumerate(given[:-2]):
         key = given[n + 1].rstrip(":= ")
         value, unit, *_ = *(word.removeprefix("=").strip() for word in given[n + 2 :] if word != "="), "", ""

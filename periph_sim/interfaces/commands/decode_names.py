@@ -43,8 +43,8 @@ class NamedDevice:
 
     device: an object with `addresses`, `answer` and `on_end`.
     label: the model, or the name of its table in the case.
-    assumed: what the scale of quantities was assumed from, if the capture shows no write to the registers before them;
-        otherwise "".
+    assumed: the end of a note on the scale that was assumed for quantities, if the capture shows no earlier write of
+        the registers; otherwise "".
     """
 
     def __init__(self, scene: Scene, device: Any, label: str) -> None:
@@ -88,9 +88,9 @@ class NamedDevice:
         return named
 
     def _write(self, reply: Any, data: list[int], values: list[int], events: list[int]) -> list[tuple[int, NamedByte]]:
-        """Return the names up to the first byte that the captured device, or its model, refuses.
+        """Return the names up to the first byte that the captured device or its model does not acknowledge.
 
-        Whether such a byte moves the pointer is unknown.
+        Later bytes have no names, because it is unknown if such a byte moves the pointer.
         """
         named: list[tuple[int, NamedByte]] = []
         before: int | None = None

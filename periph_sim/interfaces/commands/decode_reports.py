@@ -34,7 +34,7 @@ Cells = list[tuple[str | int | float | None, ...]]
 
 COUNTS = ("bus", "address", "transfers", "bytes", "read", "refused", "errors", "load_percent")
 PARITY, FRAME_ERROR = 1, 2  # bits of the faults of a frame, the index of which in DETAILS is 2 more
-ALL = -1  # in place of an address: all transfers of a bus
+ALL = -1  # replaces the address in the counts of all transfers of a bus
 
 
 def counts(rows: Rows, first: Numbers, buses: Sequence[Bus], capture: Capture) -> Cells:

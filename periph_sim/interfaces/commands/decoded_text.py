@@ -221,7 +221,10 @@ def _head(rows: Rows, buses: Sequence[str], clock: Clock | None, style: str, ful
 
 
 def _when(rows: Rows, clock: Clock | None, full: bool, pad: bytes) -> list[tuple[str, Digits]]:
-    """Return the name and the column of each time and position that is shown."""
+    """Return the titles and columns with the start and end of each row, as time and as position in the capture.
+
+    full: False to return only the start, as a time if the clock is known.
+    """
     columns: list[tuple[str, Digits]] = []
     if clock is not None:
         columns.append(("time_s", Digits(clock.units(rows.at), clock.decimals, pad)))

@@ -79,7 +79,7 @@ def new(
     image         runs a .out: periph-sim new image firmware.out
     c             runs the C sources below a folder: periph-sim new c firmware
 
-    NAME is that of the files, and may begin with a folder: bench/thermometer. For image and c it
+    NAME is the name of the files, with or without a folder: bench/thermometer. For image and c it
     is the program; a run of it finds modules, pins and limits for a case in the present folder. With
     --example NAME is the folder of the copy. With --live the case is that of the session, driven by
     its log instead of its [host], with its budgets; if it has none, with the session's results as

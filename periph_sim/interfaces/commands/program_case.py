@@ -51,7 +51,7 @@ STEP = Fraction(10, 1000)
 MOST_WORK = 1_000_000
 ACCESS_WORK = 50  # instructions of an image that take the time of an access of C sources
 OFTEN = 3  # number of times that something must happen to be a loop
-MARGIN = 10  # percent
+MARGIN = 10  # percent by which a limit exceeds the measured figure
 SEEN = "seen, not required"
 PORT_DATA = re.compile(r"W GPIO\.GP([ABC])(?:DAT|SET|CLEAR|TOGGLE)")
 MOST_PINS = 32  # number of outputs with a wire of their own
@@ -78,7 +78,7 @@ class WrittenCase(NamedTuple):
 
 
 class Topic(NamedTuple):
-    """Records with the same place and thing. records: their number. bits: those that any of their values has."""
+    """The number of the records with the same `where` and `what`. bits: the bits that are 1 in any of their values."""
 
     where: str
     what: str
@@ -87,7 +87,7 @@ class Topic(NamedTuple):
 
 
 class Seen(Listener):
-    """The records of each topic: their number, and the bits that any of their values has."""
+    """Listener that counts the records of each topic and combines the bits of their values."""
 
     def __init__(self) -> None:
         self._topics: list[tuple[Kind, str, str]] = []
@@ -182,7 +182,7 @@ def sources_case(path: Path) -> WrittenCase:
 
 
 def _boot(image: Image) -> tuple[str, str]:
-    """Return where the image begins, as text, and the value of `boot`."""
+    """Return a description of the start of the image, and the value of the key `boot`."""
     for mode, address in BEGINS.items():
         section = next((one for one in image.loaded if one.name == "codestart" and one.address == address), None)
         if section is not None:
@@ -192,7 +192,11 @@ def _boot(image: Image) -> tuple[str, str]:
 
 @output_muted()
 def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> WrittenCase:
-    """Return the case of a program. program: the keys that name it. comments, notes: the first ones."""
+    """Return the case of a program.
+
+    program: the keys of the case that name the program.
+    comments, notes: lines that precede the other comments and notes.
+    """
     name = re.sub(r"[^\w.-]", "_", Path(abspath(path)).stem)  # "." and ".." have names, too
     target = Path(f"{name}.toml")
     if target.exists():
@@ -202,7 +206,7 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
     seen, calls = Seen(), LoopCalls()
     try:
         scene = Scene(case_of(tree, target), lambda recorder, _: recorder.subscribe((Kind.ACCESS, Kind.IRQ), seen))
-    except BadCase as error:  # such as sources that gcc rejects; the file that the sentence names does not exist yet
+    except BadCase as error:  # for example, gcc rejects a source; the file in the message does not exist yet
         raise click.ClickException(
             f"no case was written: {str(error).partition(f'{UNIT}.')[2].partition(': ')[2]}"
         ) from None
@@ -234,7 +238,7 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
 
 
 def _unit(dsp: Dsp, seen: Seen) -> Tree:
-    """Return what a unit needs: its crystal, the modules that the program has accessed, and pins with a wire."""
+    """Return the table of a unit: its crystal, the modules that the program has accessed, and pins with a wire."""
     used = {topic.what[2:].partition(".")[0] for topic in seen.of(Kind.ACCESS)}
     modules = [module for module in PART.selectable if module in used]
     pins = _inputs(dsp, modules) | _outputs(dsp, seen)
@@ -318,7 +322,7 @@ def _clock(dsp: Dsp) -> Iterator[str]:
 
 
 def _notes(scene: Scene, dsp: Dsp, seen: Seen) -> Iterator[str]:
-    """Yield why a program does not get to a loop, and the interrupts that it expects in vain."""
+    """Yield the reason why a program does not reach a loop, and the interrupts for which it waits in vain."""
     if dsp.watchdog_resets:
         tick, place = dsp.watchdog_resets[0]
         at = place or scene.timebase.show(tick - scene.start)  # C sources that access nothing have no place
@@ -342,7 +346,7 @@ def _as_seen(tree: Tree, target: Path, measures: dict[str, str]) -> list[Tree]:
         budget = {"name": name, "measure": measure, "max": "0 us", "why": SEEN}
         try:
             Scene(case_of({**tree, "budget": [budget]}, target)).close()
-        except BadCase:  # such as the latency of an interrupt that no PIE line requests
+        except BadCase:  # for example for the latency of an interrupt that no PIE line requests
             continue
         found.append(budget)
     seen = Seen()

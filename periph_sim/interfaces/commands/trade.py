@@ -44,7 +44,7 @@ def trade(
 ) -> int:
     """Run CASE with each choice that you have, and compare errors and CPU time.
 
-    Rows are firmware of other kinds, an image or C (--firmware), arithmetics of the sensor models, and recordings.
+    A row is another kind of firmware, image or C (--firmware), another arithmetic of sensor models, or a recording.
     Errors are against the most accurate row: budgets with the same verdict, and the largest difference of the n-th
     occurrence of a time, and of the n-th sample in a chip's answers. The case as given and the most accurate row are
     always run.

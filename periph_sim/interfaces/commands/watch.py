@@ -99,7 +99,7 @@ def note_inputs(cases: Iterable[Path], but_baselines: bool = False) -> None:
 
 
 def files_of(case: Path) -> Iterator[Path]:
-    """Yield the paths of a case, of its baseline, and of the files that texts in the case name."""
+    """Yield the paths of the case file, of its baseline, and of each file whose name is a text in the case."""
     yield case
     yield path_for(case)
     try:

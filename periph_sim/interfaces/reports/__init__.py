@@ -1,4 +1,4 @@
-"""Reports of runs: baselines with JUnit XML and annotations, HTML pages, sweeps, profiles and trades."""
+"""Reports of runs: baselines, JUnit XML, annotations, HTML pages, sweeps, profiles, and speed against accuracy."""
 
 from ...core.kernel import SimulationStuck
 from ...f28335.memory.memory_map import NoSuchAddress

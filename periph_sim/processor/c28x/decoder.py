@@ -120,7 +120,7 @@ def decode_at(address: int, first: int, second: int) -> Instruction | None:
 
 
 def sweep(address: int, words: Sequence[int]) -> Iterator[Instruction | int]:
-    """Yield the consecutive instructions in these words. For a word that begins no instruction, yield its address."""
+    """Yield the consecutive instructions in these words, and the address of each word that starts no instruction."""
     at = 0
     while at < len(words):
         second = words[at + 1] if at + 1 < len(words) else 0

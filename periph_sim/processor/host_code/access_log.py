@@ -192,7 +192,7 @@ def re_execute(firmware: HostFirmware, log: AccessLog, rest: tuple[int, int]) ->
     processor = firmware.dsp.processor
     firmware.make_run = partial(LoggedRun, log=log, rest=rest)
     processor.kernel.stop()  # so that `act` returns as soon as the program needs time
-    processor.time.stop()  # cancels the scheduled begin, since the program begins now
+    processor.time.stop()  # cancels the scheduled start, since the program begins now
     try:
         processor.act(0)
     except FirmwareError as error:

@@ -4,7 +4,8 @@
                         <-- value of the register, in memory ------'
     service routine    <-- called when its vector is taken --------'
 
-The time between two accesses is estimated: each basic block takes `BLOCK_CYCLES`.
+gcc inserts a call of runtime.c before each access. For a write, this call announces the bytes; the store follows. The
+time between two accesses is estimated: each basic block takes `BLOCK_CYCLES`.
 """
 
 from __future__ import annotations
@@ -181,13 +182,13 @@ class Run:
     # Requests of runtime.c --------------------------------------------------------------
 
     def _asked(self, what: int, at: int, size: int, detail: int, blocks: int, pc: int) -> int:
-        """Handle a request of runtime.c and return the reply. After an exception, reply UNWINDS.
+        """Handle a request of runtime.c and return the reply. An exception is kept, and the reply is UNWINDS.
 
         runtime.c then leaves the C functions, and `_call` raises the exception.
 
         what: the kind of the request.
-        at, size: the bytes of an access, as an offset from the host address of the chip's word 0.
-        detail: depends on the kind: the number of a written place, a text or a count.
+        at, size: the number of bytes of an access, and their offset from the host address of the chip's word 0.
+        detail: depends on the kind: the number of the place to write, the announced bytes, a text, or a count.
         blocks: the number of basic blocks executed since the last request.
         pc: the host address of the instruction.
         """
@@ -227,7 +228,7 @@ class Run:
         return said
 
     def _announced(self, at: int, size: int) -> int:
-        """Return the number of the place that is written next; PROTECTED if only the store itself shows the place."""
+        """Return the number of the place that is written next; PROTECTED if only the store determines the place."""
         if not self._layout.may_write(at, size):
             raise self._no_member(at, size)
         place = self._layout.announced(at, size)

@@ -36,7 +36,7 @@ from .register_layout import BYTES_A_WORD, COPIED, LARGEST, SYMBOLS
 
 BYTES = 0x4_0000  # bytes of the host's memory for registers, 4 for each of 2 ** 16 words
 READ, ANNOUNCED, WRITE, TOUCHED, TIME, ASSEMBLY, DELAY, ENDS = range(8)  # kinds of requests of runtime.c
-UNWINDS, NO_PLACE, PROTECTED = -1, 0, 1  # replies to a request; a larger number is that of a written place
+UNWINDS, NO_PLACE, PROTECTED = -1, 0, 1  # replies to a request; a larger reply is the number of a place to write
 ENDED, UNWOUND, FAULT, LOOPS = range(4)  # how a C function ended; LOOPS: it is in an endless empty loop
 
 Asked = Callable[[int, int, int, int, int, int], int]

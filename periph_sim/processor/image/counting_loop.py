@@ -1,16 +1,16 @@
-"""Counting loops: the number of passes that differ from a traced pass only in their counters.
+"""Counting loops: the number of passes of a loop that differ from a traced pass only in the values of counters.
 
-    executed pass --> trace; the words that the pass has changed --> counters, each with its step
-    trace --repeated with counters instead of values--> number of passes in which nothing else differs
+    executed pass --> trace; the words that the pass has changed --> counters: value and step
+    trace, evaluated again with counters in place of values --> number of passes in which nothing else differs
 
-A counter is a 16-bit word in ACC, in an XARn or in plain RAM that changes by the same step in each pass. An instruction
-that reads no counter has the same effect in each pass. An instruction that reads a counter must be a `Sum`. Its result
-is then a counter, too, and its flags are the same in each pass until an operand, or the exact result, reaches a
-multiple of half its range.
+A counter is a 16-bit word in ACC, in an XARn or in plain RAM that changes by the same amount, its step, in each pass.
+An instruction that reads no counter has the same effect in each pass. An instruction that reads a counter must be a
+`Sum`, so its result is a counter, too. Its flags can change only in a pass in which an operand or the exact result
+reaches or crosses a multiple of half its range, which is 0x8000 for a word.
 
-At the end of the repeated pass, each counter must have changed by its step, and all other registers and the pipeline
-must be as before. Then the passes up to the first such multiple take the same cycles and branches, and make the same
-accesses.
+At the end of the second evaluation, each counter must have changed by its step, and all other registers and the
+pipeline must be as before. Then all passes before the first change of a flag take the same cycles and branches, and
+make the same accesses.
 """
 
 from __future__ import annotations
@@ -82,18 +82,18 @@ class Traced(NamedTuple):
     values: Mapping[Place, int]
 
 
-Store = tuple[int, int, int, int]  # a write to memory: cycle, address, value, and the change of the value in each pass
+Store = tuple[int, int, int, int]  # a write to memory: cycle, address, value, and the step of the value
 
 
 class Number(NamedTuple):
-    """A number in the traced pass. step: its change from each pass to the next."""
+    """A number of one or two words in the traced pass. step: its change from each pass to the next."""
 
     value: int
     step: int
 
 
 def passes_within(number: Number, unit: int) -> int:
-    """Return the number of further passes in which a number stays strictly between the same multiples of `unit`."""
+    """Return the number of further passes in which a number stays between the multiples of `unit` around it."""
     value, step = number
     if not step:
         return NEVER
@@ -195,10 +195,10 @@ def _address_registers(mask: int) -> Iterable[Place]:
 
 
 class RepeatedPass:
-    """Repetition of a traced pass with counters instead of values.
+    """Evaluation of a traced pass with counters in place of values.
 
     counters: a dictionary from each word that is a counter to its number at the present instruction of the pass.
-    passes: the number of further passes in which the results so far are valid.
+    passes: the number of further passes for which the results so far are valid.
     stores: the writes to memory so far.
     """
 
@@ -208,7 +208,7 @@ class RepeatedPass:
         self.stores: list[Store] = []
 
     def step(self, traced: Traced) -> None:
-        """Repeat the next instruction. Raise NotCounting if the instruction reads a counter and is no `Sum`."""
+        """Evaluate the next instruction. Raise NotCounting if the instruction reads a counter and is no `Sum`."""
         if any(place in self.counters for place in _address_registers(traced.pointers)):
             raise NotCounting
         done = sum_of(traced.f.encoding)
@@ -250,7 +250,10 @@ class RepeatedPass:
         return True
 
     def _number(self, words: Sequence[Place], value: int) -> Number:
-        """Return a number with this value and the step of the low word. Raise NotCounting if the upper word counts."""
+        """Return the number in one or two words. Raise NotCounting if the upper word is a counter.
+
+        value: the value of the number. Its step is that of the low word.
+        """
         if not words or any(place in self.counters for place in words[1:]):
             raise NotCounting
         low = self.counters.get(words[0])
@@ -270,7 +273,7 @@ def _value(words: Sequence[Place], traced: Traced) -> int:
 class CountingLoop(InstructionWatch):
     """Trace of one pass of a loop. The pass begins when the trace is made.
 
-    does_more: True if the pass does more than count, as later passes will do, too.
+    does_more: True if the pass does more than count, so that later passes need not be traced.
     """
 
     STATE = State(
@@ -298,7 +301,7 @@ class CountingLoop(InstructionWatch):
         if not self._cpu.polls.counting:
             self._over(self)
             return
-        if len(self._trace) == MOST_TRACED or cpu.ovm:  # with OVM = 1, results are saturated, so they do not count
+        if len(self._trace) == MOST_TRACED or cpu.ovm:  # with OVM = 1, results are saturated, so they have no step
             self._cpu.polls.soil()
             return
         operand = self._operand(f)
@@ -355,7 +358,7 @@ class CountingLoop(InstructionWatch):
         return repeated.passes if repeated.counters == further else 0
 
     def _counters(self, changed: Mapping[int, int]) -> dict[Place, Number]:
-        """Return a dictionary from each word that the traced pass has changed to its number before the pass."""
+        """Return a dictionary from each word that the traced pass has changed to its value and step before the pass."""
         before = register_words(self._state[0], self._state[1:COUNTERS]) | dict(changed)
         words = {address: self._memory.word(address) for address in changed}
         after = register_words(self._cpu.acc, self._cpu.xar) | words
@@ -363,7 +366,7 @@ class CountingLoop(InstructionWatch):
         return {place: Number(before[place], step) for place, step in steps.items() if step}
 
     def cut_off(self, cycles: int) -> None:
-        """Make those stores of the pass in progress that come before a reset.
+        """Make the stores of the interrupted pass that are before a reset.
 
         cycles: the number of cycles from the start of that pass to the reset.
         """

@@ -203,7 +203,7 @@ class CallStack:
 
 
 class FunctionSpans(CallListener):
-    """SPAN records of the begins and ends of functions.
+    """SPAN records of the starts and ends of functions.
 
     A function that calls itself is one span, from its first call to its last return.
     """

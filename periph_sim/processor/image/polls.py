@@ -1,4 +1,4 @@
-"""Detection of waits of an image: loops whose further passes have the same result, and for how long they have it.
+"""Detection of waits in an image: loops whose passes all have the same result until a register that they read changes.
 
     backward branch is repeated --> state of the CPU as before --> Lease: a watch on the registers that were read
     --> sleep --> woken: the pass in progress is replayed from its start; reads in the past return the earlier values
@@ -216,9 +216,9 @@ class PollSkipper:
     # Sleep -------------------------------------------------------------------------
 
     def sleep(self, most: int = NEVER) -> Spin | None:
-        """Sleep until a pass may have another result, for at most `most` passes, and return the wait.
+        """Put the program to sleep until a value that it polls may differ, for at most `most` passes.
 
-        Return None, without a sleep, if the next pass may have another result.
+        Return the wait that is in progress then. Return None, without a sleep, if the next pass may read other values.
         """
         time, lease, spin = self._time, self._lease, self._spin
         if time.lands < NEVER or self._core.earliest() < NEVER:

@@ -39,7 +39,7 @@ class ImageProgram(LoadedImage):
     """A program that executes an image.
 
     instructions: the number of executed instructions.
-    skipped: the number of those that were in skipped passes of waits, so that they took no work.
+    skipped: the part of `instructions` that belongs to skipped passes, so that it was counted but not executed.
     """
 
     STATE = State(

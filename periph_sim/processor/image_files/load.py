@@ -17,7 +17,7 @@ from ...f28335.parts.f28335 import PART
 from . import coff2
 from .model import BadImage, Image, quoted
 
-OTHER_PART = "a part with a CLA (F2803x, F2806x or F2837x)"  # such an image has sections with names in Cla1...
+OTHER_PART = "a part with a CLA (F2803x, F2806x or F2837x)"  # its images have sections whose names begin with "Cla1"
 ELF_MAGIC = b"\x7fELF"
 WAY_OUT = "give the linker's .out file, or assembly (.asm)"
 LARGEST = 1 << 28  # most bytes of a file; most of them would be debug data

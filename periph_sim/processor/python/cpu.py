@@ -73,7 +73,7 @@ class Cpu:
         self._reads_from = 0  # the cycle of the last check for polling
         self._polling_places: set[str] = set()  # the statements for which polling was noted
 
-    # Life --------------------------------------------------------------------
+    # Start and end -----------------------------------------------------------
 
     def start(self, firmware: Callable[[], None], delay: int = 0) -> None:
         """Start Python firmware, which begins `delay` cycles after now."""

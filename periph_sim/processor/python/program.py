@@ -105,7 +105,7 @@ class PythonProgram(Program):
         self._watched: BigInt = 0  # the thread that has begun the firmware
         self._stops: list[int] = watch.stops
 
-    # Life --------------------------------------------------------------------
+    # Start and end -----------------------------------------------------------
 
     def begin(self, firmware: Callable[[], None], after_main: Callable[[], None]) -> None:
         """Prepare the program so that the next `run` calls `firmware`. after_main: called when it has returned."""

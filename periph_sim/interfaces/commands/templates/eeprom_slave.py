@@ -1,7 +1,7 @@
 """An EEPROM of 256 bytes in pages of 8, like a 24C02, at address 0x50.
 
-A write begins with the address in the memory. Its bytes stay in one page: after the end of the page, they go on at its
-begin. They are stored at the STOP, and until that is done, the memory acknowledges nothing.
+A write begins with the address in the memory. Its bytes stay in one page: after the last byte of the page, the first
+one follows. They are stored at the STOP, and the memory does not acknowledge its address while it stores them.
 """
 
 from fractions import Fraction
@@ -10,7 +10,7 @@ from periph_sim.firmware import start_i2c
 
 PAGE = 8
 WRITE_TIME = Fraction(5, 1000)  # the maximum of the data sheet
-SCD = 0x0020  # of I2CSTR; written as a word: a write of the field would also clear the other flags
+SCD = 0x0020  # mask of SCD in I2CSTR; a write of this word clears SCD alone, a write of the field also other flags
 
 
 def main(dsp, settings):
@@ -27,8 +27,8 @@ def main(dsp, settings):
 
 
 def receive(dsp, i2c, memory):
-    """Take an address and bytes, and store them at a STOP; return the place after them."""
-    i2c.I2CSTR.all = SCD  # set by any earlier STOP
+    """Receive an address and bytes, and store the bytes at a STOP. Return the address after them."""
+    i2c.I2CSTR.all = SCD  # clears SCD, which an earlier STOP has set
     place = i2c.I2CDRR.all
     page = []
     while True:
@@ -51,7 +51,7 @@ def receive(dsp, i2c, memory):
 
 
 def answer(dsp, i2c, memory, place):
-    """Send bytes until the controller stops; return the place after them."""
+    """Send bytes until the controller stops. Return the address after them."""
     i2c.I2CSTR.all = SCD
     while True:
         i2c.I2CDXR.all = memory[place]

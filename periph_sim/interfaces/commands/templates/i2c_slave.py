@@ -5,7 +5,7 @@ A controller writes the number of a register. Then it writes values, or reads th
 
 from periph_sim.firmware import start_i2c
 
-SCD = 0x0020  # of I2CSTR; written as a word: a write of the field would also clear the other flags
+SCD = 0x0020  # mask of SCD in I2CSTR; a write of this word clears SCD alone, a write of the field also other flags
 
 
 def main(dsp, settings):
@@ -22,8 +22,8 @@ def main(dsp, settings):
 
 
 def receive(dsp, i2c, registers):
-    """Take the number of a register, then values until a STOP or a repeated START; return the pointer after them."""
-    i2c.I2CSTR.all = SCD  # set by any earlier STOP
+    """Receive the number of a register, then values until STOP or repeated START. Return the pointer after them."""
+    i2c.I2CSTR.all = SCD  # clears SCD, which an earlier STOP has set
     pointer = i2c.I2CDRR.all
     while True:
         dsp.spin(lambda: i2c.I2CSTR.RRDY == 1 or i2c.I2CSTR.SCD == 1 or i2c.I2CSTR.SDIR == 1)
@@ -34,7 +34,7 @@ def receive(dsp, i2c, registers):
 
 
 def answer(dsp, i2c, registers, pointer):
-    """Send registers until the controller stops; return the pointer after them."""
+    """Send registers until the controller stops. Return the pointer after them."""
     i2c.I2CSTR.all = SCD
     # dsp.compute(3000)  # remove the "#": a byte of the last answer is sent first and "wrong bytes" breaks
     while True:

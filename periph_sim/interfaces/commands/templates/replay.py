@@ -1,7 +1,7 @@
-"""An I2C slave for `periph-sim replay`: each read is answered with the next of `replies`.
+"""An I2C slave for `periph-sim replay`, which answers each read with the next of `replies`. Put your own device here.
 
-The replay sets `address` and `replies` from the capture if the case leaves them open; put your own device here.
-A more complete one, with FIFO, interrupts and refusals: from .responder import Settings, main
+If the case does not set `address` and `replies`, the replay takes them from the capture. A more complete slave, with
+FIFO, interrupts and refusals, is: from .responder import Settings, main
 """
 
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from itertools import chain, cycle, repeat
 
 from periph_sim.firmware import HexBytes, start_i2c
 
-SCD = 0x0020  # of I2CSTR; written as a word: a write of the field would also clear the other flags
+SCD = 0x0020  # mask of SCD in I2CSTR; a write of this word clears SCD alone, a write of the field also other flags
 REPLAY = ("address", "replies")  # settings that a replay sets from the capture
 
 
@@ -32,7 +32,7 @@ def main(dsp, settings):
 
 
 def answer(dsp, i2c, data):
-    i2c.I2CSTR.all = SCD  # set by any earlier STOP
+    i2c.I2CSTR.all = SCD  # clears SCD, which an earlier STOP has set
     for byte in chain(data, repeat(0xFF)):
         # dsp.compute(30_000)  # remove the "#": each byte comes 200 us later and "stretch" breaks
         i2c.I2CDXR.all = byte

@@ -5,8 +5,8 @@ from fractions import Fraction
 from periph_sim.firmware import start_i2c, start_pie
 
 PERIOD = Fraction(5, 1000)
-COST = Fraction(40, 10**6)  # of the model, measured on the chip or estimated
-SCD = 0x0020  # of I2CSTR; written as a word: a write of the field would also clear the other flags
+COST = Fraction(40, 10**6)  # run time of the model in seconds, measured on the chip or estimated
+SCD = 0x0020  # mask of SCD in I2CSTR; a write of this word clears SCD alone, a write of the field also other flags
 
 
 def main(dsp, settings):
@@ -28,7 +28,7 @@ def main(dsp, settings):
     while True:
         dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)
         with dsp.span("answer"):
-            i2c.I2CSTR.all = SCD  # set by any earlier STOP
+            i2c.I2CSTR.all = SCD  # clears SCD, which an earlier STOP has set
             # dsp.compute(15_000)  # remove the "#": each answer comes 100 us later and "response" breaks
             whole = tuple(sample)  # both bytes of the same sample, even if a new one comes meanwhile
             for byte in whole:

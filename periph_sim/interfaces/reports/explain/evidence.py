@@ -79,9 +79,9 @@ class Evidence:
         return [part for one in timeline(self.window, self.unit, begin, end) for part in self._between_accesses(one)]
 
     def _between_accesses(self, one: Stretch) -> list[Stretch]:
-        """Divide a stretch of code without a name at each record of the firmware.
+        """Divide a stretch of unnamed code at the actions of the firmware that were recorded (see `_done`).
 
-        A part that is longer than LONG is named after the next record, or after the last record if no other follows.
+        A part that is longer than LONG is named after the next action, or after the last action if no other follows.
         """
         if one.doing != CODE or one.where:
             return [one]
@@ -102,7 +102,7 @@ class Evidence:
 
     @cached_property
     def _done(self) -> list[Record]:
-        """The accesses and the begins of spans and waits with a place in the firmware, outside service routines."""
+        """The accesses, starts of spans and starts of waits outside service routines, if their place is known."""
         records = [r for r in self.window.all_records if r.where == self.unit and r.kind in IN_FIRMWARE]
         found, routines = [], 0
         for record in sorted(records, key=in_time):

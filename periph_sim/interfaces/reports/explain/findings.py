@@ -135,9 +135,9 @@ def asked(evidence: Evidence, phase: RecordedPhase, until: int) -> list[Step]:
 
 
 def transfers(evidence: Evidence, begin: int, end: int) -> list[Step]:
-    """Return a step for each phase that begins between two ticks.
+    """Return a Step for each phase of a transfer (see `RecordedPhase`) that begins between two ticks.
 
-    Consecutive phases with the same address share a step if the address was not acknowledged.
+    Consecutive phases with the same address share a Step if the address was not acknowledged.
     """
     steps = []
     inside = [phase for phase in evidence.phases if begin <= phase.begin < end]

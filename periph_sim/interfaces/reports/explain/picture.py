@@ -155,7 +155,7 @@ def _flag_lane(window: Window, where: str, what: str) -> Lane:
     inside = [r for r in changes if window.drawn.begin <= r.tick < window.drawn.end]
     register, name = what.partition(".")[0], _shown(where, what).rpartition(".")[2]
     if name != register and all(r.value in (0, 1) for r in changes):
-        # Without an earlier change, the initial level is the opposite of the next level, even if it is not drawn.
+        # Before its first recorded change, a flag has the opposite level. That change may be later than the picture.
         initial = earlier[-1].value if earlier else 1 - changes[0].value
         edges = tuple((_seconds(window, r.tick), r.value) for r in inside)
         return Lane(name, "flags", BLACK, initial=initial, edges=edges)

@@ -5,8 +5,8 @@
    0 us |__________________________       values beyond a limit are drawn a second time on top
        0 s         5 s         10 s
 
-Up to MOST values beyond a limit are stored with their instants. The field is the area between the axes. Positions are
-in percent of the field, so they fit pages of any width.
+Up to MOST values beyond a limit are stored with their instants. The field is the plot area, which the axes enclose.
+Positions are in percent of the field, so they fit pages of any width.
 """
 
 from __future__ import annotations
@@ -125,7 +125,7 @@ def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ..
     return (*first, *(pick(part, key=lambda one: one[1]) for part in parts if part))
 
 
-FIELD_WIDTH = 1000  # width of the field in the units of the SVG paths
+FIELD_WIDTH = 1000  # width of the field (the plot area) in the units of the SVG paths
 NEAR = 1.5  # a limit is drawn if its distance from the values is at most this multiple of the values' range
 ROOM = 0.08  # margin above and below, as a fraction of the height of the field
 

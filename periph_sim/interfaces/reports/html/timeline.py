@@ -288,7 +288,7 @@ class Lanes:
             lanes += [wave, *(lane for lane in (whole, bits) if lane.at)]
         return lanes
 
-    # A unit's inside ------------------------------------------------------------------
+    # Modules and firmware of a unit ---------------------------------------------------
 
     def _flags(self, unit: str) -> list[Lane]:
         changes: dict[tuple[str, str], list[Record]] = {}

@@ -84,7 +84,8 @@ class Errors:
     judged: the number of budgets that the reference run judges.
     differ: the names of the budgets that the reference run judges, and that have another verdict in the run.
     time: the largest error of an occurrence of a budget that limits a time.
-    value: the largest error of the chips' data in LSB; if only other reads differ, the number of bytes that differ.
+    value: the largest error of the chips' samples in LSB. If all samples are equal, the largest number of bytes in
+        which the other reads of an address differ.
     """
 
     judged: int

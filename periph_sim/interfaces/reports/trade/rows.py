@@ -26,9 +26,9 @@ Make = Callable[[Sequence[str]], Case]
 
 @dataclass(frozen=True)
 class Row:
-    """One choice for the scene.
+    """One choice for the scene: a row of the table of results.
 
-    changes: the changes of the case, as for `--set`.
+    changes: the changes of the case, as texts "key=value".
     units: another case whose units are used; None to use the units of the case itself.
     record: the suffix of the recording to write; "" for no recording.
     """
@@ -50,7 +50,7 @@ class Row:
 def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
     """Return all rows of a case.
 
-    make: a function that returns the case with some changes, which are given as for `--set`.
+    make: a function that returns the case with the changes in a list of texts "key=value".
     others: other cases. For each of them there is a row in which its units, with their firmware, replace those of the
         case.
     """
@@ -62,7 +62,9 @@ def rows_of(make: Make, others: Sequence[Case]) -> list[Row]:
 
 
 def chosen(rows: Sequence[Row], names: Sequence[str]) -> list[Row]:
-    """Return the most accurate row, the case as given, and the rows with these names; all rows if no name is given.
+    """Return the most accurate row, the row "as given" of the unchanged case, and those with these names.
+
+    If no name is given, return all rows.
 
     Raise BadCase if there is no row with one of these names.
     """
@@ -80,7 +82,7 @@ def kind_of(case: Case) -> str:
 
 
 def _arithmetics(case: Case, given: Row) -> Iterator[Row]:
-    """Yield a row for the case as given and a row for each other number format, the most accurate format first."""
+    """Yield a row for the unchanged case and a row for each other number format, the most accurate format first."""
     settings = {name: _settings(unit) for name, unit in case.unit.items() if unit.firmware}
     computing = {name: one for name, one in settings.items() if getattr(one, "arithmetic", BYTES) != BYTES}
     present = {getattr(one, "arithmetic", BYTES) for one in computing.values()}

@@ -139,17 +139,17 @@ def trade(
     max_error_s: float = inf,
     on_progress: Callable[[float], None] | None = None,
 ) -> Trade:
-    """Compare all rows of a case.
+    """Run and compare all rows, which are the choices for one case.
 
     All rows are run for half of `length` seconds and for `length` seconds. If the errors of a row differ between the
     two, all rows are also run for twice `length` seconds.
 
-    make: a function that returns the case with some changes, which are given as for `--set`.
+    make: a function that returns the case with the changes in a list of texts "key=value".
     max_error_s: the maximum error of times in the recommended row.
     on_progress: a function that is called with the completed share, 0 to 1.
 
-    Raise one of the errors in REFUSED if the most accurate row or the case as given cannot be run. Raise BadCase if the
-    run of the most accurate row has no verdict, occurrence or data to compare.
+    Raise one of the errors in REFUSED if the most accurate row or the unchanged case cannot be run. Raise BadCase if
+    the run of the most accurate row has no verdict, occurrence or data to compare.
     """
     runs = _Runs(make, rows)
     changed: list[str] = []
@@ -212,7 +212,7 @@ class _Runs:
         """Return a dictionary from the names of all rows with a recording to their errors.
 
         If recording changes nothing in a run of `length` seconds, the errors are `unrecorded`, which are the errors of
-        the case as given. Otherwise, the errors are the differences that recording causes.
+        the unchanged case. Otherwise, the errors are the differences that recording causes.
         """
         found: dict[str, Errors] = {}
         for row in self.running:
@@ -226,7 +226,7 @@ class _Runs:
 
     @contextmanager
     def _refusing(self, row: Row) -> Iterator[None]:
-        """Store the reason if a row cannot be run. For the most accurate row and the case as given, raise the error."""
+        """Store the reason if a row cannot be run. Raise the error for the most accurate row and the unchanged case."""
         try:
             yield
         except REFUSED as error:

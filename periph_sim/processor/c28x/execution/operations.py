@@ -56,7 +56,7 @@ def operation(instruction: Instruction) -> Operation:
 
 
 def form_of(encoding: Encoding) -> Operation:
-    """Return an operation with all that the operations of a form have in common, made at the first call.
+    """Return an operation with the properties that all operations of a form share. It is made at the first call.
 
     Raise KeyError if no function executes the form.
     """

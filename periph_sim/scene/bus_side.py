@@ -32,8 +32,8 @@ class BusSide:
     spike: a number of ticks; the monitor ignores shorter pulses on SDA.
     before: callbacks that receive each transfer before all other subscribers.
     monitor: the monitor of the wires; None before the first use of `rounds`, and in scenes without a bus.
-    wire_bytes: number of bytes of the transfers that were passed to `count`.
-    nacked: number of transfers that were passed to `count_nacked` and were not acknowledged.
+    wire_bytes: number of bytes in all transfers that were passed to `count`.
+    nacked: number of transfers passed to `count_nacked` that were not acknowledged, without polls of an EEPROM.
     bit_skip: the object that simulates seven bits of a byte in one step; None if each bit is simulated.
     """
 

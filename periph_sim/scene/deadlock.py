@@ -1,6 +1,6 @@
 """Detection of firmware that waits for an event that cannot occur, with the reason.
 
-    the wait depends on         it can be ended by
+    the wait depends on         the wait can be ended by
     registers of a module       events of this module, or changes of its wires by other parties, if its clock is on;
                                 the modules whose interrupts are enabled, if interrupts are on
     registers without a model   nothing
@@ -33,11 +33,13 @@ if TYPE_CHECKING:
 
 OFF = ("IER = 0", "INTM = 1")  # the reasons why interrupts are off: item 0 if INTM = 0, item 1 if INTM = 1
 ENABLE = "enable interrupts before the wait (CLRC INTM, bits of IER)"
-RESTARTED = 2  # if a wait lasts for this number of watchdog periods, a service routine must restart the watchdog
+# A wait that has lasted for this number of watchdog periods shows that a service routine restarts the watchdog in time,
+# because otherwise the watchdog would have reset or interrupted the unit.
+RESTARTED = 2
 
 
 def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]) -> str:
-    """Return a clause that says why the wait of `dsp` cannot end; "" if it can end, or if there is no wait.
+    """Return a phrase that says why the wait of `dsp` cannot end; "" if it can end, or if there is no wait.
 
     may_move: a function of a wire and its parties outside the unit. It returns True if any of these parties may still
         change the wire.
@@ -45,7 +47,7 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
     """
     wait = dsp.program.unanswered_wait()
     if wait is not None:
-        # The watchdog cannot end a wait of RESTARTED of its periods, because a service routine restarts it regularly.
+        # The watchdog ends the wait only if no service routine restarts the watchdog (see RESTARTED).
         now = dsp.clock.cycle_at(dsp.processor.time.instant()[1])
         ends = watchdog_runs(dsp) and dsp.control.watchdog_rounds(wait.since, now) < RESTARTED
         return "" if ends else wait.unanswered
@@ -74,7 +76,7 @@ def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], insta
 def nothing_comes(
     dsp: Dsp, modules: list[str], may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]
 ) -> str:
-    """Return a clause that says why these modules will not change; "" if one of them may change."""
+    """Return a phrase that says why these modules will not change; "" if one of them may change."""
     wires = {wire.name: wire for module in modules for wire in wires_into(dsp, module)}
     for wire in wires.values():
         others = [who for who in wire.parties() if not who.startswith(f"{dsp.name}.")]
@@ -123,7 +125,7 @@ def takes_interrupts(dsp: Dsp) -> bool:
 
 
 def refused(dsp: Dsp, instant: Callable[[int], str]) -> str:
-    """Return a clause that says since when and why I2CSTR.NACK is set, which ends a transfer; "" if it is not set."""
+    """Return a phrase that says since when and why I2CSTR.NACK is set, which ends a transfer; "" if it is not set."""
     state = cast("I2c", dsp.sockets["I2C-A"].chip).state
     if not state.str & STR_NACK:
         return ""
@@ -181,7 +183,7 @@ SETTLED = Fraction(1, 1_000_000)  # seconds after which delayed outputs and hold
 def deadlocks_of(scene: Scene) -> list[str]:
     """Return a sentence for each unit whose firmware waits for an event that cannot occur.
 
-    The sentence names the wait, its begin and the reason. If the run was aborted because firmware let no simulated time
+    The sentence names the wait, its start and the reason. If the run was aborted because firmware let no simulated time
     pass, return only the sentence about this firmware.
     """
     if scene.stalled:

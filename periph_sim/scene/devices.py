@@ -1,7 +1,7 @@
 """The devices of a case on a scene's bus: targets connected to SCL and SDA, one for each `[device.NAME]` table.
 
 DeviceTable --> family of `devices.targets`, or a Python file --> Target
-SCL, SDA <--> TargetSide <--> DisturbedTarget (stretch, fault), if it has any <--> Target
+SCL, SDA <--> TargetSide <--> DisturbedTarget, only if the table has stretches or faults <--> Target
 """
 
 from __future__ import annotations

@@ -68,9 +68,12 @@ def with_outside(case: Case, wires: tuple[str, ...]) -> Case:
 
 
 def _without(party: str, lines: str, case: Case, driven: Case) -> Case:
-    """Return the case `driven`, which lacks `party`, with only the budgets that it can judge.
+    """Return `driven` with the budgets that can be judged without `party`, and a sentence about the replacement.
 
-    lines: the wires of `party`. case: the case with `party`.
+    party: the replaced party, "controller" or "host".
+    lines: the wires of `party`, for the sentence.
+    case: the case with `party`, whose budgets are considered.
+    driven: the same case without `party`.
     """
     kept = tuple(budget for budget, judged in zip(case.budget, _judged(case, driven), strict=True) if judged)
     names = [budget.name for budget in kept]
@@ -92,7 +95,7 @@ def _without(party: str, lines: str, case: Case, driven: Case) -> Case:
 
 
 def _judged(case: Case, driven: Case) -> Iterator[bool]:
-    """Yield, for each budget of the case, True if the driven case can judge it."""
+    """Yield, for each budget of `case`, True if the budget can be judged in `driven`, which lacks a replaced party."""
     timebase = Timebase(*(int(unit.oscclk * unit.pll / 2) for unit in case.unit.values()))
     start = timebase.ticks(case.start, "nearest")
     # This call raises BadCase for a budget that is wrong whether or not an outside party replaces a party of the case.

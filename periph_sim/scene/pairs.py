@@ -41,9 +41,9 @@ class Pairs:
         return self._transceivers.get((unit, module))
 
     def lines(self) -> Mapping[str, Line]:
-        """Return a dictionary from the wire of a pair to a function.
+        """Return a dictionary from the wire of a pair to a line function.
 
-        The function returns the bit length and the format of the party that drives the pair.
+        The line function returns the bit length and the format of the party that drives the pair now.
         """
         return {name: partial(self._line, pair) for name, pair in self._pairs.items()}
 

@@ -3,8 +3,9 @@
     Scene --modules_of--> {"dsp.SCI-A": socket, "SDA": wire, ...} --take--> Snapshot --restore--> Scene
 
 Measures, and attributes that only reports read, are not in a snapshot. Python firmware and C sources keep part of their
-state on a stack, so their scenes are run up to the time of the snapshot, and then compared with it. The run begins at
-the start, or, if C sources keep logs of their accesses, at a checkpoint: an earlier snapshot with these logs.
+state on a stack, so their scenes are run up to the time of the snapshot, and then compared with the snapshot. This run
+begins at the start of the scene, or, if C sources keep logs of their accesses, at a checkpoint: an earlier snapshot
+with these logs.
 """
 
 from __future__ import annotations
@@ -34,7 +35,7 @@ if TYPE_CHECKING:
 
 NO_PART = ("name", "about", "duration", "budget", "breaks")  # keys of a case that do not affect the state
 DIGEST = 8  # length of a digest, in bytes
-WINDOWS = 10_000  # number of windows in a second; a run searches for its checkpoint in the last window before its end
+WINDOWS = 10_000  # number of windows in a second; the checkpoint of a run is searched in the last window of the run
 
 
 def state_of_scene(scene: Scene) -> Snapshot:
@@ -217,7 +218,7 @@ def _identity(scene: Scene) -> Iterator[tuple[str, str]]:
 
 
 def _recorded(recorder: Recorder) -> Iterator[object]:
-    """Yield, for each kind of records, whether it is recorded, and for which subjects.
+    """Yield, for each kind of records, its name, True if the kind is recorded, and its recorded subjects.
 
     Modules keep additional state for records, so snapshots are equal only if these choices are equal.
     """

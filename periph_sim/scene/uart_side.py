@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from .serial.side import SerialSide
 
 
-LARGEST_DIFFERENCE = Fraction(1, 20)  # of two rates; beyond it, the stop bit of ten bits is missed
+LARGEST_DIFFERENCE = Fraction(1, 20)  # maximum relative difference of two rates; above it, a stop bit can be missed
 
 
 class UartSide:
@@ -95,7 +95,10 @@ class UartSide:
         return counted + sum(self._sent.values()) + (0 if self._serial is None else self._serial.characters)
 
     def count(self, wires: Collection[str]) -> None:
-        """Count the characters on each of these wires that leads to an SCI. The outside party drives these wires."""
+        """Decode and count the characters on each of these wires that leads to an SCI.
+
+        The outside party drives these wires.
+        """
         for name in dict.fromkeys(sci.rx for sci in self._scis if sci.rx in wires):
             self._counter(name).on_character.append(partial(self._came, name))
 
@@ -107,9 +110,9 @@ class UartSide:
         return self._counters[name]
 
     def sent(self, wire: str, count: int) -> None:
-        """Add characters that the outside party has sent on a wire as bytes.
+        """Add `count` characters that the outside party sends on a wire as bytes, and not as levels.
 
-        The characters that `count` finds on this wire are ignored, so that no character is counted twice.
+        Characters that are decoded from the levels of this wire then no longer count, so that none is counted twice.
         """
         self._sent[wire] = self._sent.get(wire, 0) + count
 

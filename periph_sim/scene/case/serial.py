@@ -93,7 +93,7 @@ class SendTable(SerialEntry, frozen=True, kw_only=True):
     wrong_parity: characters sent with wrong parity, numbered from 0, address included
     missing_stop: characters with low stop bits; an idle bit follows
     ppm: replaces that of `[serial]`
-    expect, within: `"nothing"`: the SCI must send nothing from the begin of the send until this time after its end, or
+    expect, within: `"nothing"`: the SCI must send nothing from the start of the send until this time after its end, or
         until other data is sent or another reply is expected. This is a budget of the send's name with the measure
         `silence:NAME`
     """
@@ -139,7 +139,7 @@ class ExpectTable(SerialEntry, frozen=True, kw_only=True):
 
     name: name, distinct from those of budgets
     from: the SCI, as in `to`
-    after_send: each send of this name: characters count from its begin, time from its end
+    after_send: each send of this name: characters count from its start, time from its end
     within: time limit for the last character's end; takes the place of `max`, also in `--set`. Less than the line
         needs is refused
     anywhere: `true`: other characters may precede the reply

@@ -15,7 +15,7 @@ from .model import BadCase
 from .origin import SHOWN
 
 _PLACE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)")
-_OPENS = re.compile(r"([^=\[]+=\s*)?[\[{](?!\[)")  # matches the begin of a line that opens a list or a table in braces
+_OPENS = re.compile(r"([^=\[]+=\s*)?[\[{](?!\[)")  # matches the start of a line that opens a list or a table in braces
 _NO_EQUALS = re.compile(r"([\w.-]+)(?:\s*:\s*|\s+(?![=:])|(?=[\[{\"']))([^=\s].*)")  # a key and a value without =
 _PROGRAMS = {".out": "image", ".asm": "image", ".c": "c"}  # from a suffix to the kind of `periph-sim new`
 QUOTES = "'\""

@@ -57,8 +57,8 @@ class SerialSide:
         self._silences: list[tuple[SciLines, Unsolicited]] = []
         self._readers: dict[tuple[str, Fraction, UartFormat], UartReader] = {}
         self._triggers: dict[tuple[str, int], EventTrigger] = {}
-        self._unasked = Unsolicited("")  # for the note on unsolicited characters
-        self._is_judged = False  # True if a budget judges these
+        self._unasked = Unsolicited("")  # the measure from which the note on unsolicited characters is made
+        self._is_judged = False  # True if a budget judges unsolicited characters
         events = [("send", number, send.after) for number, send in enumerate(table.send)]
         events += [("expect", number, expect.after) for number, expect in enumerate(table.expect)]
         for kind, number, text in events:

@@ -8,14 +8,12 @@
 The comparison decodes the wires and the capture by the same code, which the agents and the chip do not use. Firmware
 whose `REPLAY` names `address`, `replies`, `asleep` and `busy` is set to answer like the captured target.
 
-The controller polls the firmware until the firmware acknowledges (see `polling`), so the expected events are those of
-the capture with the number of polls that were made. In a session, the captured polls are played without a change,
-because the UART capture has fixed times.
+The controller polls the firmware until it acknowledges (see `polling`), so the expected events are those of the capture
+with the polls that were made. A session plays the captured polls, because the UART capture has fixed times.
 
 The agents can deviate from the capture even if the firmware behaves as captured, for instance because `longest_low`
 shortens a pause of the controller. `without_firmware` runs the agents with the captured answers in place of the
-firmware. A difference that also occurs in this run is caused by the agents. It is not judged, and neither are later
-differences.
+firmware. A difference that also occurs in this run is caused by the agents. It and later differences are not judged.
 """
 
 from __future__ import annotations
@@ -117,8 +115,7 @@ class CapturedController:
         self._captured: list[Edge] = []
         self._edges: list[Edge] = []  # as captured, but with short low phases
         self._moves: list[Move] = []
-        # `_answers` has, for each phase that the firmware answers, its number and the moves up to its ninth bit.
-        self._answers: deque[tuple[int, int]] = deque()
+        self._answers: deque[tuple[int, int]] = deque()  # pairs: a phase number, and the moves up to its ninth bit
         self._plan = plan
         self._kernel = kernel
         self._on_end = on_end

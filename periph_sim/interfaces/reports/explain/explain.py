@@ -33,8 +33,9 @@ from ....traces.drawing.capture_lanes import bit_of
 from .chain import Chain, Part, Step, difference, in_order, parts_of
 from .cpu_activity import IN_FIRMWARE, Stretch
 from .evidence import ON_WIRES, Evidence
-from .fault_evidence import is_master, request_of, waited_for, wrong_characters
+from .fault_evidence import is_master, waited_for
 from .findings import DERIVED_FROM, FINDINGS, PROMPT, Ends, answered, asked, awaited, held, transfers
+from .reply_evidence import request_of, wrong_characters
 from .window import BIT, Window, is_late, windows
 
 

@@ -7,8 +7,6 @@ RSFULL --> I2CDRR was not read
 read of a memory --> the word address of each byte, and the last write to this address among the recorded transfers
 notes of a device on broken rules --> the last note before the end of the read; this note is the cause if it
                                       names a word of the read, or if the words are unknown
-reply on the serial line --> the request, and the writes of characters that differ from the expected characters
-                             (the expected text comes from the case and not from a record)
 """
 
 from __future__ import annotations
@@ -21,8 +19,6 @@ from ....devices.targets import eeprom
 from ....f28335.gpio.register_map import control_register
 from ....f28335.i2c.descriptor import I2C_A
 from ....records.record_text import bus_byte, happened
-from ....scene.case.serial import ExpectTable, SerialTable, content_of
-from ....timing.budget_schema import REPLY, SILENCE
 from .chain import Part, Step
 from .cpu_activity import phrase
 from .evidence import I2C, Evidence, RecordedPhase
@@ -283,93 +279,3 @@ def _writes(evidence: Evidence, read: RecordedPhase) -> Iterator[tuple[int, Reco
         page = first & -memory.page
         for number, byte in enumerate(phase.data[memory.word :]):
             yield page | first + number & memory.page - 1, byte
-
-
-MOST_CHARACTERS = 8  # maximum number of wrong characters that are listed
-
-
-WrongCharacter = tuple[Record, Step, int | None]  # the start of its frame, its write, and the expected value if any
-
-
-def request_of(evidence: Evidence) -> list[Step]:
-    """Return a step for the last character of the request of a reply; an empty list if it is unknown."""
-    last = _asked(evidence)[-1:] if evidence.window.verdict.measure.startswith(REPLY) else []
-    return [evidence.say(r.tick, f"{r.where}: the last character of what asks for it") for r in last]
-
-
-def wrong_characters(evidence: Evidence) -> list[WrongCharacter]:
-    """Return the wrong characters of a wrong reply, or all characters where an SCI must be silent."""
-    verdict = evidence.window.verdict
-    if verdict.measure.startswith(SILENCE) and evidence.case.serial is not None:
-        name = verdict.measure.removeprefix(SILENCE)
-        source = next(send.to for send in evidence.case.serial.send if send.name == name)
-        found = _written(evidence, source, evidence.window.begin)[:MOST_CHARACTERS]
-        what = "{}: SCITXBUF written, {:#04x}: unsolicited"
-        return [(frame, evidence.step(r, what.format(r.where, r.value & 0xFF)), None) for frame, r in found]
-    wrong = verdict.measure.startswith(REPLY) and verdict.until_s is not None
-    return _wrong(evidence, _asked(evidence)) if wrong else []
-
-
-def _asked(evidence: Evidence) -> list[Record]:
-    """Return the beginnings of the frames up to the end of the request, on the line of the request.
-
-    The request ends with the frame whose end is the start of the occurrence. Return an empty list if there is no such
-    frame.
-    """
-    window = evidence.window
-    slip = window.timebase.per_second // 10**7
-    frames = [r for r in window.records if r.kind is Kind.FRAME]
-    last = next((r for r in frames if r.what == "end" and abs(r.tick - window.begin) <= slip), None)
-    if last is None:
-        return []
-    return [r for r in frames if r.what == "begin" and r.where == last.where and r.tick < last.tick]
-
-
-def _wrong(evidence: Evidence, asked: list[Record]) -> list[WrongCharacter]:
-    """Return the wrong characters in a reply.
-
-    A character is wrong if it differs from the expected character at the same position of the reply. Return an empty
-    list if the positions are unknown.
-    """
-    serial = evidence.case.serial
-    assert serial is not None
-    name = evidence.window.verdict.measure.removeprefix(REPLY)
-    number, table = next((n, one) for n, one in enumerate(serial.expect) if one.name == name)
-    since = _since(evidence, serial, table, asked)
-    if since is None or table.anywhere:
-        return []
-    bits = serial.form(table).bits
-    expected = content_of(evidence.case, table, bits, "serial", "expect", number)
-    found = []
-    for at, (frame, write) in enumerate(_written(evidence, table.from_, since)):
-        wanted = expected[at] if at < len(expected) else None
-        if write.value & (1 << bits) - 1 != wanted:
-            right = "" if wanted is None else f", not {wanted:#04x}"
-            what = f"SCITXBUF written, {write.value & 0xFF:#04x}: character {at} of the reply{right}"
-            found.append((frame, evidence.step(write, f"{write.where}: {what}"), wanted))
-    return found[:MOST_CHARACTERS]
-
-
-def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: list[Record]) -> int | None:
-    """Return the tick from which characters belong to the reply; None if this tick may be before the window."""
-    if table.after_send is None:
-        return evidence.window.begin
-    number, send = next((n, s) for n, s in enumerate(serial.send) if table.after_send in (s.name, f"send {n}"))
-    count = len(content_of(evidence.case, send, serial.form(send).bits, "serial", "send", number))
-    count += send.address is not None
-    if 0 < count <= len(asked):
-        return asked[-count].tick
-    kept, begin = evidence.window.kept[0].begin, evidence.window.begin
-    early = len(_written(evidence, table.from_, kept)) > len(_written(evidence, table.from_, begin))
-    return None if early else begin
-
-
-def _written(evidence: Evidence, source: str, since: int) -> list[tuple[Record, Record]]:
-    """Return the frames between a tick and the end of the occurrence with their writes of SCITXBUF, in order."""
-    unit, _, module = source.rpartition(".")
-    found = []
-    for frame in evidence.window.between(since, evidence.window.end - 1, Kind.FRAME):
-        if frame.what == "begin":
-            causes = (cause for cause, _ in evidence.walk(frame, 2))
-            found += [(frame, r) for r in causes if r.what == f"W {module}.SCITXBUF" and unit in ("", r.where)]
-    return found

@@ -101,3 +101,25 @@ def test_where_earlier_characters_may_be_of_the_reply_too_none_is_told_as_wrong(
     _, told = explained({b"x" * 30: b"O"}, "x" * 60, duration="8 ms")  # O in mid send, O behind it
     steps = [step.what for step in told.chain.steps]
     assert "RX: the last character of what asks for it" in steps and "of the reply" not in " ".join(steps)
+
+
+def test_unsolicited_characters_of_a_run_are_told_with_their_writes():
+    """RX |a|      |b|           TX of SCI-A |O|K| |E|R|, where only OK was asked for; SCI-B sends nothing."""
+    program = answers("SCI-A", {b"a": b"OK", b"b": b"ER"})
+    programs = {"dsp": Firmware("dsp", lambda dsp, settings: program(dsp), None)}
+    sends = [{"to": "SCI-A", "name": name, "at": at, "text": name} for name, at in (("a", "100 us"), ("b", "1 ms"))]
+    table = {
+        "send": [{"to": "SCI-B", "name": "c", "at": "1 ms", "text": "c"}, *sends],
+        "expect": [{"name": "told", "from": "SCI-A", "after_send": "a", "within": "500 us", "text": "OK"}],
+    }
+    budget = {"name": "unasked", "measure": "unsolicited replies", "max": 0}
+    small = case(unit={"dsp": unit("SCI-A", "SCI-B")}, serial=table, budget=[budget], duration="2 ms")
+    verdicts = Scene(small, None, programs).run().budgets
+    told = explain(small, verdicts, programs=programs)["unasked"]
+    steps = [step for step in told.chain.steps if "SCITXBUF" in step.what]
+    assert [step.what for step in steps] == [
+        "dsp: SCITXBUF written, 0x45: unsolicited",
+        "dsp: SCITXBUF written, 0x52: unsolicited",
+    ]
+    assert {step.place.function for step in steps if step.place} == {"send"}
+    assert told.chain.blame is not None and told.chain.blame.place == steps[0].place

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from ..numeric.estimate import Tables
 
 
-@command("sensors", "periph-sim extremes --arithmetic q16")
+@command("sensors", "periph-sim extremes --arithmetic q16", "periph-sim extremes --only 'roll rate' --plot errors.svg")
 @click.option("--arithmetic", "names", multiple=True, metavar="NAME", help="float64, float32, q16, q12 saturating, ...")
 @click.option("--only", multiple=True, metavar="EXTREME", help="Run only these extremes.")
 @click.option("--seed", type=click.IntRange(min=0), default=0, help="Seed of the search in the working range.")

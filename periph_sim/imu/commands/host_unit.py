@@ -18,7 +18,11 @@ if TYPE_CHECKING:
 WAITS = 5  # maximum time in seconds that a port may take to accept bytes
 
 
-@command("run", "periph-sim host-unit /tmp/dsp --flight flight.csv")
+@command(
+    "run",
+    "periph-sim host-unit /tmp/dsp --flight flight.csv",
+    "periph-sim host-unit rfc2217://127.0.0.1:4000 --udp 9000",
+)
 @click.argument("port")
 @click.option("--flight", type=click.Path(path_type=Path), metavar="CSV", help="Send a recorded flight, once.")
 @click.option("--udp", metavar="[ADDRESS:]PORT", help="Send the latest values of datagrams, as sent by Simulink.")

@@ -20,7 +20,11 @@ PICTURES = (".svg", ".png")
 UNEVEN = 0.01  # maximum relative difference of the periods of two recordings
 
 
-@command("sensors", "periph-sim identify rest.csv --rate '50 Hz' --plot allan.svg")
+@command(
+    "sensors",
+    "periph-sim identify rest.csv --rate '50 Hz' --plot allan.svg",
+    "periph-sim identify rest.csv --parameters my.toml",
+)
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.csv")
 @click.option("--rate", metavar="RATE", help="Sample rate, if there is no column 'time [s]': '50 Hz'.")
 @click.option("--expect", multiple=True, metavar="NAME=VALUE", help="The true mean of a column.  [0]")

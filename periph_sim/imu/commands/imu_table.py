@@ -14,7 +14,9 @@ MOST_SAMPLES = 10_000_000
 PUBLISHED = "table_5_1"
 
 
-@command("sensors", "periph-sim imu-table --samples 10000")
+@command(
+    "sensors", "periph-sim imu-table --samples 10000", "periph-sim imu-table --parameters my.toml --write samples.csv"
+)
 @click.option(
     "--samples", type=click.IntRange(2, MOST_SAMPLES), default=10_000, show_default=True, help="Samples of every axis."
 )

@@ -13,7 +13,11 @@ from ...interfaces.commands.command_frame import command, length_given, print_js
 DIFFERENT = 1  # the exit status if the bytes on the wires differ from the computed ones
 
 
-@command("sensors", "periph-sim moving timing/imu_moving.toml --direct")
+@command(
+    "sensors",
+    "periph-sim moving timing/imu_moving.toml --direct",
+    "periph-sim moving timing/imu_moving.toml --seconds 1 --plot .",
+)
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--seconds", type=str, help="Run this long instead of the case's duration; 10 or '10 s'.")
 @click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")

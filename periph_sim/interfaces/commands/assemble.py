@@ -9,7 +9,11 @@ import click
 from .command_frame import command, usage_errors_in_one_sentence
 
 
-@command("understand", "periph-sim assemble firmware/c28x/sci_echo.asm sci_echo.out")
+@command(
+    "understand",
+    "periph-sim assemble firmware/c28x/sci_echo.asm sci_echo.out",
+    "periph-sim assemble firmware/c28x/imu_hil.asm firmware.out",
+)
 @click.argument("source", type=click.Path(path_type=Path))
 @click.argument("file", type=click.Path(path_type=Path))
 def assemble(source: Path, file: Path) -> None:

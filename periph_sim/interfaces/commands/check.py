@@ -32,7 +32,7 @@ from .command_frame import (
 from .watch import note_inputs
 
 
-@command("run", "periph-sim check timing --junit results.xml")
+@command("run", "periph-sim check timing --junit results.xml", "periph-sim check timing/imu_hil.toml --update-baseline")
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[PATH]...")
 @click.option("--tolerance", type=click.IntRange(min=0), metavar="CYCLES", help="Times may differ by this.  [0]")
 @click.option("--update-baseline", "update", is_flag=True, help="Make the figures of this run the new baselines.")

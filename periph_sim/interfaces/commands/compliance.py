@@ -9,7 +9,9 @@ import click
 from .command_frame import JSON, RATE, SALVAGE, command, print_answer, read_capture
 
 
-@command("traces", "periph-sim compliance capture.sr --mode fast")
+@command(
+    "traces", "periph-sim compliance capture.sr --mode fast", "periph-sim compliance run.psr --mode standard --exact"
+)
 @click.argument("capture", type=click.Path(path_type=Path))
 @click.option(
     "--mode",

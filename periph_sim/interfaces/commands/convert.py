@@ -21,7 +21,11 @@ from ...traces.formats import BadCapture, psr
 from .command_frame import RATE, SALVAGE, command, rate_given, read_capture, usage_errors_in_one_sentence
 
 
-@command("traces", "periph-sim convert capture.sr capture.vcd --window '1 ms..5 ms'")
+@command(
+    "traces",
+    "periph-sim convert capture.sr capture.vcd --window '1 ms..5 ms'",
+    "periph-sim convert run.psr run.sr --sample '24 MHz' --channels SCL,SDA",
+)
 @click.argument("given", metavar="IN", type=click.Path(path_type=Path))
 @click.argument("out", metavar="OUT", type=click.Path(path_type=Path))
 @RATE

@@ -65,7 +65,11 @@ STYLES = ("table", "json", "csv", *EXPORTS)
 A_SECOND = {"s": 1, "ms": 10**3, "us": 10**6, "ns": 10**9, "ps": 10**12}
 
 
-@command("traces", "periph-sim decode capture.sr --i2c scl=0,sda=1")
+@command(
+    "traces",
+    "periph-sim decode capture.sr --i2c scl=0,sda=1",
+    "periph-sim decode capture.sr --uart rx=RX,baud=115200 --format csv",
+)
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--i2c", "i2cs", multiple=True, metavar="scl=CHANNEL,sda=CHANNEL", help="An I2C bus; by name or index.")
 @click.option(

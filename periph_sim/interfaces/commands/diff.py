@@ -13,7 +13,11 @@ if TYPE_CHECKING:
     from ...traces.decode.uart_line import Line
 
 
-@command("traces", "periph-sim diff before.sr after.sr --tolerance 1us")
+@command(
+    "traces",
+    "periph-sim diff before.sr after.sr --tolerance 1us",
+    "periph-sim diff before.sr after.sr --uart rx=RX,baud=115200",
+)
 @click.argument("a", type=click.Path(path_type=Path))
 @click.argument("b", type=click.Path(path_type=Path))
 @click.option("--map", "mapping", metavar="LINE=CHANNEL,...", help="scl=0,sda=1 or rx=0; a channel by name or index.")

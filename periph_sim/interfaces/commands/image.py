@@ -9,7 +9,7 @@ import click
 from .command_frame import command, print_answer, usage_errors_in_one_sentence
 
 
-@command("understand", "periph-sim image firmware.out")
+@command("understand", "periph-sim image firmware.out", "periph-sim image firmware.out _main --cycles")
 @click.argument("image", metavar="FILE", type=click.Path(path_type=Path))
 @click.argument("function", metavar="[FUNCTION]", required=False)
 @click.option("--cycles", is_flag=True, help="Explain the cycles of FUNCTION, one instruction a line.")

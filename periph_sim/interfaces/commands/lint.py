@@ -9,7 +9,7 @@ import click
 from .command_frame import RUN_FILE, SYSCLK, command, open_run, print_answer, time_given, usage_errors_in_one_sentence
 
 
-@command("understand", "periph-sim lint run.psr")
+@command("understand", "periph-sim lint run.psr", "periph-sim lint run.psr --bound '5 ms'")
 @RUN_FILE
 @click.option("--bound", metavar="TIME", default="20 ms", show_default=True, help="Maximum length of a wait.")
 @SYSCLK

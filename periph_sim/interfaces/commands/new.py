@@ -40,7 +40,7 @@ __all__ = ["REPLAY", "Settings", "main"]
 Files = dict[Path, str]
 
 
-@command("run", "periph-sim new i2c-slave thermometer")
+@command("run", "periph-sim new i2c-slave thermometer", "periph-sim new image firmware.out")
 @click.argument("kind", required=False, shell_complete=lambda ctx, param, begun: _beginning(_kinds(), begun))
 @click.argument("name", required=False)
 @click.option(

@@ -13,7 +13,11 @@ from ...scene.case.load import load
 from .command_frame import CHANGES, JSON, SECONDS, apart, command, print_answer, progress, running_user_code
 
 
-@command("understand", "periph-sim profile case.toml --lcov coverage.info")
+@command(
+    "understand",
+    "periph-sim profile timing/imu_hil_image.toml --lcov coverage.info",
+    "periph-sim profile timing/imu_hil_image.toml --speedscope profile.json",
+)
 @click.argument("case", type=click.Path(path_type=Path))
 @SECONDS
 @CHANGES

@@ -9,7 +9,9 @@ import click
 from .command_frame import JSON, RUN_FILE, SYSCLK, command, open_run, print_answer, usage_errors_in_one_sentence
 
 
-@command("understand", "periph-sim races run.psr --register I2C-A.I2CSTR")
+@command(
+    "understand", "periph-sim races run.psr --register I2C-A.I2CSTR", "periph-sim races run.psr --least 10 --no-lost"
+)
 @RUN_FILE
 @click.option("--register", metavar="NAME", help="One register, or one field of it: I2C-A.I2CSTR, I2C-A.I2CSTR.RRDY.")
 @click.option("--least", type=click.IntRange(0), metavar="CYCLES", help="Exit status 1 if a read was nearer.")

@@ -25,7 +25,7 @@ OPTIONS: dict[str, type[Answers]] = {
 MAPS: dict[str, tuple[int, RegisterMap]] = {module.name: (module.base, module.registers) for module in PART.modules}
 
 
-@command("understand", "periph-sim regs I2C-A.I2CSTR")
+@command("understand", "periph-sim regs I2C-A.I2CSTR", "periph-sim regs i2c --options")
 @click.argument("name", required=False)
 @click.option("--options", "want_options", is_flag=True, help="List the open questions and their answers instead.")
 def regs(name: str | None, want_options: bool) -> None:

@@ -44,7 +44,11 @@ from .result_text import assumptions, budget_table, legend
 BEFORE, AFTER = 14, 4  # maximum numbers of changes of registers that are shown before and after a divergence
 
 
-@command("traces", "periph-sim replay capture.sr --case timing/responder.toml")
+@command(
+    "traces",
+    "periph-sim replay capture.sr --case timing/responder.toml",
+    "periph-sim replay capture.sr --case timing/responder.toml --svg first.svg",
+)
 @click.argument("capture", type=click.Path(path_type=Path))
 @click.option("--case", "case_file", required=True, type=click.Path(path_type=Path), help="The case with the firmware.")
 @click.option(

@@ -34,7 +34,11 @@ if TYPE_CHECKING:
     from ..reports.explain.chain import Chain
 
 
-@command("run", "periph-sim run timing/imu_hil.toml --seconds 1 --explain")
+@command(
+    "run",
+    "periph-sim run timing/imu_hil.toml --seconds 1 --explain",
+    "periph-sim run timing/imu_hil.toml --set seed=2 --record run.psr",
+)
 @click.argument("case", type=click.Path(path_type=Path))
 @SECONDS
 @CHANGES

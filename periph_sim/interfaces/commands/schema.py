@@ -9,7 +9,7 @@ import click
 from .command_frame import command
 
 
-@command("run", "periph-sim schema > periph-sim.schema.json")
+@command("run", "periph-sim schema > periph-sim.schema.json", "periph-sim schema | grep -A5 'stall_limit'")
 def schema() -> None:
     """Print the JSON schema of case files, for editors.
 

@@ -36,7 +36,11 @@ if TYPE_CHECKING:
     from ...scene.result import Result
 
 
-@command("run", "periph-sim serve timing/imu_hil.toml --pty /tmp/dsp --for '10 s'")
+@command(
+    "run",
+    "periph-sim serve timing/imu_hil.toml --pty /tmp/dsp --for '10 s'",
+    "periph-sim serve timing/imu_hil.toml --rfc2217 4000 --log live.jsonl",
+)
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--pty", "link", is_flag=False, flag_value="", metavar="[LINK]", help="A pseudo-terminal; LINK names it.")
 @click.option("--port", "real", metavar="PORT", help="A real serial port instead: /dev/ttyUSB0.")

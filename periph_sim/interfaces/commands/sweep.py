@@ -25,7 +25,11 @@ FIGURES = ("worst", "limit", "margin", "at_s", "count", "verdict")
 MAX_LISTED = 10  # maximum number of runs that do not pass and are listed one by one
 
 
-@command("run", "periph-sim sweep timing/imu_hil.toml --vary 'seed=1, 2, 3' --seconds 0.1")
+@command(
+    "run",
+    "periph-sim sweep timing/imu_hil.toml --vary 'seed=1, 2, 3' --seconds 0.1",
+    "periph-sim sweep case.toml --vary 'controller.first=1 ms, 2 ms' --csv a.csv",
+)
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option(
     "--vary",

@@ -14,7 +14,11 @@ from .command_frame import CHANGES, command, pace_given, usage_errors_in_one_sen
 SHOWN = ("default", "direct", "nocontrol", "printable", "colorize", "debug")
 
 
-@command("run", "periph-sim terminal timing/uart_logger.toml --echo")
+@command(
+    "run",
+    "periph-sim terminal timing/uart_logger.toml --echo",
+    "periph-sim terminal timing/uart_logger.toml --encoding hexlify",
+)
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--sci", default="scia", show_default=True, help="The SCI: scia, or UNIT.SCI-A.")
 @click.option("--baud", default=115_200, show_default=True, type=click.IntRange(min=1), help="Rate of the terminal.")

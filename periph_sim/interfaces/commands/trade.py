@@ -16,7 +16,11 @@ from ..reports.trade.rows import chosen, rows_of
 from .command_frame import CHANGES, SECONDS, command, print_answer, progress, running_user_code, time_given
 
 
-@command("understand", "periph-sim trade timing/imu_hil.toml --seconds 1")
+@command(
+    "understand",
+    "periph-sim trade timing/imu_hil.toml --seconds 1",
+    "periph-sim trade case.toml --row 'record .vcd' --max-error '1 us'",
+)
 @click.argument("case", type=click.Path(path_type=Path))
 @SECONDS
 @CHANGES

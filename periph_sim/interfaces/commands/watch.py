@@ -20,7 +20,7 @@ from .result_text import HEADLINES, broken_lines, budget_table, title
 PAUSE = 0.3  # seconds between checks of the files; polling needs no library and works on any file system
 
 
-@command("run", "periph-sim watch timing/imu_hil.toml")
+@command("run", "periph-sim watch timing/imu_hil.toml", "periph-sim watch case.toml --set controller.period='5 ms'")
 @click.argument("case", type=click.Path(path_type=Path))
 @CHANGES
 @GUARANTEED

@@ -9,7 +9,11 @@ import click
 from .command_frame import RUN_FILE, SYSCLK, command, open_run, print_answer, usage_errors_in_one_sentence
 
 
-@command("understand", "periph-sim why run.psr 'I2C-A.I2CSTR.XRDY@12.345 ms'")
+@command(
+    "understand",
+    "periph-sim why run.psr 'I2C-A.I2CSTR.XRDY@12.345 ms'",
+    "periph-sim why run.psr 'SDA@12.345 ms' --depth 20",
+)
 @RUN_FILE
 @click.argument("question")
 @click.option(

@@ -20,7 +20,7 @@ from .command_frame import CHANGES, SECONDS, command, print_json, progress, runn
 MOST = 100  # maximum number of columns of a picture
 
 
-@command("understand", "periph-sim worst timing/imu_hil.toml response")
+@command("understand", "periph-sim worst timing/imu_hil.toml response", "periph-sim worst timing/imu_hil.toml --svg .")
 @click.argument("case", type=click.Path(path_type=Path))
 @click.argument("budgets", nargs=-1, metavar="[BUDGET]...")
 @SECONDS

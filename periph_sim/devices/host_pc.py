@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from array import array
 from bisect import bisect_right
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from random import Random
 from typing import Literal
@@ -41,6 +41,7 @@ class HostSchedule(msgspec.Struct, frozen=True):
     frame is due one period after the begin of the previous frame, so that delays add up.
     silent: spans (begin, end) in which no frame begins; a frame may begin at `end`.
     twice: numbers of the frames that are sent again as soon as they are over.
+    starts: the ticks at which the frames begin; None if they follow from the other attributes.
     """
 
     first: int
@@ -52,6 +53,7 @@ class HostSchedule(msgspec.Struct, frozen=True):
     paced_by: PacedBy = "schedule"
     silent: tuple[tuple[int, int], ...] = ()
     twice: frozenset[int] = frozenset()
+    starts: Sequence[int] | None = None
 
 
 class Host(Agent):
@@ -90,9 +92,11 @@ class Host(Agent):
         self._first: int = kernel.now + schedule.first
         self._period: Fraction = Fraction(schedule.period)
         self._pause = int(self._period // 1)
-        self._by_schedule = schedule.paced_by == "schedule"
+        self._by_schedule = schedule.paced_by == "schedule" and schedule.starts is None
         self._number = 0
-        # `_due` has, with paced_by = "pause", the tick at which each frame was due; else only the first.
+        # `_due` has the tick at which each frame was due, but only that of the first frame if `due` can calculate them.
+        if schedule.starts:
+            self._first = schedule.starts[0]
         self._due: array[int] = array("q", [self._first])
         self._plan(self._first)
 
@@ -125,10 +129,18 @@ class Host(Agent):
 
     def _plan(self, due: int) -> None:
         schedule = self._schedule
-        if schedule.frames is None or self._number < schedule.frames:
+        if schedule.starts is not None:
+            if self._number < len(schedule.starts):
+                self.begin_frame_at(schedule.starts[self._number])
+        elif schedule.frames is None or self._number < schedule.frames:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0
             self._due_next: int = due
             self._kernel.schedule(due + late, self, FRAME)
+
+    def begin_frame_at(self, tick: int) -> None:
+        """Schedule the next frame, which is due and begins at `tick`. Call it only if no frame is scheduled."""
+        self._due_next = tick
+        self._kernel.schedule(tick, self, FRAME)
 
     def _begin(self, due: int) -> None:
         schedule, now = self._schedule, self._kernel.now

@@ -90,11 +90,19 @@ class SensorHead(Agent):
 
     def _plan(self) -> None:
         schedule = self.schedule
-        if schedule.rounds is None or self._number < schedule.rounds:
+        if schedule.starts is not None:
+            if self._number < len(schedule.starts):
+                self.begin_round_at(schedule.starts[self._number])
+        elif schedule.rounds is None or self._number < schedule.rounds:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0
             # The tick at which the next round is due.
             self._due: int = self._first + self._number * self._period.numerator // self._period.denominator
             self._kernel.schedule(self._due + late, self, ROUND)
+
+    def begin_round_at(self, tick: int) -> None:
+        """Schedule the next round, which is due and begins at `tick`. Call it only if no round is scheduled."""
+        self._due = tick
+        self._kernel.schedule(tick, self, ROUND)
 
     def _set_up(self) -> None:
         """Set up the chips in a round that is not counted. A round that is due meanwhile is missed."""

@@ -108,6 +108,7 @@ class Schedule(Struct, frozen=True):
     jitter: the maximum delay of each round, uniformly distributed.
     rounds: number of rounds; None for no end.
     ahead: the time before `first` at which the chips are set up, if there are start-up requests.
+    starts: the ticks at which the rounds begin; None if they follow from the other attributes.
     """
 
     first: int
@@ -116,6 +117,7 @@ class Schedule(Struct, frozen=True):
     jitter: int = 0
     rounds: int | None = None
     ahead: int = 0
+    starts: Sequence[int] | None = None
 
 
 class Round(Struct):

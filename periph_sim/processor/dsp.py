@@ -66,6 +66,7 @@ class DspPlan(Struct):
     keeps_decoded: see `Engine`.
     strict: True if the run ends when the firmware violates a rule of the manuals (a note with the code "duty").
     seed: seed of the values drawn from spreads.
+    costs: the values of the first spreads, in seconds; further values are drawn.
     stall_limit: seconds of host CPU time that firmware may take at one instant of simulated time; 0 if unlimited.
     pulled_down: the GPIO numbers of the pins with an external pull-down resistor.
     part: the part of the F2833x family.
@@ -86,6 +87,7 @@ class DspPlan(Struct):
     keeps_decoded: bool = True
     strict: bool = False
     seed: int = 0
+    costs: tuple[Fraction, ...] = ()
     stall_limit: float = 0.0
     pulled_down: frozenset[int] = frozenset()
     part: Part = PART
@@ -105,10 +107,10 @@ class Dsp(FirmwareView):
     sources: the C sources that the unit runs; None for other firmware.
     """
 
-    STATE = State("resets _random")
+    STATE = State("resets _random _drawn")
 
     def __init__(self, kernel: Kernel, timebase: Timebase, recorder: Recorder, plan: DspPlan) -> None:
-        super().__init__(plan.name, plan.seed)
+        super().__init__(plan.name, plan.seed, plan.costs)
         self.plan = plan
         self._kernel = kernel
         self.recorder = recorder

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from fractions import Fraction
+from typing import Literal
 
 from msgspec import Struct
 
@@ -36,6 +37,12 @@ class CaseTicks(Struct, frozen=True):
         """
         count, parts = self._ticks(length, ppm)
         return self._fitting((2 * count + parts) // (2 * parts), length)
+
+    def starts(self, name: Literal["rounds", "frames"]) -> tuple[int, ...] | None:
+        """Return the ticks of a list of starts in [inputs]; None if it is not given."""
+        inputs = self.case.inputs
+        times = None if inputs is None else getattr(inputs, name)
+        return None if times is None else tuple(self.start + self.ticks(time) for time in times)
 
     def exact_ticks(self, length: Fraction, ppm: Fraction) -> Fraction:
         """Return the exact number of ticks of a length in seconds. ppm: as for `ticks`."""

@@ -90,6 +90,7 @@ def head_plan(scale: CaseTicks) -> HeadPlan:
         jitter=ticks(table.jitter),
         rounds=table.rounds,
         ahead=ticks(table.initialise or Fraction(0)),
+        starts=scale.starts("rounds"),
     )
     asked = Asked(
         requests=_transfers(requests, by_stop),
@@ -98,6 +99,7 @@ def head_plan(scale: CaseTicks) -> HeadPlan:
         first=scale.start + schedule.first,
         late=schedule.jitter,
         rounds=schedule.rounds,
+        starts=schedule.starts,
     )
     return HeadPlan(tuple(requests), tuple(startup), timing, schedule, asked, stuck_after, clear_after)
 

@@ -49,6 +49,7 @@ def host_plan(scale: CaseTicks) -> HostPlan:
         paced_by=table.paced_by,
         silent=tuple((begin, begin + length) for begin, length in spans),
         twice=frozenset(table.twice),
+        starts=scale.starts("frames"),
     )
     return schedule, scale.timebase.per_second / (Fraction(table.baud) * (1 + table.error / 100))
 

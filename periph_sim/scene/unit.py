@@ -91,6 +91,7 @@ def unit_plan(ticks: CaseTicks, name: str) -> DspPlan:
         keeps_decoded=ticks.optimizes(DECODING),
         strict=case.strict,
         seed=case.seed,
+        costs=() if case.inputs is None else case.inputs.costs.get(name, ()),
         stall_limit=float(case.stall_limit),
         pulled_down=pulled_down(case, name),
         part=part,

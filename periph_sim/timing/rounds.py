@@ -17,7 +17,7 @@ period after the start of the round before, and is missed if it has not begun ha
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 
 from msgspec import Struct
@@ -37,6 +37,7 @@ class Asked(Struct, frozen=True):
     first: the due time of the first round; None if it is not known.
     late: the maximum delay of the start of a round after its due time.
     rounds: the number of rounds that are due; None if rounds are due until the end of the run.
+    starts: the due times of all rounds; None if they follow from `first` and `period`.
     ack_polling: True if a write of only the address polls whether a device is ready. This write is then no request.
     """
 
@@ -47,6 +48,7 @@ class Asked(Struct, frozen=True):
     late: int = 0
     rounds: int | None = None
     ack_polling: bool = False
+    starts: Sequence[int] | None = None
 
 
 class Schedule:
@@ -60,6 +62,7 @@ class Schedule:
 
     def __init__(self, asked: Asked) -> None:
         self._asked: Asked = asked
+        self._starts: Sequence[int] | None = asked.starts
         self._is_fixed: bool = asked.first is not None
         self._since: int = NO_TIME if asked.first is None else asked.first  # the tick from which periods are counted
         period = Fraction(asked.period if self._is_fixed else asked.period // 1)
@@ -100,6 +103,8 @@ class Schedule:
     def _deadline(self) -> int:
         """Return the tick at which the next round is missed if it has not begun; NEVER if no round is due."""
         rounds = self._asked.rounds
+        if self._starts is not None:
+            return self._due(1) if self._passed < len(self._starts) else NEVER
         if self._since == NO_TIME or (rounds is not None and self._passed >= rounds):
             return NEVER
         return self._due(1) if self._is_fixed else self._due() + self._ticks // 2
@@ -112,6 +117,9 @@ class Schedule:
         return due
 
     def _due(self, ahead: int = 0) -> int:
+        if self._starts is not None:
+            number: int = self._next + ahead
+            return self._starts[number] if number < len(self._starts) else NEVER
         return self._since + (self._next + ahead) * self._ticks // self._periods
 
 

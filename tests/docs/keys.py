@@ -19,6 +19,7 @@ from periph_sim.devices.targets import families
 from periph_sim.devices.targets.register_settings import Interrupt, RegisterTable
 from periph_sim.devices.watchers import watchers
 from periph_sim.scene.case.device_tables import DeviceFault, DeviceTable, StretchTable, WatchTable
+from periph_sim.scene.case.inputs_table import InputsTable
 from periph_sim.scene.case.json_schema import descriptions, schema_of
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.case.party_tables import (
@@ -66,6 +67,7 @@ TABLES: dict[str, type] = {  # in the order of the page; the settings of devices
     "`[outside]`": OutsideTable,
     "`[host]`": HostTable,
     "`[serial]`": SerialTable,
+    "`[inputs]`": InputsTable,
     "`[[serial.send]]`": SendTable,
     "`[[serial.expect]]`": ExpectTable,
     "`[watch.NAME]`": WatchTable,

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from fractions import Fraction
 from random import Random
 
@@ -52,12 +52,14 @@ class FirmwareView:
     memory: AddressMap
     control: SystemControl
 
-    def __init__(self, name: str, seed: int) -> None:
-        """name: that of the unit. seed: seed of the values drawn from spreads."""
+    def __init__(self, name: str, seed: int, costs: Sequence[Fraction] = ()) -> None:
+        """name: that of the unit. seed: seed of the values drawn from spreads. costs: see `DspPlan`."""
         self.name: str = name
         self.sockets: dict[str, Socket] = {}
         self._ports: dict[str, ModulePort] = {}
         self._random: Random = Random(f"{seed} {name} computations")
+        self._costs: Sequence[Fraction] = costs
+        self._drawn = 0  # number of values drawn from spreads, those in `costs` included
 
     def has(self, module: Text) -> bool:
         """Return True if the unit has this module."""
@@ -121,8 +123,19 @@ class FirmwareView:
         around the computation; "" for no span.
         """
         if isinstance(cost, Spread):
-            cost = self._random.randint(self._cycles(cost.least), self._cycles(cost.most))
+            cost = self._value_in(cost)
         self.cpu.compute(self._cycles(cost), name)
+
+    def _value_in(self, spread: Spread) -> int:
+        """Return a number of cycles in a spread: the next of `costs`, or a drawn one if none is left."""
+        number, self._drawn = self._drawn, self._drawn + 1
+        if number >= len(self._costs):
+            return self._random.randint(self._cycles(spread.least), self._cycles(spread.most))
+        cost: Fraction = self._costs[number]
+        if not spread.least <= cost <= spread.most:
+            given, least, most = (f"{float(1_000_000 * one):g} us" for one in (cost, spread.least, spread.most))
+            raise Misuse(f"entry {number + 1} of costs in [inputs] is {given}; expected {least} to {most}")
+        return self._cycles(cost)
 
     def _cycles(self, cost: Fraction | int) -> BigInt:
         if isinstance(cost, Fraction):

@@ -16,6 +16,7 @@ from ...core.table import Duration, Table
 from ...devices.host_frames import host_frames
 from ...timing.budget_schema import REPLY, SILENCE, WATCH, Budget
 from .device_tables import DeviceTable, WatchTable
+from .inputs_table import InputsTable
 from .optimizations import Disabled, Fidelity
 from .origin import Place, Source, key_of, line_of, named_files
 from .party_tables import ChipTable, Controller, HostTable, OutsideTable, RoundsTable
@@ -42,8 +43,8 @@ class Case(Table, frozen=True, kw_only=True):
         such as the range of the I2C module clock
     stall_limit: CPU time that your Python code may take while simulated time stands still; then the run fails with
         status 1 and the line. Off under a debugger; `"0 s"` is no limit
-    unit, cable, transceiver, chip, device, controller, rounds, host, serial, watch, outside, fault: tables of the
-        parts
+    unit, cable, transceiver, chip, device, controller, rounds, host, serial, inputs, watch, outside, fault: tables
+        of the parts
     measures: measures of your own: `"late" = "count of record round missed"`
     measures_from: TOML file of measures
     budget: limits, `[[budget]]`
@@ -69,6 +70,7 @@ class Case(Table, frozen=True, kw_only=True):
     rounds: RoundsTable | None = None
     host: HostTable | None = None
     serial: SerialTable | None = None
+    inputs: InputsTable | None = None
     watch: dict[str, WatchTable] = {}
     outside: OutsideTable | None = None
     fault: tuple[dict[str, object], ...] = ()
@@ -106,11 +108,23 @@ class Case(Table, frozen=True, kw_only=True):
                 for number, (_, byte) in enumerate(case.host.lose)
                 if not 0 <= byte <= last
             ]
+        strange += case._flaws_of_inputs()
         if case.controller is not None and case.rounds is not None:
             strange.append(Mistake(("rounds",), "[controller] says its rounds already; leave one of them out"))
         if strange:
             raise BadTable(strange)
         return case
+
+    def _flaws_of_inputs(self) -> Iterator[Mistake]:
+        """Yield a mistake for each list in [inputs] that belongs to no part of the case."""
+        inputs = self.inputs or InputsTable()
+        if inputs.rounds is not None and self.controller is None:
+            yield Mistake(("inputs", "rounds"), "there is no [controller] whose rounds could start then; leave it out")
+        if inputs.frames is not None and self.host is None:
+            yield Mistake(("inputs", "frames"), "there is no [host] whose frames could start then; leave it out")
+        for unit in inputs.costs:
+            if unit not in self.unit:
+                yield Mistake(("inputs", "costs", unit), f"there is no unit {unit!r}; {did_you_mean(unit, self.unit)}")
 
     def _made_budgets(self) -> Iterator[tuple[Place, Budget]]:
         """Yield a budget for each expected reply, silence and watched wire, with the place of its table in the case."""

@@ -1,0 +1,31 @@
+"""The table [inputs]: values of a case's free inputs, in place of the values that its periods and spreads give."""
+
+from __future__ import annotations
+
+from collections.abc import Set
+from itertools import pairwise
+
+from ...core.table import Duration, Table
+
+
+class InputsTable(Table, frozen=True, kw_only=True):
+    """Exact values of the inputs that other tables leave free. Times count from the start of the run, without ppm.
+
+    rounds: starts of the controller's rounds; without it, `[controller]` schedules them. A round is due when it starts
+    frames: starts of the host's frames; without it, `[host]` schedules them
+    costs: by unit, the durations that its computations with a range take, in their order: `{ dsp = ["240 us"] }`;
+        further computations draw theirs
+    """
+
+    rounds: tuple[Duration, ...] | None = None
+    frames: tuple[Duration, ...] | None = None
+    costs: dict[str, tuple[Duration, ...]] = {}
+
+    def check_together(self, given: Set[str]) -> None:
+        for name in ("rounds", "frames"):
+            times = getattr(self, name) or ()
+            for number, (before, after) in enumerate(pairwise(times), 2):
+                if after <= before:
+                    raise ValueError(
+                        f"{name}: entry {number} is not after entry {number - 1}; list the starts in order"
+                    )

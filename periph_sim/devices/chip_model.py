@@ -1,8 +1,8 @@
-"""Interface of the models by which firmware computes the register bytes of chips from host frames.
+"""Interface of the models that firmware runs to compute the register bytes of the sensor chips that it emulates.
 
-    frame --ChipModel.run--> Shown --data--> bytes, by address
+    values of a host frame --ChipModel.run--> Shown --data--> register bytes, by I2C address
 
-The models that firmware can use are subclasses of `ChipModel`. They compute the bytes that a controller should read.
+Each such model is a subclass of `ChipModel`. Its bytes are those that a controller should read from the firmware.
 """
 
 # core: compiled
@@ -14,12 +14,12 @@ from typing import Any, final
 
 @final
 class Shown:
-    """The register bytes of the chips after one run of a model. The bytes of a chip are computed on first use.
+    """The register bytes of the emulated chips after one run of a `ChipModel`, each computed on first use.
 
-    state: the state of the model for the next run.
-    inputs: the data from which the model computes the bytes.
-    overflows: the number of intermediate results so far that did not fit the arithmetic.
     model: the model; None before the first run, when all bytes are 0.
+    state: the state from which the next run of the model continues.
+    inputs: the results of the run from which `ChipModel.data_of` computes the bytes.
+    overflows: number of fixed-point results of the run, and of the bytes computed so far, that wrapped or saturated.
     """
 
     def __init__(self, model: ChipModel | None, state: Any, inputs: Any, overflows: int = 0) -> None:
@@ -42,9 +42,9 @@ BYTES = 6  # number of register bytes of a chip before the first run
 
 
 class ChipModel:
-    """Base of the models by which firmware computes the register bytes of chips.
+    """Base of the models that firmware runs.
 
-    addresses: the addresses of these chips.
+    addresses: the I2C addresses of the emulated chips.
     at_rest: the result before the first run, in which all bytes are 0.
     """
 
@@ -52,14 +52,14 @@ class ChipModel:
     at_rest: Shown
 
     def run(self, number: int, values: tuple[int, ...] | None, before: Shown) -> Shown:
-        """Return the result of one run of the model, which processes the values of a frame.
+        """Run the model once with the values of the last host frame, and return the result.
 
         number: the number of the run, from 0.
-        values: the values; None before the first frame. A run without values has no effect on the next one.
-        before: the result of the last run.
+        values: the values; None before the first frame. Such a run does not change the state for the next run.
+        before: the result of the previous run.
         """
         raise NotImplementedError
 
     def data_of(self, address: int, shown: Shown) -> bytes:
-        """Return the register bytes of one chip, and count overflows in `shown`."""
+        """Compute the register bytes of one chip from `shown.inputs`, and add the overflows to `shown.overflows`."""
         raise NotImplementedError

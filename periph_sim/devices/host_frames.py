@@ -1,4 +1,7 @@
-"""Interface of the Python module that defines the frames of a [host]: values, bytes, and what chips show of them."""
+"""Interface of the Python module that defines the frames that a [host] sends.
+
+It defines the values of a frame, their encoding in bytes, and the chips whose registers contain them.
+"""
 
 from __future__ import annotations
 
@@ -14,9 +17,9 @@ T = TypeVar("T")
 
 
 class FrameSource(Protocol):
-    """The values of the frames of a motion: call it with the number of a frame.
+    """A function from the number of a frame to its values, which are sampled from a motion.
 
-    beyond: number of times that each value was outside its range.
+    beyond: for each value, by name, the number of frames so far in which it was out of range.
     """
 
     motion: Any
@@ -30,7 +33,7 @@ class HostFrames(Protocol):
 
     FRAME_BYTES: the length of a frame.
     PARTS: the values of a frame by name, each as x, y and z.
-    ADDRESSES: the addresses of the chips that show the values of a frame if firmware computes no model.
+    ADDRESSES: the I2C addresses of the chips that `data` knows.
     """
 
     FRAME_BYTES: int
@@ -62,10 +65,14 @@ class HostFrames(Protocol):
         """Return the values of a frame from its bytes, low byte first."""
 
     def shown(self, values: Sequence[T]) -> Mapping[str, Sequence[T]]:
-        """Return, by chip, which values of a frame the chip shows as x, y, z if firmware computes no model."""
+        """Return, for each chip by name, the three values of a frame that its registers contain as x, y and z.
+
+        This holds for firmware that copies the values of a frame to the registers. Firmware with a `ChipModel`
+        computes the registers from the values instead.
+        """
 
     def data(self, address: int, values: tuple[int, ...]) -> bytes:
-        """Return the register bytes of the chip with this address when it shows the values of a frame."""
+        """Return the register bytes of the chip with this address if they contain the values of a frame."""
 
 
 def host_frames() -> HostFrames:

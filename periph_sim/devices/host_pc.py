@@ -31,14 +31,14 @@ PacedBy = Literal["schedule", "pause"]
 class HostSchedule(msgspec.Struct, frozen=True):
     """The times at which the host sends frames, in ticks.
 
-    first: the time from the begin of the run to the first frame.
+    first: the time from the start of the run to the first frame.
     period: the exact period of the frames.
     jitter: the maximum delay of a frame, uniformly distributed.
     gap: the pause between bytes, in bits.
     lose: pairs (frame, byte) that are not sent.
     frames: number of frames; None for no end.
-    paced_by: with "schedule", frame n is due n periods after the first one. With "pause", as in a loop with a pause, a
-    frame is due one period after the begin of the previous frame, so that delays add up.
+    paced_by: "schedule": frame n is due n periods after frame 0. "pause": a frame is due one period after the previous
+        frame began, as in a program that sleeps after each frame; so delays accumulate.
     silent: spans (begin, end) in which no frame begins; a frame may begin at `end`.
     twice: numbers of the frames that are sent again as soon as they are over.
     starts: the ticks at which the frames begin; None if they follow from the other attributes.
@@ -57,10 +57,10 @@ class HostSchedule(msgspec.Struct, frozen=True):
 
 
 class Host(Agent):
-    """The party that sends the frames of a schedule.
+    """An agent that sends the frames of a schedule.
 
-    sent: functions called with (number, values, end of the last stop bit) after each frame. A frame that is sent twice
-    calls them twice.
+    sent: functions called with (number, values, end of the last stop bit) after each frame, also after the repetition
+        of a frame.
     """
 
     STATE = State("_peer _number _sending _again _once_more _random", ticks="_due_next _due")
@@ -119,7 +119,8 @@ class Host(Agent):
     def frame_at(self, tick: int) -> Fraction:
         """Return the number of the frame that is due at a past tick, with a fraction for ticks between two frames.
 
-        The number is negative before the first frame. The next frame is assumed to be due one period after the last.
+        The number is negative before frame 0 is due. After the last frame so far, the next one is assumed to be due one
+        period later.
         """
         period = self._period
         if self._by_schedule or tick < self._first:

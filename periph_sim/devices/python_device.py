@@ -26,8 +26,8 @@ from .targets import PlainReply, TargetContext
 class DevicePin:
     """A wire of the case that the device reads and drives with an open drain.
 
-    The device is a party on the wire. Therefore no byte or frame is skipped on it, and `level` is always the present
-    level.
+    While a device is attached to a wire, no bits of a byte or frame are skipped on this wire. So `level` is always the
+    present level.
     """
 
     def __init__(self, wire: Wire, who: str) -> None:

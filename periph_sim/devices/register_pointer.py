@@ -3,8 +3,8 @@
     START, address+W --> pointer, data, data ... --> write(pointer), pointer advances
     START, address+R --> read(pointer), pointer advances
 
-The first byte of a write sets the pointer, which survives STOP and repeated START. The chip decides whether it
-acknowledges its address, and to which register the pointer advances. Every written byte is acknowledged.
+The first byte of a write sets the pointer, which keeps its value after STOP and repeated START. The chip decides
+whether it acknowledges its address, and to which register the pointer advances. Every written byte is acknowledged.
 
 Source: data sheets of ADXL345, ITG-3200, HMC5883L, sections on the I2C interface.
 """
@@ -33,8 +33,8 @@ class RegisterPointer(PlainReply):
         self.chip = chip
         self._now = now
         self._touched = touched
-        self._number = 0  # the pointer as it was set, or the register of the last access
-        self._used = False  # the register `_number` was accessed, so the pointer has advanced
+        self._number = 0  # the pointer as it was last set; after an access, the register that was accessed
+        self._used = False  # True if the register `_number` was accessed, so that the pointer is the register after it
 
     @property
     def pointer(self) -> int:

@@ -1,9 +1,10 @@
-"""The sensor head: reads its chips over I2C, round by round, and checks the data.
+"""The sensor head: an I2C master that reads several sensor chips periodically.
 
     start-up requests, schedule --> rounds of requests --> I2cController --> transfers --> values, checks, reports
 
-A round is due every period. A request is a register pointer, written with a STOP or a repeated START after it, and the
-read of `count` bytes. If the previous round is still running when a round is due, the new round is missed.
+A request writes a register pointer, with a STOP or a repeated START after it, and reads `count` bytes of one chip. All
+requests of one period are a round. A round is due in every period. If the previous round is still running then, the new
+round is not made and counts as missed.
 
 Before the first round the sensor head can set up its chips as their drivers do: read identifications, and write rates,
 ranges and modes.
@@ -31,8 +32,9 @@ SET_UP, ROUND, NEXT = range(3)
 
 
 class SensorHead(Agent):
-    """The controller's program: a start-up, then rounds of requests.
+    """An agent that makes the start-up requests and then the rounds of requests with a controller.
 
+    missed: number of missed rounds.
     on_transfer: functions called at the end of each transfer.
     on_round: functions called at the end of each round.
     on_due: functions called with the time at which a round is due.
@@ -105,7 +107,7 @@ class SensorHead(Agent):
         self._kernel.schedule(tick, self, ROUND)
 
     def _set_up(self) -> None:
-        """Set up the chips in a round that is not counted. A round that is due meanwhile is missed."""
+        """Make the start-up requests, like a round that is not counted. Rounds that are due meanwhile are missed."""
         self._round = Round(0, self._kernel.now, self._kernel.now)
         self._left = [t for request in self._startup for t in request.transfers(self._by_stop)]
         self._next()

@@ -1,4 +1,4 @@
-"""Data of a sensor head: its requests, the sensors that it knows, its schedule, and the result of a round."""
+"""Data of a sensor head: its requests, the known sensors, its schedule, and the result of a round."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ BIG, LITTLE = struct.Struct(">3h"), struct.Struct("<3h")
 
 
 class Request(Struct, frozen=True):
-    """One read or write of a round. If it has no pointer, no data to write and no count, it is only an address.
+    """A request to one chip. Without a pointer, data to write and a count, only the address is sent.
 
     name: its name in records.
     pointer: the register pointer that is written first; None to write none.
@@ -47,14 +47,14 @@ class Request(Struct, frozen=True):
 
 
 class ChipData(Struct, frozen=True):
-    """The data registers of a sensor, and the requests of its driver.
+    """The data registers of a sensor, and the requests with which a driver sets it up.
 
-    pointer: the first data register.
+    pointer: the address of the first data register.
     big: True if the high byte comes first.
     lsb_per_unit: the number of LSB in one `unit` after `startup`.
-    count: number of bytes of a read.
-    order: the axes in the order of their registers.
-    overflow: the code for an invalid value.
+    count: number of data bytes that are read.
+    order: the axes (0: x, 1: y, 2: z) in the order of their registers.
+    overflow: the value that marks a result as invalid; None if there is none.
     startup: requests that set up the chip before the first round.
     """
 
@@ -100,9 +100,9 @@ def known_sensors() -> Mapping[str, ChipData]:
 
 
 class Schedule(Struct, frozen=True):
-    """The times at which a sensor head begins rounds, in ticks.
+    """The times at which the rounds of a sensor head begin, in ticks.
 
-    first: the time from the beginning of the run to the first round.
+    first: the time from the start of the run to the first round.
     period: the exact period of the rounds.
     gap: the pause between two transfers of a round, in addition to the bus-free time.
     jitter: the maximum delay of each round, uniformly distributed.

@@ -1,10 +1,11 @@
-"""The true values during a run: x, y, z that each chip should show at an instant, in its LSB.
+"""The true values during a run: the x, y and z that each chip's registers should contain at an instant, in LSB.
 
     frames of the host --LineBetweenFrames--> Truth --> budgets on "value error"
     model of the firmware, motion -------------> Truth
 
-Times are seconds from the instant at which the host's first frame is due. If the chips show the values of frames, the
-truth is a straight line between frames. Otherwise the model of the firmware computes it (`scene.unit.FirmwareModel`).
+Times are seconds from the instant at which the host's first frame is due. If firmware copies the values of frames to
+the registers, the truth is a straight line from each frame's values to the next. If firmware has a model of the chips,
+the model computes the truth from the motion (`scene.unit.FirmwareModel`).
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ WORD = 1 << 16  # number of values of a 16-bit word, in which -32768 follows 327
 
 
 class Truth(Protocol):
-    """The true values, independent of the firmware."""
+    """The true values. They do not depend on what the firmware does during the run."""
 
     def at(self, seconds: Fraction) -> Mapping[str, Axes]:
         """Return a dictionary from chips to x, y and z in LSB.
@@ -31,12 +32,12 @@ class Truth(Protocol):
 
 
 class LineBetweenFrames:
-    """The straight line from each frame's values to the next frame's; before the first frame, the values of that frame.
+    """Linear interpolation between the values of successive frames; before frame 0 is due, the values of frame 0.
 
+    Values are 16-bit and wrap around: from 32767 to -32768 is a step of 1. The interpolation takes the shorter way.
     frame: a function from the number of a frame to its values.
     period: seconds from one frame to the next.
-    shown: a function from these values to a dictionary from each chip to the values that the chip shows.
-    A line takes the shorter way from value to value, so it may pass from 32767 to -32768.
+    shown: a function that distributes the values of a frame to the chips, as `HostFrames.shown` does.
     """
 
     def __init__(self, frame: Callable[[int], tuple[int, ...]], period: Fraction, shown: Shown) -> None:

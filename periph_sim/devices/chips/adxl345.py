@@ -7,7 +7,7 @@ Not modelled:
 - AUTO_SLEEP and the self-test force
 - the filter: a sample is the source's value at that instant
 - the INT pins, and with them the event of trigger mode
-- the 5 us between two reads of the FIFO, which I2C up to 400 kHz always keeps
+- the minimum of 5 us between two reads of the FIFO: at up to 400 kHz, two reads are always further apart
 
 Source: ADXL345 data sheet Rev 0, register map, FIFO section and the sections named at the methods.
 """
@@ -102,7 +102,7 @@ MAP = RegisterMap(
 
 
 DEPTH = 32
-HELD = DEPTH + 1  # maximum number of samples held: those of the FIFO and one at the output of the filter
+HELD = DEPTH + 1  # maximum number of samples that can be read: those of the FIFO and one at the filter's output
 
 
 BYPASS, FIFO = 0, 1  # values of FIFO_CTL.Mode; modes 2 (stream) and 3 (trigger) drop the oldest samples
@@ -194,7 +194,7 @@ class Adxl345Options(Answers):
 
 
 class Adxl345(RegisterChip):
-    """The chip's registers; `RegisterPointer` connects it to a bus. It acknowledges from power-up on."""
+    """The chip, whose registers `RegisterPointer` connects to a bus. It acknowledges its address from power-up on."""
 
     STATE = State("fifo _clock _taken _latched")
     MAP = MAP
@@ -217,12 +217,12 @@ class Adxl345(RegisterChip):
         self.options = options or Adxl345Options()
         self.fifo = Fifo(self.options.overrun_in_fifo.unrecorded() == "when_filled")
         self._clock: Clock | None = None  # clock of the samples; None in standby and sleep
-        self._taken = 0  # number of samples of `_clock` that were taken
+        self._taken = 0  # number of periods of `_clock` whose samples were taken
         self._latched: bytes | None = None  # the sample that the present burst reads
 
     @property
     def rate(self) -> Fraction:
-        """Sample rate in Hz (BW_RATE table; codes below 6 as in later revisions)."""
+        """Sample rate in Hz. Rev 0 of the data sheet lists only BW_RATE codes from 6; later revisions list all."""
         return Fraction(3200, 2 ** (15 - self.get("BW_RATE", "Rate")))
 
     @property
@@ -258,7 +258,7 @@ class Adxl345(RegisterChip):
         due = self._clock.cycle_after(now)
         new = range(self._taken, due)
         self._taken = max(due, self._taken)
-        most = 2 * 33  # more samples only affect the overrun
+        most = 2 * 33  # older (in FIFO mode: newer) samples are lost in any case; 66 are enough to set Overrun
         if len(new) > most:
             new = new[:most] if self.fifo.mode == FIFO else new[-most:]
         for number in new:

@@ -62,7 +62,7 @@ class Hmc5883lOptions(Answers):
 
 
 class Hmc5883l(RegisterChip):
-    """The chip's registers; `RegisterPointer` connects it to a bus. Registers that do not exist read 0."""
+    """The chip, whose registers `RegisterPointer` connects to a bus. Registers that do not exist read 0."""
 
     STATE = State("_clock _taken _to_read _gains _unread _mode_is_power_ons _idle_by_itself", ticks="_placed _analog")
     MAP = MAP
@@ -115,7 +115,7 @@ class Hmc5883l(RegisterChip):
     # Measurements -------------------------------------------------------------------
 
     def _start(self, now: int) -> None:
-        """Restart after a write of Mode, or of CRA in continuous mode. A measurement is aborted (section on modes)."""
+        """Restart after a write of Mode, or of CRA in continuous mode. A measurement in progress is lost (Modes)."""
         self._clock, self._taken = None, 0
         begin = max(now, self._analog)
         mode = self.get("Mode", "MD")

@@ -63,7 +63,7 @@ LSB_PER_DEG_S = Fraction(115, 8)  # LSB in one deg/s: 14.375
 REGISTER_ACCESS = Fraction(20, 1000)  # seconds from power-on to the first register access
 START_UP = Fraction(50, 1000)  # seconds from power-on, or from the end of sleep, until the gyroscopes run
 PLL_SETTLING = Fraction(1, 1000)
-FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # decimal 35 to 60; the pointer does not advance from these
+FIRST_RESERVED, LAST_RESERVED = 0x23, 0x3C  # registers 35 to 60, at which the pointer does not advance
 SHOWN = ("TEMP_OUT_H", "TEMP_OUT_L", *DATA)
 ROOM = 25.0  # default temperature in degrees Celsius
 
@@ -87,7 +87,7 @@ class Itg3200Options(Answers):
 
 
 class Itg3200(RegisterChip):
-    """The chip's registers; `RegisterPointer` connects it to a bus.
+    """The chip, whose registers `RegisterPointer` connects to a bus.
 
     temperature: function that returns degrees Celsius at a tick.
     """
@@ -113,12 +113,12 @@ class Itg3200(RegisterChip):
         self.options = options or Itg3200Options()
         self.temperature = temperature
         self._clock: Clock | None  # clock of samples; None while asleep
-        self._taken: int  # number of samples of `_clock` that were taken
+        self._taken: int  # number of periods of `_clock` whose samples are over; only the last one was stored
         self._awake: int  # tick at which the gyroscopes have started up
         self._settled: int  # tick at which the clock source is ready
         self._ready_shown: bool  # True if INT_STATUS has shown that the clock source is ready
         self._shown = dict.fromkeys(SHOWN, 0)  # contents of the data registers
-        self._burst: dict[str, int]  # contents of the data registers at the begin of the burst
+        self._burst: dict[str, int]  # contents of the data registers when the burst began
         self._scale_known = True  # FS_SEL was 3 when the last sample was taken
         self._ad0 = ADDRESSES.index(address)
         self._identify()

@@ -3,8 +3,8 @@
     RegisterPointer --> begin, read, write --> the chip's own rules --> stored registers, notes
                                                   ^--- samples due since the last call, from a Source
 
-A chip is independent of kernel, wires and records. Times are ticks of a Timebase. Each call passes the present time,
-and the chip takes the samples that are due by then, so an idle chip costs nothing.
+A chip does not depend on the kernel, wires or records. Times are ticks of a Timebase. Each access passes the present
+time to the chip, which then takes the samples that are due by this time. So a chip needs no events of its own.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class RegisterChip:
     address: seven bits.
     stored: the stored values by register number.
     notes: the notes since the owner last cleared the list.
-    touched: names of the options that affected a read value, or the bus.
+    touched: names of the options that have decided a value that was read, or the chip's behaviour on the bus.
     powered: the tick at which the supply was switched on.
     ready: given as a delay in seconds from `powered`; stored as the tick from which the chip acknowledges its address.
     """
@@ -41,7 +41,7 @@ class RegisterChip:
     SECTION: str  # section of the data sheet on register access
     ADDRESSES: tuple[int, ...]  # possible addresses, 7 bits each, the usual one first
     OPTIONS: type[Any]  # options for open questions of the data sheet
-    DATA: tuple[str, ...] = ()  # the registers with x, y and z, two for each, in order
+    DATA: tuple[str, ...] = ()  # the data registers, two for each axis, in the order of their addresses
     BYTE_ORDER: Literal["big", "little"] = "big"  # order of the two registers of an axis
     UNIT = ""  # the physical unit of x, y and z
 
@@ -145,7 +145,7 @@ class RegisterChip:
         return tick + self.timebase.ticks(length, "up")
 
     def beats(self, first: int, rate: Fraction) -> Clock:
-        """Return a clock whose cycle 0 begins at tick `first`, and cycle n exactly n / rate later, rounded down."""
+        """Return a clock: cycle 0 begins at tick `first`, and cycle n begins n / rate seconds later, rounded down."""
         return Clock(self.timebase, rate, tick0=first)
 
 

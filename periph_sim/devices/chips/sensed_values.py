@@ -35,7 +35,7 @@ def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) ->
 
     It gives `values(n)` from tick first + n * period on, and zeros before tick `first`.
     """
-    kept, axes = -1, ZERO  # last frame used and its values: a chip samples several times in a frame
+    kept, axes = -1, ZERO  # number and values of the last frame used, since a chip takes several samples of a frame
 
     def at(tick: int) -> Sequence[Fraction]:
         nonlocal kept, axes
@@ -51,7 +51,7 @@ def numbered(first: int, period: int, values: Callable[[int], Sequence[int]]) ->
 
 def scaled(source: Source, lsb_per_unit: Fraction) -> Source:
     """Return the source with its values converted exactly from LSB to the chip's physical unit."""
-    kept: Sequence[float | Fraction] | None = None  # last value of `source`; `axes` is this value converted
+    kept: Sequence[float | Fraction] | None = None  # the last values of `source`; `axes` has them converted
     axes: Sequence[Fraction] = ZERO
 
     def at(tick: int) -> Sequence[Fraction]:

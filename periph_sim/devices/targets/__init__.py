@@ -1,4 +1,4 @@
-"""Devices on an I2C bus by the name of their model.
+"""Targets: devices that answer to an address on an I2C bus, found by the name of their model.
 
 Each file of this folder that defines MODELS is one family of devices. The files are found automatically. A file defines
 
@@ -6,7 +6,7 @@ Each file of this folder that defines MODELS is one family of devices. The files
     Settings                         a `Table` with the keys of this family
     build(model, settings, place)    a function that returns the target; BadDevice for contradictory settings
 
-A target is an ordinary party: it knows the time and its wires, and no other object depends on it.
+A target may use everything in its `TargetContext`, such as the time and the wires. No other module depends on it.
 """
 
 from __future__ import annotations
@@ -45,12 +45,12 @@ class TargetContext:
     """The environment of a new target.
 
     who: the target's name on wires.
-    address: 7 bits; None if the case gives none.
+    address: 7 bits; None if the case does not define it.
     ticks: converts seconds to ticks.
     start: the tick at which the run begins.
     folder: the folder to which relative paths refer.
-    random: the target's own generator.
-    wire: returns the wire with a name; ValueError if the scene has none.
+    random: the target's own random generator.
+    wire: returns the wire with a name; ValueError if there is no such wire.
     hold_clock: called with a number of ticks to hold SCL low.
     note: called with each note.
     """

@@ -59,7 +59,7 @@ PARTS = {
     "512": Part(65536, 128, 2, 1),
 }
 MAKES = ("24c", "24lc", "24aa")
-WITHOUT_PINS = ("24lc", "24aa")  # up to 16 Kbit, these do not connect A0 to A2, so they answer to all eight addresses
+WITHOUT_PINS = ("24lc", "24aa")  # up to 16 Kbit, these do not use the pins A0 to A2 and answer to all eight addresses
 MODELS = tuple(f"{make}{size}" for size in PARTS for make in MAKES)
 
 
@@ -134,7 +134,7 @@ class Eeprom(PlainReply):
         self._pointer = 0
         self._begin: int  # first address of the present write
         self._buffer: dict[int, int] = {}
-        self._written: int  # number of data bytes of this write; larger than the buffer if the address wrapped
+        self._written: int  # number of data bytes of this write; more than `_buffer` has if addresses were repeated
         self._busy_until = 0
 
     def answer(self, address_byte: int) -> Eeprom | None:
@@ -214,7 +214,7 @@ DATA, END, SEGMENT, LINEAR = 0, 1, 2, 4  # kinds of records in Intel HEX; record
 
 
 def image(path: Path) -> bytes:
-    """Read the contents of a memory from a file: .bin as it is, or .hex in Intel's format, whose gaps become 0xFF.
+    """Read the contents of a memory from a .bin file, or from a .hex file in Intel's format, with 0xFF in its gaps.
 
     Raise ValueError, whose message is one sentence with the file and its line.
     """

@@ -37,9 +37,9 @@ class Interrupt(Table, frozen=True, kw_only=True):
 
 
 class RegisterTable(Table, frozen=True, kw_only=True):
-    """A register of the device. Bits are a number, `0x80`, or `true` for all.
+    """A register of the device. Keys that name bits take a mask, `0x80`, or `true` for all bits.
 
-    name: name in messages and for `sets` and `interrupt`
+    name: name of the register, also used by `sets` and `interrupt`
     at: pointer of the first byte
     width: 8 or 16 bits
     reset: value at start and after power loss
@@ -49,8 +49,8 @@ class RegisterTable(Table, frozen=True, kw_only=True):
     updates: values by time: `[["5 ms", 0x12], ["7 ms", 0x34]]`, or a `.csv` file with rows `5 ms,0x12`
     every: period of `values` or `step`
     first: time of the first update; otherwise one period
-    values: successive values; the last stays
-    step: added at each update, modulo the width
+    values: values of successive updates; the register keeps the last one
+    step: number added at each update; the sum wraps around
     sets: bits of another register set by each update: `{ register = "STATUS", bits = 0x01 }`
     """
 
@@ -107,11 +107,10 @@ class Settings(Table, frozen=True, kw_only=True):
 
     register: registers, `[[device.NAME.register]]`
     pointer_bytes: 1 or 2, high byte first
-    pointer_counts: a 16-bit register takes two pointer values (`"bytes"`) or one (`"registers"`)
+    pointer_counts: `"bytes"`: a 16-bit register takes two pointer values; `"registers"`: one
     byte_order: of 16 bits: `"big"` or `"little"`
     auto_increment: the pointer advances by itself
-    wrap: after the last pointer value: `"pointer"` continues at 0 after 0xFF (0xFFFF), `"map"` at the first
-        register after the last
+    wrap: `"pointer"`: the pointer goes from 0xFF (0xFFFF) to 0; `"map"`: from the last register to the first
     unmapped: value read where no register is
     interrupt: interrupt pin, `[device.NAME.interrupt]`
     """

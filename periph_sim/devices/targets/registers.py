@@ -4,9 +4,9 @@
     START, address+R, data ...          --> read, pointer advances        pointer 2: bits 15:8, 3: bits 7:0
 
 The value of a register is latched when its first byte is read, and stored when its last byte is written, so all bytes
-belong to one value. The pointer survives STOP and repeated START. With `updates` and `every` the device changes its
-registers by itself. These updates are applied on access. Events are scheduled for them only if there is an interrupt
-pin.
+belong to one value. The pointer keeps its value after STOP and repeated START. With `updates` and `every` the device
+changes its registers by itself. These updates are applied at the next access. Only a device with an interrupt pin
+schedules an event for each update.
 """
 
 from __future__ import annotations
@@ -32,13 +32,14 @@ SOURCE = "the case's register map"
 
 
 class Feed:
-    """Updates of a register by its device: their number and the value.
+    """The updates of one register by the device itself.
 
         updates = [["5 ms", 0x12], ["7 ms", 0x34]]    or a .csv file of such rows
-        every = "1 ms", values = [1, 2, 3]            the last one remains;   step = 1 counts
+        every = "1 ms", values = [1, 2, 3]            the last value remains
+        every = "1 ms", step = 1                      each update adds `step`
 
     ticks: the ticks of all updates or, with a period, only of the first one.
-    values: the value of each update; empty if updates only count.
+    values: the value of each update; empty if updates add `step`.
     period: ticks between updates; 0 without a period.
     """
 
@@ -66,7 +67,7 @@ class Feed:
 
 
 def feed_of(table: RegisterTable, entry: int, place: TargetContext) -> Feed | None:
-    """Return the updates of a register; None if only the bus changes it. Raise BadDevice if a file is invalid."""
+    """Return the updates of a register; None if it has none. Raise BadDevice if a file is invalid."""
     if table.every is not None:
         first = table.every if table.first is None else table.first
         period = max(1, place.ticks(table.every))
@@ -137,7 +138,7 @@ class RegisterDevice(PlainReply):
             self._plan()
 
     def power_on(self) -> None:
-        """Reset every register. Updates that were due before now have no effect."""
+        """Reset every register, and skip the updates that became due while the power was off."""
         for feed in self._feeds.values():
             feed.advance(self._place.kernel.now)
         self._reset()
@@ -146,7 +147,7 @@ class RegisterDevice(PlainReply):
         self.values = {table.name: table.reset for table in self._settings.registers}
         self._pointer = 0
         self._byte = 0  # index of the next byte in the register, if the pointer counts registers
-        # `_taken` is a value in transfer: name of the register, value, index of the next byte.
+        # The value of which some bytes were transferred: name of the register, value, index of the next byte.
         self._taken: tuple[str, int, int] | None = None
         self._show()
 
@@ -266,7 +267,7 @@ class RegisterDevice(PlainReply):
         self._plan()
 
     def _show(self) -> None:
-        """Drive the interrupt pin according to the bits of its register."""
+        """Drive the interrupt pin, if there is one, according to the bits of the register that its table names."""
         if self._interrupt is not None:
             interrupt, pin = self._interrupt
             pending = bool(self.values[interrupt.register_name] & interrupt.bits)

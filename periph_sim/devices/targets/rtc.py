@@ -5,9 +5,9 @@
     START, 0x6F+W, 00 30, SC MN HR DT MO YR DW Y2K, STOP     the time, from the STOP on
     START, 0x6F+W, 00 30, START, 0x6F+R, SC MN ...           the time as it was when the read began
 
-Alarms and control registers, 0x00 to 0x17, are non-volatile. After a write of them the device acknowledges nothing for
-`write_time`, and RWEL becomes 0. A write stays in its group of eight registers; a read continues from 0x3F to 0. Alarms
-and control registers have no effect. The memory of 512 bytes at address 0x57 is another device.
+Alarms and control registers, 0x00 to 0x17, are non-volatile. After a write of them the device does not acknowledge its
+address for `write_time`, and RWEL becomes 0. A write wraps around in a group of eight registers; a read wraps from 0x3F
+to 0. Alarms and control registers are stored, but have no effect. The memory at address 0x57 is another device.
 
 Source: Renesas FN8231 (ISL12026), FN8098 (X1226): clock/control registers, status register, page write.
 """
@@ -27,7 +27,7 @@ from . import BadDevice, PlainReply, TargetContext, address_among
 
 __all__ = ["MODELS", "Settings", "build"]
 
-MIL, PM = 0x80, 0x20  # bits of HR: 24-hour format; afternoon in the 12-hour format, where 12 comes before 1
+MIL, PM = 0x80, 0x20  # bits of HR: 24-hour format; afternoon in the 12-hour format, in which 12 is the first hour
 
 
 class BadTime(ValueError):
@@ -127,7 +127,7 @@ def _plain(value: datetime | None) -> datetime | None:
 class Settings(Table, frozen=True, kw_only=True):
     """A real-time clock with two-byte register addresses.
 
-    time: initial time, `2012-02-29 23:59:58`; otherwise the clock is stopped with RTCF set
+    time: initial time, `2012-02-29 23:59:58`; without it the clock is stopped and RTCF is set
     ppm: crystal error, parts per million
     battery: runs on without supply
     write_time: duration of a nonvolatile write
@@ -165,7 +165,7 @@ class Rtc(PlainReply):
         self._forget()
 
     def _forget(self) -> None:
-        """Clear the state without battery backup."""
+        """Clear the state that the battery does not back up."""
         self._latches = 0
         self._pointer = 0
         self._begin: int  # first register of the present write
@@ -266,7 +266,7 @@ class Rtc(PlainReply):
         return registers_of(time.later((self._place.kernel.now - since) // self._second))
 
     def _set(self, written: dict[int, int]) -> None:
-        """Set some of the eight time registers. The others keep their present values."""
+        """Write these time registers. The other time registers keep their present values."""
         registers = bytearray(self._clock())
         for at, value in written.items():
             registers[at - CLOCK.start] = value

@@ -6,7 +6,8 @@ Each file of this folder that defines KIND is one kind of watcher. The files are
     Settings                  a `Table` with the keys of this kind
     build(settings, place)    a function that returns the watcher
 
-A watcher receives every edge and the end of the run. Its deviations are compared with the table's `tolerance`.
+A watcher is called at every edge and at the end of the run. Its caller compares the deviations with the `tolerance` of
+the table.
 """
 
 from __future__ import annotations
@@ -42,7 +43,7 @@ class WatchContext:
     refute: Callable[[str, int], None]
 
     def at(self, tick: int) -> str:
-        """Return a tick as text, in seconds from the begin of the run."""
+        """Return a tick as text, in seconds from the start of the run."""
         return f"{(tick - self.start) / self.ticks(Fraction(1)):.6f} s"
 
 
@@ -56,7 +57,7 @@ class WireWatcher(Protocol):
         """Handle the end of the run."""
 
     def missing(self) -> str:
-        """Return the reason why no deviation could be measured; "" if there is none."""
+        """Return why no deviation was measured, or "". Called after `finish`, and only if there was no deviation."""
 
 
 class Family(Protocol):

@@ -49,12 +49,12 @@ class Edges:
     def __init__(self, settings: Settings, place: WatchContext) -> None:
         self._place = place
         self._expected = [(place.ticks(at), EDGE_NAMES.index(edge)) for at, edge in settings.edges]
-        # `_zero` is the tick from which the expected times count; -1 before the first edge.
+        # The tick from which the expected times count; -1 while it is the first edge, which has not come yet.
         self._zero = place.start if settings.since == "start" else -1
         self._after = place.start + place.ticks(settings.after)
         self._more = settings.more
         self._next = 0
-        self._lost = False  # an edge was of the wrong kind, so that the later ones cannot be assigned
+        self._lost = False  # True after an edge of the wrong kind: later edges cannot be matched to expected ones
         self._cut = False
 
     def edge(self, now: int, level: int) -> None:

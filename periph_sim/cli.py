@@ -64,7 +64,7 @@ class Commands(click.Group):
         if name not in sys.modules:
             gc.disable()  # imported modules stay in memory, so searching them for garbage would only take time
             importlib.import_module(name)
-            gc.freeze()  # not after a run, because garbage of the run would then be kept, too
+            gc.freeze()  # garbage collection ignores the imported objects from now on
             gc.enable()
         found: click.Command = getattr(sys.modules[name], file.stem)
         return found

@@ -1,4 +1,4 @@
-"""Names of earlier versions that were removed or moved, each with the name or the method that replaces it."""
+"""Names of earlier versions: removed names with messages that say what to use, and moved names with the new names."""
 
 from __future__ import annotations
 

@@ -278,7 +278,7 @@ def last_build(built: Path) -> dict[str, str]:
 
 
 def needed(prefixes: Sequence[str], sources: Sources) -> list[str]:
-    """Return the compiled modules with these prefixes and the modules whose types they use; all without prefixes."""
+    """Return the compiled modules with these prefixes, all if there are none, and the modules whose types they use."""
     found = sources.compiled()
     chosen = [one for one in found if any(f"{one}.".startswith(f"{prefix}.") for prefix in prefixes)]
     if prefixes and not chosen:

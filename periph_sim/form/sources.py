@@ -88,7 +88,7 @@ class Source:
     def classes(self) -> dict[str, Class]:
         """The compiled classes of the module, by name."""
         found: dict[str, Class] = {}
-        self.__dict__["classes"] = found  # set while incomplete, because a class may have a base in this module
+        self.__dict__["classes"] = found  # already set here, because the base of a class may be in the same module
         for node in self.tree.body if self.is_compiled else ():
             if not isinstance(node, ast.ClassDef) or "python" in self.marks(node, CLASS_MARKS):
                 continue

@@ -3,7 +3,8 @@
 simulator, serial port, driver --apply--> Session --advance--> changes of the case's pins, with their ticks
                                              `--log--> replay --> the same run again
 
-In this package, "the outside" is the code that uses the session and moves lines of the case.
+In this package, "the outside" is the code that uses the session. A line that leads outside is a wire of the case that
+this code may release or pull low.
 """
 
 from __future__ import annotations

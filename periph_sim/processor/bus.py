@@ -114,7 +114,7 @@ class Bus:
         self._pf1_back_to_back_write: IntOption = options.pf1_back_to_back_write
         self._pf2_read_ws, self._pf2_write_ws = options.pf2_read_ws, options.pf2_write_ws
         self._write_lands: IntOption = options.write_lands
-        # True once a read, or a write, in frame 2 has noted that the run depends on the option of its wait states.
+        # True after the first read, and the first write, in frame 2. From then on the run depends on the wait states.
         self._read_listed = self._write_listed = False
         self._words: list[Operand | None] = []  # the 16-bit operand at each address, made at its first access
         self._pairs: list[Operand | None] = []  # the 32-bit operand at each even address
@@ -172,7 +172,7 @@ class Bus:
         return found
 
     def naming(self, operand: Operand, mask: int) -> Operand:
-        """Return an operand with the same words whose records name the field with the bits of `mask`.
+        """Return an operand for the same words. Its records name the field that contains the bits of `mask`.
 
         If these bits belong to no field, or to several fields, return the same operand. mask: bits of the transferred
         word; bit 0 is the lowest bit of that word, also for the upper word of a register.
@@ -381,6 +381,6 @@ class Bus:
     # Both ------------------------------------------------------------------------
 
     def _require_met(self, at: int) -> None:
-        """Raise RuntimeError if the kernel's time was not set to cycle `at`, that of an access with effects."""
+        """Raise RuntimeError if the kernel's time was not set to cycle `at` of an access with effects."""
         if self._time.met != at:
             raise RuntimeError(f"{self._name}: an access in cycle {at} has effects; call CpuTime.meet before it")

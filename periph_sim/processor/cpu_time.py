@@ -142,7 +142,7 @@ class CpuTime:
         self.wake_at(self.cycle)
 
     def arrive(self) -> None:
-        """Set the time of the CPU to that of the wake-up that happens now."""
+        """Set the time of the CPU to the cycle of the wake-up that happens now."""
         self.lease = 0
         if self.asleep:
             self.asleep = False

@@ -69,7 +69,7 @@ class DspPlan(Struct):
     costs: the values of the first spreads, in seconds; further values are drawn.
     stall_limit: seconds of host CPU time that firmware may take at one instant of simulated time; 0 if unlimited.
     pulled_down: the GPIO numbers of the pins with an external pull-down resistor.
-    part: the part of the F2833x family.
+    part: the member of the F2833x family.
     code: the cycles of compiled code around accesses.
     system: answers to open questions about the CPU and system control.
     options: a dictionary from a group of options to answers to open questions about modules. If a group is missing, its
@@ -156,7 +156,7 @@ class Dsp(FirmwareView):
         self.router = self._route(plan)
         cycle = self.clock.cycle_at(kernel.now)
         for socket in self.sockets.values():
-            socket.publish(cycle)  # schedules the first wake-ups of the modules, such as that of a running watchdog
+            socket.publish(cycle)  # schedules the first wake-ups of the modules, for example of a running watchdog
 
     # Start and end -------------------------------------------------------------
 

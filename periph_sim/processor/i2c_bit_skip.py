@@ -33,7 +33,7 @@ class I2cModuleParty(BitParty):
     """The I2C module of a unit as a party whose bits can be skipped."""
 
     def __init__(self, socket: Socket, chip: I2c, clock: Clock) -> None:
-        """socket: that of the module. clock: SYSCLKOUT of the unit."""
+        """socket: the socket of the module. clock: SYSCLKOUT of the unit."""
         self._socket = socket
         self._chip = chip
         self._clock = clock

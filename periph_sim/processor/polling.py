@@ -41,13 +41,13 @@ class Spin:
     """A wait in progress.
 
     since: the cycle at which the wait began.
-    pass_cycles: the cycles of a whole pass; None if they are those of the reads, of their tests and of the branch back.
+    pass_cycles: the cycles of a whole pass; None to compute them from the reads, their tests and the branch back.
     ends: the cycle at which the wait times out; NEVER if it has no timeout.
     made: the number of reads so far in the present pass.
     reads: the reads of the present pass in their order, then those of earlier passes that the pass has not replaced.
     pure: True if the present pass has made no write and no read with a side effect, and was not delayed by an interrupt
         or a stall.
-    bare: True if the present pass has taken no time except that of its reads and their tests.
+    bare: True if only the reads of the present pass and their tests have taken time.
     start: the cycle at which the present pass began.
     held_up: the cycles by which interrupts and stalls have delayed the present pass.
     live_from: in a replay, reads before this cycle return the earlier values.

@@ -51,7 +51,7 @@ class SourceLocator:
         self._codes: list[CodeType] = []  # these code objects; the references keep their ids unique
 
     def of_frame(self, frame: FrameType | None) -> SourceLocation | None:
-        """Return the location of the innermost frame of firmware from this one outwards; None if there is none."""
+        """Return the location of the first firmware frame among this frame and its callers; None if there is none."""
         while frame is not None:
             code = frame.f_code
             try:

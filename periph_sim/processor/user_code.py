@@ -152,7 +152,7 @@ def _cpu_seconds(thread: int) -> float:
 
 def _raise_in(thread: int, what: type[BaseException]) -> None:
     """Raise an exception in a thread at its next bytecode. It replaces a pending exception."""
-    import ctypes  # imported only for a stall
+    import ctypes  # imported here, because only a stall needs it
 
     ctypes.pythonapi.PyThreadState_SetAsyncExc(ctypes.c_ulong(thread), ctypes.py_object(what))
 

@@ -131,7 +131,7 @@ class RegisterNames:
                 self._known[number] = bus.rows.at, self._named(bus.rows, _devices(chips, case_file), resumed)
 
     def column(self, rows: Rows) -> Numbers:
-        """Return the code of each row."""
+        """Return, for each row, the code of the name of its byte."""
         codes = np.zeros(len(rows.at), np.int64)
         for bus, (at, named) in self._known.items():
             own = np.flatnonzero((rows.bus == bus) & (rows.value >= 0))

@@ -95,5 +95,5 @@ def _line(text: str) -> tuple[str | None, Line]:
     try:
         return given.get("rx"), line_of(given["baud"], given.get("format", "8n1"))
     except ValueError as error:
-        sentence = str(error).removesuffix(", or auto")  # which only `decode` accepts
+        sentence = str(error).removesuffix(", or auto")  # only `decode` accepts "auto"
         raise click.ClickException(f"--uart {text}: {sentence}") from None

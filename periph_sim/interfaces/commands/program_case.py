@@ -287,7 +287,7 @@ def _inputs(dsp: Dsp, modules: list[str]) -> dict[str, int]:
 
 
 def _outputs(dsp: Dsp, seen: Seen) -> dict[str, int]:
-    """Return the general-purpose outputs that the program has written often enough to be a loop, by name."""
+    """Return the numbers, by name, of the GPIO outputs that the program has written at least OFTEN times."""
     written = 0
     for topic in seen.of(Kind.ACCESS):
         register = PORT_DATA.fullmatch(topic.what)

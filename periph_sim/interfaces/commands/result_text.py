@@ -89,7 +89,7 @@ def broken_lines(budgets: Sequence[Verdict]) -> list[str]:
 
 
 def legend(budgets: Sequence[Verdict]) -> list[str]:
-    """Return the lines below a table of budgets: broken budgets with the reason, and what words in the table mean."""
+    """Return the lines below a table of budgets: the reason for each broken budget, and the meanings of words."""
     if not budgets:
         return []
     return [*broken_lines(budgets), *meanings({each.word for each in budgets})]

@@ -32,6 +32,6 @@ def case_for_bus(path: str | Path, changes: tuple[str, ...] = ()) -> Case:
 
 
 def _driven(case: Case, *lines: str) -> Case:
-    """Return the case with these lines led outside, in addition to those in its [outside] table."""
+    """Return the case with these lines added to those in its [outside] table, so that they lead outside."""
     named = () if case.outside is None else case.outside.wires
     return with_outside(case, tuple(dict.fromkeys((*named, *lines))))

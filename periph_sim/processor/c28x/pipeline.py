@@ -1,4 +1,6 @@
-"""The pipeline of the C28x: the cycles that an instruction waits in D2 for earlier instructions or for its own fetch.
+"""The pipeline of the C28x: the cycles that an instruction waits in phase D2, the second of decoding.
+
+It waits for registers and words that earlier instructions write, and for its own fetch.
 
     hazards        the registers that an instruction needs early, and those that it writes late
     Pipeline       stalls for registers and memory words that an earlier instruction has not written yet
@@ -208,7 +210,7 @@ class FetchQueue:
 
 # Stalls -----------------------------------------------------------------------------------------------------------
 
-LANE = 10  # number of bits of a lane of `Pipeline.pending`: those of REGISTERS
+LANE = 10  # number of bits of a lane of `Pipeline.pending`, one for each register in REGISTERS
 ONCE_EACH = 0x100401  # bit 0 of each of the three lanes
 BEHIND = 3  # cycles that the next instruction waits for a word
 STORES = 4  # stores that are kept; at most one is made in a cycle, and two by an instruction

@@ -77,7 +77,7 @@ class LoggedRun(Run):
         log: AccessLog | None = None,
         rest: tuple[int, int] = (0, 0),
     ) -> None:
-        """log: that of the earlier run; None to begin a new one.
+        """log: the log of the earlier run; None to begin a new log.
 
         rest: the cycle at which the log ends, and the number of cycles of its last computation that remain.
         """
@@ -176,7 +176,10 @@ class LoggedRun(Run):
 
 
 def log_at_rest(firmware: HostFirmware) -> AccessLog | None:
-    """Return the log if it can end now: main computes, the CPU sleeps, and no service routine is active. Else None."""
+    """Return the log if it can end now, because main computes, the CPU sleeps and no service routine is active.
+
+    Otherwise, return None.
+    """
     run, processor = firmware.run, firmware.dsp.processor
     can_end = processor.time.asleep and not processor.core.nested
     if not isinstance(run, LoggedRun) or not run.computing or not can_end:

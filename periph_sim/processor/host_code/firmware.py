@@ -328,7 +328,7 @@ class Run:
         self.assembly[instruction]()
 
     def enter(self, pointer: int) -> None:
-        """Run the service routine at a host address. Afterwards the statement is again that of the interrupted code."""
+        """Run the service routine at a host address. Then `place` returns a statement of the interrupted code again."""
         place = self._place
         self._call(pointer)
         self._place = place

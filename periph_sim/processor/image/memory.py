@@ -29,7 +29,7 @@ from .polls import PollSkipper
 WATCHDOG_KEY = clocks_map.BASE + clocks_map.WDKEY.offset
 RAM_FROM, RAM_TO = 0x8000, 0x1_0000  # addresses of L0 to L7
 LOW_RAM = 0x800  # M0 and M1 are below this address
-STACK_FIELDS, BEHIND_STACK_FIELDS = 0x40, 0x80  # values of field l for *-SP[n], from the first to before the second
+STACK_FIELDS, BEHIND_STACK_FIELDS = 0x40, 0x80  # the first value of field l for *-SP[n], and the value after the last
 PUSHES, POPS = 0xBD, 0xBE  # values of field l for *SP++ and *--SP
 WAITED_FROM = 0xC000  # L4 to L7, which begin here, have wait states as program memory
 L0_AGAIN, L4_AGAIN = 0x3F_8000, 0x3F_C000  # L0 to L3 appear a second time between these addresses

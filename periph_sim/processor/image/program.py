@@ -72,7 +72,7 @@ class ImageProgram(LoadedImage):
         self._asleep_at = 0  # the tick at which the last sleep began
         self._loop_due = False  # True if a pass of a loop begins that should be examined
         self._back = -1  # the branch that closed the last executed pass of a wait; -1 for none
-        # _counted: the number of instructions up to the start of the present pass. _pass: those of a pass.
+        # _counted: the number of instructions up to the start of the present pass. _pass: the number in a pass.
         self._counted = self._pass = 0
         self._unmodelled: UnmodelledWait | None = None  # the last wait that has read unmodelled words only
         self._counting: CountingLoop | None = None  # set while a pass is traced, or counting passes are skipped
@@ -211,7 +211,7 @@ class ImageProgram(LoadedImage):
     # Waits --------------------------------------------------------------------------
 
     def _sleeps(self) -> bool:
-        """Sleep, at the start of a pass of a loop, if the pass must repeat the previous ones. Return True if asleep."""
+        """Put the program to sleep at the start of a pass that must repeat the previous ones. Return False if awake."""
         polls, passed = self.cpu.polls, self.instructions - self._counted
         self._counted = self.instructions
         if polls.counting:
@@ -254,7 +254,7 @@ class ImageProgram(LoadedImage):
             self._unmodelled = UnmodelledWait(since, loop, cpu.sp, polls.routines, list(polls.elsewhere))
 
     def _sleeps_counting(self) -> Spin | None:
-        """Sleep, at the end of a traced pass, through the passes that only count, and return the wait.
+        """At the end of a traced pass, put the program to sleep for the passes that only count, and return the wait.
 
         Return None, without a sleep, if there are too few such passes.
         """

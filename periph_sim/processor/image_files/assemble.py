@@ -88,7 +88,7 @@ class _Source:
     """
 
     def __init__(self, folder: Path) -> None:
-        self._folders = [folder]  # the folders of the files that are being read, that of the innermost .include last
+        self._folders = [folder]  # the folders of the main source and of the files in .include, the innermost last
         self._place = NOWHERE
         self.blocks: list[_Block] = []
         self.reserved: list[Section] = []

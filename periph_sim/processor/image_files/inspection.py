@@ -25,7 +25,7 @@ VECTOR_NAMES = {address: name for name, address in VECTORS.items()}
 class Vector(NamedTuple):
     """A write of a vector to the PIE vector table.
 
-    name, address: those of the vector.
+    name, address: the name and the address of the vector.
     handler: the name of the service routine; its address if it has no name.
     stored_in: the name of the function that writes the vector.
     """

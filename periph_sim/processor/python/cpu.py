@@ -348,7 +348,7 @@ class Cpu:
             self.write(operand, value << operand.shift)
 
     def _refuse(self, operand: Operand) -> None:
-        """Let the cycles of a 32-bit access in peripheral frame 2 pass, which has no effect, and note it."""
+        """Note a 32-bit access in peripheral frame 2, which has no effect, and let its cycles pass."""
         self.instruction(1 + self.bus.read_waits(operand))
         self.bus.note_width(self.time.cycle, operand)
 

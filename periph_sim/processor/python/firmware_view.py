@@ -53,7 +53,7 @@ class FirmwareView:
     control: SystemControl
 
     def __init__(self, name: str, seed: int, costs: Sequence[Fraction] = ()) -> None:
-        """name: that of the unit. seed: seed of the values drawn from spreads. costs: see `DspPlan`."""
+        """name: the name of the unit. seed: the seed of the values drawn from spreads. costs: see `DspPlan`."""
         self.name: str = name
         self.sockets: dict[str, Socket] = {}
         self._ports: dict[str, ModulePort] = {}
@@ -109,7 +109,7 @@ class FirmwareView:
         return self.waits.spin_either(ready, over, self._pass("spin_either", pass_cycles))
 
     def _pass(self, what: Text, cycles: BigInt | None) -> BigInt | None:
-        """Return the cycles of a pass, or None if none are given. Raise Misuse if the number is not possible."""
+        """Return the cycles of a pass, or None if none are given. Raise Misuse if the number is impossible."""
         if cycles is None:
             return None
         if type(cycles) is not int or cycles < 1:
@@ -209,7 +209,7 @@ class FirmwareView:
     def handle(self, name: Text, handler: Callable[[], None]) -> tuple[int, int]:
         """Make `handler` the service routine of a vector. Return (group, line) in the PIE, or (n, 0) for INTn.
 
-        name: that of the vector, such as "I2CINT1A".
+        name: the name of the vector, such as "I2CINT1A".
         """
         if not callable(handler):
             raise Misuse(f"the routine of {name!r} is {handler!r}; give the function itself, without calling it")

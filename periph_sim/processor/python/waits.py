@@ -166,7 +166,7 @@ class Waits:
         """Wait as compiled `while (!condition()) ;` does, in passes of reads, their tests and the branch back.
 
         Return True as soon as the condition holds. Return False at the end of the first pass at which `timeout` cycles,
-        those of interrupts included, have passed since the start of the wait.
+        including the cycles of interrupts, have passed since the start of the wait.
 
         pass_cycles: the cycles of a pass, unless its reads take more; None to compute them from the reads.
         """
@@ -225,7 +225,7 @@ class Waits:
         return came
 
     def _new_wait(self, pass_cycles: int | None, ends: int) -> Spin:
-        """Return a wait that begins now, in the object of an earlier wait if there is one."""
+        """Return a wait that begins now. The object of an earlier wait is used again if there is one."""
         spin, self._spare = self._spare, None
         if spin is None:
             return Spin(self._time.cycle, pass_cycles, ends)
@@ -267,7 +267,7 @@ class Waits:
         self._cpu.program.polls_skipped += skipped
         time.cycle = first + skipped * period
         spin.answer_before(woken)
-        if core.ifr or core.next_wake <= time.cycle:  # the end of the branch back is a boundary, too
+        if core.ifr or core.next_wake <= time.cycle:  # the end of the branch back is an instruction boundary
             self._cpu.serve()
         return spin.bare and spin.pure
 

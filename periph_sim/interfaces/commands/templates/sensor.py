@@ -23,7 +23,7 @@ def main(dsp, settings):
     i2c.I2CMDR.IRS = 1
     timer = dsp.module("TIMER0")
     timer.PRD.all = int(PERIOD * dsp.control.sysclk_hz) - 1
-    timer.TCR.all = 0x4020  # TIE, TRB
+    timer.TCR.all = 0x4020  # sets TIE and TRB
     start_pie(dsp, {"TINT0": tick})
     while True:
         dsp.spin(lambda: i2c.I2CSTR.SDIR == 1)

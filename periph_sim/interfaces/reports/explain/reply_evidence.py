@@ -38,10 +38,10 @@ def wrong_characters(evidence: Evidence) -> list[WrongCharacter]:
 
 
 def _unsolicited(evidence: Evidence, name: str) -> list[tuple[Record, Record]]:
-    """Return the frames of the occurrence with their writes, from the SCI that sent its first frame.
+    """Return the frames of the occurrence, with their writes, from the SCI that sent the first frame.
 
-    name: the name of the send after which the SCI must be silent; UNSOLICITED for the whole run, in which only these
-        SCIs are judged that the case expects replies from or sends to.
+    name: the name of the send after which the SCI must be silent. UNSOLICITED for the whole run; then only the SCIs are
+        judged to which the case sends, or from which it expects replies.
     """
     serial, begin = evidence.case.serial, evidence.window.begin
     assert serial is not None

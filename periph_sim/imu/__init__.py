@@ -1,1 +1,12 @@
-"""Sensor models of an IMU: motion, arithmetic, noise, identification, extremes, and the dissertation's experiments."""
+"""Sensor models of an IMU: motion, arithmetic, noise, identification, extremes, and the dissertation's experiments.
+
+Terms of this package:
+
+arithmetic: the kind of numbers in which the models calculate: float64, float32 or a Q format.
+code: the whole number that a chip returns for a quantity, in LSB.
+count: a 16-bit value in a host frame; a count of 1 is, for example, 1e-4 rad.
+emulator: firmware that calculates the codes of the chips from host frames.
+round: one execution of the requests that a controller repeats periodically.
+truth: the motion of the body, without errors of sensors.
+as built, corrected: the gyroscope's rates are derivatives of the attitude angles, or the body rates of appendix B.
+"""

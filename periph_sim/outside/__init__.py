@@ -3,8 +3,13 @@
 simulator, serial port, driver --apply--> Session --advance--> changes of the case's pins, with their ticks
                                              `--log--> replay --> the same run again
 
-In this package, "the outside" is the code that uses the session. A line that leads outside is a wire of the case that
-this code may release or pull low.
+Terms of this package:
+
+the outside: the code that uses a session.
+line that leads outside: a wire of the case that the outside may release or pull low.
+move: a change of a line by the outside, at a tick.
+client: a program that is connected to a session, for example by a serial port.
+door: in `live`, a connection between a session and its clients.
 """
 
 from __future__ import annotations

@@ -30,4 +30,14 @@ At the boundary before the next instruction, the program makes these steps:
     if number and not processor.take_interrupt(number): stop       `enter(vector)` is called before the next run
 
 `Dsp` builds the unit of a scene. `python` has the program that runs Python functions, `image` the one that runs images.
+
+Terms of this package:
+
+boundary: an instant between two instructions, at which an interrupt can be taken.
+to land: to take effect; a posted write lands some cycles after it was issued.
+lease: the time in which nothing except the program of this CPU can act.
+wait: a loop of the program that reads values until a condition is true.
+pass: one execution of a loop.
+statement: the line of the firmware's source that is executed, as a `SourceLocation`.
+note: a remark on the firmware, for example on an access that violates a rule of the manuals.
 """

@@ -123,7 +123,7 @@ class Spin:
             self.live_from = cycle
 
     def hold_up(self, cycles: int) -> None:
-        """Note cycles by which an interrupt or a stall delays the present pass, so that other passes may differ."""
+        """Note that an interrupt or a stall delays the present pass by some cycles, so other passes may differ."""
         self.pure = False
         self.held_up += cycles
 

@@ -43,7 +43,7 @@ def _plain(value: float | int | None) -> float | int | str:
     return "" if value is None else value
 
 
-# Figures of a budget of which nothing but the verdict is known, as of a property that a user's own test records.
+# Figures of a budget if only its verdict is known, for example because a user's own test records no other property.
 UNKNOWN: dict[str, Any] = {"unit": "", "worst": None, "limit": None, "which": "", "at_s": None}
 Judged = tuple[str, str, dict[str, Any]]  # "case/budget"; the test; a dictionary from names without `_us` to figures
 

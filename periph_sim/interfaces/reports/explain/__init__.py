@@ -17,6 +17,13 @@ picture, reports/html    pictures of the occurrence
 An explanation is made from the records that a measure uses. Therefore, new measures of the same kinds of records need
 no code here. Two expectations come from the case and not from a record: the text of a reply and the edges of a watched
 wire.
+
+Terms of this package:
+
+phase: the part of an I2C transfer from a START or repeated START to the next START or STOP.
+stretch: a time in which a CPU or the bus has one activity (`Stretch`). A stretch of SCL is a longer low time.
+place: a location in the firmware.
+thing: the last event of a measure, such as "refused".
 """
 
 from __future__ import annotations

@@ -251,7 +251,7 @@ def _limits(budget: Budget, verdict: Verdict) -> list[tuple[str, str]]:
     """Return the key and the text of each limit.
 
     The text is the limit as the case states it. If conditions are joined to the budget, the key contains the measure.
-    For the limit that the verdict names, the text is the value with which the worst value was compared.
+    For the limit that the verdict names, the text is the limit as it was compared with the worst value.
     """
     found = []
     parts: list[Budget | Condition] = [budget, *budget.also]

@@ -8,7 +8,7 @@ Each file in this folder with a function `attach` is one kind of fault, and is f
     at ---- every ---- every ---- ...     `When`: times is the maximum number of faults
     |~spread~|   maximum random delay of each fault, drawn from the case's seed
 
-An agent is an ordinary party: wires list it when it pulls, and no other object depends on it.
+Wires list the agent of a fault like any other party that pulls. No other module depends on a kind of fault.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ class When:
 
 
 class SdaPuller(Agent):
-    """A party that pulls SDA low in a clock of SCL after a fault has armed it. `sampled` receives the level of SCL."""
+    """Base of the faults that pull SDA low during a clock of SCL, after `arm`. `sampled` receives the level of SCL."""
 
     STATE = State("_armed _pulls")
 
@@ -153,7 +153,7 @@ class FaultKind(Protocol):
 
 @cache
 def kinds() -> dict[str, FaultKind]:
-    """Return a dictionary from the names of files to the modules of all kinds of faults."""
+    """Return the modules that define the kinds of faults, by the names of their files."""
     return {name: cast(FaultKind, module) for name, module in modules_with("attach", __name__, __path__).items()}
 
 

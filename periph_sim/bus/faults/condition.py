@@ -3,8 +3,8 @@
     SCL  __|‾‾‾‾‾|__|‾‾‾‾‾|__        condition = "START": the next bit that is 1 is cut by a fall of SDA
     SDA  ‾‾‾‾‾|________________      condition = "STOP": SDA is pulled low before a 1, and released during it
 
-On a line with a pull-up, a bit that is 0 cannot be disturbed in this way. So the next bit that is 1 is disturbed. The
-idle time between two transfers, with both lines high, is not a bit.
+A bit that is 0 cannot be disturbed in this way, because its sender holds SDA low. So the next bit that is 1 is
+disturbed. The idle time between two transfers, with both lines high, is not a bit.
 
 Source: UM10204 section 3.1.4 (START and STOP conditions).
 """
@@ -22,7 +22,7 @@ from . import FaultContext, Length, Repeated, SdaPuller, When
 
 @dataclass(frozen=True, kw_only=True)
 class Settings(When):
-    """A false START or STOP: SDA falls or rises within the next 1 bit.
+    """A false START or STOP: SDA falls or rises within the next bit that is 1.
 
     condition: "START" or "STOP"
     late: time from the rise of SCL to the condition

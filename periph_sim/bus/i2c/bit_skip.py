@@ -1,14 +1,13 @@
-"""Skipping of the first seven bits of an I2C byte in one step, because only the lines change in these bits.
+"""Skipping of the first seven bits of an I2C byte: the state after them is set in one step, without an event per edge.
 
     SCL  _|~|_|~|_|~|_|~|_|~|_|~|_|~|_|~|_|~|_       each edge is an event
     SCL  ____________________________|~|_|~|_        the same byte, the same ticks, the same states before and after
           ^ `skips` is called         ^ events resume here
 
-During the first seven bits of a byte only the lines change: flags, FIFOs, interrupts and the ACK change at the eighth
-rise of SCL or later. So these bits are unobservable unless edges are recorded, a line is held, or a party acts in
-mid-byte. Where edges are recorded, no bit is skipped. Where a party may hold a line, the byte passes edge by edge.
-Where firmware acts in mid-byte, or any party pulls a line, the skipped events are run up to now, in their order
-(`materialize`).
+During the first seven bits of a byte only the levels of the lines change: flags, FIFOs, interrupts and the ACK change
+at the eighth rise of SCL or later. So these bits are unobservable unless edges are recorded, a party holds a line, or a
+party acts in mid-byte. If edges are recorded or a party may hold a line, no bit is skipped. If firmware acts in
+mid-byte or any party pulls a line, the skipped events are first run up to now, in their order (`materialize`).
 
     SCL  _|~|_|~|_ ... _|~|_      numbers of the edges in `BitTimes`:
           0   1         7         rises; number 7 belongs to the eighth bit
@@ -33,7 +32,7 @@ ONES = 0xFF
 
 
 class BitTimes:
-    """The ticks of the edges of SCL during a byte, for a clocking party whose times are whole ticks.
+    """The ticks of the edges of SCL during a byte, if the party that clocks the bus has times in whole ticks.
 
     since: the tick of the first rise. low, high: the low and the high time of SCL, in ticks.
     """
@@ -55,7 +54,7 @@ class BitTimes:
 
 @final
 class CycleTimes(BitTimes):
-    """The ticks of the edges of SCL, for a clocking party with its own clock, whose cycles are the unit of times."""
+    """The ticks of the edges of SCL, if the clocking party gives `since`, `low` and `high` in cycles of a clock."""
 
     __slots__ = ("_clock",)
 
@@ -71,7 +70,7 @@ class CycleTimes(BitTimes):
 
 
 class BitParty(Agent):
-    """A party on SCL and SDA that can enter the state after seven skipped bits without receiving their edges."""
+    """A party on SCL and SDA that allows skipping: it can enter the state after seven bits without their edges."""
 
     __slots__ = ()
 
@@ -83,7 +82,7 @@ class BitParty(Agent):
         """Return True if the party waits for the first bit of a byte and will change only SDA before the eighth bit.
 
         low, high, hold: times of the controller, in ticks, as in `BusTiming`.
-        each: True if the caller also checks each change of SDA by `separates`.
+        each: True if the caller also calls `separates` for each change of SDA.
         """
         return True
 
@@ -92,8 +91,9 @@ class BitParty(Agent):
         return fall
 
     def separates(self, fall: int, moved: int) -> bool:
-        """Return True if the party samples a fall of SCL and a later change of SDA by another party as two events.
+        """Return True if the party samples a fall of SCL and a later change of SDA by another party separately.
 
+        If it saw both in one sample, as a chip does in one cycle of its clock, the bits could not be skipped.
         fall, moved: the ticks of the fall and of the change.
         """
         return True
@@ -148,7 +148,11 @@ class BitSkip(Shortcut):
     def __init__(
         self, kernel: Kernel, scl: Wire, sda: Wire, controller: BitParty | None, stand_in: Mapping[Agent, BitParty]
     ) -> None:
-        """controller: the agent that clocks the bus, or None. stand_in: the parties that represent other agents."""
+        """Initialize without parties, which are collected at the first byte.
+
+        controller: the agent that clocks the bus, or None if only units clock it.
+        stand_in: for each agent on the lines that is no BitParty, such as a socket, the BitParty to use in its place.
+        """
         self.passed = 0
         self._kernel = kernel
         self._scl = scl
@@ -156,8 +160,8 @@ class BitSkip(Shortcut):
         self._controller = controller  # the party that clocks this byte
         self._stand_in = stand_in
         self._parties: list[BitParty] = []
-        self._known = False  # True if `_parties` represent all agents on the lines
-        self._versions = -1  # versions of the wires when the parties were collected
+        self._known = False  # True if all listeners and all pins on the lines belong to `_parties`
+        self._versions = -1  # the sum of `Wire.version` of both wires for which `_parties` is valid
         self._since = NO_TIME  # the tick at which the skipped bits began
         self._fell = NO_TIME
         self._shown = ONES
@@ -223,7 +227,7 @@ class BitSkip(Shortcut):
     def materialize(self) -> None:
         kernel, controller = self._kernel, self._controller
         if self._ends <= kernel.now:
-            self.over()  # the controller acts in this tick, or has acted, so the skip is complete
+            self.over()  # the skipped bits are over by now, so there is no intermediate state to restore
             return
         assert controller is not None
         self._set_active(None)
@@ -231,7 +235,7 @@ class BitSkip(Shortcut):
             kernel.cancel(self._eighth)
         self._set_bit_position(0, self._fell)
         recorder = self._scl.recorder
-        outer, recorder.cause = recorder.cause, 0  # the present record is not the cause of these events
+        outer, recorder.cause = recorder.cause, 0  # the skipped events are no effects of the present record
         kernel.replay(self._since, controller, self._tag)
         recorder.cause = outer
 
@@ -287,7 +291,7 @@ class BitSkip(Shortcut):
         self._sda.jump(pulling)
 
     def _collect_parties(self) -> None:
-        """List the parties on the lines. Set `_known` if they represent all agents that listen to or pull a line."""
+        """Set `_parties`, and set `_known` if all listeners and all pins on the lines belong to these parties."""
         scl, sda = self._scl, self._sda
         self._versions = scl.version + sda.version
         agents = {listener.agent for listener in (*scl.listeners(), *sda.listeners())}

@@ -32,7 +32,7 @@ from .transfer import BusTiming, Phase, Transfer
 # Purposes of the controller's events, which are the tags of the events.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 
-OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that the wires do not show, so only the agent reports them
+OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that an observer of the wires cannot report
 ADDRESS = -1  # in place of a data byte's number, if the byte is an address
 NO_BYTE = 1 << 30  # in place of a data byte's number, if a STOP or repeated START is next
 

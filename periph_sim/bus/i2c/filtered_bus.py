@@ -15,11 +15,11 @@ from .line_events import EVENTS, IDLE, NOTHING, SCL, SDA, START, STOP
 
 @final
 class FilteredBus:
-    """The filtered state of one bus.
+    """The state of one bus behind a spike filter.
 
-    filter: the time, in ticks, for which a change of SDA must last.
+    filter: the minimum length, in ticks, of a level of SDA; shorter levels are ignored as spikes.
     free: the minimum time, in ticks, between a STOP and the next START.
-    busy: True between a START and its STOP, of any controller.
+    busy: True from a START to the next STOP, whichever controller makes them.
     last_stop: the tick of the last STOP.
     scl_moved: the tick of the last change of SCL, spikes included.
     """

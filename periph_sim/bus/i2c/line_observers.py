@@ -3,7 +3,7 @@
     SCL, SDA --BusRecorder--> START, address, byte, NACK, STOP, as a controller agent records them; number of bytes
     one wire --StuckWatch---> stuck
 
-They allow budgets on a bus whose master is firmware or a replayed capture.
+They allow budgets on a bus whose master is firmware or a replayed capture, which report nothing themselves.
 
 Source: UM10204 sections 3.1.4 to 3.1.10. SMBus specification section 3.1.1.3 for the default of 25 ms (tTIMEOUT) after
 which a line is stuck; UM10204 has no limit.
@@ -55,7 +55,10 @@ class BusRecorder(BitParty):
             self._record(event, busy)
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return True at the begin of a byte. It is False if the master was reset in mid-byte and begins a new byte."""
+        """Return False if bits of an incomplete byte were received, because the master was reset in mid-byte.
+
+        The parameters, which are not needed here, are those of `BitParty.ready`.
+        """
         return not self.stream.bits
 
     def on_bits_skipped(self, shown: int, times: BitTimes) -> None:
@@ -81,9 +84,9 @@ class BusRecorder(BitParty):
 
 
 class StuckWatch(BitParty):
-    """Reports a wire to `on_stuck`, with a BUS record, once each time that it has been low for `limit` ticks.
+    """Calls `on_stuck` with a wire, and makes a BUS record, each time that the wire stays low for `limit` ticks.
 
-    bit_skip: the shortcut that skips bits on the bus of the wire, or None.
+    bit_skip: the shortcut that skips bits on the wire's bus, or None.
     """
 
     STATE = State("_guarded _reported", ticks="_fell")
@@ -120,7 +123,7 @@ class StuckWatch(BitParty):
             self._guard()
 
     def _guard(self) -> None:
-        """Schedule the check of the line. There is one such event at a time, however often the line moves."""
+        """Schedule a check of the line. There is only one such event at a time, even if the line changes often."""
         self._guarded = True
         self._kernel.call_at(self._fell + self._limit, self._look)
 

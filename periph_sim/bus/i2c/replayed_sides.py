@@ -29,7 +29,7 @@ from .target_side import Stretches, TargetSide
 
 
 class Move(NamedTuple):
-    """One move of a line. level: 0 pulls the line, 1 releases it.
+    """A pull (level 0) or a release (level 1) of one line by the controller.
 
     after: ticks since the previous move, or since the rise of SCL if the previous move released SCL.
     """
@@ -61,7 +61,7 @@ class I2cPlayer:
         self._lines = watch([scl], self._on_scl)
 
     def held(self, now: int) -> int:
-        """Return the ticks for which others have held SCL low since the player released it; 0 if they do not."""
+        """Return the ticks for which others have held SCL low since the player released it; 0 if SCL is not held."""
         return 0 if self.waiting_since == NO_TIME else now - self.waiting_since
 
     def play(self, moves: Sequence[Move], done: Callable[[], None]) -> None:

@@ -144,7 +144,7 @@ class TargetSide(BitParty):
         elif event:
             if self._taken:
                 self._taken = False
-                # One rise of SCL belongs to the START or STOP itself; more rises are bits of an incomplete byte.
+                # `_bit` also counts the rise of SCL before a START or STOP, so it is above 1 in an incomplete byte.
                 self._on_end(event != START, self._bit <= 1)
             self._does = RECEIVES_ADDRESS if event == START and self._powered else NOT_MEANT
             self._bit = self._in = 0

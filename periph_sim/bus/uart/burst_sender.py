@@ -3,7 +3,8 @@
     burst  --queue--> | character | gap | character |      one burst after the other, never two at once
                       begin                         end
 
-The begin of each bit is computed as an exact fraction and then rounded down to a tick, so a long burst does not drift.
+The time at which each bit begins is computed as an exact fraction and then rounded down to a tick, so a long burst does
+not drift.
 """
 
 from __future__ import annotations
@@ -81,7 +82,7 @@ class Burst:
         return edges, int(at)
 
     def over_by(self, ticks: int) -> int:
-        """Return the number of characters that have ended `ticks` after the begin of the burst."""
+        """Return the number of characters that have ended `ticks` after the start of the burst."""
         at = Fraction(0)
         for number, character in enumerate(self.characters):
             at += self.bit * len(character.levels(self.form))
@@ -129,7 +130,7 @@ class BurstSender(EdgeSender):
         return None if self._burst is None else (self._burst.name, self._ends_at)
 
     def send(self, burst: Burst, begins: Callable[[int], None], ends: Callable[[int], None]) -> None:
-        """Send a burst as soon as the line is free. begins, ends: callbacks with the tick of its begin and its end."""
+        """Send a burst as soon as the line is free. begins, ends: called with the tick of its start and of its end."""
         self._waiting.append((burst, begins, ends))
         if not self._busy:
             self._schedule_burst()

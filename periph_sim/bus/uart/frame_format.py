@@ -30,7 +30,7 @@ class UartFormat(Struct, frozen=True):
         return 1 + self.bits + self.address + (self.parity != "none") + self.stop
 
     def half_bits(self, bit: Fraction) -> list[int]:
-        """Return the ticks from the start of a frame to the begin of each half bit, and to the end of the frame.
+        """Return the ticks from the start of a frame to the start of each half bit, and to the end of the frame.
 
         bit: the length of a bit in ticks. The second-to-last entry of the result is the middle of the last stop bit. A
         falling edge from then on starts the next frame.

@@ -9,7 +9,7 @@ if that is earlier.
     wire  ──┐___┌───┐___...───┌──────┐___     a fall begins a character if the line is free again
             begin        free again  begin    the previous character is counted now, or at the end of the run
 
-The counter needs no events: the begin of a character determines when the line is free again.
+The counter needs no events: the start of a character determines when the line is free again.
 """
 
 # core: compiled
@@ -80,7 +80,7 @@ class UartReader(Agent):
         self._bit: Fraction | None = None
         self._format = UartFormat()
         self._length = 0  # number of bits of a frame
-        self._halves: list[int] = []  # ticks from a frame's start to the begin of each half bit, and to the frame's end
+        self._halves: list[int] = []  # ticks from a frame's start to the start of each half bit, and to the frame's end
         self._edges: list[int] = []  # edges of the present frame, from its start bit on
         self._ending: Event | None = None  # the event at the end of the present frame
         watch([wire], self)
@@ -135,7 +135,7 @@ class UartReader(Agent):
 
 
 class UartMonitor:
-    """Makes FRAME records of the begin, and of the end or error, of each frame. line: as for a `UartReader`."""
+    """Makes FRAME records of the start, and of the end or error, of each frame. line: as for a `UartReader`."""
 
     def __init__(self, wire: Wire, line: Line) -> None:
         self._begins: Topic = wire.recorder.topic(Kind.FRAME, wire.name, "begin")
@@ -171,7 +171,7 @@ class UartCounter(Agent):
         self.topics = []
         self._line = line
         self._as: tuple[Fraction, UartFormat] | None = None  # bit time and format of the last character
-        # The number of ticks from the begin of the last character to the end, and to the middle, of its last stop bit.
+        # The number of ticks from the start of the last character to the end, and to the middle, of its last stop bit.
         self._lasted = self._taken = 0
         self._begun_at = NO_TIME
         self._over_at = 0  # the tick at which the last stop bit of the last character ends

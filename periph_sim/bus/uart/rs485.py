@@ -85,7 +85,7 @@ class Driver:
         self._pair.switched(self)
 
     def was_on(self, tick: int) -> bool:
-        """Return True if the driver was on at `tick`, according to the last times at which it was switched."""
+        """Return True if `tick` is in the last period in which the driver was on. Earlier periods are not stored."""
         return self._last_on != NO_TIME and self._last_on <= tick and (self.on or tick < self._last_off)
 
 

@@ -1,7 +1,7 @@
-"""Senders on a UART line, which make edges at given ticks with one kernel event each.
+"""Senders on a UART line, which make each edge with a kernel event.
 
-The begin of each bit of a burst is computed as an exact fraction and then rounded down to a tick, so a long burst does
-not drift.
+The time at which each bit of a burst begins is computed as an exact fraction and then rounded down to a tick, so a long
+burst does not drift.
 """
 
 # core: compiled
@@ -72,7 +72,7 @@ class EdgeSender(Agent):
 
 @lru_cache(maxsize=16)
 def _known_edges(frame_format: UartFormat) -> dict[int, list[int]]:
-    """Return a cache for a format: for each byte, the numbers of the bits at whose begin the level changes."""
+    """Return a cache for a format: for each byte so far, the numbers of the bits that begin with an edge."""
     return {}
 
 
@@ -120,8 +120,8 @@ class UartSender(EdgeSender):
         self._format = frame_format or UartFormat()
         self._length = self._format.length
         self._edges_of = _known_edges(self._format)
-        self._gap: Fraction | None = None  # number of idle bits between the bytes of the last burst
-        self._begins: list[int] = []  # ticks from the begin of a burst with `_gap` to the begin of each bit
+        self._gap: Fraction | None = None  # number of idle bits between bytes for which `_begins` was computed
+        self._begins: list[int] = []  # ticks from the start of a burst to each bit, and to the end of each frame
         self._ends_at = 0
         self._done: Callable[[int], None] = lambda tick: None
 

@@ -14,7 +14,7 @@ If the firmware is the master, low phases that are much longer than usual are st
 from the ACK of the address on.
 
 If the firmware is the target, consecutive NACKs of its address become an interval in which it does not answer. The
-interval begins with the STOP of the write before them, or with the start of the capture. It ends midway between the
+interval begins at the STOP of the write before the NACKs, or at the start of the capture. It ends midway between the
 last NACK and the START of the first turn that is answered.
 """
 

@@ -66,7 +66,7 @@ def module_of_file(path: Path) -> ModuleType:
     """
     path = note_input(path).resolve()
     package = _packages.setdefault((path, get_ident()), f"{PREFIX}{next(_numbers)}")
-    # `sys.modules` is copied, because other threads may import at the same time.
+    # `sys.modules` is copied first, because other threads may import at the same time.
     for loaded in [name for name in tuple(sys.modules) if name.startswith(f"{package}.")]:
         del sys.modules[loaded]
     _make_package(package, [path.parent, SHIPPED])

@@ -53,8 +53,8 @@ class Instant(NamedTuple):
     """The changes at one tick.
 
     levels: the new levels of the wires that the outside party changes.
-    sent: the number of bytes that begin on each wire, by wire. The number 0 means that no byte begins yet,
-        but that bytes drive the wire after this instant.
+    sent: a dictionary from a wire to the number of bytes that begin on the wire. The number 0 means that no byte begins
+        yet, but that bytes drive the wire after this instant.
     """
 
     tick: int

@@ -85,7 +85,7 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
         raise case.mistake(f"{others[0]} has the address {address:#04x} too", *place, "address")
     answers = checked_options(case, kind.OPTIONS, table.options, *place, "options")
     guard = UserCode(f"chip {name}", float(case.stall_limit))
-    feels: Source  # set below, because it depends on the scale that `registers` sets; used from the first sample on
+    feels: Source  # assigned below, because the source depends on the scale that `registers` sets
 
     def make(powered: int) -> RegisterChip:
         chip: RegisterChip = guard(kind, timebase, lambda tick: feels(tick), address, answers, powered)

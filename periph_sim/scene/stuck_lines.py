@@ -64,6 +64,9 @@ def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
 
 
 def waits(what: str, where: SourceLocation | None, since: str) -> str:
-    """Return a phrase that says for what firmware waits, where, and since when. what: "" if nothing ends its loop."""
+    """Return a phrase that says for what firmware waits, where, and since when.
+
+    what: a phrase that names what the firmware waits for; "" if the firmware is in a loop that nothing ends.
+    """
     at = f" at {where}" if isinstance(where, InstructionLocation) else ""
     return f"{f'waits for {what}' if what else 'is in an endless loop'}{at} since {since}"

@@ -245,7 +245,7 @@ def combine(measures: list[Measure]) -> list[int]:
     """Drop the values of the other measures at occurrences at which the first measure has no value.
 
         age            a   b       c    d            the first measure determines which occurrences count
-        value error    a   b   x        d   y        it has no value for c, so nothing is proven
+        value error    a   b   x        d   y        x and y are dropped; c has no value error, so nothing is proven
 
     Occurrences are the same if they begin at the same tick. All measures must store their values (`Measure.keep`).
     Return one number for each measure: the number of occurrences of the first measure at which this measure has no

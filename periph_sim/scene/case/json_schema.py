@@ -156,7 +156,7 @@ DIALECT = "http://json-schema.org/draft-07/schema#"  # the newest draft that edi
 
 def case_schema() -> Schema:
     """Return the schema of case files as a tree of dicts and lists, for `json.dumps`."""
-    here = Path()  # the current folder, whose project may have plugins
+    here = Path()  # the current folder; plugins of its project are included in the schema
     faults = {f"fault {name}": kind.Settings for name, kind in known(here, "attach", kinds_of_fault()).items()}
     frames = host_frames()
     motions = {f"motion {name}": settings for name, settings in frames.motion_settings().items()}

@@ -34,8 +34,8 @@
     event   = see `events`
     field, register, vector, span, variable: [ unit ":" ] name; a name with blanks is quoted
 
-Words are separated by blanks. A span's name may have several words before "begin" or "end"; it is quoted if its first
-word begins another state.
+Words are separated by blanks. A span's name may have several words before "begin" or "end". The name must be quoted if
+its first word is one with which another state begins.
 """
 
 from __future__ import annotations
@@ -65,10 +65,10 @@ LEVELS, BUS_STATES, CPU_STATES = ("high", "low"), ("busy", "free"), ("busy", "id
 class During(Struct, frozen=True):
     """A state of the run.
 
-    enters: the events that begin the state. It has none if it is the state of a CPU.
-    leaves: the events that end the state. An event that is also in `enters` does not end it.
-    cpu: "busy" or "idle" if it is the state of a CPU; else "".
-    unit: the unit of this CPU.
+    enters: the events that begin the state; empty for the state of a CPU.
+    leaves: the events that end the state. An event that is also in `enters` does not end the state.
+    cpu: for the state of a CPU, "busy" or "idle"; "" for other states.
+    unit: for the state of a CPU, its unit.
     """
 
     text: str

@@ -1,8 +1,8 @@
 """Read-modify-writes during a run, and the flags that they cleared unintentionally.
 
-    R . . R x W      write W belongs to the nearest read R of the same statement, a few cycles before. Which flags rose
-          '---'      in between?
-                F    the write clears a flag: was that intended? had the firmware read the flag since it rose?
+    R . . R x W      the write W belongs to the nearest earlier read R of the same statement, a few cycles before
+          '---'      flags that rise in this time are not in the value that was read
+                F    a flag that the write clears is lost if the firmware did not mean it and had not read its rise
 
 A read-modify-write is judged as soon as its read is so old that no later write can belong to the read. The flags that
 firmware intends to clear at a place in its code are known at the end of the run. Reads without a write are dropped, and
@@ -241,7 +241,10 @@ class Modifies(RecordSink):
         return self._registers[key]
 
     def places(self, tag: int) -> int:
-        """Return for which accesses the place in the firmware is needed, to find the read and write of a statement."""
+        """Return for which accesses the place in the firmware is recorded.
+
+        The place is needed to find the read and the write of one statement.
+        """
         topic = self._topics[tag]
         return NOWHERE if topic.register is None or topic.flag is not None else OF_MODIFIES
 

@@ -30,10 +30,11 @@ FIRST, SECOND, START, STOP = range(4)  # indices in `matchers`: the events of a 
 
 
 class _Waiting:
-    """First events whose second event has not come yet: the tick of each, and the number of events counted before it.
+    """First events that wait for their second event, with the number of third events that came before each of them.
 
-    oldest, oldest_counted: tick and number of the event that has waited longest; `oldest` is NO_TIME if none waits.
-    since, counted_at: the ticks and the numbers of all waiting events except the oldest event, in order.
+    oldest, oldest_counted: the tick and this number of the event that has waited longest; `oldest` is NO_TIME if no
+        event waits.
+    since, counted_at: the ticks and these numbers of all other waiting events, in order.
     counted: the number of third events since the last time at which no event waited.
     """
 

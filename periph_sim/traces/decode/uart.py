@@ -259,9 +259,9 @@ def _chain(
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
     """Return the indices of the edges in `starts` that start a frame, and of the edges that are rejected starts.
 
-    The first candidate is the first edge. A candidate is rejected if the start bit is high at most of its sample
-    points. The next candidate is the first edge after the last sample point of the frame or, if the candidate is
-    rejected, after the last sample point of the start bit.
+    A candidate is an edge in `starts` at which a frame may begin; the first candidate is the first edge. A candidate is
+    rejected if the start bit is high at most of its sample points. The next candidate is the first edge after the last
+    sample point of the frame or, if the candidate is rejected, after the last sample point of the start bit.
     """
     passed = [np.searchsorted(edges, starts + look, side="right") for look in looks[0].tolist()]
     high = sum((done - first & 1 == 0).astype(np.int64) for done in passed)

@@ -1,4 +1,4 @@
-"""Parties that act in a simulation, how they are notified of settled levels, and the queue of their events.
+"""Agents, through which parties act in a simulation: their events, and the notification of settled levels.
 
 Events have one total order: by time, by phase, and by the order of scheduling.
 """
@@ -20,7 +20,7 @@ NOT_DUE, REQUESTED, BY_WIRE = range(3)
 
 
 class Agent:
-    """A party that acts in a simulation: at its scheduled events, and when lines that it samples have settled."""
+    """Base of the objects through which parties act: at scheduled events, and when sampled lines have settled."""
 
     __slots__ = ()
 
@@ -57,7 +57,7 @@ class Call(Agent):
 
 
 class Settleable:
-    """An object, such as a wire, that takes its new level when all parties of a phase have acted.
+    """An object, such as a wire, that takes its new level at the end of a phase, when all agents have acted.
 
     rank: the place of this object in the order of settling, which `Kernel.rank` returned.
     following: the object that settles after this object in the same phase; None for the last object.
@@ -75,11 +75,11 @@ class Settleable:
         raise NotImplementedError
 
     def notify_parties(self, now: int) -> None:
-        """Notify the parties that `settle` marked and that have not been notified since."""
+        """Notify the parties whose `due` was set by `settle` and that have not been notified since."""
 
 
 class SampledParty:
-    """A subscriber to settled levels.
+    """A subscriber to settled levels, which it passes to an agent.
 
     due: how the party will be notified: NOT_DUE, REQUESTED or BY_WIRE.
     plain: True if the party is notified by a call of `agent.sampled`; False if it is notified by a call of `deliver`.
@@ -104,7 +104,7 @@ class SampledParty:
             self.deliver(now)
 
     def deliver(self, now: int) -> None:
-        """Call `agent.sampled`. During the call, the record that caused the change is the present record."""
+        """Call `agent.sampled`. During the call, `Recorder.cause` is the record that caused the change."""
         raise NotImplementedError
 
     def jump(self, bits: int) -> None:
@@ -113,12 +113,12 @@ class SampledParty:
 
 
 class Shortcut:
-    """A sequence of events whose final state was set in one step, instead of running the events."""
+    """A sequence of events that is skipped: its final state was set in one step, without running the events."""
 
     __slots__ = ()
 
     def materialize(self) -> None:
-        """Undo the step, and set the state that would exist now if each event up to now had been run."""
+        """Undo the step, and run the skipped events up to now, so that the present state is as without the shortcut."""
         raise NotImplementedError
 
 

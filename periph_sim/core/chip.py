@@ -29,7 +29,7 @@ class Note(NamedTuple):
 
     code: "duty" if firmware does what the manual forbids, "lost" if data or a request was lost, "unknown" if the
         behaviour of silicon is not known, "overflow" if a result of fixed-point arithmetic does not fit.
-    joint: a text, or "". Notes with the same text here are reported as one note, which lists their members.
+    joint: a text that several notes share, or "". They are reported as one note with this text and their members.
     member: the item that this note adds to the list.
     """
 
@@ -53,7 +53,7 @@ def joined(notes: Iterable[tuple[int, Note]]) -> list[tuple[int, Note]]:
 
 
 class WriteOrigins(Protocol):
-    """Numbers of the records of writes to a chip.
+    """Numbers of the records of writes to a chip, with which an edge at an output is traced to the write of its data.
 
     mark: the number of the record of the next write. The caller sets it before the write.
     out_mark: the number of the record of the write whose data the outputs carry now; 0 if there is none.
@@ -86,7 +86,7 @@ class Chip:
         self.filter_width = 0  # cycles from an input's change to its first effect
         self.notes: list[Note] = []  # the notes since the owner last cleared the list
         self.loaded = 0  # bit i: 1 if the data register at offset i took a value after the owner last cleared this bit
-        self.touched: set[str] = set()  # names of the open questions on which the run depended
+        self.touched: set[str] = set()  # names of the options (open questions) on which the run has depended so far
         self.writes = 0  # number of writes, resets and clock gate changes: only these inputs change the `steady` words
 
     def note(self, code: str, text: str, source: str) -> None:
@@ -137,7 +137,7 @@ class Chip:
 
     @property
     def marks(self) -> WriteOrigins | None:
-        """The numbers of the records of writes, if the chip's outputs later carry written data; None otherwise."""
+        """The WriteOrigins of a chip that sends written data at its outputs, such as an SCI; None for other chips."""
         return None
 
     def gate(self, now: int, on: bool) -> None:

@@ -77,7 +77,7 @@ NOTHING: Any = msgspec.UNSET  # marks a message that quotes no value, and a key 
 
 
 class Before(msgspec.Struct, frozen=True):
-    """A function that converts a value before the check. said: its type in the file and schema, if it differs."""
+    """A function that converts a value before the check. said: the value's type in the file, if it is another one."""
 
     function: Callable[[Any], object]
     said: Any = None
@@ -113,7 +113,7 @@ class BadTable(ValueError):
 
     @property
     def first(self) -> Mistake:
-        """The mistake to report first: an unknown key if there is one, which is often a misspelled required key."""
+        """The mistake to report first: an unknown key if any, because it is often a misspelled required key."""
         return next((one for one in self.mistakes if one.known is not None), self.mistakes[0])
 
 

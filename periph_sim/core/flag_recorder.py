@@ -174,19 +174,19 @@ class FlagRecorder:
         self._loads_data = any(register.data for register in registers)
         self._read = registers  # the registers that the last call of `look` has read
         self._writes = -1  # the chip's `writes` at the last call of `look`
-        self._touched: frozenset[str] = frozenset()  # the chip's `touched` before the last call of `look`
+        self._touched: frozenset[str] = frozenset()  # copy of `Chip.touched`, to which `look` must not add names
 
     def look(self, cycle: int) -> bool:
         """Read the registers as a debugger does. Return True if any has changed.
 
-        Open questions on which only these reads depend are not added to the chip's `touched`.
+        Names that these reads add to `Chip.touched` are removed, because the run does not depend on the reads.
         """
         chip = self._chip
         if self._some_steady:
             self._read = self._moving if chip.writes == self._writes else self._registers
             self._writes = chip.writes
         touched = chip.touched
-        # `touched` has new names if and only if its length has changed, because names are removed only here.
+        # Elsewhere names are only added, so the copy is out of date if and only if the lengths differ.
         if len(touched) != len(self._touched):
             self._touched = frozenset(touched)
         moved = False

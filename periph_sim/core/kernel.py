@@ -2,9 +2,9 @@
 
 Within one tick the phases are: agents (TIMER), pads of chips (PADS), the chips themselves (CHIP), CPUs (CPU), probes
 (PROBE). Within a phase, events run in the order scheduled. At the end of each phase the wires settle: all changed wires
-take their levels, then each party that samples them is called once, with all new levels. So the order of the parties
-within a phase is not observable, and two runs of one scene are equal. Changes that a party makes in such a call settle
-afterwards, in the same tick.
+take their levels, then each party that samples them is called once, with all new levels. So the order in which parties
+act within a phase is not observable, and two runs of one scene are equal. If a party changes a wire in such a call, the
+wire settles after these calls, in the same tick.
 
 A CPU may run ahead of the queue. `quiet_until` returns the tick before which no other party can act; until then, the
 CPU may advance `now` by itself.
@@ -54,12 +54,13 @@ class SimulationStuck(Exception):
 class Kernel:
     """The queue of events and the loop that runs them.
 
-    shortcut: the sequence of events that is skipped now, or None.
+    shortcut: the active shortcut, whose events are skipped, or None.
     events: the number of events that were run.
     nested_owner: the agent whose nested loop runs events now; None for the outer loop.
-    released: True if the nested loop is to return after the present event.
+    released: set by an event to make the nested loop return, because the wait of its owner is over.
     outer_loop: the event loop that runs when no agent runs a nested one.
-    fault: an exception that another party raised in a nested loop; the outer loop must raise it again.
+    fault: an exception that an event in a nested loop raised. It does not belong to the firmware that blocks there, so
+        the outer loop raises it again.
     """
 
     STATE = State("_queue", ticks="now")
@@ -115,7 +116,7 @@ class Kernel:
         return event
 
     def reschedule(self, event: Event, time: int, tag: int) -> None:
-        """Queue an existing event that is not queued. An agent with one event at a time can use one object for all.
+        """Queue an event that is not queued, such as one that has run. So an agent can use one Event object repeatedly.
 
         Raise ValueError if `time` is past, or if the event is queued.
         """
@@ -163,7 +164,7 @@ class Kernel:
         wire.following, before.following = after, wire
 
     def request_sample(self, party: SampledParty) -> None:
-        """Notify `party` of its levels when the wires have settled, only once even if requested several times."""
+        """Notify `party` of its levels when the wires have settled: once, even if this is called several times."""
         if party.due:
             return
         party.due = REQUESTED
@@ -290,9 +291,10 @@ class Kernel:
             self.shortcut.materialize()
 
     def replay(self, since: int, agent: Agent, tag: int) -> None:
-        """Set the time back to tick `since`, run `agent.act(tag)` and the events that this call causes, up to now.
+        """Run skipped events: go back to tick `since`, call `agent.act(tag)`, and run the events that follow from it.
 
-        In the present tick, only the events of phases before the present phase are run; the other events are queued.
+        They run until the time is again that of the call. In its tick, only phases before the phase of the call are
+        run; later events stay queued.
         """
         now, phase, stop = self.now, self._phase, self._stop
         owner, outer, self.nested_owner = self.nested_owner, self.outer_loop, None

@@ -1,4 +1,4 @@
-"""Options: named and checked answers to open questions about the hardware.
+"""Options: answers to open questions about the hardware, that is, to behaviour that TI does not document.
 
     class I2cOptions(Answers):
         int_line: TextOption = choice("pulse", "level", question="...")
@@ -6,11 +6,11 @@
     options.int_line.assume(self.touched) == "level"      lists int_line as assumed
     options.int_line == "level"                           is refused by the type checker
 
-Behaviour that TI does not document is a field of a subclass of `Answers`. The default is the first value in its
-metadata. Each field contains the question, so that docs, scene files and messages do not repeat it. A model gets an
-answer only from `assume`, which it calls where the answer decides its behaviour. `unrecorded` is for calculations
-outside the run and for values that are stored until they decide something; tests/options/test_unrecorded.py lists its
-callers.
+Each option is a field of a subclass of `Answers`. Its metadata has the possible answers, the default first, and the
+question, so that docs and messages need not repeat it. A model gets an answer only from `assume`, which it calls where
+the answer decides its behaviour. `assume` adds the name of the option to a set, `touched`, so that a report can list
+the options on which the run depended. `unrecorded` is for calculations outside the run and for values that are stored
+until they decide something; tests/options/test_unrecorded.py lists its callers.
 """
 
 # core: compiled
@@ -42,7 +42,7 @@ def number(default: int, least: int, most: int, *, unit: str, question: str) -> 
 class Option:
     """The answer to one open question.
 
-    `assume` returns the answer and lists the question as one on which the run depends; `unrecorded` only returns it.
+    `assume` returns the answer and adds the option's name to `touched`; `unrecorded` only returns the answer.
     """
 
     __slots__ = ("_answer", "name")
@@ -122,7 +122,7 @@ class Answers:  # core: python
         raise AttributeError(f"{type(self).__name__}.{name} cannot be changed")
 
     def unrecorded(self) -> dict[str, Value]:
-        """Return all answers by name without listing a question as assumed."""
+        """Return all answers by name. No name is added to a set `touched`."""
         return {name: option.unrecorded() for name, option in vars(self).items()}
 
     def __eq__(self, other: object) -> bool:

@@ -1,17 +1,17 @@
 """Records of a run and the subscriptions to them.
 
-Each record is of one of the kinds below and has a number, a time in ticks, a place, and the number of the record that
-caused it (0: none). Producers ask `Recorder.wants` whether a kind has subscribers; most of them do so only once, when a
-scene is built. Records without a subscriber are never made.
-A subscription to edges, flags or accesses can be limited to some wires or registers, which are called its subjects.
+A record is one noted event. It has a kind, a number, a time in ticks, a place, and the number of the record that caused
+it (0: none). Producers ask `Recorder.wants` whether a kind has subscribers; most of them do so only once, when a scene
+is built. Records without a subscriber are not made.
+A subscription to edges, flags or accesses can be limited to some wires or registers: its subjects.
 
-    producer --> Topic.emit --> listeners: tag, tick, value    (budgets)
-                           '--> sinks: all fields, no object   (`.psr`, races)
-                           '--> callbacks: a Record            (files, diagrams)
+    producer --> Topic.emit --> listeners: tag, tick, value            (budgets)
+                           '--> sinks: all fields, as plain arguments  (recording files, detection of races)
+                           '--> callbacks: a Record                    (text files, diagrams)
 
 All records with the same kind, the same place (`where`, such as a wire or a module) and the same thing (`what`, such as
-a register) form a topic. `tag_of` of a subscriber is called once for each topic. It returns UNWANTED for topics that
-the subscriber does not need, so that the subscriber does not have to filter records.
+a register) form a topic. `tag_of` of a subscriber is called once for each topic, and returns the tag that its records
+have for this subscriber, or UNWANTED. So subscribers do not have to filter records.
 """
 
 # core: compiled
@@ -79,7 +79,7 @@ NOWHERE, OF_MODIFIES, EVERYWHERE = range(3)  # values of `RecordSink.places`
 
 
 class Listener:
-    """A subscriber that needs only the time and value of records, such as a measure."""
+    """A subscriber that needs only the time and value of each record, such as a measure."""
 
     __slots__ = ()
 
@@ -102,10 +102,10 @@ class RecordSink:
         raise NotImplementedError
 
     def places(self, tag: int) -> int:
-        """Return the accesses with this tag for which the sink needs the place in the firmware.
+        """Return for which accesses the sink needs the place in the firmware, because finding a place takes much time.
 
-        NOWHERE: no access. EVERYWHERE: all accesses. OF_MODIFIES: the accesses that may be the read or the write of a
-        read-modify-write, which is all accesses but reads of single fields. Finding a place takes much time.
+        NOWHERE: for no access. EVERYWHERE: for all accesses. OF_MODIFIES: for accesses that may belong to a
+        read-modify-write; these are all accesses except reads of a single field.
         """
         return EVERYWHERE
 
@@ -145,7 +145,7 @@ class Topic:
 
     has_subscribers: True if any subscriber receives these records.
     needs_details: True if any subscriber receives more than the time and the value of each record.
-    places: the accesses for which any subscriber needs the place in the firmware, as `RecordSink.places` returns them.
+    places: for which accesses any subscriber needs the place in the firmware; a value of `RecordSink.places`.
     """
 
     __slots__ = (
@@ -331,7 +331,7 @@ class Recorder:
         return topic
 
     def carried(self, action: Callable[[], None]) -> Callable[[], None]:
-        """Store the present cause, and return a function that calls `action` with this cause as the present one."""
+        """Return a function that calls `action` with the present cause, even if `cause` is another one by then."""
         return partial(self._under, self.cause, action) if self.cause else action
 
     def _under(self, cause: int, action: Callable[[], None]) -> None:

@@ -53,7 +53,7 @@ class Sampler(SampledParty):
 
     A line is a wire (`listen`) or has a level that the owner sets (`put`).
     agent: the agent whose `sampled` is called with the tick and `levels`, once in each instant in which any line
-        changes. During this call, the present record is the cause of the change of the first line that changed.
+        changes. During this call, `Recorder.cause` is the cause of the change of the lowest line that changed.
     """
 
     STATE = State("levels plain agent _seen _lines", records="_put_under")
@@ -115,7 +115,7 @@ class Sampler(SampledParty):
         recorder.cause = outer
 
     def _record_causes(self) -> None:
-        """From now on, compare the levels at each notification, since records can be the causes of changes."""
+        """From now on, find the cause of each change, by a comparison of the levels with those before."""
         if self.plain:
             self.plain = False
             self._seen = self.levels

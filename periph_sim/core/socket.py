@@ -32,7 +32,7 @@ _NO_PINS: list[Pin] = []  # shared by all outputs that are not connected, so it 
 
 
 class PinReleaseGate:
-    """Decides whether a module's first output is released at the pin now or later."""
+    """Decides whether the pin of a module's first output, which the chip releases, is released now or later."""
 
     __slots__ = ()
 
@@ -215,7 +215,7 @@ class Socket(Agent):
         self.publish(cycle)
 
     def given(self, cycle: int) -> None:
-        """Note the present record as the cause of the chip's actions from `cycle` on."""
+        """Note that `Recorder.cause` is the cause of the chip's actions from `cycle` on."""
         self.waiting.add(cycle, self._recorder.cause)
 
     def _woken(self) -> None:
@@ -330,7 +330,7 @@ class Socket(Agent):
         return self._recorder.cause
 
     def repeat_output(self, index: int, cause: int) -> None:
-        """Release the pins of an output once more. The record `cause` becomes the cause of the effects."""
+        """Release the pins of an output again, after `release` held them back, as an effect of the record `cause`."""
         outer, self._recorder.cause = self._recorder.cause, cause
         self._set_pins(index, 1)
         self._recorder.cause = outer

@@ -23,7 +23,7 @@ BITS = tuple(1 << place for place in range(MAX_PARTIES))
 
 
 class TooManyParties(ValueError):
-    """More parties than a wire can have. The message is one sentence."""
+    """Error: more parties than a wire can have. The message is one sentence."""
 
 
 class Wire(Settleable):
@@ -33,7 +33,8 @@ class Wire(Settleable):
     recorded: True if the edges of this wire are recorded.
     pulling: mask of the parties that pull it low in the settled state; bit i is party i.
     attached: the number of parties.
-    version: a number that changes when a party is attached or the set of listeners changes.
+    version: a number that increases when a party is attached or a listener is added or removed, so that a user can tell
+        whether a list of them that it has stored is still valid.
     """
 
     STATE = State("level pulling _pulling _pulling_recorded", records="cause", chains="_watches")

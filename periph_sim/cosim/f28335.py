@@ -59,13 +59,14 @@ class F28335:
     scl, sda: the resolved lines, which are read.
     scl_o, sda_o: the signals that we drive: 0 pulls the line low, 1 releases it.
     rx, tx: the line that is read and the line that is driven.
-    wires: pairs (read, driven) for wires of other units, by name; either of a pair may be None.
+    wires: pairs (read, driven) for other wires of the case, by name; either of a pair may be None.
     log: a file for the line changes, which `periph_sim.outside.replay` can replay.
     record: a file for the records, on the simulator's time axis.
     programs: firmware given as functions, by unit.
-    before_reset: the level, 0 or 1, of a line that is x or z, until it is 0 or 1 for the first time.
+    before_reset: the level, 0 or 1, that a line has for the case while its signal is x or z, until the signal is 0 or 1
+        for the first time. Without it, x and z are errors from the start.
 
-    Raise OutsideError for a signal that is missing or has no level, and for a precision that is too coarse.
+    Raise OutsideError for a signal that is missing, x or z, and for a step of the simulator that is longer than a tick.
     """
 
     def __init__(

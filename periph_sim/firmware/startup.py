@@ -11,7 +11,7 @@ from ..processor.dsp import Dsp
 
 
 def start_pin(dsp: Dsp, pin: int) -> None:
-    """Make GPIO `pin` an output at level 0. Do nothing if the unit has no module GPIO."""
+    """Make GPIO `pin` an output at level 0. Do nothing if the case does not give `dsp` the module GPIO."""
     if not dsp.has("GPIO"):
         return
     gpio = dsp.module("GPIO")
@@ -72,7 +72,7 @@ def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
     """Enable the PIE and some interrupts. handlers: the service routine of each of them, by the interrupt's name."""
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1
-    pie.PIEACK.all = 0xFFF  # written before PIEIER: a pending interrupt would be requested twice otherwise
+    pie.PIEACK.all = 0xFFF  # before PIEIER: afterwards it would send a request again that PIEIER has just let through
     for name, handler in handlers.items():
         group, line = dsp.handle(name, handler)
         setattr(pie[f"PIEIER{group}"], f"INTx{line}", 1)

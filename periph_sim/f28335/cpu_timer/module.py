@@ -14,7 +14,7 @@ Chosen:
 - Only a step to zero sets TIF, not a load by TRB or a CPU write of 0. With PRD = 0 every step sets TIF, so the period
   is (PRD + 1)(TDDR + 1) in this case as well.
 - With timer_tif_point = on_reload every reload sets TIF, including the first reload after reset.
-- If the count reaches zero in the cycle of a TCR write, this comes first. Writing 1 to TIF then clears the flag.
+- If the count reaches zero in the cycle of a TCR write, TIF is set first. If the write has TIF = 1, it then clears TIF.
 - With its clock off the timer stops; its registers can be read and written.
 - The timer ignores breakpoints; FREE and SOFT are only stored.
 """

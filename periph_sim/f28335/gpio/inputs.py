@@ -141,7 +141,7 @@ class GpioInputs(GpioSettings):
         self.changed: list[tuple[str, int]] = []
         self.pads: BigInt = ALL & ~at.GPIO["GPAPUD"].reset  # initially the levels of the pull-ups
         self._edge_at = -1  # cycle of the last edges that were exactly on a SYSCLKOUT edge
-        self._before: BigInt = 0  # levels of the pads before these edges
+        self._before: BigInt = 0  # levels of the pads before the edges at `_edge_at`
         self._qualifiers: dict[int, Qualifier] = {}
         self._qualified: BigInt = 0  # mask: outputs of the qualifiers
         self._asynchronous: BigInt = 0
@@ -163,7 +163,10 @@ class GpioInputs(GpioSettings):
     # Queries of the owner -----------------------------------------------------
 
     def moved_before(self, pads: BigInt) -> None:
-        """Toggle these pads, whose edges were not reported, as if they had changed before the present cycle."""
+        """Toggle these pads without an edge, as if they had changed before the present cycle, for a peek at registers.
+
+        A second call undoes the first one.
+        """
         self.pads ^= pads
         self._before ^= pads
 

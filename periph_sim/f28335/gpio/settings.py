@@ -97,7 +97,7 @@ class PinSettings:  # core: python
     mux: the multiplexer value of each pin, 0 to 3.
     sampled: (pin, samples) for each pin with a sampling qualifier.
     asynchronous: mask of the pins without synchronisation and qualification.
-    notes: (pin, note) for each pin whose multiplexer value deserves one.
+    notes: (pin, note) for each pin with a reserved multiplexer value or a function of a module that is not modelled.
     source: for each input signal, the pin that feeds it; None if none or more than one is assigned to it.
     sink: for each output signal, the pins that it drives.
     signal_at: for a pin, the input signal that only this pin feeds.

@@ -84,7 +84,7 @@ class I2cLimits:
             self._within = given
 
     def start_commanded(self, bus_busy: bool) -> None:
-        """Check BB when STT is set. bus_busy: the value that BB would have if the module had been on all the time."""
+        """Check BB when STT is set. bus_busy: True during a transfer, even one that began while IRS was 0."""
         shown = bool(self._state.str & STR_BB)
         if shown != bus_busy:
             self._state.duty(

@@ -8,8 +8,8 @@ Source: SPRUG03B; clock gate SPRUFB0D section 5.1.
 
 Chosen:
 - With the clock gated off the module releases both lines and ignores them; its registers keep their values.
-- A filtered edge takes effect one filter width after the edge; a shorter pulse is never seen.
-- A debugger halt of a slave holds SCL low from the fall that ends the byte (or the transfer).
+- An edge takes effect one filter width later; a pulse that is shorter than this width has no effect.
+- After a debugger halt, a slave holds SCL low from the fall that ends the byte in progress (or the transfer).
 """
 
 # core: compiled without checks for None
@@ -182,9 +182,8 @@ class I2cLines(Chip):
         """
         if self.state.mdr & MDR_DLB or self._suspended or self.master.answers_edges():
             return -1
-        if (
-            self._lines.unequal_arrival.unrecorded()
-        ):  # SDA can delay an edge of SCL with this option, which may remove a pulse longer than the filter
+        # With this option SDA can delay an edge of SCL, so that even a pulse longer than the filter width may vanish.
+        if self._lines.unequal_arrival.unrecorded():
             return -1
         silent = self.target.silent_edges(bool(self._lines.levels & SCL))
         return silent - 1 if silent > 0 and not behind_filter and self._lines.scl_moves() else silent

@@ -43,7 +43,7 @@ class I2cNoiseFilter:
         self._scl_was = self._sda_was = NEVER  # values of `_scl_due` and `_sda_due` before that sample
 
     def sample(self, now: int, pins: int, width: int, module_clock: int) -> None:
-        """Set the levels at the pins in cycle `now`. Of several calls in one cycle the last one counts.
+        """Set the levels at the pins in cycle `now`. If there are several calls in one cycle, the last one counts.
 
         width: the filter's width in cycles.
         module_clock: the period of the module clock in cycles.
@@ -87,8 +87,8 @@ class I2cNoiseFilter:
     def visible_due(self, silent: int) -> int:
         """Return the cycle of the first pending change with an observable effect, or NEVER.
 
-        silent: number of the next SCL edges that have no effect, like edges of SDA while SCL is low. If it is -1, any
-        edge may have an effect.
+        silent: how many of the next SCL edges have no effect; -1 if any of them may have one. Edges of SDA while SCL is
+        low have no effect.
         """
         scl, sda = self._scl_due, self._sda_due
         if silent < 0:

@@ -3,8 +3,8 @@
     I2CDXR or TX FIFO --> I2CXSR --> the bit engines        bit engines --> I2CRSR --> I2CDRR or RX FIFO
     flags and I2CIER --> arbiter --> I2CISRC, I2CINT1A      FIFO levels --> I2CINT2A
 
-This side does not depend on edges. The bit engines (`slave`, `master`) report events with their times, and a coarser
-model of the lines could do the same.
+The bit engines are `slave` and `master`, which process SCL and SDA bit by bit. They report events with their times, so
+this side does not depend on edges.
 
 Source: SPRUG03B sections 4 (reset), 5.
 """

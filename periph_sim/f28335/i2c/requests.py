@@ -6,10 +6,10 @@
 Source: SPRUG03B sections 3, 5.11, 5.12, Tables 3, 9, 10, 11, 21, 22.
 
 Chosen:
-- A request whose flag is cleared before its code is loaded is forgotten.
+- If a flag is cleared before the code of its request is loaded, the request is dropped.
 - In FIFO mode XRDY = 1 if the TX FIFO has room, RRDY = 1 if the RX FIFO is not empty.
-- A FIFO that a reset holds empty does not set its interrupt flag; the flag stays as it is.
-- Setting an enable while its flag is set requests at once, even with FFEN = 0; setting FFEN does not request.
+- While a reset bit holds a FIFO empty, the interrupt flag of the FIFO does not change.
+- Setting an enable bit while its flag is 1 requests the interrupt at once, even with FFEN = 0. Setting FFEN does not.
 """
 
 # core: compiled

@@ -13,7 +13,7 @@ Source: SPRUG03B sections 2, 3 and 5.8, Table 1, Table 10, Figure 17.
 
 Chosen:
 - A slave that has sent a NACK continues to receive until the START or STOP.
-- A NACK has been sent (NACKSNT, NACKMOD) at the fall that ends its slot.
+- A NACK counts as sent, for NACKSNT and NACKMOD, at the fall of SCL that ends the acknowledge.
 - With `eager_reloaded_at_address` I2CXSR is reloaded at fall 8 of a matching read address.
 """
 
@@ -44,7 +44,7 @@ from .slave_data import ADDRESS, ADDRESS_LOW, IGNORE, LISTENS, OFF, RECEIVE, TRA
 
 GENERAL_CALL, START_BYTE = 0, 1
 TEN_BIT = 0b11110
-MANY = 1 << 30  # number of edges that are silent if the bytes on the bus are for other devices
+MANY = 1 << 30  # result of `silent_edges` if the transfer is for other devices: all its edges are silent
 
 
 @final
@@ -166,9 +166,9 @@ class I2cSlave(I2cSlaveData):
         if bit <= n:
             if phase != TRANSMIT:
                 self._shift = self._shift << 1 | sda
-                if bit == n:  # NACKMOD is sampled here, and with aas_sdir_point = rise8 the address is compared
+                if bit == n:  # rise 8, at which NACKMOD is sampled
                     self._nack_armed = bool(self.state.mdr & MDR_NACKMOD)
-                    # The use of this option is recorded at fall 8.
+                    # With this value of the option the address is compared here. Its use is recorded at fall 8.
                     compared = phase != RECEIVE and self.state.options.aas_sdir_point.unrecorded() == "rise8"
                     if compared and not self.muted and self._is_ours():
                         self._address_flags(now)
@@ -319,7 +319,7 @@ class I2cSlave(I2cSlaveData):
             self._shift = 0
 
     def release_bus(self) -> None:
-        """End a stretch of SCL. A write of IRS = 1 while IRS = 1 does so with the option `irs_write1_releases_bus`."""
+        """End a stretch of SCL, as a write of IRS = 1 while IRS = 1 does if `irs_write1_releases_bus` is True."""
         self.pulls &= ~SCL
         self._waits_for_data = self._waits_for_room = False
         self._copy_at = self._release_at = self.due = NEVER

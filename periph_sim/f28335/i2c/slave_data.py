@@ -36,7 +36,7 @@ from .register_map import (
 from .registers import I2cRegisters
 
 OFF, IGNORE, ADDRESS, ADDRESS_LOW, RECEIVE, TRANSMIT = range(6)
-LISTENS = ADDRESS  # in this phase and the following ones, bytes may be for this module
+LISTENS = ADDRESS  # in phases from this value on, bytes on the bus may be for this module
 ONES = 0xFF
 
 

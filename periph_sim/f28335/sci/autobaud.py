@@ -35,7 +35,7 @@ class SciAutobaud:
         self.armed = False
         self.due = NEVER
         self.character = 0
-        self.nine_bits = 0  # cycles from the first fall to the begin of the stop bit
+        self.nine_bits = 0  # cycles from the first fall to the start of the stop bit
         self._edges: list[int] = []  # cycles of falls and rises, beginning with a fall
 
     def arm(self, on: bool) -> None:

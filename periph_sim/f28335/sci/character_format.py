@@ -2,7 +2,8 @@
 
     start  data LSB first  [address]  [parity]  stop [stop]
 
-Source: TI SPRUFZ5A sections 1.2.3 and 1.2.6, table 2-3; SPRZ272N figure 3-1 for the erratum's early search.
+Source: TI SPRUFZ5A sections 1.2.3 and 1.2.6, table 2-3; SPRZ272N figure 3-1 (erratum: in address-bit mode the search
+for the next start bit begins as early as in the address bit).
 """
 
 # core: compiled
@@ -15,7 +16,8 @@ from ...core.state import State
 from .options import SciOptions
 from .register_map import ADDRIDLE_MODE, PARITY, PARITYENA, SCICHAR, STOPBITS
 
-DUE = {"seven_eighths": 7, "drawing": 6, "stop_end": 8}  # number of SCICLK periods after the begin of the stop bit
+# For each value of `rxrdy_point`: SCICLK periods from the start of the stop bit to the move to SCIRXBUF.
+DUE = {"seven_eighths": 7, "drawing": 6, "stop_end": 8}
 BREAK_TICKS = {"10": 80, "9.625": 77}
 
 
@@ -23,8 +25,8 @@ BREAK_TICKS = {"10": 80, "9.625": 77}
 class SciFormat:
     """Character format. Bits are numbered from the start bit, 0; ticks are counted from its first low sample.
 
-    Options determine the positions of search, votes and break. The receiver records the use of an option when a frame
-    depends on it.
+    Options determine where the search for a start bit begins, which samples of the stop bit vote, and when a break is
+    detected. The receiver records the use of an option when a frame depends on it.
     """
 
     STATE = State(
@@ -48,7 +50,7 @@ class SciFormat:
         self.due: int = stop + DUE[options.rxrdy_point.unrecorded()]
         self.end: int = 8 * self.bits
         self.hunt: int = stop + options.start_hunt_point.unrecorded() - 1
-        if self.address:  # erratum: the search begins at sub-sample 6 of the address bit
+        if self.address:  # erratum: the search for the next start bit begins at sub-sample 6 of the address bit
             bit_later = self.parity and options.addrbit_hunt_with_parity.unrecorded() == "parity_bit"
             self.hunt = 8 * (1 + self.data_bits + bit_later) + 5
         counted_from = self.voted_at if options.break_count_from.unrecorded() == "last_stop_sample" else stop + 7

@@ -78,7 +78,7 @@ class SciLines(Chip):
         self._run(now)
         self._ccr = self._ffct = self._pri = 0
         self._ctl1 = 0  # SCICTL1 without TXWAKE, which `SciTx` has
-        self._gated = True  # the clock gate is off
+        self._gated = True  # the module has no clock, because its bit in PCLKCR0 is 0
         self._suspended = False
         self._rx_stopping = False  # the receiver's clock stops when its frame is complete
         self._abd_requested = False  # ABD has requested TXINT since CDC was set
@@ -96,7 +96,7 @@ class SciLines(Chip):
 
     @property
     def marks(self) -> SciTx:
-        """The transmitter, which keeps the mark of each word from its write to its last bit on TXD."""
+        """The transmitter, which stores the mark of each word (see `WriteOrigins`) until its last bit is on TXD."""
         return self._tx
 
     # Inputs: pin, time, clock, debugger -------------------------------------

@@ -7,15 +7,15 @@
 The bit receiver calls `deliver` at the stop bit.
 
 Chosen, where the manual is silent:
-- Every move to SCIRXBUF with RXBKINTENA = 1 requests RXINT, including an overrun. Setting an enable while its flag is
-  set requests at once, as in the transmitter.
+- Every move to SCIRXBUF with RXBKINTENA = 1 requests RXINT, including an overrun. Setting an enable bit while its flag
+  is 1 requests RXINT at once, as TXINT in the transmitter.
 - In FIFO mode RXWAKE is set by an address frame and cleared only by reading SCIRXBUF (and by the resets), in both
   multiprocessor modes.
 - A word read from the FIFO stays in SCIRXBUF as "the last word".
 - Words blocked by RXFIFORESET = 0 still set their error flags.
 - RXFIFORESET does not change RXFFOVF; clearing SCIFFENA does not change RXFFINT.
 - RXFIFORESET = 0 does not stop RXFFINT: with RXFFIL = 0 an empty FIFO sets it.
-- RXFFOVF requests only when it rises.
+- RXFFOVF requests RXINT only when it changes from 0 to 1.
 - BRKDT needs RXENA = 1, like all flags.
 
 Source: TI SPRUFZ5A sections 1.2.4 to 1.2.10, tables 2-7, 2-8, 2-10.

@@ -45,13 +45,13 @@ VOTE = 0b11101000  # bit n: the majority of three samples, which are the bits of
 
 @final
 class SciRxBits:
-    """Line side of the receiver. A run is a series of equal samples.
+    """Line side of the receiver. The comments call a series of equal samples a run.
 
     word: after `step` returned FRAME, the received word with FE and PE.
     address: after `step` returned FRAME, 1 for an address frame, else 0.
-    framed: a start bit was accepted and its frame is not complete.
-    short_break: after a frame of zeros, the line stayed low for two bits or more, but not for a break. The owner sets
-        this to False.
+    framed: True from the acceptance of a start bit to the end of its frame.
+    short_break: True after a frame of zeros if the line then stayed low for more than two bits, but too short for a
+        break. The owner reads it and sets it to False.
     """
 
     STATE = State(
@@ -69,7 +69,7 @@ class SciRxBits:
         self._touched = touched
         self._open = False
         self._line = 1  # level set by the last `toggle`
-        self._toggles: list[int] = []  # ticks after the present run at which the sampled level changes
+        self._toggles: list[int] = []  # ticks at which the sampled level changes; the first one ends the present run
         self._level = 1  # level of the present run
         self._low_from = FAR  # first sample of a low run that may be a start bit; FAR if this run cannot be one
         self._high_from = FAR  # tick from which the ten idle bits of a high run are counted
@@ -117,7 +117,7 @@ class SciRxBits:
     def set_watch(self, tick: int, watch: bool) -> None:
         """Report the tenth idle bit as IDLE, or stop reporting it. tick: the last tick that is over."""
         self.settle(tick)
-        self._idle_unreported = False  # IDLE is not returned for an idle line detected before
+        self._idle_unreported = False  # for an idle line that was detected before, IDLE is not returned any more
         self.watch_idle = watch
         self._plan()
 

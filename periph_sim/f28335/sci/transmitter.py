@@ -11,8 +11,8 @@ Chosen, where the manual is silent:
 - A word that is written less than FFTXDLY after the end of the previous word waits for the rest of FFTXDLY.
 - SCITXBUF and FIFO keep their words when SCIFFENA changes; only the selected one is sent.
 - Words written to the FIFO while SW RESET = 0 wait. So do words written while SCIRST = 0, if scirst_scope = "shifters".
-- If SW RESET sets TXRDY to 1, there is no request.
-- TXFIFOXRESET = 0 does not stop TXFFINT, since an empty FIFO has reached any level.
+- If SW RESET sets TXRDY to 1, TXINT is not requested.
+- TXFIFOXRESET = 0 does not stop TXFFINT, since an empty FIFO has fallen to any level.
 
 Source: TI SPRUFZ5A sections 1.2.3 to 1.2.10, tables 2-4, 2-6, 2-9, 2-11.
 """
@@ -35,11 +35,13 @@ from .register_map import SCI_MAP, SCIFFENA, SCIRST, TXEMPTY, TXRDY
 
 @final
 class SciTx:
-    """The transmitter. The FIFO stores marks above the eight bits of its words. A bit is eight ticks.
+    """The transmitter. The FIFO's entries are words of eight bits, each with its mark in the bits above them.
+
+    A bit lasts eight ticks.
 
     level: level of TXD.
     request: TXINT was requested since the owner last set this to False.
-    mark: a number that the owner gives to the next word written to SCITXBUF.
+    mark: the mark (see `WriteOrigins`) of the next word written to SCITXBUF, set by the owner.
     out_mark: the mark of the word whose bits TXD shows; 0 after it was cut off.
     """
 

@@ -6,17 +6,18 @@
 
     SPIDAT: bit 15 --> data output        CLK_PHASE   leading edge   trailing edge
     data input --> bit 0                  0           output         latch
-                                          1           latch          output (first bit: before, `present`)
+                                          1           latch          output of the next bit
 
-The leading edge leaves the idle level of SPICLK, the trailing edge returns to it.
+The leading edge of SPICLK goes from its idle level to its active level, the trailing edge goes back. With CLK_PHASE = 1
+the first bit is at the output before the first edge (`present`).
 
 Chosen, where the manual is silent:
-- SPITXBUF reads as last written, even after the word has moved to SPIDAT.
-- SPITXBUF and the FIFOs keep their words when SPIFFENA changes; only the selected one is used.
+- A read of SPITXBUF returns the word last written, even after this word has moved to SPIDAT.
+- SPITXBUF and the FIFOs keep their words when SPIFFENA changes; only those that SPIFFENA selects are used.
 - A word read from the receive FIFO stays in SPIRXBUF.
-- A FIFO that a reset holds empty does not set its interrupt flag; the flag stays as it is.
-- Setting an enable while its flag is set requests at once.
-- If RXFFOVF requests RXINT at all, each overflow requests it.
+- While a reset bit holds a FIFO empty, the interrupt flag of the FIFO does not change.
+- Setting an enable bit while its flag is 1 requests the interrupt at once.
+- If RXFFOVF requests RXINT (option `rxffovf_interrupt`), it does so at each overflow.
 
 Source: TI SPRUEU3 sections 1.3.2, 1.4, 1.5, 2.1.3, 2.1.6 to 2.1.8 and 2.1.9 (SPIFFTX and SPIFFRX).
 """

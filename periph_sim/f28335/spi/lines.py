@@ -14,7 +14,7 @@ side is in `module`.
 wired-AND wire behave like push-pull outputs with enables.
 
 Chosen, where the manual is silent:
-- Words follow each other without a gap. A word that is written too late for that begins as after idle.
+- Words follow each other without a gap. If a word is written too late for this, it is sent in a new transfer.
 - A slave loads the next word at the last edge of the previous one; TXDLY is for masters only.
 - An edge of SPICLK in the cycle in which SPISTE rises counts; an edge in the cycle in which it falls does not.
 - SIMO and SOMI keep their last output level, which is 0 after reset.
@@ -48,7 +48,7 @@ PINS = ("SIMO", "SOMI", "CLK", "STE")
 RECEIVED = 1 << SPI_MAP["SPIRXBUF"].offset | 1 << SPI_MAP["SPIRXEMU"].offset
 
 
-# What the master's timer waits for: nothing, the begin of a transfer, an edge of SPICLK, the end of TXDLY, SPISTE = 1.
+# Events of the master's timer: none, start of a transfer, the two edges of SPICLK, end of TXDLY, SPISTE = 1.
 IDLE, BEGIN, LEADING, TRAILING, DELAY, RELEASE = range(6)
 
 
@@ -86,7 +86,7 @@ class SpiLines(Chip):
     def reset(self, now: int) -> None:
         self._run(now)
         self._ccr = self._ctl = self._brr = self._ffct = self._pri = 0
-        self._gated = True  # the clock gate is off
+        self._gated = True  # the module has no clock, because its bit in PCLKCR0 is 0
         self._suspended = False
         self._finishing = False  # the debugger has stopped the module, but it still sends
         self._halt()

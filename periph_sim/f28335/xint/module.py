@@ -88,7 +88,7 @@ class Xint(Chip):
             if enable:
                 self.note("unknown", "XNMI is enabled but not modelled: no NMI will occur", "SPRUFB0D Table 122")
             return
-        if offset < len(self._since):  # stop the counter with its count, or let it continue from there
+        if offset < len(self._since):  # a stopped counter keeps its count; a started one continues from its count
             self._count[offset] = self._counted(now, offset)
             self._since[offset] = now - self._count[offset]
         self.enabled = self.enabled & ~(1 << offset) | enable << offset

@@ -19,8 +19,8 @@ from .command_frame import command, usage_errors_in_one_sentence
 def assemble(source: Path, file: Path) -> None:
     """Assemble SOURCE into FILE, a .out in TI's COFF2.
 
-    For small programs: one source, whose `.sect "NAME", ADDRESS` sets the address of each section. Every form of the
-    C28x and its FPU is known. docs/images.md has the directives.
+    This assembler is for small programs in one source, in which `.sect "NAME", ADDRESS` sets the address of a section.
+    It knows all instructions of the C28x and its FPU. docs/images.md has the directives.
     """
     from ...processor.image_files.assemble import assemble_file
     from ...traces.formats import atomic_write

@@ -261,7 +261,7 @@ class Evidence:
         ]
 
     def _lows(self, wire: str) -> list[tuple[int, int]]:
-        """Return the low phases of a wire in the window as (fall, rise). The last phase may end with the window."""
+        """Return the low times of a wire in the window as (fall, rise). The last one may end with the window."""
         channel = self.channel(wire)
         if channel is None:
             return []

@@ -135,7 +135,7 @@ def case_report(
     per_second: the number of ticks per second.
     length: the duration of the run in seconds; None for the duration that the case states.
     changes: the "key=value" texts with which the case was read.
-    findings: the findings of `check`, without which the case passes. If None, the case passes if the run passes.
+    findings: the findings of `check`; the case passes if there are none. With None, it passes if the run passes.
 
     Raise the errors of a Scene and its run.
     """

@@ -133,7 +133,7 @@ def convert(kind: type[T], tree: object) -> T:
 class Key:
     """A key of a table. name: the name of its field. convert: its converter, which is made at the first use.
 
-    Names in its annotation are those of the module that defined the table's class, even if `sys.modules` has changed.
+    Names in its annotation are looked up in the module of the table's class, which is stored for this purpose.
     """
 
     def __init__(self, kind: type, name: str, default: object) -> None:

@@ -36,7 +36,7 @@ class Keyed(NamedTuple):
     """Functions for the objects of one class that a scene finds again by a key.
 
     key_of: a function that returns the key of an object, or None if the object has no key.
-    find: a function of the items of a key that returns the object of the scene with this key.
+    find: a function that returns the scene's object with a key; its arguments are the items of the key.
     """
 
     key_of: Callable[[Any], tuple[object, ...] | None]

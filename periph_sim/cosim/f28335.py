@@ -58,7 +58,8 @@ class F28335:
     case: a case from `load` or `make_case`, or the path of a file.
     scl, sda: the resolved lines, which are read.
     scl_o, sda_o: the signals that we drive: 0 pulls the line low, 1 releases it.
-    rx, tx: the line that is read and the line that is driven.
+    rx: the line that we read.
+    tx: the line that we drive.
     wires: pairs (read, driven) for other wires of the case, by name; either of a pair may be None.
     log: a file for the line changes, which `periph_sim.outside.replay` can replay.
     record: a file for the records, on the simulator's time axis.

@@ -137,7 +137,7 @@ class I2cController(BitParty):
         self._next: Event = kernel.event(self)  # the event of the next step of a transfer
         self._guard: Event | None = None  # the event that reports a line held too long
         self._sda_level = 1
-        self._rising = False  # SCL is released and has not risen yet
+        self._rising = False  # True if SCL is released and has not risen yet
         self._high = timing.high  # the next high time of SCL
         self._high_end = BIT_END  # the tag of the event that ends the next high time of SCL
         self._let_go_at = 0

@@ -126,7 +126,7 @@ class Fifo:
         self.mode = BYPASS
         self.samples = 0  # FIFO_CTL.Samples, the watermark
         self.overrun = False
-        self._unread = False  # in bypass mode: the output register is unread
+        self._unread = False  # True if in bypass mode the output register is unread
         self._waiting: deque[bytes] = deque()
         self._overrun_when_filled = overrun_when_filled
 

@@ -119,7 +119,7 @@ class Itg3200(RegisterChip):
         self._ready_shown: bool  # True if INT_STATUS has shown that the clock source is ready
         self._shown = dict.fromkeys(SHOWN, 0)  # contents of the data registers
         self._burst: dict[str, int]  # contents of the data registers when the burst began
-        self._scale_known = True  # FS_SEL was 3 when the last sample was taken
+        self._scale_known = True  # True if FS_SEL was 3 when the last sample was taken
         self._ad0 = ADDRESSES.index(address)
         self._identify()
         self._start(powered)

@@ -58,7 +58,7 @@ class I2cLines(Chip):
         self._clocked = self._suspended = False
         self._lines = I2cNoiseFilter(options.unequal_arrival.matches("one_sample"), self.touched)
         self.filter_width = self.state.filter_width
-        self._bus_busy = False  # between a START and a STOP, even if they came while IRS was 0
+        self._bus_busy = False  # True between a START and a STOP, even if they came while IRS was 0
         self._frozen_pull = 0  # mask of the lines that a halted slave pulls until the CPU resumes
         self._readable = -1  # result of `readable` after the last edge or timer; -1 after any other input
 

@@ -65,8 +65,8 @@ ONES = 0xFF
 class I2cMaster(I2cMasterData):
     """Master side of the module.
 
-    active: this module owns the bus.
-    sees_idle: both lines are high after the filter.
+    active: True while this module owns the bus.
+    sees_idle: True while both lines are high after the filter.
     skip_release: the cycle in which SCL was released for the first bit of a byte.
     skip_fell: the cycle in which the module pulled SCL low before this release.
     skip_low: the low time of SCL in skipped bits, in cycles.
@@ -366,7 +366,7 @@ class I2cMaster(I2cMasterData):
         return self._kind == RECEIVE or shown == self._byte
 
     def begin_skip(self, delay: int) -> None:
-        """Remember the state in which SCL was just released for the first bit. delay: cycles from output to pin.
+        """Store the state at the release of SCL for the first bit. delay: cycles from the output to the pin.
 
         output SCL  __|~~|__|~~|_ ... _|~~|_      bit n is released at `skip_release` + n (low + high)
                       ^ bit position 0      ^ 7: the module wakes to release SCL for the eighth bit

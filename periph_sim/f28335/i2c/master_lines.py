@@ -49,8 +49,8 @@ class I2cMasterLines:
         self.state = state
         self.limits = limits
         self.lines = SCL | SDA
-        self.frozen = False  # a debugger halt is in effect
-        self.halting = False  # a debugger halt waits for SCL to be low
+        self.frozen = False  # True if a debugger halt is in effect
+        self.halting = False  # True if a debugger halt waits for SCL to be low
         self._released_at = self._low_from = self._rose_at = 0
         self._condition_sda = 1  # SDA while SCL rises for a STOP (0) or repeated START (1)
         self.release_lines()
@@ -88,7 +88,7 @@ class I2cMasterLines:
             self.pulls |= SDA
 
     def _release_after_low(self, now: int) -> None:
-        """Release SCL after the low time, or after the setup time if SCL was held until SDA had its level."""
+        """Release SCL after the low time. If SDA was set late, because SCL was held, SDA also needs its setup time."""
         state = self.state
         over = self._low_from + self.low()
         if now > self._low_from + state.tm + state.filter_width:
@@ -164,8 +164,8 @@ class I2cMasterLines:
         """Clear the state of the transfer."""
         self.counter = 0
         self._addresses: list[int] = []
-        self._starting = False  # our START, or repeated START, is on the lines but has not been detected yet
-        self._stopping = False  # our STOP is on the lines but has not been detected yet
+        self._starting = False  # True if our START, or repeated START, is on the lines but has not been detected yet
+        self._stopping = False  # True if our STOP is on the lines but has not been detected yet
         self._own_restart = False
         # If the module reads from a 10-bit address and sends the full address first, it makes a repeated START itself.
         # This list has the address bytes that are then sent after the repeated START; it is empty for other transfers.

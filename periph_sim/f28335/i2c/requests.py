@@ -33,7 +33,7 @@ class I2cRequests:
     """Flags, interrupt arbiter, and FIFOs of both directions.
 
     str: I2CSTR.
-    fifo: FIFO mode is on.
+    fifo: True in FIFO mode.
     requests: mask of the lines requested since the owner last set this to 0.
     code_at: the cycle at which a code is loaded into INTCODE, or NEVER.
     """

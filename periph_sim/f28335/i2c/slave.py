@@ -13,7 +13,7 @@ Source: SPRUG03B sections 2, 3 and 5.8, Table 1, Table 10, Figure 17.
 
 Chosen:
 - A slave that has sent a NACK continues to receive until the START or STOP.
-- A NACK counts as sent, for NACKSNT and NACKMOD, at the fall of SCL that ends the acknowledge.
+- At the fall of SCL that ends a NACK, NACKSNT is set and NACKMOD is cleared.
 - With `eager_reloaded_at_address` I2CXSR is reloaded at fall 8 of a matching read address.
 """
 

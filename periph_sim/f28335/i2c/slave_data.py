@@ -56,11 +56,11 @@ class I2cSlaveData:
     def __init__(self, state: I2cRegisters) -> None:
         self.state = state
         self._copy_point: TextOption = state.options.dxr_to_xsr_copy_point
-        self.muted = False  # this module is master now, so its slave receives but does not answer
+        self.muted = False  # True if this module is master now, so its slave receives but does not answer
         self._n = 8
         self._shift = self._sent = 0
         self._nack_armed = self._first_byte = False
-        self._read = False  # R/W = 1 in the last byte that was compared with the own address
+        self._read = False  # True if R/W = 1 in the last byte that was compared with the own address
         self._latched = 0  # latched value of I2COAR, for the values of `oar_latch` other than "live"
         self.reset()
 
@@ -75,7 +75,7 @@ class I2cSlaveData:
         self.phase = OFF
         self.bit = 0
         self._rsr_waits = self.own_transfer = False
-        self._selected = False  # a 10-bit address has matched in full in this transfer
+        self._selected = False  # True if a 10-bit address has matched in full in this transfer
         if self.state.mdr & MDR_IRS:
             self._latched = self.state.oar
 
@@ -211,7 +211,7 @@ class I2cSlaveData:
         state.nack_received(now, as_slave=True, refused="a byte")
 
     def _copy_at_rise9(self, now: int) -> None:
-        """Copy to I2CXSR in the middle of the ACK slot, if so configured; XRDY may rise then or at the slot's end."""
+        """Copy I2CDXR to I2CXSR at rise 9, if the option selects it. XRDY rises at the copy or at fall 9 (option)."""
         state = self.state
         if state.bcm and state.tx_ready() and self._copies_at("ack_rise9"):
             state.copy_to_xsr(now, xrdy=state.options.xrdy_rise_point.assume(state.touched) == "at_copy")

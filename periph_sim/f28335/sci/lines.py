@@ -70,7 +70,7 @@ class SciLines(Chip):
         self._autobaud = SciAutobaud()
         self.filter_width = self._sync = options.rx_sync_stages.unrecorded()  # its use is recorded with each frame
         self._rxd = 1
-        self._listening = False  # the bit receiver follows the line
+        self._listening = False  # True if the bit receiver follows the line
         self._rx_at = self._tx_at = NEVER  # cycles of the next events of receiver and transmitter
         self.reset(0)
 
@@ -78,10 +78,10 @@ class SciLines(Chip):
         self._run(now)
         self._ccr = self._ffct = self._pri = 0
         self._ctl1 = 0  # SCICTL1 without TXWAKE, which `SciTx` has
-        self._gated = True  # the module has no clock, because its bit in PCLKCR0 is 0
+        self._gated = True  # True if the module has no clock, because its bit in PCLKCR0 is 0
         self._suspended = False
-        self._rx_stopping = False  # the receiver's clock stops when its frame is complete
-        self._abd_requested = False  # ABD has requested TXINT since CDC was set
+        self._rx_stopping = False  # True if the receiver's clock stops when its frame is complete
+        self._abd_requested = False  # True if ABD has requested TXINT since CDC was set
         self._request_at = NEVER
         self._rx_clock.reset(now)
         self._tx_clock.reset(now)

@@ -46,7 +46,7 @@ class SciRx:
         self.options = options
         self.touched = touched
         self.framing_errors = self.parity_errors = 0  # numbers of characters with these errors, since construction
-        self.loaded = False  # SCIRXBUF has shown a new word, even an equal one, since the owner set this to False
+        self.loaded = False  # True if SCIRXBUF got a word, even an equal one, since the owner last set this to False
         self.fifo = InterruptFifo(SCI_MAP["SCIFFRX"], True, options.fifo_int_mode, touched)
         self.reset()
 

@@ -63,7 +63,7 @@ class SciRxBits:
         self.next_tick = FAR
         self.word = 0
         self.address = 0
-        self.watch_idle = False  # `step` returns IDLE for an idle line
+        self.watch_idle = False  # True if `step` returns IDLE for an idle line
         self._layout = layout  # format of the next frame
         self._options = options
         self._touched = touched
@@ -74,15 +74,15 @@ class SciRxBits:
         self._low_from = FAR  # first sample of a low run that may be a start bit; FAR if this run cannot be one
         self._high_from = FAR  # tick from which the ten idle bits of a high run are counted
         self._idle_base = FAR  # no idle bit is counted before this tick
-        self._idle = False  # the line has been idle since the last frame
-        self._idle_unreported = False  # an idle line was detected, and `step` has not returned IDLE for it yet
+        self._idle = False  # True if the line has been idle since the last frame
+        self._idle_unreported = False  # True if an idle line was detected, and `step` has not returned IDLE for it yet
         self.framed = False
         self.short_break = False
         self._start = 0  # first low sample of the accepted start bit
         self._frame = layout  # the format of the present frame
         self._missing_stop = 0  # last sample of the stop bit that armed the break
         self._break_at = FAR
-        self._sure = True  # no later edge can change `next_tick`
+        self._sure = True  # True if no later edge can change `next_tick`
 
     # Inputs -----------------------------------------------------------------
 

@@ -40,7 +40,7 @@ class SciTx:
     A bit lasts eight ticks.
 
     level: level of TXD.
-    request: TXINT was requested since the owner last set this to False.
+    request: True if TXINT was requested since the owner last set this to False.
     mark: the mark (see `WriteOrigins`) of the next word written to SCITXBUF, set by the owner.
     out_mark: the mark of the word whose bits TXD shows; 0 after it was cut off.
     """
@@ -78,7 +78,7 @@ class SciTx:
         # Enables and modes, copied here from the registers of the whole module.
         self.enabled = False  # TXENA
         self.in_swreset = True
-        self.stopping = False  # the transmitter stops after the frame being sent
+        self.stopping = False  # True if the transmitter stops after the frame being sent
         self.int_enabled = False
         self.delay = 0  # FFTXDLY
         self.fifo_mode = False  # SCIFFENA
@@ -89,13 +89,13 @@ class SciTx:
 
     def halt(self) -> None:
         """Reset the state machines: the words in SCITXBUF and TXSHF are lost, TXD goes to 1."""
-        self.running = False  # neither SW RESET nor SCIRST holds the transmitter in reset
-        self.active = False  # a frame or an idle time is being sent
+        self.running = False  # True if neither SW RESET nor SCIRST holds the transmitter in reset
+        self.active = False  # True if a frame or an idle time is being sent
         self.wut = False
-        self._waiting = False  # SCITXBUF holds a character
+        self._waiting = False  # True if SCITXBUF holds a character
         self._drain = 0  # number of words that are still sent although TXENA = 0
         self._loaded = False  # TXSHF holds a word whose start bit has not begun
-        self._data_frame = False  # a frame is being sent, not an idle time
+        self._data_frame = False  # True if a frame is being sent, not an idle time
         self._end = FAR  # tick at which the frame or idle time ends
         self._start_at = FAR  # tick of the next start bit
         self._load_at = FAR  # tick of the next load

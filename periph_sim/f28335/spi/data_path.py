@@ -34,8 +34,8 @@ from .register_map import BUFFULL_FLAG, INT_FLAG, OVERRUN_FLAG, SPI_MAP
 class SpiFifo(InterruptFifo):
     """FIFO of one direction, which SPIRST can hold empty.
 
-    on: FIFO mode is on.
-    request: the FIFO's interrupt was requested since the owner last set this to False.
+    on: True in FIFO mode.
+    request: True if the FIFO's interrupt was requested since the owner last set this to False.
     """
 
     STATE = State("on request _held")
@@ -49,7 +49,7 @@ class SpiFifo(InterruptFifo):
         super().reset()
         self.on = False
         self.request = False
-        self._held = False  # SPIRST = 0 holds the FIFO empty
+        self._held = False  # True if SPIRST = 0 holds the FIFO empty
 
     @property
     def accepts(self) -> bool:
@@ -110,7 +110,7 @@ class TransmitBuffer:
     """Transmit side of the SPI.
 
     txbuf: SPITXBUF.
-    full: SPITXBUF has a waiting character.
+    full: True if SPITXBUF has a waiting character.
     lost: texts of notes about lost words, which the owner clears.
     """
 
@@ -175,8 +175,8 @@ class ReceiveBuffer:
 
     status: INT_FLAG and OVERRUN_FLAG in their positions in SPISTS.
     enables: the flags of `status` that request RXINT.
-    request: RXINT was requested by these flags since the owner last set this to False.
-    loaded: SPIRXBUF received a word, even an equal one, since the owner last set this to False.
+    request: True if these flags requested RXINT since the owner last set this to False.
+    loaded: True if SPIRXBUF received a word, even an equal one, since the owner last set this to False.
     """
 
     STATE = State("rxbuf enables loaded request status fifo")
@@ -244,9 +244,9 @@ class SpiShifter:
     dat: SPIDAT.
     level: level of the serial data output.
     bits: number of latched bits of the present character.
-    loaded: SPIDAT has a character to send.
+    loaded: True if SPIDAT has a character to send.
     length: number of bits of a character.
-    delayed: CLK_PHASE.
+    delayed: the value of CLK_PHASE.
     """
 
     STATE = State("dat level length delayed bits loaded")

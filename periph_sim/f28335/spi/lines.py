@@ -86,9 +86,9 @@ class SpiLines(Chip):
     def reset(self, now: int) -> None:
         self._run(now)
         self._ccr = self._ctl = self._brr = self._ffct = self._pri = 0
-        self._gated = True  # the module has no clock, because its bit in PCLKCR0 is 0
+        self._gated = True  # True if the module has no clock, because its bit in PCLKCR0 is 0
         self._suspended = False
-        self._finishing = False  # the debugger has stopped the module, but it still sends
+        self._finishing = False  # True if the debugger has stopped the module, but it still sends
         self._halt()
         self._shifter = SpiShifter()
         self._tx.reset()
@@ -100,14 +100,14 @@ class SpiLines(Chip):
         """Drop the character; SPICLK and SPISTE of a master become inactive."""
         self._timer.cancel()
         self._step = IDLE
-        self._clk_active = False  # SPICLK of a master is at its active level
+        self._clk_active = False  # True if SPICLK of a master is at its active level
         self._release()
         self._shifter.finish()
         self._tx.full = False
 
     def _release(self) -> None:
         """End the transfer of a master."""
-        self._begun = False  # a master has made the first edge of SPICLK and has not released SPISTE yet
+        self._begun = False  # True if a master has made the first edge of SPICLK and has not released SPISTE yet
         self._ste = STE  # level that a master drives on SPISTE
 
     # State ------------------------------------------------------------------

@@ -90,7 +90,7 @@ class SystemControl(Chip):
     def __init__(self, oscclk_hz: int, options: SystemOptions) -> None:
         super().__init__()
         self.oscclk_hz = oscclk_hz
-        self.reset_requested = False  # the watchdog requests a reset; `reset` clears this
+        self.reset_requested = False  # True if the watchdog requests a reset; `reset` clears this
         self._options = options
         self._clock = OscClock()
         self._watchdog = Watchdog(options, self.touched)

@@ -56,9 +56,9 @@ class Watchdog:
         self.wdcr = WDCR.reset
         self.scsr = SCSR.reset
         self.wdint = 1  # level of WDINT
-        self.interrupt = False  # WDINT has fallen since the owner last set this to False
+        self.interrupt = False  # True if WDINT has fallen since the owner last set this to False
         self.reset_requested = False
-        self._armed = False  # 0x55 was the last key
+        self._armed = False  # True if 0x55 was the last key
         self._origin = position  # a position at which all taps of the divider chain step
         self._since = position  # position at which the count was `_count`
         self._count = 0

@@ -28,7 +28,7 @@ from .state import Time, state_of
 NOT_YET = -1  # an instant that is not known yet
 PLAIN = (type(None), bool, int, float, str, bytes, Fraction, datetime)
 CONTAINERS = (list, tuple, deque, set, frozenset, dict, bytearray, array)
-ARRAY = "array of "  # begin of the text `kind` of an array; the type code of the array's items follows
+ARRAY = "array of "  # how the text `kind` of an array begins; the type code of the array's items follows
 KEYED_BY_OBJECTS = "dict keyed by objects"
 
 

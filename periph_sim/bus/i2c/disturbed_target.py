@@ -24,12 +24,13 @@ READ = 1
 
 @dataclass(frozen=True)
 class When:
-    """The conditions under which a rule applies to a byte.
+    """The conditions under which a rule applies to a byte. All of them must hold.
 
     bytes, phases: the numbers of the bytes and phases; empty for all.
     access: the R/W bit of the phase, or None for both.
     share: the probability that the rule applies if the other conditions hold; drawn from `random`.
-    after, until: the first tick and the end of the time in which the rule applies; None for `until` means no end.
+    after: the first tick at which the rule applies.
+    until: the tick from which on it no longer applies; None for no end.
     """
 
     STATE = State("random")
@@ -57,8 +58,8 @@ class Rule:
     """A disturbance of a target. By default nothing is changed.
 
     refuses: True if the bytes are not acknowledged.
-    replace: returns the byte to send instead of a byte.
-    strike: applies the effects on the lines; called at the fall of SCL before an ACK or before a first bit.
+    replace: a function from the byte that the target would send to the byte that is sent.
+    strike: disturbs the lines; called at the fall of SCL before an ACK or before the first bit of a byte.
     held: the line that `strike` holds low, if there is one.
     phase: number of phases so far whose R/W bit matches `when.access`.
     """

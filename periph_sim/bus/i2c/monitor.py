@@ -32,7 +32,7 @@ class I2cMonitor(BitParty):
 
     on_transfer: called with each transfer at its STOP.
     names: a dictionary from addresses to the names of transfers with these addresses.
-    filter: time in ticks; shorter levels of SDA are ignored.
+    filter: the minimum length, in ticks, of a level of SDA; shorter levels are ignored.
     """
 
     STATE = State(
@@ -55,7 +55,7 @@ class I2cMonitor(BitParty):
         self._start_at = NO_TIME  # the tick of a possible START, until a party that pulled SDA for it pulls SCL
         self._starting = 0  # the mask of the parties that pulled SDA for the possible START
         self._masters_of: dict[int, tuple[int, int]] = {}  # from values of `_starting` to cached results of `_masters`
-        self._versions = scl.version, sda.version  # versions of the wires for which the cached results are valid
+        self._versions = scl.version, sda.version  # values of `Wire.version` for which `_masters_of` is valid
         self._scl_mask = self._sda_mask = 0  # the masks of the master's pulls on the wires; 0 between transfers
         self._pulls_scl = self._pulls_sda = False  # True while the master pulls the wire
         self._began_at = NO_TIME

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, cast
 
@@ -88,10 +89,6 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
     counts["overruns"] = sum(x.measure.count for x in scene.limits if x.budget.measure == "overruns")
     counts[SKIPPED] = sum(dsp.program.polls_skipped for dsp in scene.units.values())
     counts["resets"] = sum(dsp.resets for dsp in scene.units.values())
-    parts: dict[str, Dsp | RegisterChip] = {
-        **scene.units,
-        **{name: on_bus.chip for name, on_bus in scene.chips.items()},
-    }
     compared = None if scene.derived is None else scene.derived.bytes  # None unless a budget compares bytes
     return Result(
         case=scene.case.name,
@@ -105,7 +102,7 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
         sci_errors=scene.uart.errors(),
         budgets=verdicts,
         counts=counts,
-        unknowns=sorted({f"{name}.{t}" for name, part in parts.items() for t in part.touched}),
+        unknowns=unknowns(scene),
         notes=notes_of(scene),
         stuck=stuck,
         wrong={} if compared is None else compared.wrong_places,
@@ -119,6 +116,23 @@ def result_of(scene: Scene, length: int, wall: float) -> Result:
             if not any(sentence.startswith(f"{name} ") for sentence in deadlocks)
         ],
     )
+
+
+def unknowns(scene: Scene) -> list[str]:
+    """Return the sorted names of the options whose answers a run has used, as `UNIT.GROUP.OPTION` or `CHIP.OPTION`."""
+    parts: dict[str, Dsp | RegisterChip] = {
+        **scene.units,
+        **{name: on_bus.chip for name, on_bus in scene.chips.items()},
+    }
+    return sorted({f"{name}.{t}" for name, part in parts.items() for t in part.touched})
+
+
+def touched_sets(scene: Scene) -> Iterator[set[str]]:
+    """Yield the sets in which the units and chips of a scene collect the names of `unknowns`."""
+    for dsp in scene.units.values():
+        yield dsp.core.touched
+        yield from (socket.chip.touched for socket in dsp.sockets.values())
+    yield from (on_bus.chip.touched for on_bus in scene.chips.values())
 
 
 def notes_of(scene: Scene) -> list[str]:

@@ -5,7 +5,7 @@ This module imports no other module of the package, so that showing verdicts doe
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -155,6 +155,16 @@ def broken(verdict: Verdict) -> str:
     found = f" ({verdict.found})" if verdict.found else ""
     worst, limit = (in_words(value, verdict.unit) for value in (verdict.worst, verdict.limit))
     return f"{worst} is {over} its limit of {limit}{at}{found}"
+
+
+def assumes(names: Sequence[str]) -> str:
+    """Return the clause that names the undocumented behaviours that a failure assumes, by unit and group."""
+    groups: dict[str, list[str]] = {}
+    for name in names:
+        group, _, option = name.rpartition(".")
+        groups.setdefault(group, []).append(option)
+    listed = "; ".join(f"{group}: {', '.join(options)}" for group, options in groups.items())
+    return f"undocumented behaviours assumed in it or shortly before: {listed}"
 
 
 def legend(words: Collection[str]) -> list[str]:

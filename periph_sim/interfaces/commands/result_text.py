@@ -2,27 +2,29 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from ...core.options import Value
 from ...core.phrases import counted
 from ...scene.case.model import Case
 from ...scene.result import SKIPPED, Result
-from ...timing.verdict import FAIL, NOT_JUDGED, PASS, PASS_TITLE, Verdict, broken, figure, limit, simulated
+from ...timing.verdict import FAIL, NOT_JUDGED, PASS, PASS_TITLE, Verdict, assumes, broken, figure, limit, simulated
 from ...timing.verdict import legend as meanings
 from .command_frame import print_table, say
 
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
 # A dictionary from names of counts to their singular. Names that are not in it are used for all numbers: `2 missed`.
 THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}
+NOTHING: Mapping[str, Sequence[str]] = {}  # no options that a failure assumed
 MOST_WRONG = 12  # maximum number of places of wrong bytes that are listed
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}  # styles of a budget's row
 HEADLINES = {**STYLES, PASS: "green"}  # styles of the line that states a run's verdict
 
 
-def show(result: Result, case: Case, verbose: bool = False) -> None:
+def show(result: Result, case: Case, verbose: bool = False, assumed: Mapping[str, Sequence[str]] | None = None) -> None:
     """Print the result of a run.
 
+    assumed: a dictionary from broken budgets to the options that decided undocumented behaviours in their occurrences.
     verbose: True to list the undocumented behaviours that the run assumed, and the counts of skipped polls and bits.
     """
     by_estimate = f"; cycles between accesses of {' and '.join(result.estimated)} are estimated"
@@ -35,7 +37,11 @@ def show(result: Result, case: Case, verbose: bool = False) -> None:
     to_units = counted(result.sci_bytes, "SCI byte")
     sci_bytes = f"{to_units} to units and {result.sci_bytes_sent} from units" if result.sci_bytes_sent else to_units
     traffic = f"{counted(result.wire_bytes, 'I2C byte')}, {sci_bytes}, {counted(result.events, 'event')}"
-    say(*legend(result.budgets), f"{simulated(result.simulated_s)} simulated; {traffic}", *_counts(result, verbose))
+    say(
+        *legend(result.budgets, assumed or NOTHING),
+        f"{simulated(result.simulated_s)} simulated; {traffic}",
+        *_counts(result, verbose),
+    )
     say(*(f"{each.name}: {each.found}" for each in result.budgets if each.found and not each.broken))
     if result.first_wrong:
         say(f"first wrong: {result.first_wrong}")
@@ -83,16 +89,24 @@ def budget_table(budgets: Sequence[Verdict]) -> None:
     print_table(("budget", "seen", "limit", "margin", "count", ""), rows, right=range(1, 5), whole=range(1, 6))
 
 
-def broken_lines(budgets: Sequence[Verdict]) -> list[str]:
-    """Return a line for each broken budget with the reason and, if it is known, the instant."""
-    return [f"{each.name}: {broken(each)}" for each in budgets if each.broken]
+def broken_lines(budgets: Sequence[Verdict], assumed: Mapping[str, Sequence[str]] = NOTHING) -> list[str]:
+    """Return a line for each broken budget with the reason and, if it is known, the instant.
+
+    assumed: as for `show`; these options are a further line.
+    """
+    lines = []
+    for each in budgets:
+        if each.broken:
+            names = assumed.get(each.name)
+            lines += [f"{each.name}: {broken(each)}", *([f"  {assumes(names)}"] if names else [])]
+    return lines
 
 
-def legend(budgets: Sequence[Verdict]) -> list[str]:
+def legend(budgets: Sequence[Verdict], assumed: Mapping[str, Sequence[str]] = NOTHING) -> list[str]:
     """Return the lines below a table of budgets: the reason for each broken budget, and the meanings of words."""
     if not budgets:
         return []
-    return [*broken_lines(budgets), *meanings({each.word for each in budgets})]
+    return [*broken_lines(budgets, assumed), *meanings({each.word for each in budgets})]
 
 
 def assumptions(names: Sequence[str], case: Case, verbose: bool) -> list[str]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import json
+from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
@@ -16,6 +17,7 @@ from ...records.recording import recording
 from ...scene.case.load import load
 from ...scene.result import Result
 from ...scene.scene import Scene
+from ...timing.verdict import FAIL
 from .command_frame import (
     CHANGES,
     GUARANTEED,
@@ -100,6 +102,11 @@ def run(
 
             found = explained(scene.case, result.budgets, scene.typical(), length)
             chains = {one.window.verdict.name: one.chain for one in found}
+        assumed: Mapping[str, Sequence[str]] = {name: chain.assumed for name, chain in chains.items()}
+        if result.verdict == FAIL and not (explain or as_json):
+            from ..reports.explain.assumed import assumed_in
+
+            assumed = assumed_in(scene.case, result, length)
         if unfinished is not None:
             from ..reports.html.gather import case_report
             from ..reports.html.page import page
@@ -111,7 +118,7 @@ def run(
     if as_json:
         print_json("run", _object(result, chains if explain else None))
     else:
-        show(result, loaded, verbose)
+        show(result, loaded, verbose, assumed)
         if chains:
             from ..reports.explain.chain import text
 

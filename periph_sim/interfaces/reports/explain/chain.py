@@ -20,7 +20,7 @@ from pathlib import Path
 from ....core.text_table import columns, together
 from ....core.time import Timebase
 from ....processor.source_location import SourceLocation, parsed
-from ....timing.verdict import Verdict, figure, in_words, instant, percentile
+from ....timing.verdict import Verdict, assumes, figure, in_words, instant, percentile
 from .cpu_activity import Doing, Stretch, phrase
 
 
@@ -107,6 +107,7 @@ class Chain:
     typical_holds: True if the least critical occurrence keeps the limit. In this case, the difference from it explains
         why the occurrence exceeds the limit.
     more: for each part, the length minus the length in the least critical occurrence; the largest difference first.
+    assumed: as in `Window`.
     """
 
     verdict: Verdict
@@ -117,6 +118,7 @@ class Chain:
     typical: int | None = None
     typical_holds: bool = True
     more: tuple[Part, ...] = ()
+    assumed: tuple[str, ...] = ()
     blame: Part | None = None  # the cause of an occurrence without length: an activity, an access or a note
 
     @property
@@ -199,7 +201,7 @@ def text(chain: Chain) -> list[str]:
         rows = [(signed(part.length), "", str(part)) for part in largest(chain.more)]
         more = signed(chain.length - typical)
         lines += [f"  {more} against {show(typical)}, its least critical occurrence", *_table(rows)]
-    return lines
+    return [*lines, *([f"  {assumes(chain.assumed)}"] if chain.assumed else [])]
 
 
 def _head(verdict: Verdict) -> str:
@@ -247,6 +249,7 @@ def as_json(chain: Chain) -> dict[str, object]:
         "length_us": round(chain.us(chain.length), 4),
         "typical_us": None if chain.typical is None else round(chain.us(chain.typical), 4),
         "more": [_json_part(chain, part) for part in chain.more],
+        "assumes": list(chain.assumed),
     }
 
 

@@ -317,6 +317,7 @@ class Evidence:
             steps=steps,
             parts=parts,
             blame=blame,
+            assumed=self.window.assumed,
         )
 
     def step(self, record: Record, what: str = "", length: int | None = None) -> Step:

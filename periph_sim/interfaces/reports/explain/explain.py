@@ -35,8 +35,9 @@ from .cpu_activity import IN_FIRMWARE, Stretch
 from .evidence import ON_WIRES, Evidence
 from .fault_evidence import is_master, waited_for
 from .findings import DERIVED_FROM, FINDINGS, PROMPT, Ends, answered, asked, awaited, held, transfers
+from .occurrence import is_late
 from .reply_evidence import request_of, wrong_characters
-from .window import BIT, Window, is_late, windows
+from .window import BIT, Window, windows
 
 
 def places(evidence: Evidence, ends: Ends) -> list[Stretch]:

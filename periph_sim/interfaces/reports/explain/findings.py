@@ -41,7 +41,7 @@ from .fault_evidence import (
     unread,
     waited_for,
 )
-from .window import LATE
+from .occurrence import LATE
 
 DERIVED_FROM = {
     Kind.TRANSFER: (Kind.BUS, Kind.EDGE),

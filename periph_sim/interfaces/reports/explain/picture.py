@@ -15,12 +15,14 @@ from itertools import groupby, pairwise
 from ....core.records import Kind
 from ....records.register_maps import register_of
 from ....timing.verdict import in_words, instant
+from ....traces.capture.capture import Span
 from ....traces.drawing.capture_lanes import wire_lanes
 from ....traces.drawing.svg_diagram import BLACK, BLUE, GREY, ORANGE, Box, Lane, Mark, timing_diagram
 from ....traces.drawing.text_diagram import text_diagram
 from .characters import characters
 from .cpu_activity import Stretch, episodes, timeline, units
-from .window import I2C_BUS, Window, event_of
+from .occurrence import event_of
+from .window import I2C_BUS, Window
 
 ANSWER = ("I2CSTR.AAS", "I2CSTR.SDIR", "I2CSTR.XRDY")
 RECEIVED = ("SCIFFRX.RXFFINT",)
@@ -189,3 +191,19 @@ def _seconds(window: Window, tick: float) -> float:
 
 def _figure(window: Window) -> str:
     return in_words(window.verdict.worst or 0, window.verdict.unit)
+
+
+def within_reach(window: Window, most: int) -> tuple[Span, ...]:
+    """Return the recorded ranges, reduced to at most about `most` records.
+
+    The records around the occurrence are kept. If the occurrence alone has too many records, its first ones are kept.
+    """
+    if len(window.records) <= most:
+        return window.kept
+    inside = [r.tick for r in window.records if window.begin <= r.tick <= window.end]
+    if len(inside) >= most:
+        return (Span(min(window.drawn.begin, window.begin), inside[most - 1] + 1),)
+    reach = sorted(max(window.begin - r.tick, r.tick - window.end, 0) for r in window.records)[most - 1]
+    first, last = window.begin - reach, window.end + reach
+    cut = [Span(max(span.begin, first), min(span.end, last + 1)) for span in window.kept]
+    return tuple(span for span in cut if span.begin < span.end)

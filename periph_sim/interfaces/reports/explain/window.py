@@ -26,20 +26,18 @@ from ....records.run import Run
 from ....scene.case.model import Case
 from ....scene.firmware_loader import Firmware
 from ....scene.scene import Scene
-from ....timing.language.events import Event
-from ....timing.language.language import measure_of
-from ....timing.measures.registry import MEASURES
 from ....timing.verdict import Verdict
 from ....traces.capture.capture import Capture, Channel, Span, channel_of
 from ....traces.drawing.capture_lanes import bit_of
 from ....traces.formats.record_table import Columns, RecordTable
+from .assumed import advance, shortly_before
+from .occurrence import event_of, is_interval, is_late, occurrence
 
 if TYPE_CHECKING:
     from ....records.recording import Subscribe
 
 AROUND = Fraction(5, 1000)  # seconds that are kept before and after an interval; enough for a transfer or a frame
 WIDE = Fraction(25, 1000)  # seconds that are kept before and after an instant; enough for a period of rounds
-LATE = ("missed", "stuck")  # events whose instant is the end of a wait that is too long
 LONGEST = Fraction(1, 10)  # seconds that are kept after the start and before the end of a long occurrence
 LEAD = Fraction(25, 1000)  # seconds that are kept before a range, so that a transfer in progress is decoded
 BITS = 18  # minimum extent of a picture in bits: two bytes with their ACKs
@@ -70,6 +68,7 @@ class Window:
     modules: a dictionary from units to the names of their modules.
     expected: a dictionary from each wrong byte to the expected value.
     formats: a dictionary from serial lines to the length of a bit in ticks and the frame format, at the end of the run.
+    assumed: the options that decided undocumented behaviours in a failure or shortly before it; otherwise empty.
     """
 
     verdict: Verdict
@@ -86,6 +85,7 @@ class Window:
     modules: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     expected: Mapping[WrongByte, int] = field(default_factory=dict)
     formats: Mapping[str, tuple[Fraction, UartFormat]] = field(default_factory=dict)
+    assumed: tuple[str, ...] = ()
 
     @property
     def at(self) -> int:
@@ -150,12 +150,13 @@ def windows(
     scene = Scene(case, subscribe, programs)
     (keeper,) = keepers
     until = keeper.ends
-    scene.advance(until)
+    assumed = advance(scene, until, keeper.failures)
     while keeper.awaits_bytes and until < keeper.end:
         until = min(2 * until, keeper.end)
         scene.advance(until)
     found = keeper.windows(case.name, scene.wires, {name: unit.modules for name, unit in case.unit.items()})
-    return [replace(window, formats=scene.uart.formats()) for window in found]
+    used = zip(found, assumed, strict=True)
+    return [replace(window, formats=scene.uart.formats(), assumed=names) for window, names in used]
 
 
 @output_muted()
@@ -224,7 +225,7 @@ class _Keeper:
     def __init__(self, verdicts: Iterable[Verdict], timebase: Timebase, start: int, end: int) -> None:
         self._timebase = timebase
         self._start, self.end = start, end
-        self._wanted = [self._want(verdict, verdict.at_s) for verdict in verdicts if verdict.at_s is not None]
+        self._wanted = [self._want(verdict) for verdict in verdicts if verdict.at_s is not None]
         lead = timebase.ticks(LEAD, "nearest")
         self._ranges: list[Span] = []  # in order of time; ranges that touch or overlap are merged
         for span in sorted(Span(max(s.begin - lead, start), s.end) for one in self._wanted for s in one.kept):
@@ -243,22 +244,20 @@ class _Keeper:
         return self._ranges[-1].end - 1 if self._ranges else self._start
 
     @property
+    def failures(self) -> list[Span | None]:
+        """For each occurrence that breaks a limit, the ticks of it and shortly before it; None for the others."""
+        spans = ((one.verdict.broken, shortly_before(one.begin, one.end, self._timebase)) for one in self._wanted)
+        return [span if broken else None for broken, span in spans]
+
+    @property
     def awaits_bytes(self) -> bool:
         """True if the expected bytes of a wrong read are not known yet, because they come with its STOP."""
         known = {tick for _, tick, _ in self._expected}
         return any(one.verdict.measure == WRONG_BYTES and one.begin not in known for one in self._wanted)
 
-    def _want(self, verdict: Verdict, at_s: float) -> _Wanted:
-        per_second = self._timebase.per_second
-        at = self._start + round(at_s * per_second)
-        is_interval = verdict.unit == "us" and not verdict.measure.startswith(("jitter of", "time in"))
-        length = round((verdict.worst or 0) * per_second / 1_000_000) if is_interval else 0
-        if verdict.until_s is not None:
-            length = round(verdict.until_s * per_second) - (at - self._start)
-        event = event_of(verdict)  # the instant of an age is the read at which the age ends
-        of_data = event is not None and event.name == Kind.DATA.value
-        begin, end = sorted((at - length, at) if of_data else (at, at + length))
-        around = self._timebase.ticks(AROUND if is_interval else WIDE, "nearest")
+    def _want(self, verdict: Verdict) -> _Wanted:
+        begin, end = occurrence(verdict, self._timebase, self._start)
+        around = self._timebase.ticks(AROUND if is_interval(verdict) else WIDE, "nearest")
         first, last = max(begin - around, self._start), min(end + around, self.end)
         longest = self._timebase.ticks(LONGEST, "nearest")
         kept: tuple[Span, ...] = (Span(first, last + 1),)
@@ -349,18 +348,6 @@ class _Keeper:
         return channel_of(wire, index, states.keys(), states.values(), one.kept[-1].end)
 
 
-def event_of(verdict: Verdict) -> Event | None:
-    """Return the last event that the text of a verdict's measure names; None if MEASURES has no such measure."""
-    sentence = MEASURES.get(verdict.measure.partition(" of ")[0])
-    return None if sentence is None else measure_of(sentence.text.format(of="")).events[-1]
-
-
-def is_late(verdict: Verdict) -> bool:
-    """Return True if the instant of a verdict is the end of a wait that is too long."""
-    event = event_of(verdict)
-    return event is not None and event.how in LATE
-
-
 def _with_stretch(window: Window) -> Window:
     """Return a window whose occurrence is the stretch, if the verdict is about a stretch; else the window itself.
 
@@ -382,19 +369,3 @@ def _with_stretch(window: Window) -> Window:
     room, middle = (window.drawn.end - window.drawn.begin) // 2, (begin + rise) // 2
     drawn = Span(max(middle - room, window.start), min(middle + room, window.kept[-1].end))
     return replace(window, begin=begin, end=rise, drawn=drawn)
-
-
-def within_reach(window: Window, most: int) -> tuple[Span, ...]:
-    """Return the recorded ranges, reduced to at most about `most` records.
-
-    The records around the occurrence are kept. If the occurrence alone has too many records, its first ones are kept.
-    """
-    if len(window.records) <= most:
-        return window.kept
-    inside = [r.tick for r in window.records if window.begin <= r.tick <= window.end]
-    if len(inside) >= most:
-        return (Span(min(window.drawn.begin, window.begin), inside[most - 1] + 1),)
-    reach = sorted(max(window.begin - r.tick, r.tick - window.end, 0) for r in window.records)[most - 1]
-    first, last = window.begin - reach, window.end + reach
-    cut = [Span(max(span.begin, first), min(span.end, last + 1)) for span in window.kept]
-    return tuple(span for span in cut if span.begin < span.end)

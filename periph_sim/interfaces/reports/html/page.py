@@ -18,7 +18,7 @@ from jinja2 import Environment, FunctionLoader, StrictUndefined, Template
 from markupsafe import Markup
 
 from .... import form
-from ....timing.verdict import PASS_TITLE, Verdict, figure, in_words, instant, legend, limit
+from ....timing.verdict import PASS_TITLE, Verdict, assumes, figure, in_words, instant, legend, limit
 from ..explain.chain import Chain, Part, bound, largest
 from .distribution import number, plot
 from .gather import BudgetReport, CaseReport
@@ -85,7 +85,7 @@ def _template() -> Template:
         keep_trailing_newline=True,
     )
     pages.filters |= {"data": _data, "figure": figure, "instant": instant, "limit": limit, "share": _share}
-    pages.filters |= {"standing": _standing, "instants": _instants}
+    pages.filters |= {"standing": _standing, "instants": _instants, "assumes": assumes}
     pages.filters |= {"legend": legend, "title": _title}
     pages.filters |= {"gist": _gist, "allowed": _allowed, "parts": _parts}
     style, script = (Markup("\n".join(map(_text, names))) for names in (STYLES, SCRIPTS))

@@ -26,8 +26,8 @@ from ....records.register_maps import register_of
 from ....traces.decode import i2c
 from ..explain.characters import characters
 from ..explain.cpu_activity import all_episodes, polled
-from ..explain.picture import flags_shown
-from ..explain.window import Window, within_reach
+from ..explain.picture import flags_shown, within_reach
+from ..explain.window import Window
 from .protocol import Row, bytes_of, rows
 
 BUS_WORDS = re.compile(r"\b(SCL|SDA|START|STOP|N?ACK|acknowledged|transfer|byte \d+)\b")

@@ -232,6 +232,7 @@ def test_a_chain_as_json():
             {"what": "span frame", "length_us": 40.0, "count": 1, "function": "sci_received", "line": 60},
             {"what": "other code", "length_us": -15.0, "count": 2},
         ],
+        "assumes": [],
     }
     bare = as_json(Chain(VERDICT, TIMEBASE, 1, (Step(0, "SCL rises", 0),)))  # 0.333 ns
     assert (bare["length_us"], bare["typical_us"]) == (0.0003, None)

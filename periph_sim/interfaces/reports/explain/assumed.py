@@ -1,0 +1,64 @@
+"""Undocumented behaviours that a run assumes in an occurrence or shortly before it.
+
+A run collects the names of all options whose answers it has used. To know the names for an occurrence, the run is
+repeated, and the collected names are removed at the ends of the occurrence. Only failures are worth this.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from fractions import Fraction
+
+from ....core.time import Timebase
+from ....processor.user_code import FirmwareError, output_muted
+from ....scene.case.model import Case
+from ....scene.result import Result, touched_sets, unknowns
+from ....scene.scene import Scene
+from ....traces.capture.capture import Span
+from .occurrence import occurrence
+
+SHORTLY = Fraction(180, 1_000_000)  # seconds before an occurrence that count as shortly before it: 18 bits at 100 kHz
+LATEST = 1.0  # seconds of a run that are repeated at most, only for the names of these options
+
+
+def shortly_before(begin: int, end: int, timebase: Timebase) -> Span:
+    """Return the ticks of an occurrence and those shortly before it."""
+    return Span(begin - timebase.ticks(SHORTLY, "nearest"), end)
+
+
+def advance(scene: Scene, until: int, spans: Sequence[Span | None]) -> list[tuple[str, ...]]:
+    """Run a scene up to a tick. Return for each span the sorted names of the options whose answers were used in it."""
+    found: list[set[str]] = [set() for _ in spans]
+    since = scene.kernel.now
+    for tick in sorted({tick for span in spans if span for tick in span if since < tick < until} | {until}):
+        for touched in touched_sets(scene):
+            touched.clear()
+        scene.advance(tick)
+        for names, span in zip(found, spans, strict=True):
+            if span is not None and span.begin < tick and span.end > since:
+                names.update(unknowns(scene))
+        since = tick
+    return [tuple(sorted(names)) for names in found]
+
+
+def assumed_in(case: Case, result: Result, length: Fraction | None) -> dict[str, tuple[str, ...]]:
+    """Repeat a failed run. Return a dictionary from each broken budget to the options used in its worst occurrence.
+
+    It has no options for occurrences that have no instant or come later than LATEST. They are not worth the second run.
+
+    length: the duration of the run in seconds; None for the duration that the case states.
+    """
+    broken = [v for v in result.budgets if v.broken and v.at_s is not None and v.at_s <= LATEST]
+    if not broken or not result.unknowns:
+        return {}
+    with output_muted():
+        scene = Scene(case)
+        end = scene.start + scene.timebase.ticks(case.duration if length is None else length, "nearest")
+        spans = [
+            shortly_before(*occurrence(verdict, scene.timebase, scene.start), scene.timebase) for verdict in broken
+        ]
+        try:
+            found = advance(scene, min(max(span.end for span in spans), end), spans)
+        except FirmwareError:  # the firmware does not repeat itself
+            return {}
+    return {verdict.name: names for verdict, names in zip(broken, found, strict=True)}

@@ -1,0 +1,101 @@
+"""The undocumented behaviours that a failure assumes: those used in it or shortly before, of all that a run assumed.
+
+span early |--|                       nothing undocumented
+span full            |--| at 5 ms     SCITXBUF is written while it is full
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from periph_sim.interfaces.reports.explain import assumed
+from tests.interfaces.commands.conftest import Run
+
+FULL = "txbuf_write_when_full"
+FIRMWARE = """
+from periph_sim.firmware import start_sci
+
+
+def main(dsp, settings):
+    dsp.compute(300_000)
+    with dsp.span("early"):
+        dsp.compute(1000)
+    sci = start_sci(dsp, "SCI-A", fifo=False)
+    dsp.compute(450_000)
+    with dsp.span("full"):
+        for value in range(3):
+            sci.SCITXBUF.all = value
+        dsp.compute(1000)
+"""
+CASE = """
+name = "small"
+duration = "6 ms"
+[unit.dsp]
+firmware = "mine.py"
+modules = ["SCI-A"]
+[[budget]]
+name = "early"
+measure = "span:early"
+max = "{early} us"
+[[budget]]
+name = "full"
+measure = "span:full"
+max = "{full} us"
+"""
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    Path("mine.py").write_text(FIRMWARE, encoding="utf-8")
+    write(early=1, full=1)
+
+
+def write(early: int, full: int) -> None:
+    Path("small.toml").write_text(CASE.format(early=early, full=full), encoding="utf-8")
+
+
+def test_a_failure_names_the_options_that_were_used_in_it_and_no_others(periph_sim: Run) -> None:
+    came = periph_sim("run", "small.toml")
+    lines = came.out.splitlines()
+    early, full = (
+        next(n for n, line in enumerate(lines) if line.startswith(f"{name}: ")) for name in ("early", "full")
+    )
+    assert came.status == 1 and full == early + 1, "nothing undocumented was used in span early"
+    assert lines[full + 1].startswith("  undocumented behaviours assumed in it or shortly before: dsp.sci: "), came.out
+    assert FULL in lines[full + 1]
+    assert lines[-1].startswith("assumes ")
+
+
+def test_the_explanation_the_report_and_json_name_them_too(periph_sim: Run) -> None:
+    named = periph_sim("run", "small.toml").out.partition("shortly before: ")[2].partition("\n")[0]
+    for command in (("worst", "small.toml", "full"), ("run", "small.toml", "--explain")):
+        assert f"  undocumented behaviours assumed in it or shortly before: {named}\n" in periph_sim(*command).out
+    told = json.loads(periph_sim("worst", "small.toml", "--json").out)["budgets"]
+    assert told["early"]["assumes"] == [] and f"dsp.sci.{FULL}" in told["full"]["assumes"]
+    periph_sim("run", "small.toml", "--html", "page.html")
+    page = Path("page.html").read_text(encoding="utf-8")
+    count = len(told["full"]["assumes"])
+    assert f"It assumes {count} undocumented behaviours." in page.partition("full</strong>")[2].partition("</p>")[0]
+    assert f'<p class="quiet">undocumented behaviours assumed in it or shortly before: {named}</p>' in page
+
+
+def test_a_budget_that_holds_names_none_and_a_run_without_failure_is_not_repeated(
+    periph_sim: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    write(early=1, full=100)
+    assert "shortly before" not in periph_sim("run", "small.toml").out
+    assert "shortly before" not in periph_sim("worst", "small.toml", "full").out
+    write(early=100, full=100)
+    monkeypatch.setattr(assumed, "Scene", None)
+    assert periph_sim("run", "small.toml").status == 0
+
+
+def test_a_long_run_is_not_repeated_only_for_this(periph_sim: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(assumed, "LATEST", 0.004)
+    came = periph_sim("run", "small.toml")
+    assert "full: " in came.out and "shortly before" not in came.out
+    assert FULL in periph_sim("worst", "small.toml", "full").out

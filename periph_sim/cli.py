@@ -20,6 +20,7 @@ from typing import NoReturn
 import click
 
 from . import __version__, form
+from .core.output_encoding import substitute_unencodable
 
 MISTAKE, FAULT = 2, 3
 CLOSED_PIPE = 141  # exit status that shells report for a process ended by SIGPIPE; 0 and 1 would be a verdict
@@ -136,6 +137,7 @@ def main() -> NoReturn:
 
 def run_command() -> None:
     """Run the command that sys.argv names, in this process, and exit with its status."""
+    substitute_unencodable()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's threads are for matrices, which are not used here
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # so that pydantic does not search for plugins
     if form.note:

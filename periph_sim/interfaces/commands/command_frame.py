@@ -23,6 +23,7 @@ import click
 
 from ... import form
 from ...core.exact_number import exact_number
+from ...core.output_encoding import writes_utf8
 from ...core.phrases import nearest, shorten
 from ...core.text_table import WIDTH, table_rows, together
 
@@ -168,7 +169,7 @@ def print_json(command: str, answer: Mapping[str, object]) -> None:
     the form of the core that was used: compiled or interpreted.
     """
     head = {"schema": f"periph-sim {command}", "schema_version": VERSION}
-    click.echo(json.dumps({**head, **answer, "form": form.running}, indent=2, ensure_ascii=False))
+    click.echo(json.dumps({**head, **answer, "form": form.running}, indent=2, ensure_ascii=not writes_utf8()))
 
 
 def print_answer(command: str, answer: Mapping[str, object] | str) -> None:

@@ -6,6 +6,7 @@ import json
 
 import click
 
+from ...core.output_encoding import writes_utf8
 from .command_frame import command
 
 
@@ -18,4 +19,4 @@ def schema() -> None:
     """
     from ...scene.case.json_schema import case_schema
 
-    click.echo(json.dumps(case_schema(), indent=2, ensure_ascii=False))
+    click.echo(json.dumps(case_schema(), indent=2, ensure_ascii=not writes_utf8()))

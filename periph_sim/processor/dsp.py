@@ -10,6 +10,7 @@ System control, PIE and the CPU's interrupt logic belong to every unit.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Iterable
 from fractions import Fraction
 from functools import partial
@@ -101,7 +102,8 @@ class Dsp(FirmwareView):
 
     resets: the number of resets since the start.
     clock_history: (tick, frequency) of each change of SYSCLKOUT.
-    note_places: a dictionary from (module, tick) to the statement that violated a rule of the manuals.
+    note_places: a dictionary from (module, tick) to the statement that violated a rule of the manuals or lost a word.
+    lost_counts: how often each note on a lost word occurred.
     watchdog_resets: tick and statement of each reset by the watchdog.
     on_reset: functions that are called at each reset.
     sources: the C sources that the unit runs; None for other firmware.
@@ -130,6 +132,7 @@ class Dsp(FirmwareView):
         self._lspclk = (self.control.lspclk_divider, self.control.lspclk_phase)
         self.resets = 0
         self.note_places: dict[tuple[str, int], SourceLocation] = {}
+        self.lost_counts: Counter[Note] = Counter()
         self.watchdog_resets: list[tuple[int, SourceLocation | None]] = []
         self.on_reset: list[Callable[[], None]] = []
         # SYS and PIE belong to every unit. The code of the other modules is imported only if the plan names them.
@@ -228,12 +231,17 @@ class Dsp(FirmwareView):
         self.memory.places[name] = ModuleRange(name, descriptor.base, descriptor.size, descriptor.frame, socket)
 
     def _noted(self, socket: Socket, cycle: int, note: Note) -> None:
-        """Keep the statement of an access by which the firmware violates a rule of the manuals."""
-        if note.code != "duty":
+        """Keep the statement that violates a rule of the manuals or writes a word that is lost. Count lost words."""
+        is_lost_word = note.code == "lost" and "was written" in note.text
+        if is_lost_word:
+            self.lost_counts[note] += 1
+        elif note.code == "duty":
+            self.processor.notes.raise_if_strict(note, socket.name, self._kernel.now)
+        else:
             return
-        self.processor.notes.raise_if_strict(note, socket.name, self._kernel.now)
-        where = self.processor.causing_statement()
-        if where is not None and self.processor.notes.placed:
+        first_lost = is_lost_word and self.lost_counts[note] == 1
+        where = self.processor.causing_statement() if first_lost or self.processor.notes.placed else None
+        if where is not None:
             self.note_places.setdefault((socket.name, self.clock.tick(cycle)), where)
 
     def restored(self) -> None:

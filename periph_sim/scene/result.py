@@ -146,7 +146,8 @@ def notes_of(scene: Scene) -> list[str]:
                 place = dsp.note_places.get((socket.name, tick))
                 where = f", {place.for_people()}" if place else ""
                 text = note.text.removeprefix(f"{module}: ")  # the line has the name of the module already
-                lines.append(f"{name} {module}, first at {at}{where}: {text} [{note.source}]")
+                lost = f" ({counted(dsp.lost_counts[note], 'time')})" if note in dsp.lost_counts else ""
+                lines.append(f"{name} {module}, first at {at}{where}: {text} [{note.source}]{lost}")
         for note, n in dsp.processor.notes.counts.items():
             place = dsp.processor.notes.places.get(note)
             where = f", {'first ' * (n > 1)}at {place.for_people()}" if place else ""

@@ -7,13 +7,14 @@ from fractions import Fraction
 import pytest
 
 from periph_sim.core.chip import Note
-from periph_sim.firmware import sci_fifo_receiver
+from periph_sim.firmware import sci_fifo_receiver, start_sci
 from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.case.load import load
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.result import Result
 from periph_sim.scene.scene import Scene
 from tests.scene.runs import TIMING
+from tests.scene.serial.programs import scene, unit
 from tests.scene.small import case, scene_with
 
 STUCK = {"name": "stuck", "measure": "stuck", "max": 5}
@@ -104,3 +105,16 @@ def test_missed_rounds_that_no_budget_judges_are_noted(period: str, missed: int)
 def test_where_a_budget_judges_them_there_is_no_note():
     result = Scene(load(TIMING / "responder.toml", ["controller.period='1 ms'", JUDGED])).run(Fraction(25, 1000))
     assert result.counts["missed"] == 12 and result.notes == []
+
+
+def test_a_note_on_lost_words_has_the_statement_and_the_number() -> None:
+    def main(dsp: Dsp) -> None:
+        sci = start_sci(dsp, "SCI-A")
+        for value in range(20):
+            sci.SCITXBUF.all = value  # none has left the FIFO for the shift register yet
+
+    notes = scene({"dsp": main}, unit={"dsp": unit("SCI-A")}, duration="1 ms").run().notes
+    [note] = [note for note in notes if "is lost" in note]
+    line = main.__code__.co_firstlineno + 3
+    assert note.startswith("dsp SCI-A, first at ") and note.endswith("] (4 times)"), note
+    assert f", line {line} of test_result.py: SCITXBUF was written while TXFFST = 16" in note

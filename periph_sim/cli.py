@@ -25,6 +25,7 @@ from .core.output_encoding import substitute_unencodable
 MISTAKE, FAULT = 2, 3
 CLOSED_PIPE = 141  # exit status that shells report for a process ended by SIGPIPE; 0 and 1 would be a verdict
 CANNOT_WRITE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+COMPLETING = "_PERIPH_SIM_COMPLETE"  # environment variable by which a shell requests completion, see click
 LONGEST_MESSAGE = 2000  # maximum number of characters of an error message, enough for a path and a few quotes
 
 ROOT = Path(__file__).parent
@@ -140,7 +141,12 @@ def run_command() -> None:
     substitute_unencodable()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # numpy's threads are for matrices, which are not used here
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")  # so that pydantic does not search for plugins
-    if form.note:
+    completing = COMPLETING in os.environ
+    if completing:
+        from .interfaces.commands.completion import register_shells
+
+        register_shells()
+    elif form.note:
         click.echo(form.note, err=True)
     try:
         status = cli.main(standalone_mode=False)
@@ -148,6 +154,8 @@ def run_command() -> None:
             _drop_output()
         sys.exit(status if isinstance(status, int) else 0)
     except click.ClickException as error:
+        if completing:  # the line is unfinished, and a message would be printed into it
+            sys.exit(0)
         from io import StringIO
 
         from .core.phrases import shorten

@@ -12,7 +12,9 @@ from tests.docs.pages import ROOT
 PAGE = ROOT / "docs" / "commands.md"
 HEAD = """# Commands
 
-This page is generated from the sources. `periph-sim COMMAND --help` says more about each command.
+This page is generated from the sources. `periph-sim COMMAND --help` says more about each command. With
+`eval "$(_PERIPH_SIM_COMPLETE=bash_source periph-sim)"` in `~/.bashrc` (zsh: `zsh_source`), the tab key completes
+commands, options, budgets, keys, registers and fields.
 """
 
 

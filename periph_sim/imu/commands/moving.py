@@ -9,6 +9,7 @@ from pathlib import Path
 import click
 
 from ...interfaces.commands.command_frame import command, length_given, print_json, progress, running_user_code
+from ...interfaces.commands.shared_options import CHANGES
 
 DIFFERENT = 1  # the exit status if the bytes on the wires differ from the computed ones
 
@@ -20,7 +21,7 @@ DIFFERENT = 1  # the exit status if the bytes on the wires differ from the compu
 )
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--seconds", type=str, help="Run this long instead of the case's duration; 10 or '10 s'.")
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
+@CHANGES
 @click.option("--direct", is_flag=True, help="Without wires: compute the readings. Quick.")
 @click.option(
     "--plot", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help="Write attitudes.svg and rates.svg."

@@ -5,38 +5,25 @@ from __future__ import annotations
 from contextlib import ExitStack
 from dataclasses import asdict
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
-import msgspec
 
-from ...scene.project import project_of
 from ...timing.verdict import BROKEN, NOT_JUDGED, SEEN
-from ...traces.formats import atomic_write
-from ..reports.baselines.check import CaseCheck, case_files, workers
-from ..reports.baselines.check import check as checked
-from ..reports.baselines.files import path_for
-from ..reports.baselines.outcome import RejectedCase
-from ..reports.explain import chain as chains
-from .command_frame import (
-    GUARANTEED,
-    JSON,
-    apart,
-    command,
-    command_line,
-    print_json,
-    print_table,
-    progress,
-    running_user_code,
-    say,
-)
+from .command_frame import apart, command, command_line, print_json, print_table, progress, running_user_code, say
+from .shared_options import CHANGES, GUARANTEED, JSON
 from .watch import note_inputs
+
+if TYPE_CHECKING:
+    from ..reports.baselines.check import CaseCheck
+    from ..reports.baselines.outcome import RejectedCase
 
 
 @command("run", "periph-sim check timing --junit results.xml", "periph-sim check timing/imu_hil.toml --update-baseline")
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[PATH]...")
 @click.option("--tolerance", type=click.IntRange(min=0), metavar="CYCLES", help="Times may differ by this.  [0]")
 @click.option("--update-baseline", "update", is_flag=True, help="Make the figures of this run the new baselines.")
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of every case.")
+@CHANGES
 @GUARANTEED
 @click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
 @JSON
@@ -70,6 +57,15 @@ def check(
     figure is that of the baseline; 1: otherwise; 2: a case could not be run (the others were). Cases
     that are driven from outside are named, and not run.
     """
+    import msgspec
+
+    from ...scene.project import project_of
+    from ...traces.formats import atomic_write
+    from ..reports.baselines.check import case_files
+    from ..reports.baselines.check import check as checked
+    from ..reports.baselines.files import path_for
+    from ..reports.explain import chain as chains
+
     if update and changes:
         raise click.UsageError("--update-baseline with --set: a baseline is of the unchanged case; remove one of them")
     if since is not None and summary_file is None:
@@ -158,6 +154,7 @@ def check(
 
 def _html(checks: list[CaseCheck], jobs: int | None) -> str:
     """Return the HTML report. Each case is run again to get the timelines."""
+    from ..reports.baselines.check import workers
     from ..reports.html.gather import report_of_file
     from ..reports.html.page import page
 
@@ -180,6 +177,7 @@ def _html(checks: list[CaseCheck], jobs: int | None) -> str:
 
 
 def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:
+    from ..reports.explain import chain as chains
     from .result_text import budget_table, legend
 
     say(f"check: {sum(one.passed for one in checks)} of {len(checks) + len(refused)} as they should be", style="bold")

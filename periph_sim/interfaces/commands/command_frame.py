@@ -1,6 +1,6 @@
-"""Code that all commands share: options that several commands have, reports of input errors, and output of answers.
+"""Code that all commands share: their decorator, values of options, reports of input errors, and output of answers.
 
-arguments --> RATE, JSON, ...: values   input errors --> one line on standard error, status 2
+arguments --> rate_given, ...: values   input errors --> one line on standard error, status 2
 answer -----> lines, tables within 80 columns, or one JSON object; styles are used only on a terminal
 """
 
@@ -266,28 +266,6 @@ def command_line() -> str:
 
 
 FILE_NAME = re.compile(r"[A-Za-z0-9_][\w.-]*")
-RATE = click.option("--rate", metavar="RATE", help="Sample rate, if the file has none: '4 MHz'.")
-SALVAGE = click.option(
-    "--salvage", is_flag=True, help="Read a damaged file up to the damage, and say what was dropped."
-)
-GUARANTEED = click.option(
-    "--guaranteed/--no-guaranteed",
-    default=None,
-    expose_value=False,
-    callback=lambda context, option, asked: _refuse_guaranteed(asked),
-    help="Require proven budgets; an error, since nothing is proven yet.",
-)
-CHANGES = click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key of the case.")
-SECONDS = click.option(
-    "--seconds",
-    "length",
-    type=str,
-    callback=lambda context, option, text: None if text is None else length_given(text),
-    help="Simulate this long instead of the case's duration; 10 or '10 s'.",
-)
-JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
-RUN_FILE = click.argument("run", type=click.Path(path_type=Path))
-SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, if RUN does not contain it: '150 MHz'.")
 
 
 def read_capture(path: Path, rate: str | None, salvage: bool = False, option: str = "--rate") -> Capture:
@@ -372,22 +350,6 @@ def apart(**outputs: Path | None) -> None:
             other = taken.setdefault(path.resolve(), option)
             if other != option:
                 raise click.ClickException(f"--{other} and --{option} both name {path}; give each its own file")
-
-
-def _refuse_guaranteed(asked: bool | None) -> None:
-    """Raise ClickException if --guaranteed is given, or if the project's settings contain `guaranteed = true`.
-
-    asked: True for --guaranteed, False for --no-guaranteed, None if neither option is given.
-    """
-    from ...scene.project import project_of
-    from ...timing.verdict import NOTHING_PROVEN
-
-    if asked:
-        raise click.ClickException(f"--guaranteed: {NOTHING_PROVEN}; remove the option")
-    with usage_errors_in_one_sentence():
-        project = project_of(Path())
-    if asked is None and project.settings.guaranteed:
-        raise click.ClickException(f"{project.where('guaranteed')}: {NOTHING_PROVEN}; remove it or use --no-guaranteed")
 
 
 def open_run(path: Path, sysclk: str | None) -> Run:

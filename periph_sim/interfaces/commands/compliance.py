@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from .command_frame import JSON, RATE, SALVAGE, command, print_answer, read_capture
+from .command_frame import command, print_answer, read_capture
+from .shared_options import JSON, RATE, SALVAGE
 
 
 @command(

@@ -18,7 +18,8 @@ from ...traces import formats
 from ...traces.capture.capture import window_of, with_channels, within
 from ...traces.capture.sampling import rate_text, resampled
 from ...traces.formats import BadCapture, psr
-from .command_frame import RATE, SALVAGE, command, rate_given, read_capture, usage_errors_in_one_sentence
+from .command_frame import command, rate_given, read_capture, usage_errors_in_one_sentence
+from .shared_options import RATE, SALVAGE
 
 
 @command(

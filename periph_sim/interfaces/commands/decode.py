@@ -44,18 +44,11 @@ from ...traces.formats import pcapng_writer as pcapng
 from . import decode_reports
 from . import decoded_text as event_text
 from .bulk_text import NONE, Column, Digits, Literal, Numbers, Words, text
-from .command_frame import (
-    RATE,
-    SALVAGE,
-    command,
-    i2c_address_given,
-    read_capture,
-    running_user_code,
-    usage_errors_in_one_sentence,
-)
+from .command_frame import command, i2c_address_given, read_capture, running_user_code, usage_errors_in_one_sentence
 from .decode_buses import Bus, asked_for
 from .decode_logic2 import in_logic2
 from .decoded_json import transfer_lines
+from .shared_options import RATE, SALVAGE
 
 if TYPE_CHECKING:
     from .decode_names import RegisterNames

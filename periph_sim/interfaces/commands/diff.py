@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .command_frame import JSON, SALVAGE, command, print_answer, read_capture, time_given
+from .command_frame import command, print_answer, read_capture, time_given
+from .shared_options import JSON, SALVAGE
 
 if TYPE_CHECKING:
     from ...traces.decode.uart_line import Line

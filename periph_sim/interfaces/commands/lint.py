@@ -6,7 +6,8 @@ from pathlib import Path
 
 import click
 
-from .command_frame import RUN_FILE, SYSCLK, command, open_run, print_answer, time_given, usage_errors_in_one_sentence
+from .command_frame import command, open_run, print_answer, time_given, usage_errors_in_one_sentence
+from .shared_options import RUN_FILE, SYSCLK
 
 
 @command("understand", "periph-sim lint run.psr", "periph-sim lint run.psr --bound '5 ms'")

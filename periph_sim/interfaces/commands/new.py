@@ -11,6 +11,7 @@ import tomllib
 from collections.abc import Iterable
 from pathlib import Path
 from shlex import quote
+from typing import TYPE_CHECKING
 
 import click
 
@@ -19,9 +20,11 @@ from ...core.phrases import did_you_mean
 from ...processor.image_files.assemble import sources_of
 from ...scene.case.origin import texts_in
 from ...scene.firmware_loader import SHIPPED
-from ...traces.capture.capture import Capture
-from ..reports.baselines.files import write_all
-from .command_frame import RATE, check_file_name, command, read_capture, running_user_code, usage_errors_in_one_sentence
+from .command_frame import check_file_name, command, read_capture, running_user_code, usage_errors_in_one_sentence
+from .shared_options import RATE
+
+if TYPE_CHECKING:
+    from ...traces.capture.capture import Capture
 
 REPLAY = "replay"
 PROGRAMS = {
@@ -275,6 +278,8 @@ def _imported(program: str) -> list[str]:
 
 def write(files: Files) -> None:
     """Write all files. If one of them exists already, write none and raise ClickException."""
+    from ..reports.baselines.files import write_all
+
     there = [str(path) for path in files if path.exists() or path.is_symlink()]
     if there:
         raise click.ClickException(f"{', '.join(there)}: exists already, and nothing was written; give another name")

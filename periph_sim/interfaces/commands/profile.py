@@ -10,7 +10,8 @@ from pathlib import Path
 import click
 
 from ...scene.case.load import load
-from .command_frame import CHANGES, JSON, SECONDS, apart, command, print_answer, progress, running_user_code
+from .command_frame import apart, command, print_answer, progress, running_user_code
+from .shared_options import CHANGES, JSON, SECONDS
 
 
 @command(

@@ -6,14 +6,21 @@ from pathlib import Path
 
 import click
 
-from .command_frame import JSON, RUN_FILE, SYSCLK, command, open_run, print_answer, usage_errors_in_one_sentence
+from .command_frame import command, open_run, print_answer, usage_errors_in_one_sentence
+from .completion import complete_field
+from .shared_options import JSON, RUN_FILE, SYSCLK
 
 
 @command(
     "understand", "periph-sim races run.psr --register I2C-A.I2CSTR", "periph-sim races run.psr --least 10 --no-lost"
 )
 @RUN_FILE
-@click.option("--register", metavar="NAME", help="One register, or one field of it: I2C-A.I2CSTR, I2C-A.I2CSTR.RRDY.")
+@click.option(
+    "--register",
+    metavar="NAME",
+    shell_complete=complete_field,
+    help="One register, or one field of it: I2C-A.I2CSTR, I2C-A.I2CSTR.RRDY.",
+)
 @click.option("--least", type=click.IntRange(0), metavar="CYCLES", help="Exit status 1 if a read was nearer.")
 @click.option("--no-lost", is_flag=True, help="Exit status 1 if a flag was lost to a read-modify-write.")
 @SYSCLK

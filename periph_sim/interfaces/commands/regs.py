@@ -15,6 +15,7 @@ from ...devices.chips import chip_models
 from ...f28335.parts.f28335 import PART
 from ...records.record_text import number
 from .command_frame import command, print_table, say
+from .completion import complete_register
 
 OPTIONS: dict[str, type[Answers]] = {
     **PART.options_classes(),
@@ -26,7 +27,7 @@ MAPS: dict[str, tuple[int, RegisterMap]] = {module.name: (module.base, module.re
 
 
 @command("understand", "periph-sim regs I2C-A.I2CSTR", "periph-sim regs i2c --options")
-@click.argument("name", required=False)
+@click.argument("name", required=False, shell_complete=complete_register)
 @click.option("--options", "want_options", is_flag=True, help="List the open questions and their answers instead.")
 def regs(name: str | None, want_options: bool) -> None:
     """Show the registers of MODULE, one register as MODULE.REGISTER or REGISTER, or all modules."""

@@ -5,28 +5,12 @@ from __future__ import annotations
 import dataclasses
 from fractions import Fraction
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from ...core.text_table import columns
-from ...records.recording import recording
-from ...replay.channels import ALL, channel_map, serial_channel
-from ...replay.i2c_closed_loop import I2cReplay
-from ...replay.i2c_master import I2cMasterReplay
-from ...replay.i2c_open_loop import I2cOpenReplay
-from ...replay.report import AMBIGUOUS, FIRST, PASS, Change, Divergence, Report, at_text, headline
-from ...replay.session import SessionReplay
-from ...replay.setup import PATIENCE
-from ...replay.uart import UartReplay, line_format
-from ...scene.case.load import load
-from ...scene.case.model import Case
-from ...traces.capture.capture import Capture
-from ...traces.formats import atomic_write
 from .command_frame import (
-    CHANGES,
-    JSON,
-    RATE,
-    SALVAGE,
     apart,
     command,
     command_line,
@@ -40,6 +24,16 @@ from .command_frame import (
     time_given,
 )
 from .result_text import assumptions, budget_table, legend
+from .shared_options import CHANGES, JSON, RATE, SALVAGE
+
+if TYPE_CHECKING:
+    from ...replay.i2c_closed_loop import I2cReplay
+    from ...replay.i2c_master import I2cMasterReplay
+    from ...replay.i2c_open_loop import I2cOpenReplay
+    from ...replay.report import Change, Divergence, Report
+    from ...replay.uart import UartReplay
+    from ...scene.case.model import Case
+    from ...traces.capture.capture import Capture
 
 BEFORE, AFTER = 14, 4  # maximum numbers of changes of registers that are shown before and after a divergence
 
@@ -130,6 +124,18 @@ def replay(
     Exit status 0: the wires agree with the capture, and budgets and tolerance hold; 1: they do not, or nothing
     can be judged; 2: it cannot be replayed.
     """
+    from ...records.recording import recording
+    from ...replay.channels import ALL, channel_map
+    from ...replay.i2c_closed_loop import I2cReplay
+    from ...replay.i2c_master import I2cMasterReplay
+    from ...replay.i2c_open_loop import I2cOpenReplay
+    from ...replay.report import AMBIGUOUS, PASS
+    from ...replay.session import SessionReplay
+    from ...replay.setup import PATIENCE
+    from ...replay.uart import UartReplay, line_format
+    from ...scene.case.load import load
+    from ...traces.formats import atomic_write
+
     apart(record=record, svg=svg, html=html)
     with running_user_code():
         case = load(case_file, list(changes))
@@ -226,6 +232,8 @@ def _serial(text: str, salvage: bool) -> tuple[Capture, str]:
 
     Return the capture in the file and the name of the channel of RX.
     """
+    from ...replay.channels import serial_channel
+
     path, *more = text.split(",")
     rates = [part.partition("=")[2] for part in more if part.strip().startswith("rate=")]
     lines = [part for part in more if not part.strip().startswith("rate=")]
@@ -242,6 +250,8 @@ def _above_zero(option: str, text: str) -> Fraction:
 
 def show(report: Report, case: Case, verbose: bool) -> None:
     """Print the report of a replay. verbose: True to list the undocumented behaviours that the run assumed."""
+    from ...replay.report import headline
+
     say(f"{report.case}, {report.capture}: {headline(report)}", style="bold")
     say("", *columns(rows(report), indent=" "), "")
     if report.budgets:
@@ -254,6 +264,8 @@ def show(report: Report, case: Case, verbose: bool) -> None:
 
 def rows(report: Report) -> list[tuple[str, str]]:
     """Return the name and the value in each line of a report's table. A further line of a value has the name ""."""
+    from ...replay.report import FIRST, at_text
+
     found = [("events as in the capture", f"{report.agreed} of {report.events}")]
     if report.ambiguous:
         found.append(("ambiguous", str(report.ambiguous)))
@@ -312,6 +324,8 @@ def _times(report: Report) -> list[tuple[str, str]]:
 
 def show_history(divergence: Divergence) -> None:
     """Print the last changes of registers before a divergence, and the first changes after the divergence."""
+    from ...replay.report import FIRST
+
     if not divergence.history:
         return
     at = divergence.replay_s if divergence.replay_s is not None else divergence.history[-1].at_s

@@ -18,19 +18,10 @@ from ...scene.case.load import load
 from ...scene.result import Result
 from ...scene.scene import Scene
 from ...timing.verdict import FAIL
-from .command_frame import (
-    CHANGES,
-    GUARANTEED,
-    JSON,
-    SECONDS,
-    apart,
-    command,
-    command_line,
-    print_json,
-    progress,
-    running_user_code,
-)
+from .command_frame import apart, command, command_line, print_json, progress, running_user_code
+from .completion import complete_optimization
 from .result_text import show
+from .shared_options import CHANGES, GUARANTEED, JSON, SECONDS
 
 if TYPE_CHECKING:
     from ..reports.explain.chain import Chain
@@ -45,7 +36,11 @@ if TYPE_CHECKING:
 @SECONDS
 @CHANGES
 @click.option(
-    "--disable", multiple=True, metavar="NAME", help="Switch off an optimization: bits, polls, decoding; or all."
+    "--disable",
+    multiple=True,
+    metavar="NAME",
+    shell_complete=complete_optimization,
+    help="Switch off an optimization: bits, polls, decoding; or all.",
 )
 @click.option("--fidelity", metavar="LEVEL", hidden=True, help="Obsolete: every run is exact.")
 @click.option("--max-error", metavar="TIME", hidden=True, help="Obsolete: every run is exact.")

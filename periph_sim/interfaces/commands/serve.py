@@ -16,7 +16,6 @@ import click
 from click.core import ParameterSource
 
 from .command_frame import (
-    CHANGES,
     address_given,
     command,
     pace_given,
@@ -25,6 +24,7 @@ from .command_frame import (
     time_given,
     usage_errors_in_one_sentence,
 )
+from .shared_options import CHANGES
 
 if TYPE_CHECKING:
     from ...outside.live.i2cdriver_door import I2cDriverDoor

@@ -7,19 +7,20 @@ from collections.abc import Mapping
 from contextlib import ExitStack
 from fractions import Fraction
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
 from ...scene.case.model import BadCase
 from ...timing.verdict import figure, limit
-from ...traces.formats import atomic_write
 from ..reports.sweep.runs import values_of
-from ..reports.sweep.sweep import Sweep, SweepStopped
-from ..reports.sweep.sweep import sweep as swept
-from .command_frame import JSON, SECONDS, command, print_json, print_table, progress, running_user_code, say
+from .command_frame import command, print_json, print_table, progress, running_user_code, say
+from .completion import complete_key
+from .shared_options import CHANGES, JSON, SECONDS
 from .watch import note_inputs
+
+if TYPE_CHECKING:
+    from ..reports.sweep.sweep import Sweep
 
 FIGURES = ("worst", "limit", "margin", "at_s", "count", "verdict")
 MAX_LISTED = 10  # maximum number of runs that do not pass and are listed one by one
@@ -36,9 +37,10 @@ MAX_LISTED = 10  # maximum number of runs that do not pass and are listed one by
     multiple=True,
     required=True,
     metavar="KEY=VALUES",
+    shell_complete=complete_key,
     help="Values of a key: '1, 2, 5' or '0 ms to 20 ms step 10 us'. With several keys, every combination.",
 )
-@click.option("--set", "changes", multiple=True, metavar="KEY=VALUE", help="Change one key in every run.")
+@CHANGES
 @SECONDS
 @click.option("--jobs", type=click.IntRange(min=1), help="Number of processes.  [number of cores; 1: only this one]")
 @click.option("--csv", "csv_file", type=click.Path(path_type=Path), help="Write a line for each run to this file.")
@@ -57,6 +59,10 @@ def sweep(
     Exit status 0: every run passes; 1: otherwise; 2: a run could not be made (the others were), or
     Ctrl-C or SIGTERM stopped the sweep (the finished runs are shown).
     """
+    from ...traces.formats import atomic_write
+    from ..reports.sweep.sweep import SweepStopped
+    from ..reports.sweep.sweep import sweep as swept
+
     with running_user_code(), ExitStack() as outputs:
         varied = _varied(vary)
         fixed = {key.strip(): [value.strip()] for key, value in (_parts("--set", change) for change in changes)}
@@ -188,6 +194,8 @@ def _why(came: Sweep, row: int) -> str:
 
 def _rows(came: Sweep) -> tuple[list[tuple[tuple[str, ...], str]], list[int]]:
     """Return the cells and the style of each budget's row, and the numbers of the runs that these rows name."""
+    import numpy as np
+
     rows: list[tuple[tuple[str, ...], str]] = []
     shown: dict[int, None] = {}
     for name, budget in came.budgets.items():

@@ -9,7 +9,8 @@ from urllib.parse import urlencode
 
 import click
 
-from .command_frame import CHANGES, command, pace_given, usage_errors_in_one_sentence
+from .command_frame import command, pace_given, usage_errors_in_one_sentence
+from .shared_options import CHANGES
 
 SHOWN = ("default", "direct", "nocontrol", "printable", "colorize", "debug")
 

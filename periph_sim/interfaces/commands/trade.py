@@ -6,14 +6,16 @@ from collections.abc import Sequence
 from fractions import Fraction
 from math import inf
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
-from ...scene.case.load import load
-from ...scene.case.model import Case
-from ..reports.trade import trade as report
-from ..reports.trade.rows import chosen, rows_of
-from .command_frame import CHANGES, SECONDS, command, print_answer, progress, running_user_code, time_given
+from .command_frame import command, print_answer, progress, running_user_code, time_given
+from .completion import complete_row
+from .shared_options import CHANGES, SECONDS
+
+if TYPE_CHECKING:
+    from ...scene.case.model import Case
 
 
 @command(
@@ -33,7 +35,13 @@ from .command_frame import CHANGES, SECONDS, command, print_answer, progress, ru
     help="Add the units of CASE.",
 )
 @click.option(
-    "--row", "--level", "names", multiple=True, metavar="ROW", help="Run only these rows, the reference and the case."
+    "--row",
+    "--level",
+    "names",
+    multiple=True,
+    metavar="ROW",
+    shell_complete=complete_row,
+    help="Run only these rows, the reference and the case.",
 )
 @click.option("--max-error", metavar="TIME", help="Recommend a row within this error of times, such as '1 us'.")
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
@@ -53,6 +61,10 @@ def trade(
     occurrence of a time, and of the n-th sample in a chip's answers. The case as given and the most accurate row are
     always run.
     """
+    from ...scene.case.load import load
+    from ..reports.trade import trade as report
+    from ..reports.trade.rows import chosen, rows_of
+
     with running_user_code():
         bound = inf if max_error is None else float(time_given("--max-error", max_error))
         loaded = load(case, list(changes))

@@ -6,16 +6,18 @@ import time
 import tomllib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import click
 
 from ...core.input_files import note_inputs_of, read_regular
 from ...scene.case.origin import named_files, texts_in
-from ..reports.baselines.compare import compare
-from ..reports.baselines.files import BadCheck, path_for, read
-from ..reports.baselines.outcome import Outcome, RejectedCase, run_case
-from .command_frame import CHANGES, GUARANTEED, command, say, usage_errors_in_one_sentence
+from .command_frame import command, say, usage_errors_in_one_sentence
 from .result_text import HEADLINES, broken_lines, budget_table, title
+from .shared_options import CHANGES, GUARANTEED
+
+if TYPE_CHECKING:
+    from ..reports.baselines.outcome import Outcome, RejectedCase
 
 PAUSE = 0.3  # seconds between checks of the files; polling needs no library and works on any file system
 
@@ -31,6 +33,8 @@ def watch(case: Path, changes: tuple[str, ...]) -> int:
     names, and its baseline. After the first run only the verdict is printed, and the figures
     that changed since the run before.
     """
+    from ..reports.baselines.outcome import run_case
+
     try:
         with usage_errors_in_one_sentence():
             before: Outcome | None = None
@@ -50,6 +54,10 @@ def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome 
     came: the outcome to print.
     before: the last outcome that was not rejected; None if there is none.
     """
+    from ..reports.baselines.compare import compare
+    from ..reports.baselines.files import BadCheck, path_for, read
+    from ..reports.baselines.outcome import RejectedCase
+
     if isinstance(came, RejectedCase):
         say(f"Error: {came.why}")
         return before
@@ -94,12 +102,16 @@ def note_inputs(cases: Iterable[Path], but_baselines: bool = False) -> None:
 
     but_baselines: True to leave out the baselines of the cases, because the command writes them.
     """
+    from ..reports.baselines.files import path_for
+
     for case in cases:
         note_inputs_of(file for file in files_of(case) if not (but_baselines and file == path_for(case)))
 
 
 def files_of(case: Path) -> Iterator[Path]:
     """Yield the paths of the case file, of its baseline, and of each file whose name is a text in the case."""
+    from ..reports.baselines.files import path_for
+
     yield case
     yield path_for(case)
     try:

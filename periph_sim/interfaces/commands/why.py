@@ -6,7 +6,9 @@ from pathlib import Path
 
 import click
 
-from .command_frame import RUN_FILE, SYSCLK, command, open_run, print_answer, usage_errors_in_one_sentence
+from .command_frame import command, open_run, print_answer, usage_errors_in_one_sentence
+from .completion import complete_question
+from .shared_options import RUN_FILE, SYSCLK
 
 
 @command(
@@ -15,7 +17,7 @@ from .command_frame import RUN_FILE, SYSCLK, command, open_run, print_answer, us
     "periph-sim why run.psr 'SDA@12.345 ms' --depth 20",
 )
 @RUN_FILE
-@click.argument("question")
+@click.argument("question", shell_complete=complete_question)
 @click.option(
     "--depth", type=click.IntRange(0, 1000), default=8, show_default=True, help="Number of causes to trace back."
 )

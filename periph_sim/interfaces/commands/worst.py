@@ -6,23 +6,25 @@ import re
 from fractions import Fraction
 from pathlib import Path
 from shutil import get_terminal_size
+from typing import TYPE_CHECKING
 
 import click
 
 from ...core.phrases import did_you_mean
-from ...scene.case.load import load
-from ...scene.scene import Scene
-from ...timing.verdict import Verdict
-from ..reports.explain import chain as chains
-from ..reports.explain.explain import Explained, explain
-from .command_frame import CHANGES, SECONDS, command, print_json, progress, running_user_code
+from .command_frame import command, print_json, progress, running_user_code
+from .completion import complete_budget
+from .shared_options import CHANGES, SECONDS
+
+if TYPE_CHECKING:
+    from ...timing.verdict import Verdict
+    from ..reports.explain.explain import Explained
 
 MOST = 100  # maximum number of columns of a picture
 
 
 @command("understand", "periph-sim worst timing/imu_hil.toml response", "periph-sim worst timing/imu_hil.toml --svg .")
 @click.argument("case", type=click.Path(path_type=Path))
-@click.argument("budgets", nargs=-1, metavar="[BUDGET]...")
+@click.argument("budgets", nargs=-1, metavar="[BUDGET]...", shell_complete=complete_budget)
 @SECONDS
 @CHANGES
 @click.option("--svg", type=click.Path(path_type=Path), help="Write a picture of each to this folder: BUDGET.svg.")
@@ -39,6 +41,11 @@ def worst(
 
     BUDGET selects budgets by name; the default is all. Exit status as of run: 0 if they hold, 1 if not.
     """
+    from ...scene.case.load import load
+    from ...scene.scene import Scene
+    from ..reports.explain import chain as chains
+    from ..reports.explain.explain import explain
+
     if svg is not None and not svg.is_dir():
         raise click.ClickException(f"--svg: {svg} is no folder; create it, or give another")
     with running_user_code():
@@ -69,6 +76,7 @@ def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
 
     one: the explanation of the worst occurrence; None if the verdict has no instant.
     """
+    from ..reports.explain import chain as chains
     from ..reports.explain.picture import text_picture
 
     if one is None:

@@ -30,9 +30,9 @@ HEAVY = (
 )
 
 
-def imported_by(*arguments: str) -> list[str]:
-    """The modules that a fresh `periph-sim` has loaded when it ends."""
-    code = "import sys, periph_sim.cli as c\ntry: c.run_command()\nfinally: print('\\nloaded', *sys.modules)"
+def imported_by(*arguments: str, before: str = "") -> list[str]:
+    """The modules that a fresh `periph-sim` has loaded when it ends. before: statements that run first."""
+    code = f"{before}\nimport sys, periph_sim.cli as c\ntry: c.run_command()\nfinally: print('\\nloaded', *sys.modules)"
     came = subprocess.run([sys.executable, "-c", code, *arguments], capture_output=True, text=True, check=False)
     return came.stdout.rpartition("\nloaded ")[2].split()
 

@@ -147,3 +147,15 @@ def test_what_events_can_name_is_what_scenes_are_built_of():
     assert set(scope_of_case(case).wires) == set(scene.wires)
     for name, socket in scene.units["dsp"].sockets.items():
         assert socket.chip.MAP is MAPS[name]
+
+
+def test_records_of_transfers_are_those_of_the_address_or_the_unit_that_they_name():
+    texts = [
+        f"count of record transfer {thing}{of}" for thing in ("phase", "read") for of in ("", " of 0x68", " of 0x50")
+    ]
+    case = with_budgets("imu_hil_published", *(budget(text, min=0) for text in texts))
+    phases, gyroscope, nobody, *reads = (verdict.worst for verdict in run_case(case, "0.07").result.budgets)
+    assert phases == 3 * gyroscope > 0 == nobody
+    assert reads == [phases / 2, gyroscope / 2, 0]
+    with pytest.raises(BadCase, match="there is no unit 'imu'"):
+        Scene(with_budgets("imu_hil_published", budget("count of record transfer held alone of imu", min=0)))

@@ -34,7 +34,7 @@ from msgspec.structs import replace
 from ...core.phrases import did_you_mean
 from ...core.records import Kind, Record
 from ...devices.sensor_rounds import known_sensors
-from .scope import LINES, RECORDS, WRITE_END, BadEvent, Scope, Thing
+from .scope import LINES, RECORDS, BadEvent, Scope, Thing
 from .tokens import Words, name_text
 
 EVERYTHING = -1  # the mask of all bits of a value
@@ -210,8 +210,7 @@ def group_of(event: Event, scope: Scope) -> Group:
         if event.kind != "frame":
             raise BadEvent(f"{event.text!r}: a burst is one of frames; write of transfer or of round")
         what, ends = f"frame {event.name}", ("begin", "end")
-    begin, end = (matcher(f"{what} {how}", scope) for how in ends)
-    return Group(event.group, begin, end)
+    return Group(event.group, *(matcher(f"{what} {how}", scope) for how in ends))
 
 
 def stretch_of(name: str, scope: Scope, whose: str, hint: str = "") -> Group:
@@ -240,8 +239,7 @@ def _read_access(words: Words) -> Parts:
     way = words.one_of(["R", "W", "by"])
     if way == "by":
         return words.take("a unit"), "", way, None
-    unit, name = words.name("a register")
-    return unit, name, way, None
+    return *words.name("a register"), way, None
 
 
 def _read_span(words: Words) -> Parts:
@@ -282,11 +280,12 @@ def _read_note(words: Words) -> Parts:
 def _read_record(words: Words) -> Parts:
     kind = words.one_of(list(RECORDS))
     thing = words.phrase(list(RECORDS[kind]))
-    if kind not in ("data", "transfer") or not words.took("of"):
+    of = "chip" if kind == "data" else RECORDS[kind][thing].of
+    if not of or not words.took("of"):
         return "", kind, thing, None
-    if thing == WRITE_END:
-        return "", kind, thing, words.number(0x7F)
-    return words.one_of(list(known_sensors())) if kind == "data" else words.take("a unit"), kind, thing, None
+    if of == "address":
+        return "", kind, thing, words.address()
+    return words.one_of(list(known_sensors())) if of == "chip" else words.take("a unit"), kind, thing, None
 
 
 def _match_edge(event: Event, scope: Scope) -> Matcher:
@@ -380,9 +379,10 @@ def _match_note(event: Event, scope: Scope) -> Matcher:
 
 
 def _match_record(event: Event, scope: Scope) -> Matcher:
-    place = frozenset((event.unit,)) if event.unit else None
+    thing = RECORDS[event.name][event.how]
+    place = frozenset((scope.unit(event.unit) if thing.of else event.unit,)) if event.unit else None
     value = (0, 0) if event.number is None else (EVERYTHING, event.number)
-    return Matcher(event.text, Kind(event.name), place, event.how, *value, thing=RECORDS[event.name][event.how])
+    return Matcher(event.text, Kind(event.name), place, event.how, *value, thing=thing)
 
 
 # EVENTS maps the first word of an event to the parser of the next words and the function that makes the matcher.

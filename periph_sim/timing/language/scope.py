@@ -32,11 +32,13 @@ class Thing(NamedTuple):
     needs: what the scene must contain; one of the values of `Measure.needs`.
     unit: the unit of the record's value.
     by_read: True if there is one record for each read phase.
+    of: what an event may name after "of": an "address", which is the record's value, a "unit", or "" for nothing.
     """
 
     needs: str
     unit: str = "value"
     by_read: bool = False
+    of: str = ""
 
 
 ON_BUS = Thing("I2C-A")
@@ -46,14 +48,14 @@ OF_HOST = Thing("host")
 BYTES = Thing("rounds", "bytes")
 AGE = Thing("host", "time", by_read=True)
 ERROR = Thing("host", "LSB", by_read=True)
-WRITE_END = "write end"  # a thing of a transfer; its value is the address, which an event may name
 
 RECORDS: dict[str, dict[str, Thing]] = {
     "transfer": {
-        **dict.fromkeys(("phase", "read", "acknowledge", "answer", "refused", WRITE_END), ON_BUS),
+        **dict.fromkeys(("phase", "read", "write end"), Thing("I2C-A", of="address")),
+        **dict.fromkeys(("acknowledge", "answer", "refused"), ON_BUS),
         "stretch": Thing("I2C-A", "time", by_read=True),
         "held": Thing("I2C-A", "time"),
-        **dict.fromkeys(("held alone", "unfinished"), Thing("", "time")),
+        **dict.fromkeys(("held alone", "unfinished"), Thing("", "time", of="unit")),
     },
     "round": dict.fromkeys(("due", "missed", "begin", "end", "next", "refused"), IN_ROUND),
     "receiver": {**dict.fromkeys(("character", "received", "lost"), AT_SCI), "words": Thing("SCI", "words")},

@@ -95,6 +95,13 @@ class Words:
         self.place += 1
         return number
 
+    def address(self) -> int:
+        """Read an I2C address and return it."""
+        found = self.number(0x7F)
+        if found is None:
+            raise BadEvent(f"{self.text!r}: {self.next!r} where an address is expected; write for instance 0x68")
+        return found
+
     def value(self) -> int:
         """Read and return the number after the sign =."""
         number = self.number(0xFFFFFFFF)

@@ -313,6 +313,15 @@ def test_every_form_that_messages_name_can_be_said(form: str):
             "'span \"a begin': a quote is not closed, or nothing is in it; write for instance 'time update'",
         ),
         ("span imu:", "'span imu:' ends where a span's name is expected"),
+        (
+            "record transfer phase of dsp",
+            "'record transfer phase of dsp': 'dsp' where an address is expected; write for instance 0x68",
+        ),
+        (
+            "record transfer refused of 0x50",
+            "'record transfer refused of 0x50': 'of' is more than a measure or event says; leave it out",
+        ),
+        ("record transfer read of 0x80", "'record transfer read of 0x80': 0x80 is more than it can be, 0x7f"),
         ("", "'' ends where edge, flag, access, interrupt, span, bus, frame, variable, note or record is expected"),
     ],
 )

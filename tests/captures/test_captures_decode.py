@@ -17,6 +17,7 @@ from periph_sim.traces import formats
 from periph_sim.traces.decode import i2c, uart
 from periph_sim.traces.decode.i2c_table import i2c_table
 from periph_sim.traces.decode.uart import uart_table
+from periph_sim.traces.decode.uart_doubt import rate_doubt
 from periph_sim.traces.decode.uart_guess import guess
 from periph_sim.traces.formats import Capture
 from tests.captures.where import FOLDER, capture_of, decoded, needs_captures, oracle, remarks
@@ -138,6 +139,20 @@ def uart_lines(events: list[uart.Event], line: uart.Line, late: int) -> list[tup
             case "BREAK":
                 lines.append(("Break condition", event.at + late))
     return lines
+
+
+@pytest.mark.parametrize("name", decoded("uart"))
+def test_the_rate_of_a_line_is_not_doubted_and_a_wrong_one_only_for_the_right_one(name: str):
+    """Captures of one or two bytes have too few frames for a doubt."""
+    given = options(name, "uart")
+    capture, baud = load(name), int(given["baudrate"])
+    line = uart.Line(baud, int(given.get("data_bits", "8")), given.get("parity", "none"))
+    for wire in (channel(name, given[side]) for side in ("rx", "tx") if side in given):
+        assert rate_doubt(capture, wire, line) is None
+        wrong = [uart.Line(round(baud * factor)) for factor in (0.5, 0.9, 1.1, 1.5)]
+        named = [doubt[1].baud for one in wrong if (doubt := rate_doubt(capture, wire, one))]
+        assert named == [baud] * len(named)
+        assert len(named) >= 2 or len(capture.channel(wire).edges) <= 10
 
 
 @pytest.mark.parametrize("name", decoded("uart"))

@@ -22,7 +22,7 @@ from ...traces.decode import spi
 from ...traces.decode.event_rows import Rows, i2c_rows, no_rows, spi_rows, uart_rows
 from ...traces.decode.i2c_table import i2c_table, impossible_rate, swapped_lines
 from ...traces.decode.uart import uart_table, width_of
-from ...traces.decode.uart_line import line_of
+from ...traces.decode.uart_line import Line, line_of
 
 BUS_LINES, UART_LINES = ("scl", "sda"), ("rx", "tx")
 FLAGS = ("invert", "vote")  # settings without a value
@@ -173,8 +173,21 @@ def _frames(capture: Capture, wire: Channel, given: dict[str, str], shortest: in
     else:
         line = line_of(baud, shape or "8n1", "invert" in given)
     rows = uart_rows(uart_table(capture, wire.index, line, shortest, "vote" in given))
+    if baud != "auto":
+        notes += _rate_notes(capture, wire, line, shortest)
     bit = width_of(capture, line.baud)
     return Bus("uart", f"uart {wire.name}", rows, round(line.frame * bit), notes, (wire,), ceil(bit / 2))
+
+
+def _rate_notes(capture: Capture, wire: Channel, line: Line, shortest: int) -> list[str]:
+    from ...traces.decode.uart_doubt import rate_doubt
+
+    doubt = rate_doubt(capture, wire.index, line, shortest)
+    if doubt is None:
+        return []
+    evidence, other = doubt
+    shape = "" if other.shape == line.shape else f",format={other.shape}"
+    return [f"{wire.name}: {evidence}; the edges fit baud={other.baud}{shape}"]
 
 
 def _nothing(capture: Capture, wire: Channel, note: str) -> Bus:

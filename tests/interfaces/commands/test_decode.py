@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import re
 import subprocess
 import sys
 from fractions import Fraction
@@ -72,6 +73,15 @@ def test_a_guess_in_doubt_is_taken_on_request_only(periph_sim: Run, tmp_path: Pa
     came = periph_sim("decode", str(path), "--uart", "rx=RX,baud=auto")
     assert came.status == 0 and "0x41 'A'" in came.out
     assert came.err.endswith("12% sure); in doubt, so better state them\n")
+
+
+@pytest.mark.parametrize("baud", [9600, 107_000, 230_400])
+def test_a_stated_rate_that_does_not_fit_is_a_note_with_the_one_that_does(periph_sim: Run, baud: int):
+    came = periph_sim("decode", str(FRAMES), "--uart", f"rx=RX,baud={baud}")
+    evidence = r"\d+ of \d+ frames have errors or edges between bits|most low pulses are [\d.]+ to [\d.]+ bits long"
+    said = f"note: RX: ({evidence}) at {baud} baud, 8n1; the edges fit "
+    assert came.status == 0 and re.fullmatch(said + "baud=115200\n", came.err)
+    assert periph_sim("decode", str(FRAMES), "--uart", "rx=RX,baud=115200").err == ""
 
 
 def test_buses_of_one_capture_are_told_apart_by_their_names(periph_sim: Run, tmp_path: Path):

@@ -1,0 +1,122 @@
+"""Check of a stated baud rate against the edges of a serial line.
+
+    frames at the stated rate --> share of misread frames --+--> another rate, if its share is much smaller
+    guess of the rate --> frames at the guessed rate -------+
+
+A frame counts as misread if it has a framing or parity error, a glitch, or a falling edge between two bits. Rising
+edges are not compared with the bits, because a slow driver delays all of them. Frames that begin with a break do not
+count. At a multiple of the true rate many frames do, and at a fraction frames are few; then
+the lengths of the low pulses are the evidence.
+
+Noise, a wrong parity and a capture that begins within a frame cause misread frames, too. So a rate is doubted only if
+another one explains the edges.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from fractions import Fraction
+
+import numpy as np
+from msgspec.structs import replace
+
+from ...core.phrases import counted
+from ..capture.capture import Capture, Channel, Span
+from ..capture.sampling import sample_step
+from .uart import UartRowKind, low_pulses, sample_point_step, uart_table, width_of
+from .uart_guess import LOOKED_AT, guess
+from .uart_line import Line
+
+# Receivers of 8n1 sample the stop bit 9.5 bits after the start edge, so at this difference they are half a bit off.
+TOLERANCE = Fraction(1, 20)
+FEWEST = 3  # minimum number of misread frames, and of frames at the other rate
+MISREAD = 0.15  # minimum share of misread frames
+BETTER = 0.25  # maximum share of misread frames at the other rate, relative to the share at the stated rate
+OFF_GRID = 0.3  # minimum distance from whole bits, in bits, of a falling edge that makes its frame a misread one
+FARTHEST = 0.45  # upper limit of this distance for captures with few samples per bit
+LIKELY = 0.3  # minimum certainty of the guess
+# At four times the true rate, nearly all low pulses are longer than LONGER bits. Frames at their right rate have no low
+# pulse of more than ten bits, so at most two lengths of such pulses, four and eight bits, fit that slower rate. At a
+# fraction of the true rate, most low pulses are shorter than half a bit, and many of them are in one frame.
+LONGER, SHORTER = 3.5, 0.5
+NEARLY_NONE, MOST = 0.05, 0.5  # maximum share of low pulses below LONGER, minimum share of those below SHORTER
+PULSES, LENGTHS = 12, 3  # minimum number of low pulses, and of their different lengths at the other rate
+
+
+def rate_doubt(capture: Capture, channel: str | int, line: Line, glitch: int = 0) -> tuple[str, Line] | None:
+    """Return the evidence against the baud rate of `line`, and the format that fits the edges; None if `line` fits.
+
+    Only the beginning of a long capture is checked.
+
+    glitch: pulses that are shorter than this number of positions are removed first.
+
+    Raise LookupError if the channel is missing, and ValueError if the capture has no rate, or fewer than two positions
+    per bit.
+    """
+    capture, index = _beginning(capture, capture.channel(channel))
+    wrong, frames = misread_frames(capture, index, line, glitch)
+    pulses = [low_pulses(part, line.invert) for part in _parts(capture, index, glitch)]
+    positions = [ends - begins for begins, ends in pulses]
+    lows = np.concatenate([np.empty(0, np.int64), *positions]) / float(width_of(capture, line.baud))
+    misread = wrong >= max(FEWEST, MISREAD * frames)
+    longer = len(lows) >= PULSES and float(np.mean(lows < LONGER)) <= NEARLY_NONE
+    shorter = len(lows) >= PULSES and float(np.mean(lows < SHORTER)) >= MOST
+    if not misread and not longer and not shorter:
+        return None
+    try:
+        guessed = guess(capture, index, None, line.invert, glitch)
+        width_of(capture, guessed.line.baud)
+    except ValueError:
+        return None
+    ratio = Fraction(guessed.line.baud) / Fraction(line.baud)
+    if guessed.sure < LIKELY or abs(ratio - 1) <= TOLERANCE:
+        return None
+    lengths = np.unique(np.rint(lows * float(ratio)))
+    fits = (longer and LONGER * ratio <= 1) or (shorter and SHORTER * ratio >= 1)
+    usual = [float(length) for length in np.quantile(lows, (0.1, 0.9))] if fits else []
+    stated = f"{float(line.baud):.7g} baud, {line.shape}"
+    for other in (replace(line, baud=guessed.line.baud), guessed.line):
+        left, count = misread_frames(capture, index, other, glitch)
+        if misread and count >= FEWEST and left * frames <= BETTER * wrong * count:
+            return f"{wrong} of {counted(frames, 'frame')} have errors or edges between bits at {stated}", other
+        if fits and len(lengths) >= LENGTHS and count >= FEWEST and left <= NEARLY_NONE * count:
+            return f"most low pulses are {usual[0]:.2g} to {usual[1]:.2g} bits long at {stated}", other
+    return None
+
+
+def misread_frames(capture: Capture, channel: int, line: Line, glitch: int = 0) -> tuple[int, int]:
+    """Return the number of misread frames, and the number of frames, of a channel decoded as `line`.
+
+    Frames that begin with a break are left out.
+    """
+    table = uart_table(capture, channel, line, glitch)
+    breaks = table.at[table.kind == UartRowKind.BREAK]
+    is_frame = (table.kind == UartRowKind.FRAME) & ~np.isin(table.at, breaks)
+    at = table.at[is_frame]
+    if not len(at):
+        return 0, 0
+    wrong = (table.frame_error | table.parity_error | table.glitched)[is_frame]
+    width = float(width_of(capture, line.baud))
+    parts = _parts(capture, channel, glitch)
+    falls = np.concatenate([part.edges[part.levels == int(line.invert)] for part in parts])
+    falls = falls[falls >= at[0]]
+    frame = np.searchsorted(at, falls, side="right") - 1
+    bits = (falls - at[frame]) / width
+    step = sample_point_step(sample_step(capture), width)
+    off = np.abs(bits - np.rint(bits)) > min(FARTHEST, OFF_GRID + step / width / 2)
+    wrong[frame[off & (bits < float(line.frame - Fraction(line.stop)))]] = True
+    return int(np.count_nonzero(wrong)), len(at)
+
+
+def _beginning(capture: Capture, wire: Channel) -> tuple[Capture, int]:
+    """Return a capture of this line alone up to its edge number LOOKED_AT, and the index of the line."""
+    length = int(wire.edges[LOOKED_AT]) if len(wire.edges) > LOOKED_AT else capture.length
+    unknown = tuple(Span(begin, min(end, length)) for begin, end in wire.unknown if begin < length)
+    wire = dataclasses.replace(wire, edges=wire.edges[:LOOKED_AT], unknown=unknown)
+    return dataclasses.replace(capture, length=length, channels=(wire,)), wire.index
+
+
+def _parts(capture: Capture, channel: int, glitch: int) -> list[Channel]:
+    """Return the line in each known span, without glitches."""
+    wire = capture.channel(channel)
+    return [wire.cut(span).without_glitches(glitch) for span in capture.known(wire)]

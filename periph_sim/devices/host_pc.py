@@ -92,7 +92,7 @@ class Host(Agent):
         self._first: int = kernel.now + schedule.first
         self._period: Fraction = Fraction(schedule.period)
         self._pause = int(self._period // 1)
-        self._by_schedule = schedule.paced_by == "schedule" and schedule.starts is None
+        self._by_schedule: bool = schedule.paced_by == "schedule" and schedule.starts is None
         self._number = 0
         # `_due` has the tick at which each frame was due, but only that of the first frame if `due` can calculate them.
         if schedule.starts:

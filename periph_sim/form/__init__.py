@@ -10,7 +10,7 @@ A build stores one digest of all sources from which it was made. A build is igno
 
 The digest is calculated only if the size or the modification time of a source differs from the value in the build.
 PERIPH_SIM_FORM=interpreted ignores every build. PERIPH_SIM_FORM=hard uses the test build of `make core HARD=1`, and
-PERIPH_SIM_FORM=FOLDER/ the build in that folder.
+PERIPH_SIM_FORM=FOLDER/ the build in that folder. Any other value, or a missing folder, ends the process with a message.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ from importlib.machinery import (
 from importlib.util import spec_from_file_location
 from pathlib import Path
 from types import ModuleType
+from typing import NoReturn
 
 PACKAGE = Path(__file__).resolve().parents[1]
 BUILT = PACKAGE / "compiled"  # folder of the build, which `make core` creates
@@ -141,11 +142,23 @@ def way() -> str:
     return "make core" if (PACKAGE.parent / "Makefile").is_file() else "python -m periph_sim.form.build"
 
 
+def _refuse(said: str, what: str) -> NoReturn:
+    known = f"{INTERPRETED}, {COMPILED}, {HARD} (after `make core HARD=1`) or the folder of a build, as in build/mine/"
+    sys.stderr.write(
+        f"Error: the environment variable {VARIABLE} is {said!r}, but there is no such {what}; expected {known}\n"
+    )
+    raise SystemExit(2)
+
+
 def choose() -> None:
     """Make later imports use the compiled modules, if a build exists and matches the sources."""
     global running, note
     said = os.environ.get(VARIABLE, "")
     built = HARD_BUILT if said == HARD else Path(said) if os.sep in said else BUILT
+    if os.sep not in said and said not in ("", COMPILED, INTERPRETED, HARD):
+        _refuse(said, "form")
+    if built != BUILT and not built.is_dir():
+        _refuse(said, "build")
     if said == INTERPRETED or not built.is_dir():
         return
     modules, why = usable(PACKAGE, built)

@@ -114,3 +114,22 @@ def test_a_name_of_the_form_is_in_the_version():
     command = [sys.executable, "-m", "periph_sim", "--version"]
     came = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
     assert came.stdout.endswith(", interpreted\n") and came.stderr == ""
+
+
+@pytest.mark.parametrize(("value", "what"), [("nowhere/", "build"), ("interpretd", "form"), ("compiled", ""), ("", "")])
+def test_a_misspelt_value_of_the_variable_is_one_sentence(value: str, what: str):
+    came = subprocess.run(
+        [sys.executable, "-m", "periph_sim", "--version"],
+        env={**os.environ, form.VARIABLE: value},
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    if not what:
+        assert came.returncode == 0 and "Error" not in came.stderr
+        return
+    assert (came.returncode, came.stdout) == (2, "")
+    assert came.stderr == (
+        f"Error: the environment variable PERIPH_SIM_FORM is {value!r}, but there is no such {what}; expected "
+        "interpreted, compiled, hard (after `make core HARD=1`) or the folder of a build, as in build/mine/\n"
+    )

@@ -36,7 +36,7 @@ from .evidence import ON_WIRES, Evidence
 from .fault_evidence import is_master, waited_for
 from .findings import DERIVED_FROM, FINDINGS, PROMPT, Ends, answered, asked, awaited, held, transfers
 from .occurrence import is_late
-from .reply_evidence import request_of, wrong_characters
+from .reply_evidence import request_of, unanswered, wrong_characters
 from .window import BIT, Window, windows
 
 
@@ -123,7 +123,9 @@ def chain_of(case: Case, window: Window) -> Chain:
     again = {(step.at, step.place) for step in wrong}
     steps = [step for step in steps if (step.at, step.place) not in again]
     stretches = [] if _between_rounds(evidence, ends) else places(evidence, ends)
-    return evidence.chain(in_order(request_of(evidence), steps, wrong), parts_of(stretches), blame)
+    return evidence.chain(
+        in_order(request_of(evidence), steps, wrong, unanswered(evidence)), parts_of(stretches), blame
+    )
 
 
 def _between(evidence: Evidence, ends: Ends) -> list[Step]:

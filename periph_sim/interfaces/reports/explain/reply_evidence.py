@@ -3,10 +3,15 @@
 wrong reply                        --> the request, and the writes of characters that differ from the expected ones
                                        (the expected text comes from the case and not from a record)
 characters that nothing asked for  --> their writes, after a send or in the whole run
+reply that never came              --> the interrupts and the characters read since the request, and the firmware's
+                                       activity at the end
 """
 
 from __future__ import annotations
 
+from collections import Counter
+
+from ....core.phrases import counted
 from ....core.records import Kind, Record
 from ....scene.case.serial import ExpectTable, SerialTable, content_of
 from ....timing.budget_schema import REPLY, SILENCE
@@ -15,6 +20,7 @@ from .chain import Step
 from .evidence import Evidence
 
 MOST_CHARACTERS = 8  # maximum number of wrong characters that are listed
+MOST_READ = 16  # maximum number of characters that are listed as read
 
 
 WrongCharacter = tuple[Record, Step, int | None]  # the start of its frame, its write, and the expected value if any
@@ -24,6 +30,36 @@ def request_of(evidence: Evidence) -> list[Step]:
     """Return a step for the last character of the request of a reply; an empty list if it is unknown."""
     last = _asked(evidence)[-1:] if evidence.window.verdict.measure.startswith(REPLY) else []
     return [evidence.say(r.tick, f"{r.where}: the last character of what asks for it") for r in last]
+
+
+def unanswered(evidence: Evidence) -> list[Step]:
+    """Return steps about the firmware since the request of a reply that did not come; an empty list if it came."""
+    window, verdict = evidence.window, evidence.window.verdict
+    if not verdict.measure.startswith(REPLY) or not verdict.found or verdict.until_s is not None:
+        return []
+    _, table = _expected(evidence)
+    unit, _, module = table.from_.rpartition(".")
+    of = evidence.for_unit(unit) if unit else evidence
+    serial = evidence.case.serial
+    assert serial is not None
+    since = _since(evidence, serial, table, _asked(evidence)) or window.begin
+    records = [r for r in window.between(since, window.end) if r.where == of.unit]
+    least = "at least " if window.hole else ""
+    steps = []
+    entered = [r for r in records if r.kind is Kind.IRQ and r.value]
+    for vector, count in Counter(r.what for r in entered).items():
+        first = next(r for r in entered if r.what == vector)
+        steps.append(of.say(first.tick, f"{vector} entered, {least}{counted(count, 'time')} since the request began"))
+    read = [r for r in records if r.kind is Kind.ACCESS and r.what == f"R {module}.SCIRXBUF"]
+    if read:
+        values = " ".join(f"{r.value & 0xFF:#04x}" for r in read[:MOST_READ])
+        more = ", ..." if len(read) > MOST_READ else ""
+        text = f"SCIRXBUF read, {least}{counted(len(read), 'time')} since the request began: {values}{more}"
+        steps.append(of.step(read[0], text))
+    none = [what for what, there in (("no interrupt is entered", entered), ("SCIRXBUF is not read", read)) if not there]
+    if none:
+        steps.append(of.say(since, f"{' and '.join(none)} from here on{' in the records kept' if least else ''}"))
+    return [*steps, of.doing_step(window.end)]
 
 
 def wrong_characters(evidence: Evidence) -> list[WrongCharacter]:
@@ -74,8 +110,7 @@ def _wrong(evidence: Evidence, asked: list[Record]) -> list[WrongCharacter]:
     """
     serial = evidence.case.serial
     assert serial is not None
-    name = evidence.window.verdict.measure.removeprefix(REPLY)
-    number, table = next((n, one) for n, one in enumerate(serial.expect) if one.name == name)
+    number, table = _expected(evidence)
     since = _since(evidence, serial, table, asked)
     if since is None or table.anywhere:
         return []
@@ -89,6 +124,13 @@ def _wrong(evidence: Evidence, asked: list[Record]) -> list[WrongCharacter]:
             what = f"SCITXBUF written, {write.value & 0xFF:#04x}: character {at} of the reply{right}"
             found.append((frame, evidence.step(write, f"{write.where}: {what}"), wanted))
     return found[:MOST_CHARACTERS]
+
+
+def _expected(evidence: Evidence) -> tuple[int, ExpectTable]:
+    """Return the number and the table of the expected reply."""
+    assert evidence.case.serial is not None
+    name = evidence.window.verdict.measure.removeprefix(REPLY)
+    return next((n, one) for n, one in enumerate(evidence.case.serial.expect) if one.name == name)
 
 
 def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: list[Record]) -> int | None:

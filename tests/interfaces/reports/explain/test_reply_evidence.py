@@ -10,15 +10,17 @@ from __future__ import annotations
 import pytest
 
 from periph_sim.core.records import Kind
+from periph_sim.firmware import sci_fifo_receiver, start_pie, start_sci
 from periph_sim.interfaces.reports.explain.characters import characters
 from periph_sim.interfaces.reports.explain.explain import Explained
 from periph_sim.interfaces.reports.explain.picture import text_picture
 from periph_sim.interfaces.reports.html.gather import failure
+from periph_sim.processor.dsp import Dsp
 from periph_sim.scene.firmware_loader import Firmware
 from periph_sim.scene.scene import Scene
 from periph_sim.timing.verdict import Verdict
 from tests.interfaces.reports.explain.made import explain
-from tests.scene.serial.programs import answers, says, unit
+from tests.scene.serial.programs import Program, answers, says, unit
 from tests.scene.small import case
 
 
@@ -123,3 +125,62 @@ def test_unsolicited_characters_of_a_run_are_told_with_their_writes():
     ]
     assert {step.place.function for step in steps if step.place} == {"send"}
     assert told.chain.blame is not None and told.chain.blame.place == steps[0].place
+
+
+# A reply that never came ------------------------------------------------------------
+
+
+def steps_of(program: Program, *modules: str, text: str = "ab") -> list[str]:
+    """Return the steps of a reply that never came to a send of `text` at 100 us, to which OK is expected."""
+    programs = {"dsp": Firmware("dsp", lambda dsp, settings: program(dsp), None)}
+    table = {
+        "send": [{"to": "SCI-A", "name": "ask", "at": "100 us", "text": text}],
+        "expect": [{"name": "told", "from": "dsp.SCI-A", "after_send": "ask", "within": "1 ms", "text": "OK"}],
+    }
+    small = case(unit={"dsp": unit("SCI-A", *modules)}, serial=table, duration="3 ms")
+    verdicts = Scene(small, None, programs).run().budgets
+    return [step.what for step in explain(small, verdicts, programs=programs)["told"].chain.steps]
+
+
+def test_a_reply_that_never_came_is_told_with_what_was_read_and_where_the_firmware_is():
+    steps = steps_of(answers("SCI-A", {b"x": b"OK"}))
+    assert steps[:3] == [
+        "no interrupt is entered from here on",
+        "RX: the last character of what asks for it",
+        "SCIRXBUF read, 2 times since the request began: 0x61 0x62",
+    ]
+    assert steps[-1].startswith("dsp: wait for SCI-A.SCIFFRX.RXFFST, begun 2")
+    long = steps_of(answers("SCI-A", {b"x": b"OK"}), text="a" * 20)
+    assert f"SCIRXBUF read, 20 times since the request began: {'0x61 ' * 15}0x61, ..." in long
+
+
+def test_firmware_that_reads_nothing_for_a_reply_says_so():
+    def main(dsp: Dsp) -> None:
+        start_sci(dsp, "SCI-A")
+        with dsp.span("elsewhere"):
+            dsp.compute(10**6)
+
+    steps = steps_of(main)
+    assert "no interrupt is entered and SCIRXBUF is not read from here on" in steps
+    assert steps[-1].startswith("dsp: span elsewhere, begun 2")
+
+
+def test_interrupts_before_a_reply_that_never_came_are_counted():
+    def main(dsp: Dsp) -> None:
+        sci, pie = dsp.module("SCI-A"), dsp.module("PIE")
+
+        def received() -> None:
+            assert sci.SCIRXBUF.all
+            sci.SCIFFRX.RXFFINTCLR = 1
+            pie.PIEACK.all = 0x100
+
+        sci_fifo_receiver(dsp, brr=40, level=1)
+        start_pie(dsp, {"SCIRXINTA": received})
+        dsp.eint()
+        with dsp.span("forever"):
+            dsp.compute(10**6)
+
+    steps = steps_of(main, text="abc")
+    assert "SCIRXINTA entered, 3 times since the request began" in steps
+    assert "SCIRXBUF read, 3 times since the request began: 0x61 0x62 0x63" in steps
+    assert "no interrupt" not in " ".join(steps)

@@ -70,9 +70,10 @@ class Found(NamedTuple):
 
 
 class Made(NamedTuple):
-    """An object or container whose attributes or items have entries of their own.
+    """Entry of a value that consists of other values, such as an object or a list. Each of these has an entry itself.
 
-    keys: the keys, indices or field names of the items; empty for an object with declared state.
+    keys: the keys, indices or field names of the items, or the name of a method; empty for an object with declared
+        state (`core.state`).
     """
 
     kind: str

@@ -141,7 +141,7 @@ class F28335:
             self._listen(name, signal)
         self.log.info("F28335: case %s, lines %s", case.name, ", ".join(outside))
 
-    # The test bench -------------------------------------------------------------------
+    # Called by tests ------------------------------------------------------------------
 
     @property
     def result(self) -> Result:

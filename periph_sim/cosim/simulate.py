@@ -91,7 +91,7 @@ def simulate(
     module: the name of the Python module with the tests. It is searched for on the import path of this program.
     includes: the folders of files that the sources include.
     folder: the folder for build files, logs and waves.
-    tests: a regular expression; only tests whose names match run.
+    tests: a regular expression; only the tests with a matching name are run.
 
     Raise AssertionError if a test failed, and OutsideError if something is missing or cannot be built.
     """

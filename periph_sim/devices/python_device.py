@@ -7,7 +7,7 @@
         def on_read(self): ...           return the byte to send
         def on_stop(self): ...           STOP, or the START that ends the transfer
 
-Only on_write or on_read is mandatory. If a hook returns a wrong value, the error message names the hook's place.
+on_write or on_read, or both, must exist. If a hook returns a wrong value, the error message names the hook's place.
 """
 
 from __future__ import annotations

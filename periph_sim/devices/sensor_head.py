@@ -9,7 +9,7 @@ round is not made and counts as missed.
 Before the first round the sensor head can set up its chips as their drivers do: read identifications, and write rates,
 ranges and modes.
 
-Source: the dissertation's section 3.4.2 and Figure A.2 (order, period).
+Source: section 3.4.2 and Figure A.2 (order, period) of the dissertation in CITATION.cff.
 """
 
 # core: compiled

@@ -69,10 +69,10 @@ def sci_fifo_receiver(dsp: Dsp, brr: int, level: int, sciccr: int = 0x07) -> Non
 
 
 def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
-    """Enable the PIE and some interrupts. handlers: the service routine of each of them, by the interrupt's name."""
+    """Enable the PIE and some interrupts. handlers: a dictionary from their names to their service routines."""
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1
-    pie.PIEACK.all = 0xFFF  # before PIEIER: afterwards it would send a request again that PIEIER has just let through
+    pie.PIEACK.all = 0xFFF  # before PIEIER is written: later it would pulse INTx again for a request already sent
     for name, handler in handlers.items():
         group, line = dsp.handle(name, handler)
         setattr(pie[f"PIEIER{group}"], f"INTx{line}", 1)

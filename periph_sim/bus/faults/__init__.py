@@ -3,7 +3,7 @@
 Each file in this folder with a function `attach` is one kind of fault, and is found automatically. It defines
 
     Settings                  a dataclass of the keys of [[fault]]: those of `When`, and its own
-    attach(settings, place)   attaches the agent, returns its `Repeated`; ValueError for invalid settings
+    attach(settings, place)   attaches the agent, returns the `Repeated` that triggers it; ValueError for bad settings
 
     at ---- every ---- every ---- ...     `When`: times is the maximum number of faults
     |~spread~|   maximum random delay of each fault, drawn from the case's seed
@@ -184,6 +184,6 @@ class Repeated:
 
 
 def pulse(when: When, place: FaultContext, wire: str, length: Fraction) -> Repeated:
-    """Return an agent that pulls a wire low for `length` at each time of `when`."""
+    """Return a `Repeated` that pulls a wire low for `length` at each time of `when`."""
     line = HeldLine(place.kernel, place.wire(wire), None, place.who, place.ticks(length), 0)
     return Repeated(when, place, line.pull)

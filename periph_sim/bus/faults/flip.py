@@ -1,9 +1,9 @@
 """A bit on the wire that is 0 instead of 1: SDA is pulled low for one clock, without causing a START or STOP.
 
-    SCL  ‾‾|__|‾‾|__|‾‾|__|‾‾|__     the bus has pull-ups, so a 0 cannot become a 1: the next bit that is 1 is hit,
-    SDA  ‾‾‾‾______‾‾‾‾‾‾            an ACK or a data bit of either side
+    SCL  ‾‾|__|‾‾|__|‾‾|__|‾‾|__     the next bit that is 1 becomes 0: a data bit of either side, or
+    SDA  ‾‾‾‾______‾‾‾‾‾‾            a NACK, which is then an ACK
 
-For a 0 that becomes a 1, use a device's own fault (`fault` of [device.NAME]).
+A 0 cannot become a 1 in this way; use a device's own fault for that (`fault` of [device.NAME]).
 """
 
 from __future__ import annotations

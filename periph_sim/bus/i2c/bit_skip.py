@@ -70,7 +70,7 @@ class CycleTimes(BitTimes):
 
 
 class BitParty(Agent):
-    """A party on SCL and SDA that allows skipping: it can enter the state after seven bits without their edges."""
+    """Base of parties on SCL and SDA whose state can be set at once to that after the first seven bits of a byte."""
 
     __slots__ = ()
 

@@ -238,7 +238,11 @@ class I2cController(BitParty):
         return now - max(self._refused_since, self._bus.scl_moved) >= self._clear_after
 
     def _cleared(self, clocks: int, free: bool) -> None:
-        """Continue after a bus clear: a transfer in progress is lost if SDA is free; otherwise try the START again."""
+        """Continue after a bus clear. free: True if SDA is high, so that the STOP of the bus clear was made.
+
+        This STOP ends a transfer that was about to make a repeated START: the transfer is lost. In all other cases the
+        START is tried again. clocks: the number of clocks of the bus clear.
+        """
         self._mark("clear", clocks)
         self._refused_since = NO_TIME
         if free and self._phase_index:

@@ -123,7 +123,7 @@ class StuckWatch(BitParty):
             self._guard()
 
     def _guard(self) -> None:
-        """Schedule a check of the line. There is only one such event at a time, even if the line changes often."""
+        """Schedule the check for a stuck wire. At most one is scheduled, even if the wire changes often."""
         self._guarded = True
         self._kernel.call_at(self._fell + self._limit, self._look)
 

@@ -46,7 +46,7 @@ class Phase:
     start_at: the tick of the fall of SDA.
     answer_from: the tick of the fall of SCL after the acknowledge of the address.
     answer_at: the tick of the rise of SCL for the first data bit.
-    stretch: the longest time for which another party held SCL low after its release.
+    stretch: the longest time for which another party held SCL low after the master's release of SCL.
     """
 
     STATE = State(

@@ -141,5 +141,5 @@ class Transceiver:
             callback(self.pair.kernel.now, ticks)
 
     def _hear(self) -> None:
-        deaf = self.driver.on and not self._hears_itself
-        self._out.drive(1 if deaf else self.pair.wire.level)
+        off = self.driver.on and not self._hears_itself
+        self._out.drive(1 if off else self.pair.wire.level)

@@ -222,7 +222,7 @@ class Adxl345(RegisterChip):
 
     @property
     def rate(self) -> Fraction:
-        """Sample rate in Hz. Rev 0 of the data sheet lists only BW_RATE codes from 6; later revisions list all."""
+        """Sample rate in Hz. Rev 0 of the data sheet lists only the BW_RATE codes 6 to 15; later revisions list all."""
         return Fraction(3200, 2 ** (15 - self.get("BW_RATE", "Rate")))
 
     @property

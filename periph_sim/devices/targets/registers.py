@@ -267,7 +267,7 @@ class RegisterDevice(PlainReply):
         self._plan()
 
     def _show(self) -> None:
-        """Drive the interrupt pin, if there is one, according to the bits of the register that its table names."""
+        """Drive the interrupt pin, if there is one: active while a bit that [device.NAME.interrupt] names is set."""
         if self._interrupt is not None:
             interrupt, pin = self._interrupt
             pending = bool(self.values[interrupt.register_name] & interrupt.bits)

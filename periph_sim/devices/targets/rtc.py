@@ -230,7 +230,7 @@ class Rtc(PlainReply):
             self._write(buffer)
 
     def _unlock(self, value: int) -> None:
-        """Apply a write of WEL and RWEL. WEL must be set before both are set; 0 clears both."""
+        """Apply a write of the status register: 0x02 sets WEL, 0x06 also RWEL if WEL was set before, 0 clears both."""
         if value == WEL | RWEL and self._latches & WEL:
             self._latches = WEL | RWEL
         elif value in (0, WEL):

@@ -4,7 +4,7 @@
     edges      10 ms    20 ms          ["10 ms", "rise"], ["20 ms", "fall"]
     deviation     |-|   ||             the n-th edge against the n-th expected one
 
-The run fails if there is an unexpected edge, an edge of the wrong kind, or a missing one.
+The run fails if an edge is missing or of the wrong kind, or if one follows the last expected edge (unless `more`).
 """
 
 from __future__ import annotations

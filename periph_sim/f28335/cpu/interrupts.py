@@ -2,14 +2,14 @@
 
     raise_line --IFR_DELAY--> IFR --IER, INTM--> next_taken --> enter --> vector chosen --> first ISR instruction
                                                    ^              |
-                                  instruction boundary        context saved; iret takes it back
+                                  instruction boundary        context saved; iret restores it
 
 This class executes no instructions and stores no context. The processor stores the result of `enter` in memory, and
 passes the words that it finds there to `iret`. The processor calls the method of an instruction at the cycle at which
 the instruction begins, and `next_taken` at each boundary between two instructions. There is no boundary inside an RPT
 loop, and an instruction that has reached stage D2 completes. If an interrupt is taken at the boundary in cycle b:
 
-    b                        enter(b, number): IFR bit falls, context saved, IER bit falls, ST1 changes
+    b                        enter(b, number): IFR bit cleared, context saved, IER bit cleared, ST1 changed
     b + vector_delay         get the vector from the PIE
     b + entry_cycles         first instruction of the service routine
 
@@ -19,8 +19,8 @@ With the default latency and an interruptible CPU, a request in cycle t is latch
 Source: SPRU430F chapter 3 and the instructions' pages; SPRUFB0D section 8; SPRZ272N sections 3.1.1, 3.1.2.
 
 Chosen:
-- Every request reaches the IFR after IFR_DELAY, whether it comes from the PIE, from a write of PIEACK that opens a
-  group, or from timers 1 and 2.
+- Every request reaches the IFR after IFR_DELAY, whether it comes from the PIE, from a write of PIEACK that unblocks
+  a group, or from timers 1 and 2.
 - INTM changes at the start of CLRC INTM and SETC INTM. No interrupt is taken during the 2 cycles of these instructions.
 - An interrupt that is already flagged and enabled in IER wakes the CPU from IDLE like a new one.
 - Real-time emulation mode is not modelled.
@@ -301,7 +301,7 @@ class CpuInterrupts:
         self.ready = now + self._options.idle_wake.assume(self.touched)
         return True
 
-    # Inside -----------------------------------------------------------------------
+    # Requests in transit, context -------------------------------------------------
 
     def wake(self, now: int) -> None:
         """Set the IFR bits of requests that have arrived by now."""

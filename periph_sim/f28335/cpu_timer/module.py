@@ -111,7 +111,7 @@ class CpuTimer(Chip):
         self._clocked = on
         self._schedule()
 
-    # Inside -----------------------------------------------------------------
+    # Counting ---------------------------------------------------------------
 
     def _write_tcr(self, value: int) -> None:
         before = self._tcr

@@ -63,7 +63,7 @@ class Gpio(GpioInputs):
         self.out_version = 0  # counts changes of `driven_high` and `driven`
         # Cycles from a change of a latch or of a peripheral's output to the pad.
         self.gpio_out_delay: IntOption = options.gpio_out_delay
-        self.routes_version = 0  # number of times that MUX, QSEL or CTRL settings took effect
+        self.routes_version = 0  # number of times that MUX, QSEL or CTRL settings took effect or were reset
         self._wired: BigInt = 0  # mask: pads whose level the owner reports
         # `_waiting` has settings that take effect later: (cycle, register offset, value).
         self._waiting: list[tuple[int, int, int]] = []
@@ -73,7 +73,7 @@ class Gpio(GpioInputs):
     # Pads and peripherals ----------------------------------------------------
 
     def wire(self, pads: BigInt) -> None:
-        """Let the owner report the levels of the pads in this mask."""
+        """Add pads to those whose levels the owner reports by `edges`. pads: mask by GPIO number."""
         self._wired |= pads
 
     def edges(self, now: int, levels: BigInt, exact: bool = True) -> None:

@@ -284,7 +284,7 @@ class I2cLines(Chip):
         self._plan()
 
     def suspend(self, now: int, on: bool) -> None:
-        """Halt at a breakpoint (on = True), or resume."""
+        """Halt at a breakpoint (on = True) unless FREE = 1, or resume."""
         self._advance(now)
         self._suspended = on and not self.state.mdr & MDR_FREE
         if self._suspended:

@@ -100,7 +100,7 @@ class I2c(I2cLines):
         self._plan()
 
     def _write_plain(self, now: int, offset: int, value: int) -> None:
-        """Write a register that only holds a value, and check TI's requirements on it."""
+        """Write an address, divider or count register, I2CISRC or I2CEMDR, and check TI's requirements on it."""
         state = self.state
         if offset == at.OAR:
             state.oar = value & 0x3FF

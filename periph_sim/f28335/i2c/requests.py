@@ -131,7 +131,10 @@ class I2cRequests:
         return codes[0] if codes else 0
 
     def load_code(self, now: int) -> None:
-        """Load INTCODE with the pending request that goes first. Call after the arbiter's delay."""
+        """Load INTCODE with the pending request that goes first. An unread code may stay (option isrc_preempt).
+
+        Call after the arbiter's delay.
+        """
         self.code_at = NEVER
         code = self._first()
         if not code or (self.code and not self._outranks()):

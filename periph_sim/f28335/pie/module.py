@@ -1,8 +1,7 @@
 """Peripheral interrupt expansion (PIE), from the requests of 96 lines to pulses on INT1 to INT12 and vectors.
 
-    request(group, line) --> PIEIFR --PIEIER--> PIEACK closed? --no--> pulse on INTx, PIEACK closes
-                               ^
-    vector(group) -------------+-- lowest line flagged and enabled now; its PIEIFR bit falls
+    request(group, line) --> PIEIFR --PIEIER--> PIEACK bit set? --no--> pulse on INTx, PIEACK bit is set
+    vector(group)        --> the lowest line that is flagged and enabled now; its PIEIFR bit is cleared
 
 This model of the PIE has no clock: everything happens in the cycle of the input that causes it. `CpuInterrupts` models
 the delay from a request to the CPU's IFR.
@@ -162,7 +161,7 @@ class Pie(Chip):
                 self._pieier[g], _ = PIEIER[g].write(self._pieier[g], value)
             self._send(g)
 
-    # Inside -------------------------------------------------------------------
+    # Flags and pulses ---------------------------------------------------------
 
     def _latch(self, now: int, g: int, bits: int) -> None:
         self._pieifr[g] |= bits
@@ -191,11 +190,11 @@ class Pie(Chip):
             self.pulses |= 1 << g
 
     def _acknowledge(self, now: int, value: int) -> None:
-        opened = self._pieack & value
+        unblocked = self._pieack & value
         self._as_reset &= ~value
         self._pieack, _ = PIEACK.write(self._pieack, value)
         for g in range(GROUPS):
-            if opened >> g & 1:
+            if unblocked >> g & 1:
                 if self._lines_held[g] and not self._level_sensitive(g):
                     self._latch(now, g, self._lines_held[g])
                 self._send(g)

@@ -61,7 +61,7 @@ class SciClock:
         return now + self.divider - (now - self.phase) % self.divider
 
     def set_brr(self, now: int, brr: int, at_once: bool) -> None:
-        """Set the baud divider from the next tick on. at_once: restart the divider at the next LSPCLK edge instead."""
+        """Set the baud divider from the next tick on or, with `at_once`, from the next LSPCLK edge on."""
         self._rebase(now)
         self.brr = brr
         steps = brr + 1 if brr else 2

@@ -14,7 +14,8 @@ side is in `module`.
 wired-AND wire behave like push-pull outputs with enables.
 
 Chosen, where the manual is silent:
-- Words follow each other without a gap. If a word is written too late for this, it is sent in a new transfer.
+- A word that waits in SPITXBUF at the last edge of SPICLK follows without a gap, as one in the FIFO does if TXDLY = 0.
+  A word that is written later begins like the first; SPISTE stays low if it has not risen yet.
 - A slave loads the next word at the last edge of the previous one; TXDLY is for masters only.
 - An edge of SPICLK in the cycle in which SPISTE rises counts; an edge in the cycle in which it falls does not.
 - SIMO and SOMI keep their last output level, which is 0 after reset.

@@ -3,7 +3,7 @@
 Chosen, where the manual is silent:
 - The clock gate is off after construction and after `reset`; LSPCLK keeps its last setting.
 - SW RESET = 0 and SPIRST = 0 do not change SPIDAT, SPIRXBUF and SPITXBUF; SPIRST = 0 does not change SPISTS.
-- Words written to the FIFO while SW RESET = 0 are sent after it.
+- Words written to the FIFO while SW RESET = 0 are sent when it is 1.
 - An SPIDAT write within a character replaces the bits that have not been shifted out.
 - A new character length, rate, phase or polarity takes effect at once.
 

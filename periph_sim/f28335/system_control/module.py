@@ -246,7 +246,7 @@ class SystemControl(Chip):
         elif register in (PCLKCR0, PCLKCR3):
             self._gates_to_come.append((now + GATE_DELAY, self._gates()))
 
-    # Inside -----------------------------------------------------------------
+    # Timed changes ----------------------------------------------------------
 
     def _sync(self, now: int) -> None:
         while self.next_wake <= now:

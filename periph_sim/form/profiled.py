@@ -49,7 +49,10 @@ def require_gcc(cc: str) -> None:
 
 
 def count(case: str, package: Path, built: Path) -> None:
-    """Run a case with the build in the folder `built`. Raise NoBuild with the error's last line if the run fails."""
+    """Run a case with the build `built`, which counts how often each part of its code is executed, for gcc.
+
+    Raise NoBuild with the last line of the error message if the run fails.
+    """
     # gcc's library writes the counts when the process ends. The command `run` ends by `os._exit`, which skips that.
     # -P: the package of the current folder, if there is one, must not be imported.
     command = [sys.executable, "-P", "-c", f"import sys, {package.name}; {package.name}.run(sys.argv[1])", case]

@@ -107,10 +107,10 @@ def _remove_names(statement: ast.ImportFrom, names: Collection[str], lines: list
 
 
 def _look_up_spelled_out(source: Source, text: str) -> str:
-    """Return the text with its last line replaced by `if` statements, if it looks up a function in `globals()`.
+    """Replace a last line `target = globals()[key]` of a function's text by `if` statements that compare the key.
 
-    C functions are not in the module's `globals()`. The `if` statements compare the name with the names of the module's
-    C functions that begin with an uppercase letter.
+    C functions are not in the module's `globals()`. The key can be the name of any C function of the module that begins
+    with an uppercase letter. A text with another last line is returned unchanged.
     """
     found = BY_NAME.search(text)
     if not found:
@@ -146,7 +146,7 @@ def with_constants(source: str, names: Mapping[str, object]) -> str:
         for alias in one.names
         if isinstance(names.get(alias.asname or alias.name), EnumMeta)
     }
-    bound: dict[str, ast.ImportFrom] = {}  # from a text to insert to the import statement after which it is inserted
+    bound: dict[str, ast.ImportFrom] = {}  # maps each text to be inserted to the import statement that it follows
     for node in sorted(_names(tree), key=lambda one: (one.lineno, one.col_offset), reverse=True):
         value = _integer(node, names)
         if value is not None:

@@ -341,9 +341,10 @@ class Source:
         return Function(kind, result, arguments, variables, marks)
 
     def _argument(self, annotation: ast.expr | None, default: ast.expr | None, kind: str) -> Type:
-        """Return the type of an argument; `object` if None is a valid argument but Cython would reject it from Python.
+        """Return the type of an argument; `object` if callers in Python may pass None, which Cython would reject.
 
-        Cython rejects None for a typed argument unless the default is None. Calls from C are not checked.
+        In a call from Python, Cython rejects None for a typed argument, unless the default is None. Calls from C are
+        not checked.
         """
         found = self.type_of(annotation)
         takes_none = kind == "cdef" or (isinstance(default, ast.Constant) and default.value is None)

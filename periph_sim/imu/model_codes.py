@@ -24,7 +24,7 @@ from .numeric import arithmetic_names as named
 from .numeric.q import Q
 from .sensors import SENSORS
 
-REMEMBERED = 16  # number of cached results, which firmware, the check of its output and several scenes share
+REMEMBERED = 16  # number of cached results; firmware, the check of its output and several scenes use the same cache
 BY_ADDRESS = {chip.address: (name, chip) for name, chip in SENSORS.items()}
 
 

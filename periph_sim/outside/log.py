@@ -35,7 +35,8 @@ class LogWriter:
         file: dict[str, object] = {}
         if case.file is not None and case.file.is_file():  # a case that was built by a program has no file
             file = {"file": relpath(case.file, path.parent), "set": case.changes}
-        self._waiting: list[object] | None = [{**head, "wires": wires, **file}]  # lines for `begin`; None after it
+        # The values that `begin` writes, one per line of the log; None after `begin`.
+        self._waiting: list[object] | None = [{**head, "wires": wires, **file}]
 
     def begin(self) -> None:
         """Write the lines that were collected so far. The session calls this when its time begins to pass."""

@@ -142,7 +142,7 @@ class Reaction(Agent):
         del self._put[:done]
 
     def _weigh_all(self) -> None:
-        """Lower `_due` to the earliest answer to any move that is not past."""
+        """Lower `_due` to the earliest tick at which the case can answer a move in `_put` at or after `_now`."""
         self._pass(len(self._put))
         self._seen = self._levels.copy()
         self._scl_moved = self._scl_done

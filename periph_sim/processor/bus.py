@@ -206,7 +206,7 @@ class Bus:
         return self.fetches_at(cycle, self.at(address, width))
 
     def writes_at(self, cycle: int, address: int, width: int = 16) -> int:
-        """Return the cycle in which a write issued in `cycle` is posted. Raise NoSuchAddress if nothing is there."""
+        """Return the cycle in which a write is posted (see `posts_at`). Raise NoSuchAddress if nothing is there."""
         block = block_at(address)
         return cycle + block.write_waits if block is not None else self.posts_at(cycle, self.at(address, width))
 
@@ -297,7 +297,7 @@ class Bus:
     # Writes ----------------------------------------------------------------------
 
     def posts_at(self, cycle: int, operand: Operand) -> int:
-        """Return the cycle in which a write issued in `cycle` is posted."""
+        """Return the cycle in which a write is posted: `cycle`, in which it is issued, plus its wait states."""
         if operand.frame2 and not self._write_listed:
             self._write_listed = True
             self._pf2_write_ws.assume(self._core.touched)

@@ -3,9 +3,9 @@
 Published and expected values are shown beside the reproduced values. The deviation of a value from the expected value
 is shown in standard errors of 10 000 samples, so that a reader can see which deviations are explained by chance.
 
-The dissertation's parameters can be interpreted in several ways, and each interpretation predicts other means. Class
-`Reading` compares these means with those of the published emulator. Each reading adds one effect to the previous one.
-The last but one is the set `table_5_1`, which comes with periph_sim.
+The dissertation's parameters can be interpreted in several ways, and each interpretation (`Reading`) predicts other
+means, which are compared with those of the published emulator. Each interpretation in the list of `readings` adds one
+effect to the previous one. The last but one is the parameter set `table_5_1`, which comes with periph_sim.
 """
 
 from __future__ import annotations

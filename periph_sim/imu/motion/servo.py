@@ -23,7 +23,7 @@ from .quantities import Angle, Rate, Seconds
 
 DEGREE = pi / 180  # a degree in rad
 RPM = 2 * pi / 60  # a revolution per minute in rad/s
-LEAST_RESOLUTION = 1e-300  # in rad; the number of smaller steps in an angle can exceed every float
+LEAST_RESOLUTION = 1e-300  # in rad; an angle divided by a smaller resolution can exceed the range of a float
 MOST_READS = 1_000_000  # maximum number of positions that are held in memory
 
 
@@ -32,8 +32,8 @@ class Settings:
     """The settings of the servos.
 
     pitch, yaw, roll: the largest angle of each servo, to both sides of 0.
-    fast: the rate of each motion to the positive side, and back to 0.
-    slow: the rate of each motion to the negative side.
+    fast: the rate of motions from 0 or the negative limit to the positive limit, and of the last motion back to 0.
+    slow: the rate of motions from the positive to the negative limit.
     hold: the duration of a hold after each motion.
     swings: the number of swings of each servo.
     resolution: the resolution of the positions; 0 for exact positions.

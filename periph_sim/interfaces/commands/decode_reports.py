@@ -33,7 +33,7 @@ from .decoded_text import Clock, seconds_of
 Cells = list[tuple[str | int | float | None, ...]]
 
 COUNTS = ("bus", "address", "transfers", "bytes", "read", "refused", "errors", "load_percent")
-PARITY, FRAME_ERROR = 1, 2  # bits of a frame's faults, which are the index in DETAILS minus READ
+PARITY, FRAME_ERROR = 1, 2  # bits of the faults of a frame, a number that is `Rows.detail` minus READ
 ALL = -1  # replaces the address in the counts of all transfers of a bus
 
 

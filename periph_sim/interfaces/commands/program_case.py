@@ -49,7 +49,7 @@ UNIT = "dsp"
 STRETCHES = (Fraction(20, 1000), Fraction(100, 1000), Fraction(500, 1000), Fraction(2))
 STEP = Fraction(10, 1000)
 MOST_WORK = 1_000_000
-ACCESS_WORK = 50  # instructions of an image that take the time of an access of C sources
+ACCESS_WORK = 50  # number of instructions of an image whose simulation takes as long as that of one access by C sources
 OFTEN = 3  # number of times that something must happen to be a loop
 MARGIN = 10  # percent by which a limit exceeds the measured figure
 SEEN = "seen, not required"
@@ -246,7 +246,7 @@ def _unit(dsp: Dsp, seen: Seen) -> Tree:
 
 
 def _work(dsp: Dsp, seen: Seen) -> int:
-    """Return the number of instructions whose execution would take the time that the run has taken."""
+    """Return how much the run has computed so far, as a number of instructions (see ACCESS_WORK)."""
     if isinstance(dsp.program, ImageProgram):
         return dsp.program.instructions - dsp.program.skipped
     return ACCESS_WORK * sum(topic.records for topic in seen.of(Kind.ACCESS))
@@ -365,7 +365,7 @@ def _as_seen(tree: Tree, target: Path, measures: dict[str, str]) -> list[Tree]:
 
 
 def _above(value: float) -> str:
-    """Return a time in microseconds and the margin as text, rounded up to three digits."""
+    """Return the limit for a measured time in us, as text: the time plus MARGIN %, rounded up to three digits."""
     limit = Fraction(value) * (100 + MARGIN) / 100
     step = Fraction(10) ** (math.floor(math.log10(limit)) - 2) if limit else Fraction(1)
     micros = math.ceil(limit / step) * step

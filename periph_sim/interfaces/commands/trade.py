@@ -57,9 +57,9 @@ def trade(
     """Run CASE with each choice that you have, and compare errors and CPU time.
 
     A row is another kind of firmware, image or C (--firmware), another arithmetic of sensor models, or a recording.
-    Errors are against the most accurate row: budgets with the same verdict, and the largest difference of the n-th
-    occurrence of a time, and of the n-th sample in a chip's answers. The case as given and the most accurate row are
-    always run.
+    Each row is compared with the most accurate row: the number of budgets with the same verdict, and the largest
+    differences of times and of samples in the chips' answers. The n-th value of one row is compared with the n-th value
+    of the other. The case as given and the most accurate row are always run.
     """
     from ...scene.case.load import load
     from ..reports.trade import trade as report

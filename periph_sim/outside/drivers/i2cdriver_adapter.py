@@ -8,15 +8,16 @@ their effects or answers:
 
     s ADDRESS+R/W    START: report              e BYTE    the same byte             ?   status, 80 characters
     0xC0+n-1 DATA    n bytes written: report    1, 4      100, 400 kHz              J   introspection, 80 characters
-    0x80+n-1         n bytes, the last NACKed   u MASK    pull-ups, stored          c   capture until a byte
-    a N              n bytes, all ACKed         x         bus reset: '0', SDA, SCL  b   bits, until '@'
-    r DEV REG N      register read, with STOP   d         112 reports of a scan     m   monitor until a byte
-    p                STOP                       i, _      lines released; also boot   f   'X', its display fades
-    @                nothing, like any other byte
+    0x80+n-1         n bytes, the last NACKed   u MASK    pull-ups, stored          c   capture until any byte
+    a N              n bytes, all ACKed         x         bus reset: '0', SDA, SCL  b   lines set, until '@'
+    r DEV REG N      register read, with STOP   d         112 reports of a scan     m   monitor until any byte
+    p                STOP                       i         lines released            f   'X' (display, not modelled)
+    _                restart, as at power-on
+    any other byte   nothing
 
 Source: the I2CDriver's firmware (github.com/jamesbowman/i2cdriver, firmware/main.fs and capture.fs).
 
-Chosen: the status states 5 V, 0 mA, 25 degrees. The checksum covers each byte of the bus once, addresses included. A
+Chosen: the status states 5 V, 0 mA, 25 degrees. The checksum covers all bytes on the bus, addresses included. A
 line that `b` would drive high is released, because the bus is open drain. The commands 'v' BYTE and 'w', which test
 pull-ups, do nothing. If a line is held low for more than 25 ms, the next report has the time-out bit.
 """

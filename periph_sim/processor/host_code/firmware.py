@@ -122,7 +122,8 @@ class Run:
         self._routines: dict[int, int] = {}  # from a function pointer of the host to its code address
         self._places: list[Place] = []  # the places written so far
         self._numbers: dict[Place, int] = {}  # from each of these places to its number in runtime.c
-        # From the host address of an announcement of a write to (distance from the announced bytes, size) of the store.
+        # Maps the host address of the call that announces a write to (offset from the announced bytes, size) of the
+        # store that follows.
         self._stores: dict[int, tuple[int, int]] = {}
         self.elsewhere = UnmappedMemory(dsp.core, dsp.processor.notes)
         self.elsewhere.set_part(dsp.plan.part)

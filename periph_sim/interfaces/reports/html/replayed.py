@@ -159,7 +159,7 @@ def _expected(divergence: Divergence, window: Window) -> dict[WrongByte, int]:
 
 
 def _with_capture(timeline: Timeline, agreed: float, side: Side, divergence: Divergence, window: Window) -> Timeline:
-    """Add lanes with the capture. agreed: the tick at which the last agreed event is in the replay."""
+    """Add lanes with the capture. agreed: the tick, in the replay, of the last event that is equal in both."""
     says = Texts({text: number for number, text in enumerate(timeline.says)})
     kept = window.kept[0].begin - window.begin, window.kept[-1].end - window.begin
 

@@ -76,7 +76,8 @@ class Cpu(Registers):
     field: the value of field l of the current instruction.
     high_byte: True if the operand is the upper byte of the word at `ea`.
     cycles: the cycles of the current instruction.
-    written_in: the cycle of the current instruction, from 1 to `cycles`, in which its memory writes leave stage D2.
+    written_in: the cycle of the current instruction, from 1 to `cycles`, in which the part of it that writes memory is
+        in stage D2.
     repeat: the repeat count N that RPT has set for the next instruction; -1 if there is none.
     passes: the number of completed passes of a repeated instruction.
     """

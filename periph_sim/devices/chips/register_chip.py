@@ -86,7 +86,7 @@ class RegisterChip:
         """Return the pointer after an access to the register with this number."""
         return number + 1 & 0xFF
 
-    # Names for people ----------------------------------------------------------
+    # Registers and values as text ----------------------------------------------
 
     def named(self, number: int, value: int, before: int | None) -> NamedByte:
         """Return the name and the meaning of a byte that is written to or was read from a register.

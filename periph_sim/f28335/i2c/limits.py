@@ -1,7 +1,7 @@
 """TI's requirements on the I2C module's settings, with a "duty" note for each violation.
 
-Each limit is checked where it begins to apply: the clock and the own address when IRS rises, the rate of SCL and the
-sent address at each START. Times are computed from the SYSCLKOUT that the owner sets.
+Each limit is checked where it begins to apply: the clock and the own address when IRS becomes 1, the rate of SCL and
+the sent address at each START. Times are computed from the SYSCLKOUT that the owner sets.
 
 Source: SPRUG03B sections 1.1, 1.4, 5.7, 5.8, 5.9; SPRS439M Table 6-31.
 """

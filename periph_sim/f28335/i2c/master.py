@@ -190,9 +190,7 @@ class I2cMaster(I2cMasterData):
             self._meets_foreign_condition(now)
 
     def _meets_foreign_condition(self, now: int) -> None:
-        """Process a START or STOP that another device makes in our transfer; section 2.8 (arbitration) does not cover
-        it.
-        """
+        """Process a START or STOP of another device within the master's transfer, which section 2.8 does not cover."""
         if self.state.options.foreign_start_stop.assume(self.state.touched) == "loses_arbitration":
             self.lose(now)
 
@@ -252,10 +250,10 @@ class I2cMaster(I2cMasterData):
         self._release_after_low(now)
 
     def fell(self, now: int) -> None:
-        """Process a fall of SCL after the filter. If another device makes it in our high phase, our phase ends."""
+        """Process a fall of SCL after the filter. If another device makes it, the high phase ends early."""
         if not self.active or self.lines & SCL:
             return
-        if self._step == STARTED:  # our START was not over yet
+        if self._step == STARTED:  # this module's START was not over yet
             self._started(now)
         elif self._high_phase and self._after_high == FALL:
             self._fall(now)
@@ -330,7 +328,7 @@ class I2cMaster(I2cMasterData):
         state = self.state
         return not (state.mdr & (MDR_STP | MDR_DLB) or state.options.hold_scl_after_nack.assume(state.touched))
 
-    # STOP, loss -------------------------------------------------------------------------
+    # STOP, loss of arbitration ----------------------------------------------------------
 
     def lose(self, now: int) -> None:
         """Set AL and become a slave-receiver, because arbitration is lost or another master owns the bus."""

@@ -4,8 +4,8 @@
     SDA falls while SCL is high: START      SDA rises while SCL is high: STOP
 
 START, repeated START and STOP are called conditions; `master` decides when they are made. The next action is stored as
-a step and its cycle. If another device lengthens a low phase, our high phase begins later. If another device begins a
-low phase, ours begins at once (`I2cMaster.fell`).
+a step and its cycle. If another device lengthens a low phase, the high phase begins later. If another device pulls SCL
+low, the high phase of this module ends at once (`I2cMaster.fell`).
 
 Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6, 15.
 
@@ -104,7 +104,7 @@ class I2cMasterLines:
         self.due = NEVER
 
     def lines_changed(self, now: int, lines: int) -> None:
-        """Set the actual levels of the lines; an expected rise of SCL begins our high phase."""
+        """Set the actual levels of the lines; an expected rise of SCL begins the high phase."""
         moved, self.lines = lines ^ self.lines, lines
         if not self.active or not moved & SCL:
             return
@@ -164,8 +164,8 @@ class I2cMasterLines:
         """Clear the state of the transfer."""
         self.counter = 0
         self._addresses: list[int] = []
-        self._starting = False  # True if our START, or repeated START, is on the lines but has not been detected yet
-        self._stopping = False  # True if our STOP is on the lines but has not been detected yet
+        self._starting = False  # True if the module's own START or repeated START has not been detected yet
+        self._stopping = False  # True if the module's own STOP has not been detected yet
         self._own_restart = False
         # If the module reads from a 10-bit address and sends the full address first, it makes a repeated START itself.
         # This list has the address bytes that are then sent after the repeated START; it is empty for other transfers.

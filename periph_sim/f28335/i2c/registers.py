@@ -63,16 +63,16 @@ class I2cRegisters(I2cRequests):
         self.sar: int = I2C_MAP["I2CSAR"].reset
         self.bcm = self.options.bcm_reset.unrecorded() if self.options.emdr_present.unrecorded() else 1
         self.emdr_written = False
-        self.tm = 1  # period of the module clock in cycles, as latched when IRS last rose
+        self.tm = 1  # period of the module clock in cycles, as latched when IRS last became 1
         self.filter_width: int = self.options.noise_filter_cycles.unrecorded()  # cycles that a level must last at a pin
         self.dxr = self.xsr = self.drr = self.rsr = 0
         self.dxr_full = self.drr_unread = False
-        self.nack_since = 0  # while I2CSTR.NACK = 1: the cycle at which it rose
+        self.nack_since = 0  # while I2CSTR.NACK = 1: the cycle at which it was set
         self.nack_of: str = ""  # description of the byte that was refused at `nack_since`
         self.dxr_behind: list[int] = []  # bytes queued after a full I2CDXR (dxr_write_while_full)
 
     def irs_reset(self, now: int) -> None:
-        """Set the status to its defaults, as IRS goes to 0; options decide what is kept."""
+        """Set the status to its defaults, as IRS becomes 0; options decide what is kept."""
         busy = self.str & i2c_map.STR_BB
         if busy and self.options.bb_on_irs_reset.assume(self.touched) == "clear":
             busy = 0

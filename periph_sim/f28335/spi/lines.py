@@ -254,7 +254,7 @@ class SpiLines(Chip):
         """Return True if a character is in progress and the option has this answer, which cuts the character off."""
         return self._shifter.bits > 0 and option.assume(self.touched) == answer
 
-    # Both ---------------------------------------------------------------------
+    # Slave and master ---------------------------------------------------------
 
     def _clock_edge(self, leading: bool) -> bool:
         """Make an edge of SPICLK. Return True if the character is over."""

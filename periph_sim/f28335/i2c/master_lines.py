@@ -164,8 +164,8 @@ class I2cMasterLines:
         """Clear the state of the transfer."""
         self.counter = 0
         self._addresses: list[int] = []
-        self._starting = False  # True if the module's own START or repeated START has not been detected yet
-        self._stopping = False  # True if the module's own STOP has not been detected yet
+        self._starting = False  # True from the module's START or repeated START until it is detected behind the filter
+        self._stopping = False  # True from the module's STOP until it is detected behind the filter
         self._own_restart = False
         # If the module reads from a 10-bit address and sends the full address first, it makes a repeated START itself.
         # This list has the address bytes that are then sent after the repeated START; it is empty for other transfers.

@@ -1,4 +1,4 @@
-"""Registers with flags that writing 1 clears, and the flags that read-modify-writes cleared, for each place.
+"""Registers with flags that are cleared by writing 1. For each place, the flags that read-modify-writes cleared.
 
     CLEARABLE --> ClearedRegister --> Place: flags that its writes cleared, by whether firmware had read them
                         '-- Flag: its last rise
@@ -22,7 +22,7 @@ from .register_maps import is_status, one_clears
 
 
 class Clearable(NamedTuple):
-    """A register with flags that writing 1 clears. status: True if hardware sets any of its flags."""
+    """A register with flags that are cleared by writing 1. status: True if hardware sets any of its flags."""
 
     name: str
     flags: tuple[Field, ...]
@@ -74,10 +74,10 @@ class Flag:
 
 @final
 class Cleared:
-    """Number of times that something was cleared.
+    """Count of the times that flags were cleared.
 
-    first: the tick at which this happened first; NO_TIME if it never happened.
-    ticks: the ticks at which this happened; None if ticks are not kept.
+    first: the tick at which a flag was cleared first; NO_TIME if none was cleared.
+    ticks: the ticks at which flags were cleared; None if ticks are not kept.
     """
 
     __slots__ = ("count", "first", "ticks")
@@ -195,7 +195,7 @@ class Place:
 
 @final
 class ClearedRegister:
-    """A register with flags that writing 1 clears, and the effects of read-modify-writes on these flags.
+    """A register with flags that are cleared by writing 1, and the effects of read-modify-writes on these flags.
 
     status: True if hardware sets any flag of the register.
     last: the write of the last read-modify-write of the register.

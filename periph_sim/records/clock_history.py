@@ -82,9 +82,10 @@ class ClockHistory(NamedTuple):
         return np.maximum(np.searchsorted(self.begins, at, "right") - 1, 0)
 
     def in_words(self, per_second: Fraction) -> str:
-        """Return the clocks as text, such as "7.5 MHz, from 4.373 ms on 150 MHz" for a change to 150 MHz at 4.373 ms.
+        """Return the SYSCLKOUT frequencies as text, such as "7.5 MHz, from 4.373 ms on 150 MHz".
 
-        If there are more than three clocks, the text has only the last clock and the number of changes.
+        In this example, the frequency changes from 7.5 MHz to 150 MHz at 4.373 ms. If there are more than three
+        frequencies, the text has only the last one and the number of changes.
         """
         clocks = [f"{float(per_second / period / 1_000_000):.8g} MHz" for period in self.periods]
         if len(clocks) > MOST_TOLD:

@@ -25,7 +25,7 @@ from .run import Group, Rows, Run
 class Fault(NamedTuple):
     """Faulty accesses of one unit, all with the same kind of fault.
 
-    rows: the rows of these accesses, in order. A lint may yield no rows; this reports nothing.
+    rows: the rows of these accesses, in order. A fault without rows is not reported.
     source: the section of the manual that gives the violated rule.
     """
 
@@ -61,7 +61,11 @@ _LINTS: dict[str, Lint] = {}
 
 @dataclass(frozen=True)
 class Finding:
-    """One fault at one place in the firmware. first: the tick at which it occurred first."""
+    """All faulty accesses of one kind at one place in the firmware.
+
+    count: the number of these accesses.
+    first: the tick of the first of them.
+    """
 
     lint: str
     unit: str
@@ -73,7 +77,7 @@ class Finding:
 
 
 def finds(says: str) -> Callable[[Faults], Faults]:
-    """Return a decorator that registers a function as a lint. The lint has the function's name, with hyphens.
+    """Return a decorator that registers a function as a lint. The name of the lint has "-" in place of "_".
 
     says: a sentence that describes the faults that the lint finds.
     """

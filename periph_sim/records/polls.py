@@ -23,7 +23,8 @@ Number = TypeVar("Number", np.int64, np.bool_)
 
 SHORTEST_PASS, LONGEST_PASS = 4, 400  # minimum and maximum cycles of a pass of a polling loop
 MOST_READS = 3  # maximum number of reads of one register in a pass
-# Minimum shares that must agree: of passes with one read, of passes with several reads, and of gaps with a change.
+# Minimum shares that must fit the length of a pass: of passes with one read, of passes with several reads, and of gaps
+# with a change.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
 FEW_GAPS = 3  # with at least this number of gaps, their greatest common divisor is taken as the length of a pass
 

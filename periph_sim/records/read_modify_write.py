@@ -119,9 +119,8 @@ class ReadModifyWrite:
 def modifies_of(run: Run, groups: Iterable[Group]) -> tuple[ReadModifyWrite, ...]:
     """Return the read-modify-writes of several groups, one object for each place.
 
-    The places at which the most flags were lost come first.
-
-    Registers without a field that writing 1 clears are left out.
+    The places at which the most flags were lost come first. Registers without a field that is cleared by writing 1 are
+    left out.
     """
     found = []
     for group in groups:

@@ -101,7 +101,7 @@ class Run:
             raise NotInRun(f"{path}: a capture of wires, with no accesses or flags; {WAY_OUT}")
         return cls(table, str(path), sysclk)
 
-    # Rows ------------------------------------------------------------------------
+    # Searches for rows ------------------------------------------------------------------------
 
     def rows(self, kind: Kind, where: str | None = None, what: str | None = None) -> Rows:
         """Return the rows of this kind, in the order of their ticks. where, what: None for any place or thing."""
@@ -150,7 +150,7 @@ class Run:
         place = int(np.searchsorted(rows, after, "right"))
         return int(rows[place]) if place < len(rows) else None
 
-    # Registers -------------------------------------------------------------------
+    # Registers and accesses -------------------------------------------------------------------
 
     @cached_property
     def units(self) -> dict[str, tuple[str, ...]]:
@@ -264,7 +264,7 @@ class Run:
         for code in sorted(set(codes.tolist())):
             yield self.table.names["text"][code], rows[codes == code]
 
-    # Time ------------------------------------------------------------------------
+    # Instants and durations ------------------------------------------------------------------------
 
     def clock(self, unit: str = "") -> ClockHistory:
         """Return the history of SYSCLKOUT of a unit. If no unit has this name, it is the history of the first unit."""

@@ -19,7 +19,7 @@ from ..f28335.memory.ram import MEMORY
 from .register_maps import is_status, registers_of
 from .run import Group, NotInRun, Run
 
-COARSEST = Fraction(1, 10**6)  # seconds; a time typed to this or a finer digit can mean a change that is displayed so
+COARSEST = Fraction(1, 10**6)  # in seconds; the coarsest last digit with which a time can mean a change (`_tick`)
 
 
 @dataclass(frozen=True)

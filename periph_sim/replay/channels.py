@@ -44,7 +44,7 @@ def _mapped(capture: Capture, text: str | None, session: bool) -> dict[str, str]
 
 
 def serial_channel(capture: Capture, text: str | None) -> str:
-    """Return the name of RX's channel. text: "rx=CHANNEL", or None to take the only channel, or else the one named RX.
+    """Return the name of RX's channel. text: "rx=CHANNEL"; None for the only channel or the one named RX.
 
     Raise BadReplay if there is no such channel, or more than one.
     """

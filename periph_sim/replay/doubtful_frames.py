@@ -6,8 +6,8 @@
 Receivers may read an ambiguous frame in different ways. After a glitch in a data, parity or stop bit, this bit may be
 read as 0 or 1. After a glitch in the start bit, or a nearly valid start bit, a receiver may read a frame or none. If
 the receiver decides differently from the decoder, it may also read other frames up to the next pause. The comparison
-then skips some frames and words. It resumes at the frame after which the most words agree; this frame is at most the
-first one after the pause.
+then skips some frames and words. It resumes at the frame after which the most words agree, but not
+later than at the first frame after the pause.
 
 An item is a decoded frame, or a rejected start that some receivers accept. A word is what the firmware received.
 
@@ -165,7 +165,7 @@ def line_errors(capture: Capture, channel: str | int, line: Line, events: Sequen
 
 
 def _break_at_end(capture: Capture, channel: str | int, line: Line) -> set[int]:
-    """Return the position of the last edge if the line is low from there to the end of the capture.
+    """Return the position of the last edge if the line is low from there to the end, for at least a frame.
 
     Such a low phase is a break whose end was not captured. The set is empty if there is none.
     """

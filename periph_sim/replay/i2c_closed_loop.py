@@ -6,14 +6,14 @@
                      events expected  <-------- compare -------->  events decoded from the wires
 
 The comparison decodes the wires and the capture by the same code, which the agents and the chip do not use. Firmware
-whose `REPLAY` names `address`, `replies`, `asleep` and `busy` is set to answer like the captured target.
+that lists `address`, `replies`, `asleep` and `busy` in `REPLAY` is set to answer like the captured target.
 
 The controller polls the firmware until it acknowledges (see `polling`), so the expected events are those of the capture
 with the polls that were made. A session plays the captured polls, because the UART capture has fixed times.
 
 The agents can deviate from the capture even if the firmware behaves as captured, for instance because `longest_low`
 shortens a pause of the controller. `without_firmware` runs the agents with the captured answers in place of the
-firmware. A difference that also occurs in this run is caused by the agents. It and later differences are not judged.
+firmware. A difference that also occurs in this run is caused by the agents; it is not judged, nor is any later one.
 """
 
 from __future__ import annotations
@@ -113,9 +113,9 @@ class CapturedController:
         self._refused_since = NO_TIME
         self._sda_level = sda
         self._captured: list[Edge] = []
-        self._edges: list[Edge] = []  # as captured, but with short low phases
+        self._edges: list[Edge] = []  # as captured, but with low phases shortened to `longest_low`
         self._moves: list[Move] = []
-        self._answers: deque[tuple[int, int]] = deque()  # pairs: a phase number, and the moves up to its ninth bit
+        self._answers: deque[tuple[int, int]] = deque()  # (number of a phase, number of moves up to its ninth bit)
         self._plan = plan
         self._kernel = kernel
         self._on_end = on_end
@@ -128,7 +128,7 @@ class CapturedController:
             ScriptedTarget(kernel, scl, sda, answers, plan.timebase.ticks(HOLD, "nearest"))
 
     def go_on(self) -> None:
-        """Play the remaining transfers, each at the time when it is due."""
+        """Play the next transfer when it is due, or call `on_end` if none is left."""
         self._late = max(0, self._late + self.player.delay - self._delay - self._cut)
         self._delay = self.player.delay
         if not self.polled.left:
@@ -150,7 +150,7 @@ class CapturedController:
         self._play_from(0)
 
     def _prepare(self, transfer: Transfer, first: int) -> None:
-        """Create the moves of a transfer from one of its phases on, and find the firmware's answers in them."""
+        """Create the moves of a transfer from phase `first` on, and find the moves after which the firmware answers."""
         plan = self._plan
         half = Transfer(transfer.phases[first:], transfer.stop, None)
         self._captured = self._edges = controllers_half(half, self._hold, plan.part.half_sample)
@@ -173,7 +173,7 @@ class CapturedController:
             self.player.play(self._moves[move:end], partial(self._answered, number, end))
 
     def _answered(self, phase: int, move: int) -> None:
-        """React to the firmware's answer to its address. SCL has just risen in the ninth bit of the address."""
+        """Adapt the polls to the firmware's ACK or NACK of its address, or end the replay after too many NACKs."""
         acked, now = not self._sda_level.level, self._kernel.now
         changed = self.polled.answered(phase, acked)
         if changed:
@@ -344,7 +344,7 @@ class I2cReplay(SlaveReplay):
         self._over = True
         self.kernel.stop()
 
-    # Summing up ---------------------------------------------------------------------
+    # The report ---------------------------------------------------------------------
 
     def _report(self, stuck: list[str]) -> Report:
         part, own = self._part, self._answering

@@ -3,8 +3,8 @@
     capture --> the script --> firmware's settings --> unit --> SCL, SDA <-- ScriptedTarget <-- captured answers
        \\--> events expected  <-------------- compare -------------->  events decoded from the wires
 
-Firmware whose `REPLAY` names `script` repeats the transfers of the captured controller, with its `pauses`, `low` and
-`high` if `REPLAY` names these. Other firmware runs its own program for as long as the capture lasts. Events are
+Firmware that lists `script` in `REPLAY` repeats the transfers of the captured controller, with its `pauses`, `low` and
+`high` if these are listed, too. Other firmware runs its own program for as long as the capture lasts. Events are
 compared in order. Their times are compared only if a tolerance is given, because the pauses of a driver differ from
 those of the captured controller.
 """
@@ -123,7 +123,7 @@ class I2cMasterReplay(BusReplay):
             return ", with more than twice the edges that its script needs"
         return ""
 
-    # Summing up ---------------------------------------------------------------------
+    # The report ---------------------------------------------------------------------
 
     def _report(self, stuck: list[str]) -> Report:
         part = self._part

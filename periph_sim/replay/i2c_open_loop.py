@@ -140,7 +140,7 @@ class I2cOpenReplay(SlaveReplay):
         return self.origin + int(position * self._per_position)
 
     def _holds(self, scl: Channel) -> list[_Held]:
-        """Return the low phase before each bit that is addressed to the chip. scl: SCL as driven by the chip alone."""
+        """Return the low phase before each bit of phases that address the chip. scl: SCL as the chip drives it."""
         edges = scl.edges[scl.levels == 0].tolist(), scl.edges[scl.levels == 1].tolist()
         own = [
             phase
@@ -177,7 +177,7 @@ class I2cOpenReplay(SlaveReplay):
             name,
         )
 
-    # Summing up ---------------------------------------------------------------------
+    # The report ---------------------------------------------------------------------
 
     def _report(self, stuck: list[str]) -> Report:
         part, own = self._part, self._answering

@@ -1,8 +1,8 @@
 """The two halves of a capture's I2C transfers, the controller's and the targets'. Agents or firmware can play each.
 
-    decode.i2c transfers --> Moves of SCL and SDA, a list for each     (the controller's half)
-                         --> AsMaster: "50 W 00 Sr 50 R 6", the pause before it, or why the F28335 cannot send it
-                         --> Turn: address, answer, positions            (the targets' half)
+    decode.i2c transfers --> Moves of SCL and SDA, one list per transfer   (the controller's half)
+                         --> AsMaster: script ("50 W 00 Sr 50 R 6"), pauses; why transfers are left out
+                         --> Turn: address, answer, positions              (the targets' half)
                          --> AsTarget: address, replies, asleep, busy
 
 The controller's half contains all edges of SCL. The capture does not show which party held SCL low, so a stretch of the
@@ -10,8 +10,8 @@ captured target becomes a delay of the controller. Of the edges of SDA, this hal
 START, STOP, and the bits and ACKs that it sent. If such an edge is in the same sample as an edge of SCL, or is not
 visible in the capture, it is placed in the low phase of SCL, at least half a sample away from both of its ends.
 
-If the firmware is the master, low phases that are much longer than usual are stretches of the target. They can occur
-from the ACK of the address on.
+If the firmware is the master, low phases that are much longer than usual are stretches of the target, which can
+stretch from the ACK of its address on.
 
 If the firmware is the target, consecutive NACKs of its address become an interval in which it does not answer. The
 interval begins at the STOP of the write before the NACKs, or at the start of the capture. It ends midway between the
@@ -183,7 +183,7 @@ class _ControllersHalf:
         self._hold = hold
         self._half_sample = half_sample
         self._fall: int | None = None
-        self._rise = -1  # the last rising edge of SCL
+        self._rise = -1  # the position of the last rising edge of SCL; -1 before the first
         self._sda = 1
 
     def bit(self, bit: Bit) -> None:

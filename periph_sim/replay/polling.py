@@ -1,4 +1,4 @@
-"""A controller's polls of a busy target, in a number that the firmware decides.
+"""A controller's polls of a busy target, as many as the firmware requires.
 
     captured transfers --> PolledCapture --> transfers to play
     answer of the firmware to its address --^      |--> expected events: the captured ones, with polls added or removed
@@ -51,7 +51,7 @@ class PolledCapture:
         self.left = deque(captured)
         self.notes: list[str] = []
         self._shift = 0  # positions by which the transfers in `left` move
-        self._captured = Transfer((), None, None)  # the last transfer as captured, or its end if it was changed
+        self._captured = Transfer((), None, None)  # the last transfer as captured; after a change, its end
         # From the position after `_from[i]` on, times are `_shifts[i]` later than in the capture.
         self._from: list[int] = [-1]
         self._shifts: list[int] = [0]
@@ -188,11 +188,11 @@ class PolledCapture:
         self._shifts.append(shift)
 
     def played(self) -> list[Transfer]:
-        """Return all transfers of the capture, as they are or would be played."""
+        """Return all transfers, those that were played and then the remaining ones as they would be played."""
         return [*self.transfers, *(_moved(transfer, self._shift) for transfer in self.left)]
 
     def expected(self, rate: Fraction) -> list[Happened]:
-        """Return the events of `played` in words. `at` is the time in the capture, `due` the time with the polls."""
+        """Return the events of `played` as text. at: the captured time. due: the time with polls added and removed."""
         events = [event for transfer in self.played() for event in events_of(transfer)]
         captured = (event.at - self._shifts[bisect_left(self._from, event.at) - 1] for event in events)
         return [
@@ -207,7 +207,7 @@ def is_poll(phase: Phase) -> bool:
 
 
 def refusals(transfers: Iterable[Transfer], own: Sequence[int]) -> int:
-    """Count the addresses of the firmware that are not acknowledged."""
+    """Count how often an address of the firmware is sent and not acknowledged."""
     return sum(phase.bytes[0].acked is False for phase, _ in _accesses(transfers, own))
 
 

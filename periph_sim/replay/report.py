@@ -230,7 +230,7 @@ class Report:
     role: str = "slave"  # I2C: role of the F28335, slave or master
     divergences: list[Divergence] = field(default_factory=list)
     tolerance_us: float = 0.0
-    addresses: list[str] = field(default_factory=list)  # I2C: addresses of the firmware, or of its targets as a master
+    addresses: list[str] = field(default_factory=list)  # I2C: of the firmware as slave, or of the targets of a master
     nacks: int = 0
     refusals: int = 0
     captured_refusals: int = 0
@@ -239,7 +239,7 @@ class Report:
     errors: dict[str, int] = field(default_factory=dict)
     stretch_worst_us: float = 0.0
     stretch_total_us: float = 0.0
-    captured_stretch_us: float = 0.0  # longest stretch or pause in the capture
+    captured_stretch_us: float = 0.0  # longest stretch or pause with SCL low in the capture
     late_worst_us: float = 0.0
     lag_worst_us: float = 0.0
     lag_samples: float = 0.0

@@ -127,7 +127,7 @@ class SessionReplay(I2cReplay):
         return self._session_scene
 
     def _expect(self, transfer: Transfer) -> None:
-        """Expect the captured bytes in this transfer, unless the case checks bytes against the host's values."""
+        """Store the captured bytes in a transfer as expected bytes, unless the case compares with the host's values."""
         captured = next(self._whole, None)
         if captured is not None and not self._session_scene.case.checks_host:
             for phase, was in zip(transfer.phases, captured.phases, strict=False):
@@ -204,9 +204,9 @@ class SessionReplay(I2cReplay):
         return report
 
     def _other_transfers(self) -> list[str]:
-        """Return a list with a note on captured transfers that are no requests of the case; empty if there are none.
+        """Return a list with a note on captured transfers that match no request of the case; empty if there are none.
 
-        The list is also empty if the capture has no complete round.
+        If the capture has no complete round, rounds are not judged, and the list is empty, too.
         """
         scene = self._session_scene
         if not scene.others or not scene.bus.rounds.completed:

@@ -4,8 +4,8 @@
        |                                             |
        \\--decode--> frames expected <-- compare --> words read, with SCIFFFE and SCIFFPE
 
-If a line format is given, firmware whose `REPLAY` names `baud`, `bits`, `parity` and `stop` is set to it. If none is
-given, the line is decoded in the format to which the firmware has set the SCI.
+If a line format is given, firmware that lists `baud`, `bits`, `parity` and `stop` in `REPLAY` is set to it. Otherwise,
+the line is decoded in the format to which the firmware has set the SCI.
 """
 
 from __future__ import annotations

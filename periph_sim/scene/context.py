@@ -33,7 +33,7 @@ class CaseTicks(Struct, frozen=True):
 
         ppm: the error of the clock that counts the length, in parts per million; positive for a fast clock.
 
-        Raise BadCase, with its line, if the number of ticks is too large.
+        Raise BadCase if the number of ticks is too large.
         """
         count, parts = self._ticks(length, ppm)
         return self._fitting((2 * count + parts) // (2 * parts), length)

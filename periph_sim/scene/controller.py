@@ -61,7 +61,7 @@ def skips_bits(context: SceneContext) -> bool:
 
 
 def head_plan(scale: CaseTicks) -> HeadPlan:
-    """Return the plan of a case's [controller]. Raise BadCase, with its line, for requests that cannot be made."""
+    """Return the plan of a case's [controller]. Raise BadCase for requests that cannot be made."""
     table = scale.case.controller
     assert table is not None
     requests = _requests(scale.case, table, "controller")
@@ -139,7 +139,7 @@ def build_head(
 def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:
     """Return the requests in [rounds]. The master that makes them is not simulated as an agent.
 
-    Raise BadCase, with its line, for a wrong request.
+    Raise BadCase for a wrong request.
     """
     requests = _requests(context.case, table, "rounds")
     transfers = _transfers(requests, table.pointer_by == "STOP")

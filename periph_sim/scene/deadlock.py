@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from .scene import Scene
 
 
-OFF = ("IER = 0", "INTM = 1")  # the reasons why interrupts are off: item 0 if INTM = 0, item 1 if INTM = 1
+OFF = ("IER = 0", "INTM = 1")  # why no interrupt is taken, indexed by the value of INTM
 ENABLE = "enable interrupts before the wait (CLRC INTM, bits of IER)"
 # A wait that has lasted for this number of watchdog periods shows that a service routine restarts the watchdog in time,
 # because otherwise the watchdog would have reset or interrupted the unit.
@@ -125,7 +125,7 @@ def takes_interrupts(dsp: Dsp) -> bool:
 
 
 def refused(dsp: Dsp, instant: Callable[[int], str]) -> str:
-    """Return a phrase that says since when and why I2CSTR.NACK is set, which ends a transfer; "" if it is not set."""
+    """Return a phrase that says when I2CSTR.NACK was set, and what was not acknowledged; "" if it is not set."""
     state = cast("I2c", dsp.sockets["I2C-A"].chip).state
     if not state.str & STR_NACK:
         return ""

@@ -24,7 +24,7 @@ CLASS = "Device"
 def device_of_file(context: SceneContext, name: str, table: DeviceTable, place: TargetContext) -> PythonTarget:
     """Return the target that the class `Device` of a Python file defines, with its address.
 
-    Raise BadCase, with its line, if the file cannot be loaded, or if its class or its settings are wrong. Raise
+    Raise BadCase if the file cannot be loaded, or if its class or its settings are wrong. Raise
     FirmwareStalled if the code in the file does not return in time.
     """
 

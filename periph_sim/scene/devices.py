@@ -55,7 +55,7 @@ class DeviceOnBus:
     STATE = State("target log")
 
     def __init__(self, context: SceneContext, name: str, known: Mapping[str, Wire]) -> None:
-        """known: a dictionary from a name to the wire of the scene."""
+        """known: a dictionary from names to wires of the scene."""
         table = context.case.device[name]
         self.log = NoteLog(context, name)
         self.side: TargetSide | None = None
@@ -133,10 +133,10 @@ def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Target
 def build_devices(context: SceneContext, known: Mapping[str, Wire], taken: Mapping[int, str]) -> dict[str, DeviceOnBus]:
     """Return the devices by name.
 
-    known: a dictionary from a name to the wire of the scene.
+    known: a dictionary from names to wires of the scene.
     taken: a dictionary from the address of a sensor chip to its name.
 
-    Raise BadCase, with its line, for an impossible device.
+    Raise BadCase for an impossible device.
     """
     case = context.case
     devices: dict[str, DeviceOnBus] = {}

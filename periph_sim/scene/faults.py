@@ -47,7 +47,7 @@ def wire_of(context: SceneContext, known: dict[str, Wire], units: Mapping[str, D
 
 
 def build_faults(context: SceneContext, known: Mapping[str, Wire], units: Mapping[str, Dsp]) -> list[Repeated]:
-    """Return an agent for each fault. Raise BadCase, with its line, for an impossible fault."""
+    """Return an agent for each fault. Raise BadCase for an impossible fault."""
     wires = partial(wire_of, context, dict(known), units)
     faults: list[Repeated] = []
     for entry, table in enumerate(context.case.fault):

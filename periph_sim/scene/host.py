@@ -31,7 +31,7 @@ HostPlan = tuple[HostSchedule, Fraction]  # the schedule of a [host], and the le
 
 
 def host_plan(scale: CaseTicks) -> HostPlan:
-    """Return the plan of a case's [host]. Raise BadCase, with its line, for a time that is too long."""
+    """Return the plan of a case's [host]. Raise BadCase for a time that is too long."""
     table = scale.case.host
     assert table is not None
 
@@ -64,7 +64,7 @@ class HostAgent:
     """
 
     def __init__(self, context: SceneContext, table: HostTable, plan: HostPlan, model: FirmwareModel | None) -> None:
-        """Build the sender and its frames. Raise BadCase, with its line, for an impossible motion or encoding."""
+        """Build the sender and its frames. Raise BadCase for an impossible motion or encoding."""
         schedule, bit = plan
         self._context = context
         self._period = table.period

@@ -4,7 +4,7 @@
  "file": ..., "set": [...]}             if the case has a file: its path from the log's folder, and its changes
 {"serial": "RX"}                        from here on, this wire is driven by bytes
 [tick, {"SCL": 0}, ["RX"]]              an instant: levels of wires, and the wires on which a byte begins, if any
-{"end": tick}                           the end of the session; without this line, it ends a tick after the last instant
+{"end": tick}                           the end of the session; without this line, one tick after the last instant
 """
 
 from __future__ import annotations
@@ -221,7 +221,7 @@ class LoggedOutside(Agent):
 def logged_outside(context: SceneContext, wires: Mapping[str, Wire]) -> LoggedOutside:
     """Return the agent that replays the log of [outside].
 
-    Raise BadCase, with its line, if the log is unreadable or damaged, or was made with other wires or clocks.
+    Raise BadCase if the log is unreadable or damaged, or was made with other wires or clocks.
     """
     case, ticks_per_second = context.case, context.timebase.per_second
     assert case.outside is not None and case.outside.log is not None

@@ -39,7 +39,7 @@ def as_driven(case: Case) -> Case:
     """Return a case without the parties that its table [outside] replaces.
 
     Budgets that need a replaced party are left out. `replaced` of the case has a sentence for each replaced party,
-    which names these budgets. Raise BadCase, with its line, for a budget that would also be wrong without [outside].
+    which names these budgets. Raise BadCase for a budget that would also be wrong without [outside].
     """
     outside, controller = case.outside, case.controller
     assert outside is not None
@@ -121,7 +121,7 @@ def _measures(plan: BudgetPlan) -> Iterator[Measure]:
 
 
 def check_outside(case: Case, wires: Mapping[str, Wire]) -> None:
-    """Raise BadCase, with its line, if [outside] names an unknown wire, or names a wire twice."""
+    """Raise BadCase if [outside] names an unknown wire, or names a wire twice."""
     assert case.outside is not None
     names = case.outside.wires
     for entry, name in enumerate(names):

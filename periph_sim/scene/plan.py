@@ -115,7 +115,7 @@ class ScenePlan:
 def limit_plans(ticks: CaseTicks, scope: Scope) -> tuple[BudgetPlan, ...]:
     """Return the plan of each budget, in the order of the case.
 
-    Raise BadCase, with its line, for an invalid budget, or if two budgets have the same name.
+    Raise BadCase for an invalid budget, or if two budgets have the same name.
     """
     from ..timing.budget_plan import BadBudget, plan_of
 

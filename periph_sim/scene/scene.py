@@ -128,7 +128,7 @@ class Scene:
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
         self.log_ends_early = ""  # a sentence that says that the log in [outside] has no end; "" if it has one
         self.stalled = ""  # a sentence that says that firmware let no simulated time pass, which ends the run; or ""
-        self.checkpoint: Snapshot | None = None  # the last state from which `restore` can continue C sources
+        self.checkpoint: Snapshot | None = None  # the last snapshot with logs of C sources (see `state`), for `restore`
         self._wall = 0.0  # seconds of real time that the run has taken
         wire = self.wires.wire
         context = SceneContext(case, self.timebase, self.start, self.kernel, self.recorder, wire, wiring)

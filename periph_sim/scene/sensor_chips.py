@@ -68,7 +68,7 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
 
     source: the input of the chip; None if the key `values` in the case is the input.
 
-    Raise BadCase, with its line, for an impossible chip.
+    Raise BadCase for an impossible chip.
     """
     case, timebase = context.case, context.timebase
     table = case.chip[name]

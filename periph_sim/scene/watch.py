@@ -22,7 +22,7 @@ from .case.model import Case
 def watcher_of(
     case: Case, wires: Mapping[str, Wire], timebase: Timebase, start: int, measure: WatchedWire
 ) -> WireWatcher:
-    """Return a measure's watcher, connected to its wire. Raise BadCase, with its line, for an impossible watcher."""
+    """Return a measure's watcher, connected to its wire. Raise BadCase for an impossible watcher."""
     name = measure.name
     if name not in case.watch:
         entry = next(n for n, budget in enumerate(case.budget) if budget.measure.endswith(f":{name}"))

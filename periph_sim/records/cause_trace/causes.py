@@ -87,7 +87,7 @@ def causes_of_access(run: Run, row: int, record: Record, flag: Record | None) ->
 
 
 def looks_before(run: Run, row: int, record: Record) -> list[int]:
-    """Return the rows of the reads that the routine of a write made before the write.
+    """Return the rows of the reads before a write in the same run of its routine.
 
     Reads that are the first half of a read-modify-write are left out. Of several reads with the same register, place
     and field, only the last one is returned.
@@ -104,16 +104,16 @@ def looks_before(run: Run, row: int, record: Record) -> list[int]:
 
 
 def accesses_before(run: Run, row: int, record: Record) -> Rows:
-    """Return the rows of the earlier accesses made by the routine that made the access at `row`."""
+    """Return the rows of the accesses before `row` in the same run of its service routine, or in the main program."""
     routine = run.routine(record.where, record.cause)
     before: Rows = routine[: np.searchsorted(routine, row)]
     return before
 
 
 def _beside(run: Run, look: int) -> list[Link]:
-    """Return links to a later look (a read), to the change that this look saw, and to delays between change and look.
+    """Return links to a look that came after the cause of a write, to the change that the look saw, and to delays.
 
-    All these links are shown beside the cause.
+    The delays are service routines between change and look. All these links are shown beside the cause.
     """
     record = run.record(look)
     changed = change_seen(run, look, record)
@@ -356,7 +356,7 @@ def wire_rows(run: Run, wire: str) -> Rows:
 
 
 def causes_of_hold(run: Run, row: int, record: Record) -> list[Link]:
-    """Return a link to the record since which all parties that now hold the wire low have held it low.
+    """Return a link to the record from which on all parties named in `record` have held the wire low.
 
     Return no link if one of these parties began to hold the wire with `record` itself, because the cause of `record`
     then explains the state of the wire.

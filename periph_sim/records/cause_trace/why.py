@@ -35,7 +35,7 @@ class Answer:
     value: the value of the signal; None if it is not known, as for a wire before its first edge.
     since: the tick from which the signal had the value; 0 if the signal never changed before.
     back: the record that gave the value, then its causes. If the signal is a wire and low, `back` begins with the
-        record since which the parties in `held_by`, and no others, hold the wire low.
+        last record at which the set of parties that hold the wire low changed.
     pulled_by: the parties that first pulled the wire low; empty if the wire is not low.
     held_by: the parties that hold the wire low at the tick of the question; empty if the wire is not low.
     effects: the records whose cause is the record that gave the value.
@@ -101,7 +101,8 @@ def why(run: Run | Path | str, question: str, depth: int = DEPTH) -> Answer:
 def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> int | None:
     """Return the value that the signal has from the change in `row` on.
 
-    If `row` is None, return the value before the first change: the reset value, or the level of the wire.
+    If `row` is None, return the value before the first change: the reset value of a field, the level of a wire, or 0
+    for a span or interrupt. Return None if this value is not known.
     """
     if row is not None:
         return int(run.table.value[row])
@@ -115,7 +116,7 @@ def _value(run: Run, subject: RecordedSignal, rows: Rows, row: int | None) -> in
 
 
 def _reads(run: Run, subject: RecordedSignal, after: int, until: int | None) -> Rows:
-    """Return the recorded reads of the signal's field after row `after` and, if `until` is given, before that row."""
+    """Return the recorded reads of the signal's field after row `after` and before row `until`; None: no limit."""
     if subject.register is None or subject.field is None:
         return np.empty(0, np.int64)
     rows = run.accesses_of(subject.unit, "R", subject.module, subject.register.name)

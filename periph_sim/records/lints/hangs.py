@@ -66,7 +66,7 @@ def spin_without_bound(run: Run, options: Options) -> Iterator[Fault]:
 
 
 def _again_and_again(ids: Rows, is_look: Bools, following: Rows, reads: int) -> Iterator[tuple[int, int]]:
-    """Yield the first and last index of each stretch in which the same `reads` reads are made at least twice in a row.
+    """Yield the first and last index of each stretch in which a series of `reads` reads occurs at least twice in a row.
 
     A stretch is within one routine. A stretch in which a shorter series of reads repeats is left out.
     """

@@ -91,10 +91,10 @@ def stale_flag(run: Run, options: Options) -> Iterator[Fault]:
 def xrdy_alone(run: Run, options: Options) -> Iterator[Fault]:
     """Yield writes of a slave that takes XRDY = 1 for a read request: it loads I2CDXR although no master reads from it.
 
-    XRDY is also 1 while the module is idle, so firmware must read SDIR or AAS as well. A write of I2CDXR is a fault if
-    the last read of XRDY before the write showed XRDY = 1 and SDIR = 0, and SDIR was still 0 at the write, as slave and
-    not in FIFO mode. Firmware that checks SDIR would not have written. Only reads of XRDY or of the whole register
-    since the previous write of I2CDXR count.
+    XRDY is also 1 while the module is idle, so firmware must read SDIR or AAS as well. Outside FIFO mode, a
+    slave's write of I2CDXR is a fault if the last read of XRDY before the write showed XRDY = 1 and SDIR = 0, and SDIR
+    was still 0 at the write. Firmware that checks SDIR would not have written. Only reads of XRDY or of the whole
+    register since the previous write of I2CDXR count.
 
     A write without an earlier read of XRDY is no fault of this kind. A write is also no fault if the firmware then
     becomes master (its next write of I2CMDR has MST = 1). If the firmware itself cleared SDIR after the module was

@@ -68,10 +68,7 @@ def recording_formats() -> dict[str, type[RecordingWriter]]:
 
 
 def format_of(path: Path) -> type[RecordingWriter] | None:
-    """Return the format whose suffix is the end of the file's name, or None. A suffix may have two dots.
-
-    An example of a suffix with two dots is `.perfetto.json`.
-    """
+    """Return the format whose suffix, such as `.perfetto.json`, ends the name of the file; None if there is none."""
     name = path.name.casefold()
     return next((found for suffix, found in recording_formats().items() if name.endswith(suffix)), None)
 

@@ -50,7 +50,7 @@ def complaint(first: Mistake, above: Place = ()) -> str:
             return f"expected one table; write its header in single brackets, as in [{header}]"
         return f"{first.what}; write its header in double brackets, as in [[{header}]]"
     told = first.found is NOTHING
-    # The value is not quoted a second time if the message of the check quotes it, or a text in it, already.
+    # The value is quoted only if the message of the check does not quote it, or a text in it, already.
     # A BadCase is about a file that the value names, so its message is complete without the value.
     if first.error is not None:
         quoted = [found, repr(first.found), *(repr(one) for one in tables if isinstance(one, str))]
@@ -83,7 +83,7 @@ def own_settings(case: Case, kind: type[Table], table: DeviceTable | WatchTable,
 
 
 def checked_options(case: Case, kind: type[T], given: dict[str, Value], *place: str) -> T:
-    """Return the answers to open questions. Each answer is checked alone, so that a mistake is shown with its line."""
+    """Return the answers to open questions. Each is checked alone, so that a message has the line of the wrong one."""
     for name, value in given.items():
         try:
             options_from(kind, {name: value})

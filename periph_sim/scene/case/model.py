@@ -26,7 +26,10 @@ from .wiring import Cable, TransceiverTable, wiring_of
 
 
 class BadCase(ValueError):
-    """Error: a case cannot be loaded or run. The message is one sentence for the user."""
+    """Error: a case cannot be loaded or run.
+
+    The message is one sentence for the user. It has the file and the line of the key that is wrong, if there is one.
+    """
 
 
 class Case(Table, frozen=True, kw_only=True):

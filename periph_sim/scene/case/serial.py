@@ -209,7 +209,7 @@ def in_words(length: Fraction) -> str:
 def content_of(case: Case, entry: SerialEntry, bits: int, *place: str | int) -> bytes:
     """Return the characters of an entry of [serial].
 
-    Raise BadCase, with its line, if a character has more than `bits` bits, if a file is empty or cannot be read, or if
+    Raise BadCase if a character has more than `bits` bits, if a file is empty or cannot be read, or if
     a text cannot be encoded.
     """
     data, key = entry.data or b"", "bytes"

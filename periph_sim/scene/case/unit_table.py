@@ -100,7 +100,7 @@ class Unit(Table, frozen=True, kw_only=True):
     skip_polls: bool = True
     pins: dict[str, Annotated[int, Meta(ge=0, le=87)]] = {}
     code: Code = Code()
-    # `options` maps a group to the answers to its open questions; `periph-sim regs --options` lists all groups.
+    # `options` maps a group of open questions to their answers; `periph-sim regs --options` lists all groups.
     options: dict[str, dict[str, Answer]] = {}
 
     def check_together(self, given: Set[str]) -> None:

@@ -86,7 +86,7 @@ class Wiring(Struct, frozen=True):
 
 
 def wiring_of(case: Case) -> Wiring:
-    """Return the wiring of a case. Raise BadCase, with its line, for an impossible cable."""
+    """Return the wiring of a case. Raise BadCase for an impossible cable."""
     joints = _Joints()
     for unit, pin, name in _named(case):
         joints.join((unit, pin), name)
@@ -145,7 +145,7 @@ def _pins_of(modules: tuple[str, ...]) -> Mapping[int, tuple[str, str]]:
 
 
 def node_of(case: Case, text: str, *place: str | int) -> Node:
-    """Return the pin or wire that the end of a cable names. Raise BadCase, with its line, if it names neither."""
+    """Return the pin or wire that the end of a cable names. Raise BadCase if it names neither."""
     unit, _, rest = text.partition(".")
     if unit not in case.unit:
         if text in _wire_names(case):
@@ -293,7 +293,7 @@ class OnPair(Struct, frozen=True):
 
 
 def on_pairs(case: Case) -> list[OnPair]:
-    """Return every SCI with a transceiver. Raise BadCase, with its line, for an impossible transceiver."""
+    """Return every SCI with a transceiver. Raise BadCase for an impossible transceiver."""
     if not case.transceiver:
         return []
     wiring = wiring_of(case)

@@ -103,7 +103,10 @@ class Send:
         return f"it was due at {due:.6f} s, but its line is busy until {end:.6f} s with send {name!r}"
 
     def happened(self, tick: int) -> None:
-        """Start the bursts for a trigger at tick `tick`. An entry with a period ignores all later triggers."""
+        """Start the bursts for a trigger at tick `tick`.
+
+        With a period, only the first trigger counts; without one, as many triggers as the key `times` allows.
+        """
         if (self._asked and self._table.period is not None) or self._asked == self._most:
             return
         self._asked += 1

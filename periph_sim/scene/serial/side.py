@@ -48,7 +48,7 @@ class SerialSide:
     """
 
     def __init__(self, case: Case, table: SerialTable, scope: Scope, recorder: Recorder) -> None:
-        """Subscribe to the events of all entries. Raise BadCase, with its line, for an invalid event."""
+        """Subscribe to the events of all entries. Raise BadCase for an invalid event."""
         self._case = case
         self._table = table
         self.sends: dict[str, Send] = {}
@@ -57,7 +57,7 @@ class SerialSide:
         self._silences: list[tuple[SciLines, Unsolicited]] = []
         self._readers: dict[tuple[str, Fraction, UartFormat], UartReader] = {}
         self._triggers: dict[tuple[str, int], EventTrigger] = {}
-        self._unasked = Unsolicited("")  # the measure from which the note on unsolicited characters is made
+        self._unasked = Unsolicited("")  # counts unsolicited characters for the note on them
         self._is_judged = False  # True if a budget judges unsolicited characters
         events = [("send", number, send.after) for number, send in enumerate(table.send)]
         events += [("expect", number, expect.after) for number, expect in enumerate(table.expect)]
@@ -72,7 +72,7 @@ class SerialSide:
                 self._triggers[kind, number] = trigger
 
     def attach(self, context: SceneContext, pairs: Pairs) -> None:
-        """Connect senders and readers to the wires. Raise BadCase, with its line, if an entry is impossible."""
+        """Connect senders and readers to the wires. Raise BadCase if an entry is impossible."""
         self._context = context
         self._pairs = pairs
         self._lines = {(sci.unit, sci.module): sci for sci in context.wiring.scis}
@@ -131,7 +131,10 @@ class SerialSide:
         return partial(show_characters, as_text=as_text), lambda: self._never_sent(measure.name)
 
     def notes(self) -> list[str]:
-        """Return notes on sends that never began and on unsolicited characters, unless a verdict reports them."""
+        """Return notes on sends that never began, and on characters that no entry of [[serial.expect]] expects.
+
+        What a verdict reports already is left out.
+        """
         told = {expect.after_send for expect in self._table.expect}
         told |= {send.name for send in self._table.send if send.expect is not None}
         silent = [send for name, send in self.sends.items() if not send.sent and name not in told]
@@ -224,7 +227,7 @@ class SerialSide:
             what = f"{others[0]} drives the RX of {sci.unit}.{sci.module} already, and one line has one sender"
             raise self._case.mistake(f"{what}; send to another SCI, or leave the other one out", *place, "to")
 
-    # Expecting ------------------------------------------------------------------
+    # Expected replies ------------------------------------------------------------------
 
     def _attach_expect(self, number: int, table: ExpectTable) -> None:
         place = ("serial", "expect", number)
@@ -308,7 +311,7 @@ class SerialSide:
             return self._triggers["expect", number].missing()
         return "its time is after the end of the run"
 
-    # Lines ------------------------------------------------------------------------
+    # Reading lines ------------------------------------------------------------------------
 
     def _listen(self, sci: SciLines, entry: SerialEntry | None, told: Callable[[Heard], None]) -> None:
         """Call the callback with each frame that an SCI sends, read with the format of `entry`.

@@ -28,7 +28,7 @@ from ...devices.truth import Axes, distance
 from ..measures.measure import MILLIONTHS
 from .transfer_records import begin_of
 
-RECENT = 8  # minimum number of frames that a read is compared with
+RECENT = 8  # each read is compared with this number of the last frames, and with all frames since the fitted one
 MOST = 64  # maximum number of frames that a read is compared with
 BYTES = 6  # length of a read that carries a whole sample
 

@@ -158,7 +158,7 @@ class ByteRecords:
                 self._read(transfer, phase)
 
     def finish(self, now: int) -> None:
-        """Record, at the end of the run, how many bytes could not be judged."""
+        """Make the records "zeros" and "unknown bytes", which count bytes that could not be compared, at tick `now`."""
         zeros: int = sum(self._zeros.values())
         if zeros:
             self._never_shown.emit(now, zeros)

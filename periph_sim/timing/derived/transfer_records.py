@@ -46,7 +46,8 @@ def begin_of(transfer: Transfer, phase: Phase) -> int:
 class TransferRecords:
     """Makes the records of the transfers of one bus.
 
-    polls: True if a refused write of only the address is an ACK poll, because no request of a controller can be one.
+    polls: True if a refused write of only the address counts as an ACK poll. False if the controller's requests can be
+        such writes.
     """
 
     def __init__(self, recorder: Recorder, polls: bool) -> None:

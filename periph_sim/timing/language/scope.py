@@ -157,7 +157,7 @@ class Scope(Struct):
         return owner, module, register, register[wanted]
 
     def vector(self, unit: str, name: str) -> str:
-        """Return the unit whose CPU can take this interrupt."""
+        """Return `unit` if its CPU can take this interrupt; for "", the only unit that can. Else raise BadEvent."""
         asked = [self.unit(unit)] if unit else list(self.units)
         having = {u: [v for m in self._modules(u) for v in VECTORS.get(m, ())] for u in asked}
         found = [u for u, vectors in having.items() if name in vectors]
@@ -175,7 +175,7 @@ class Scope(Struct):
         return name
 
     def owner(self, unit: str, module: str) -> str:
-        """Return the unit that has a module."""
+        """Return `unit` if it has the module, or for "" the only unit that has it. Otherwise raise BadEvent."""
         if unit:
             if module not in self._modules(self.unit(unit)):
                 raise BadEvent(f"{unit} has no module {module!r}; {did_you_mean(module, self._modules(unit))}")
@@ -187,7 +187,7 @@ class Scope(Struct):
         return self._one(having, module)
 
     def image(self, unit: str) -> str:
-        """Return the unit that runs an image."""
+        """Return `unit` if it runs an image, or for "" the only unit that runs one. Otherwise raise BadEvent."""
         if unit and self.unit(unit) not in self.images:
             raise BadEvent(f"{unit} runs Python firmware; this is of a unit that runs an image")
         if not unit and not self.images:
@@ -195,7 +195,7 @@ class Scope(Struct):
         return unit or self._one(list(self.images), "one")
 
     def variable(self, unit: str, name: str) -> str:
-        """Return the unit whose image has this variable."""
+        """Return the unit that `image` returns. Raise BadEvent if its image lacks this variable."""
         owner = self.image(unit)
         names = self.images[owner]
         try:

@@ -31,7 +31,7 @@ class Words:
         return self._words[self.place + 1] if self.place + 1 < len(self._words) else ""
 
     def rest(self) -> str:
-        """Return the remaining words and go to the end."""
+        """Take all remaining words and return them."""
         begin, self.place = self.place, len(self._words)
         return self.between(begin)
 

@@ -28,10 +28,10 @@ from .registry import UNNAMED, Sentence
 
 
 class _Seen:
-    """An event that happened.
+    """An event that happened, in the queue of events to be measured.
 
-    counts: 1 if the event counts; 0 if the event does not count; WAITS while this is not known, because a later event
-        in the same group may replace the event.
+    counts: 1 if the event is to be measured, 0 if it is ignored. WAITS while this is not known: for "last ... of
+        transfer", a later event of the same transfer may take the place of this event.
     """
 
     STATE = State("place value counts", ticks="tick", made=True)
@@ -60,7 +60,7 @@ NO_CLAUSES = Clauses()
 
 
 class ValueTest:
-    """Test of a record's value: `value & mask == want`, or one of `others` fits."""
+    """Test of a record's value: `value & mask == want`. It also fits if the alternative test `others` fits."""
 
     __slots__ = ("mask", "others", "want")
 
@@ -364,7 +364,7 @@ class EventMeasure(Measure):
 
 
 def _test(matcher: Matcher, kind: Kind, where: str, what: str) -> ValueTest | None:
-    """Return the test of the values with which a record of this topic is the event; None if it never is."""
+    """Return the test of the value that decides if a record of this topic is the event; None if no value can."""
     test: ValueTest | None = None
     for one in reversed(matcher.each):
         if one.may_be(kind, where, what):

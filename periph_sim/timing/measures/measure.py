@@ -225,10 +225,10 @@ class Measure(Listener):
     def finish(self, now: int) -> None:  # core: python
         """Handle the end of the run."""
 
-    # Values -----------------------------------------------------------------------------
+    # Taking and storing values -----------------------------------------------------------
 
     def become_jitter(self) -> None:
-        """Take differences between successive values in place of values. Call it before the first value."""
+        """From now on, take the differences between successive values. Call this before the first value."""
         self.is_jitter = True
         self.looks_back = "the occurrence before"
         self.occurrence = ""
@@ -265,7 +265,7 @@ class Measure(Listener):
             self.take(value, when)
 
     def occasion(self, at: int, number: int = 1) -> None:
-        """Count `number` events at which a value should be measured. at: the tick with which `take` gets this value."""
+        """Count `number` occasions at which a value should be measured. at: the tick that `take` gets with it."""
         if at >= self.not_before:
             assert self.occasions is not None
             self.occasions += number - self._uncompared

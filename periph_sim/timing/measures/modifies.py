@@ -350,13 +350,14 @@ class Modifies(RecordSink):
 
 
 class LostFlags(Measure):
-    """Number of flags that read-modify-writes cleared unintentionally and that firmware had not read since they rose.
+    """Number of flags that read-modify-writes cleared unintentionally, in one of two modes.
 
-    If a field is watched: the number of times that a read-modify-write for another flag cleared this flag, whether
-    firmware had read it or not. This is for a flag that firmware waits for later and that no other write may clear.
+    without a field in `watched`   flags that firmware had not read since they rose
+    with a field                   this flag, whenever a read-modify-write for another flag cleared it, even if firmware
+                                   had read it; for a flag that firmware waits for later
 
-    `worst` is the number of lost flags, `count` the number of writes. A write without a read clears what it is meant to
-    clear. Without any write nothing is proven.
+    `worst` is this number. `count` is the number of writes of the registers, with or without a read before; if it is 0,
+    the budget is not judged. Writes without a read are assumed to clear only what they should clear.
     """
 
     unit = "flags"

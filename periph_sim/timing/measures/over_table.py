@@ -89,7 +89,7 @@ def between(
 def rows_of(matcher: Matcher, table: RecordTable) -> NDArray[np.int64]:
     """Return the rows at which an event happened, in order.
 
-    Raise BadEvent for the n-th event of a group, which only a budget can find.
+    Raise BadEvent for an event that is limited to one per group, such as "last ... of transfer": only budgets find it.
     """
     if matcher.group is not None:
         raise BadEvent(f"{matcher.text!r}: over a recorded run every one is found; leave first, last or the number out")

@@ -84,7 +84,7 @@ class BusiestWindow:
         self._since = NO_TIME  # the tick since which the state holds; NO_TIME if it does not hold
         # `_stretches` has (begin, end) of each past time in the state that an unfinished window may overlap.
         self._stretches: deque[tuple[int, int]] = deque()
-        self._begins: deque[int] = deque([began])  # the ticks at which the windows begin that are not over yet
+        self._begins: deque[int] = deque([began])  # the ticks at which unfinished windows begin
 
     def begins(self, at: int) -> None:
         self._pass(at)

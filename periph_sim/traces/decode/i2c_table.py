@@ -194,9 +194,9 @@ class _Bytes(NamedTuple):
     """The bytes of all phases, complete or cut, in order. The columns are arrays of equal length.
 
     phase: the index of the condition with which the phase of the byte begins.
-    begin: the index of the first rise of the byte.
+    begin: the index of the first rise of SCL in the byte.
     bits: the number of bits, without the ninth.
-    acked: True if the byte has a ninth bit.
+    acked: True if the byte has a ninth bit, whether it is an ACK or a NACK.
     """
 
     phase: Counts

@@ -76,9 +76,9 @@ def sample_points_of(line: Line, width: Fraction, step: int = 1, vote: bool = Fa
 def windows_of(line: Line, width: Fraction) -> list[tuple[int, int]]:
     """Return the interval in which a receiver may sample each bit, as offsets from the first low position of the frame.
 
-    The interval is from a quarter to seven eighths of the bit. Receivers with 8 or 16 samples per bit vote around the
-    middle of a bit, and detect the start edge up to one of these samples late. For the start bit, the interval begins
-    at the first low position.
+    For the start bit, the interval begins at the first low position; for all others, at a quarter of the bit. It ends
+    at seven eighths of the bit. Receivers with 8 or 16 samples per bit vote around the middle of a bit, and detect the
+    start edge up to one of these samples late.
     """
     bits = range(_checked_bits(line))
     return [(int((bit + QUARTER) * width) + 1 if bit else 0, int((bit + LATEST) * width)) for bit in bits]

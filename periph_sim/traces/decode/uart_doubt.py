@@ -5,8 +5,8 @@
 
 A frame counts as misread if it has a framing or parity error, a glitch, or a falling edge between two bits. Rising
 edges are not compared with the bits, because a slow driver delays all of them. Frames that begin with a break do not
-count. At a multiple of the true rate many frames do, and at a fraction frames are few; then
-the lengths of the low pulses are the evidence.
+count. At a multiple of the true rate, many frames begin with a break, and at a fraction of it, there are few frames;
+then the lengths of the low pulses are the evidence.
 
 Noise, a wrong parity and a capture that begins within a frame cause misread frames, too. So a rate is doubted only if
 another one explains the edges.

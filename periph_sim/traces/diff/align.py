@@ -100,9 +100,10 @@ def _piece(a: NDArray[np.int64], b: NDArray[np.int64]) -> tuple[list[Run], int, 
 
 
 def _step(reach: dict[int, int], k: int, edits: int) -> tuple[int, int]:
-    """Return the x at which a path enters diagonal k, and the diagonal from which the path comes.
+    """Return the x at which a path with `edits` differences enters diagonal k, and the diagonal from which it comes.
 
-    A path comes from diagonal k + 1 by an insertion, or from diagonal k - 1 by a deletion.
+    reach: the furthest x on each neighbouring diagonal with one difference less. Of two paths, the one that reaches
+    further is taken. A path comes from diagonal k + 1 by an insertion, or from diagonal k - 1 by a deletion.
     """
     if k == -edits or (k != edits and reach[k - 1] < reach[k + 1]):
         return reach[k + 1], k + 1
@@ -202,9 +203,9 @@ def _period(items: Numbers) -> int:
 def _moved(
     before: list[int], behind: list[int], gap: int, long: int, items: Numbers, time_short: Times, time_long: Times
 ) -> int:
-    """Return the number of items by which a gap moves to the right, which is towards later items; negative to the left.
+    """Return by how many items the gap between two runs moves towards later items; negative: towards earlier items.
 
-    before, behind: the runs before and behind the gap.
+    before, behind: the runs before and behind the gap, each as a list [a, b, length].
     gap: the number of items in the gap.
     long: 0 if the items of the gap are in A, 1 if they are in B.
     items, time_long: the items and times of the sequence that has the items of the gap.

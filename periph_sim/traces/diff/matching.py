@@ -164,7 +164,7 @@ class Pairing:
     """Pairs the events of two captures. rates: the numbers of positions per second of A and B."""
 
     def __init__(self, rates: tuple[Fraction, Fraction]) -> None:
-        self._rates = tuple(map(float, rates))  # times are used only to choose between equal events
+        self._rates = tuple(map(float, rates))  # floats suffice: times only decide between equal events
 
     def pairs(self, a: Sequence[Group], b: Sequence[Group]) -> Iterator[Pair]:
         """Yield all events of both captures in pairs, in order."""

@@ -127,7 +127,7 @@ class _Diagram:
             self._draw_lane(lane, top)
         self._draw_marks(marks)
 
-    # Places -----------------------------------------------------------------------
+    # Coordinates, texts and lines --------------------------------------------------
 
     def _x(self, at: float) -> float:
         inside = WIDTH - GUTTER - MARGIN
@@ -157,7 +157,7 @@ class _Diagram:
         more = {"stroke_dasharray": dash} if dash else {}
         self.page.append(svg.Line(x1, y1, x2, y2, stroke=stroke, stroke_width=width, **more))
 
-    # Parts ------------------------------------------------------------------------
+    # Parts of the diagram ---------------------------------------------------------
 
     def _draw_axis(self, origin: str) -> None:
         step = nice_step(self._end - self._begin)

@@ -192,7 +192,7 @@ def _number(path: Path) -> int | None:
 
 
 def _chunks(path: Path, notes: list[str] | None) -> list[Chunk]:
-    """Read the chunks of a file without their times.
+    """Read the heads of the chunks of a file. `_changes` reads the times of changes later.
 
     If the file is damaged, leave out the chunks after the damage and add a note; if `notes` is None, raise BadCapture.
     """

@@ -37,7 +37,7 @@ SCRIPTS = (  # each script is after the scripts that it uses
     "folds.js",
 )
 STANDINGS = ("bad", "known", "good")  # the standings of cases, in the order in which the page lists the cases
-MOST_FAILURES = 5  # maximum number of failures that the head of the page shows
+MOST_FAILURES = 3  # maximum number of failures that the head of the page shows
 
 
 def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from playwright.sync_api import Page
 
-from periph_sim.interfaces.reports.html.gather import BudgetReport, CaseReport, Failure
+from periph_sim.interfaces.reports.html.gather import BudgetReport, CaseReport, Failure, SourceLines
 from periph_sim.interfaces.reports.html.protocol import Row
 from periph_sim.interfaces.reports.html.timeline import Lane, Timeline
 from tests.interfaces.reports.html.conftest import Open
@@ -186,6 +186,24 @@ def test_the_waves_of_the_first_failure_are_visible_without_scrolling(
     page = opened(small, width=width, folded=True)
     box = page.locator(".stage").first.bounding_box()
     assert box is not None and box["y"] + box["height"] < 950
+
+
+@pytest.mark.parametrize("width", [950, 1400])
+def test_the_waves_of_the_first_of_several_failing_cases_are_visible_without_scrolling(
+    small: CaseReport, opened: Open, width: int
+) -> None:
+    source = SourceLines("a.py:7", 7, tuple((n, f"line {n}") for n in range(5, 10)))
+    what = Failure(
+        "40.000 us is over its limit of 10.000 us", "All are beyond", "Most of it went into", "a.py:7", source
+    )
+    budgets = tuple(replace(one, failure=one.failure and what) for one in small.budgets)
+    cases = [replace(small, name=f"case {n}", findings=("it has no baseline",), budgets=budgets) for n in range(6)]
+    page = opened(*cases, width=width, folded=True)
+    assert page.locator("header .failures li").count() >= 3
+    box = page.locator(".stage").first.bounding_box()
+    assert box is not None and box["y"] + 355 < 950, "355 pixels are twelve lanes"
+    lines = page.locator(".source-lines").first.bounding_box()
+    assert lines is not None and lines["y"] > box["y"], "the firmware's lines are below the waves"
 
 
 def test_a_wrong_byte_is_marked_with_the_expected_one_in_waves_and_protocol(opened: Open) -> None:

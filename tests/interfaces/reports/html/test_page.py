@@ -129,7 +129,7 @@ def test_texts_of_a_case_cannot_break_out_of_their_place(small: CaseReport) -> N
     evil = "</script><script>alert(3)</script>\"'><img src=x onerror=alert(4)>&amp;"
     timeline = replace(drawn(), says=(evil, *drawn().says[1:]))
     one = replace(
-        budget(evil, 1.0, timeline=timeline),
+        budget(evil, 40.0, timeline=timeline),
         source=evil,
         limits=((evil, evil),),
         failure=Failure(evil, evil, evil, evil, SourceLines(evil, 1, ((1, evil),))),

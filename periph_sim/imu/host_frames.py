@@ -28,7 +28,7 @@ FRAME_BYTES = 2 * VALUES
 PACKED = {"little": Struct(f"<{VALUES}h"), "big": Struct(f">{VALUES}h")}
 RAMP = ((1, 1), (3, 1000), (5, -2000), (7, 12), (11, -34), (13, 1000))
 PARTS = {"angles": slice(0, 3), "accelerations": slice(3, 6)}
-# From the name of a chip to the part of a frame that firmware without sensor models copies to the chip's registers.
+# Maps the name of a chip to the part of a frame that firmware without sensor models copies to the chip's registers.
 SHOWN = {"gyroscope": "angles", "accelerometer": "accelerations", "magnetometer": "angles"}
 BY_ADDRESS = {SENSORS[name].address: (SENSORS[name], PARTS[part]) for name, part in SHOWN.items()}
 ADDRESSES = frozenset(BY_ADDRESS)

@@ -31,7 +31,7 @@ from .motion.flight import Settings, motion
 NANOSECONDS = 10**9
 AT_ONCE = 4096  # maximum number of bytes that are read from the port at a time
 LONGEST = 1 << 16  # maximum number of bytes of a datagram
-KINDS = {VALUES * 8: "d", VALUES * 4: "f"}  # from the number of bytes of a datagram to the `struct` format of a value
+KINDS = {VALUES * 8: "d", VALUES * 4: "f"}  # maps the number of bytes of a datagram to the `struct` format of a value
 OTHERS = "six doubles (48 bytes), six singles (24) or a frame as it is (12)"
 
 

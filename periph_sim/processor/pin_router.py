@@ -72,9 +72,9 @@ class Router(Agent):
         self._pins: dict[int, Pin] = {n: wire.attach(f"{who}.GPIO{n}") for n, wire in wires.items()}
         self._free_pins: dict[int, Pin] = {}  # the pins of pads that no peripheral drives
         self._direct: set[str] = set()  # the signals of asynchronous pads
-        self._feeds: dict[int, Port] = {}  # from a pad with a synchroniser to the input of a peripheral that it feeds
+        self._feeds: dict[int, Port] = {}  # maps a pad with a synchroniser to the input of a peripheral that it feeds
         self.pads = Sampler(kernel, recorder, self)
-        self._line = {n: line for line, n in enumerate(wires)}  # from a pad to its line in `pads`
+        self._line = {n: line for line, n in enumerate(wires)}  # maps a pad to its line in `pads`
         self._monitored: set[int] = set()  # the pads whose edges the GPIO module receives
         self._unread: BigInt = -1  # mask of all other pads
         self._between_at = NO_TIME  # the tick of the next call of `_between`; NO_TIME if none is scheduled

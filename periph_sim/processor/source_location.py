@@ -46,7 +46,7 @@ class SourceLocator:
 
     def __init__(self) -> None:
         self._known: dict[tuple[CodeType, int], SourceLocation] = {}
-        # From the id of a code object to its locations by index of the instruction; None if the code is not firmware.
+        # Maps the id of a code object to its locations by index of the instruction; None if the code is not firmware.
         self._places: dict[int, dict[int, SourceLocation] | None] = {}
         self._codes: list[CodeType] = []  # these code objects; the references keep their ids unique
 

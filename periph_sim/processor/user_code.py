@@ -118,7 +118,7 @@ class _Watch:
         self._stopping = False
 
     def _check_cpus(self) -> None:
-        # From the id of user code to its thread and instant, and the CPU time of the thread when that instant began.
+        # Maps the id of user code to its thread and instant, and the CPU time of the thread when that instant began.
         seen: dict[int, tuple[tuple[int, int, int], float]] = {}
         pause = Event()
         while True:

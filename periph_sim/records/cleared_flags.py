@@ -171,7 +171,7 @@ class Place:
     count: number of writes.
     proven: bits that were written as 1 although they were read as 0.
     always: bits that every write set to 1.
-    looks: the last reads of these read-modify-writes.
+    looks: the last read of each field in these read-modify-writes.
     named: names of the fields that the statements at this place assign.
     """
 

@@ -180,10 +180,10 @@ def _of_place(register: ClearedRegister, unit: str, name: str, place: str) -> Re
 
 
 def _lost(name: str, found: FlagOfPlace, other: bool) -> LostFlag:
-    """Return how often a flag was lost at a place.
+    """Return the counts of a flag at a place.
 
-    other: True if the firmware does not intend to clear this flag at this place. If the flag is cleared together with
-        another flag, it is then lost.
+    other: True if the firmware intends to clear only other flags at this place, so that clearing this flag is a
+        mistake.
     """
     between, along, unseen = (found.between.ticks or [], found.along.ticks or [], found.unseen.ticks or [])
     if not other:

@@ -165,7 +165,7 @@ class CapturedController:
         )
 
     def _play_from(self, move: int) -> None:
-        """Play the prepared moves from one of them on, up to the next answer of the firmware to its address."""
+        """Play the prepared moves from number `move` on, up to the next answer of the firmware to its address."""
         if not self._answers or self._patience is None:
             self.player.play(self._moves[move:], self.go_on)
         else:
@@ -193,7 +193,7 @@ class CapturedController:
         self._play_from(move)
 
     def _cut_after(self, move: int) -> int:
-        """Return the ticks by which `longest_low` shortens the prepared moves from one of them on."""
+        """Return the ticks by which `longest_low` shortens the prepared moves from number `move` on."""
         captured = self._captured[-1].at - self._captured[move - 1].at
         return int((captured - (self._edges[-1].at - self._edges[move - 1].at)) * self._plan.per_position)
 
@@ -306,7 +306,7 @@ class I2cReplay(SlaveReplay):
         """Return `Plan.least_gap`, the minimum time between two transfers in ticks."""
         return None
 
-    # Running ------------------------------------------------------------------------
+    # Running the replay ------------------------------------------------------------------------
 
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
         kernel, timebase = self.kernel, self.timebase

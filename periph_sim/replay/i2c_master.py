@@ -90,7 +90,7 @@ class I2cMasterReplay(BusReplay):
     def _why(self) -> str:
         return "; ".join(f"{times} ({why})" for why, times in self._half.left_out.items())
 
-    # Running ------------------------------------------------------------------------
+    # Running the replay ------------------------------------------------------------------------
 
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
         """Run to the end, or up to tick `until`. If the script is unfinished, return what the firmware is doing."""
@@ -113,7 +113,7 @@ class I2cMasterReplay(BusReplay):
         return f"{self._unit} {scene.doing(unit)}: the replay ends there{endless}"
 
     def _endless(self) -> str:
-        """Return the reason to end a replay whose script does not end by itself; "" to continue."""
+        """Return a phrase that says why a replay ends before its script is over; "" to continue."""
         if not self._scripted:
             return ""
         if self.kernel.now - self.log.last_edge > self._silence:

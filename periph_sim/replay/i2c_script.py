@@ -176,7 +176,7 @@ def _value(byte: Byte) -> int:
 
 
 class _ControllersHalf:
-    """Builder of the edges of one transfer. _fall: the next falling edge of SCL; None if it was not captured."""
+    """Builder of the edges of one transfer. _fall: the position of the next fall of SCL; None if not captured."""
 
     def __init__(self, hold: Fraction, half_sample: Fraction) -> None:
         self.edges: list[Edge] = []

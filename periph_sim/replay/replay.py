@@ -171,7 +171,7 @@ class BusReplay(Replay):
         )
 
     def _decoded(self) -> tuple[list[i2c.Event], list[Happened]]:
-        """Decode the log of the wires up to now. Return its events, and the same events in words."""
+        """Decode the log of the wires up to now. Return its events, and the same events as texts with times."""
         self._replayed = self.log.capture(self.timebase, self.kernel.now)
         events = i2c.events(self._replayed, *LINES)
         return events, i2c_words(events, Fraction(self.timebase.per_second), self.origin)

@@ -2,7 +2,7 @@
 
     expected, found --> compare --> Comparison: the first wrong byte, ACK, event, and the first wrong time
 
-An event is compared by its words ("address 50 write", "ACK"), not by its time. A wrong byte or ACK does not end the
+An event is compared by its text ("address 50 write", "ACK"), not by its time. A wrong byte or ACK does not end the
 comparison, since later events still correspond to each other; any other difference does.
 
 pass         everything judged is as in the capture
@@ -41,14 +41,15 @@ CONDITIONS = ("START", "repeated START", "STOP", NOTHING)
 
 
 def at_text(seconds: float | None) -> str:
-    """Return the time of an expected or found event in words; "" if there is none."""
+    """Return the time of an expected or found event as text; "" if there is none."""
     return "" if seconds is None else f"at {seconds:.6f} s"
 
 
 @dataclass(frozen=True, slots=True)
 class Happened:
-    """An event in words.
+    """An event as text.
 
+    words: the text, such as "address 50 write".
     at: seconds since the capture began; None if unknown.
     due: the time at which a replay should have this event, if it differs from `at`.
     """
@@ -77,7 +78,7 @@ class Divergence:
     """A difference between the capture and the replay.
 
     index: the number of events before the divergence.
-    expected, found: the event in the capture and in the replay, in words.
+    expected, found: the event in the capture and in the replay, as text.
     capture_s, replay_s: the times of these events in seconds since the capture began; None if there is no event.
     kind: one of KINDS.
     history: the changes of the chip's registers around the divergence.
@@ -100,7 +101,7 @@ class Comparison:
 
     agreed: the number of events that occur in both lists in the same order.
     divergence: the first divergence that is not of kind TIMING; None if there is none.
-    lag: the largest difference in time, in seconds, among the events before the first difference in words.
+    lag: the largest difference in time, in seconds, among the events before the first one whose text differs.
     ranked: the first divergence of each kind, in order of time, because an earlier one may cause a later one. TIMING is
         last, because a stretch delays all later events.
     """

@@ -133,7 +133,7 @@ class SessionReplay(I2cReplay):
             for phase, was in zip(transfer.phases, captured.phases, strict=False):
                 phase.expect = bytes(was.data) if phase.read else None
 
-    # The host's frames ---------------------------------------------------------------
+    # Frames of the host, decoded from RX ---------------------------------------------------------------
 
     def _plan_frames(self) -> None:
         """Decode RX, and schedule a report of each frame to the scene at the end of the frame's last stop bit.
@@ -156,7 +156,7 @@ class SessionReplay(I2cReplay):
             tick = self._serial_origin + int(burst[-1].at * per_position + character)
             scene.kernel.call_at(tick, partial(scene.tell_frame, number, kind.decode(data), tick))
 
-    # Running ------------------------------------------------------------------------
+    # Running the replay ------------------------------------------------------------------------
 
     def _least_gap(self) -> int:
         """Return the shortest gap between two captured transfers, in ticks.

@@ -147,7 +147,7 @@ class UartReplay(Replay):
         if record.value and record.what in FLAGS and record.where == f"{self._unit}.SCI-A":
             self.errors[FLAGS[record.what]] += 1
 
-    # Running ------------------------------------------------------------------------
+    # Running the replay ------------------------------------------------------------------------
 
     def _drive(self, progress: Progress | None = None, until: int | None = None) -> str:
         if until is not None:

@@ -39,7 +39,7 @@ class CaseTicks(Struct, frozen=True):
         return self._fitting((2 * count + parts) // (2 * parts), length)
 
     def starts(self, name: Literal["rounds", "frames"]) -> tuple[int, ...] | None:
-        """Return the ticks of a list of starts in [inputs]; None if it is not given."""
+        """Return the ticks of a list of starts in [inputs]; None if the case has no such list."""
         inputs = self.case.inputs
         times = None if inputs is None else getattr(inputs, name)
         return None if times is None else tuple(self.start + self.ticks(time) for time in times)
@@ -55,7 +55,7 @@ class CaseTicks(Struct, frozen=True):
             return self.timebase.fitting(ticks)
         except TimeError as error:
             place = next(_places(self.case, length), None)
-            if place is None:  # the length is a sum of times, so it is the value of no key of the case
+            if place is None:  # the length is a sum of times, so no key of the case has this value
                 raise
             raise self.case.mistake(str(error), *place) from None
 

@@ -41,8 +41,8 @@ RESTARTED = 2
 def deadlock_reason(dsp: Dsp, may_move: Callable[[Wire, list[str]], bool], instant: Callable[[int], str]) -> str:
     """Return a phrase that says why the wait of `dsp` cannot end; "" if it can end, or if there is no wait.
 
-    may_move: a function of a wire and its parties outside the unit. It returns True if any of these parties may still
-        change the wire.
+    may_move: a function that takes a wire and its parties outside the unit, and returns True if any of these parties
+        may still change the wire.
     instant: a function that returns a tick as text.
     """
     wait = dsp.program.unanswered_wait()

@@ -184,7 +184,7 @@ WHO = "outside"  # name of the party in records and in messages about who holds 
 
 
 class LoggedOutside(Agent):
-    """Outside party that drives the wires as the log of a session says.
+    """Outside party that drives the wires as recorded in the log of a session.
 
     start: the tick of the scene that corresponds to tick 0 of the log.
     on_sent: a callback that receives a wire and the number of bytes that begin on it.

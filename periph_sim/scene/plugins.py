@@ -37,7 +37,7 @@ class Kind(Struct, frozen=True):
     """A kind of definition in a plugin, such as a chip.
 
     what: a noun for the kind, for messages.
-    named: a function from a plugin to a dictionary from names to the plugin's definitions of this kind.
+    named: a function that returns the definitions of this kind in a plugin, by name.
     """
 
     what: str

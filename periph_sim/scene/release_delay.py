@@ -32,7 +32,7 @@ class ReleaseDelay:
         self._cycles = 0  # the delay in cycles, computed by the last call of `_look`
 
     def ticks(self, written: int) -> int:
-        """Return the delay in ticks after a write at tick `written`; it varies if cycles are not whole ticks long."""
+        """Return the delay in ticks after a write at tick `written`. It varies if a cycle has a fraction of a tick."""
         clock = self._clock
         if self._socket.chip.writes != self._writes:
             self._look(clock.cycle_at(self._kernel.now))
@@ -48,7 +48,7 @@ class ReleaseDelay:
             self._touched = frozenset(touched)
         prescaler, emdr = chip.peek(now, I2CPSC), chip.peek(now, I2CEMDR)
         if len(touched) != len(self._touched):
-            touched.intersection_update(self._touched)  # names that only these reads have added are removed
+            touched.intersection_update(self._touched)  # options that only these reads have used do not count
         module = ((prescaler & IPSC) >> IPSC_PLACE) + 1
         copy = 0 if emdr & BCM else module
         self._cycles = copy + max(1, self._setup * module) + self._pin

@@ -126,8 +126,8 @@ class Scene:
         self._counter: BusRecorder | None = None  # counts bytes on the wires; None if the sensor head counts them
         self.bus = BusSide(case, self.wires, self.timebase.ticks(SPIKE, "nearest"))
         self.stuck = StuckLines(self.kernel, self.timebase, self.start, self.units)
-        self.log_ends_early = ""  # a sentence that says that the log in [outside] has no end; "" if it has one
-        self.stalled = ""  # a sentence that says that firmware let no simulated time pass, which ends the run; or ""
+        self.log_ends_early = ""  # a sentence, if the log in [outside] is cut off before its end
+        self.stalled = ""  # a sentence, if the run ended because firmware let no simulated time pass
         self.checkpoint: Snapshot | None = None  # the last snapshot with logs of C sources (see `state`), for `restore`
         self._wall = 0.0  # seconds of real time that the run has taken
         wire = self.wires.wire
@@ -200,7 +200,7 @@ class Scene:
                 log.on_sent = self.uart.sent
                 self.log_ends_early = log.unfinished
 
-    # Building ------------------------------------------------------------------
+    # Building the scene ------------------------------------------------------------------
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
         """Raise BadCase for a budget on a part that this scene does not have, because the budget would always hold."""
@@ -270,7 +270,7 @@ class Scene:
             return self._counter.bytes
         return self.bus.wire_bytes + (0 if self.head is None else self.head.controller.bytes_under_way())
 
-    # Running --------------------------------------------------------------------
+    # Running the scene --------------------------------------------------------------------
 
     def doing(self, dsp: Dsp) -> str:
         """Return what a unit's firmware does now, as a phrase."""

@@ -187,7 +187,7 @@ def _is_whole(state: Snapshot) -> bool:
     return not any(isinstance(value, Foreign) for value in state.values.values())
 
 
-# Objects that a scene finds again by a key ---------------------------------------
+# Keys by which `restore` finds objects ---------------------------------------
 
 
 def _operation_key(cpu: ImageCpu, operation: Operation) -> tuple[object, ...] | None:

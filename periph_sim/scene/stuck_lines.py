@@ -51,7 +51,7 @@ def doing(dsp: Dsp, timebase: Timebase, start: int) -> str:
     """Return a phrase that says what a unit's firmware does now. start: the tick from which times are counted."""
     if dsp.program.returned_at is not None:
         return "has returned from main"
-    found = dsp.program.unanswered_wait()  # a service routine may have interrupted it
+    found = dsp.program.unanswered_wait()  # the wait in progress, even while a service routine interrupts it
     if found is not None:
         return waits(found.what, found.place, timebase.show(dsp.clock.tick(found.since) - start))
     spin = dsp.program.spin

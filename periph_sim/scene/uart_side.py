@@ -52,10 +52,10 @@ class UartSide:
         self._per_second = context.timebase.per_second
         self._wires = wires
         self._pairs: Pairs | None = None
-        self._lines: dict[str, Line] = {}  # from a wire to the function that returns its rate and format
-        self._own: Mapping[tuple[str, str], Line] = {}  # the same for each SCI, by its unit and module
+        self._lines: dict[str, Line] = {}  # maps a wire to the function that returns its rate and format
+        self._own: Mapping[tuple[str, str], Line] = {}  # maps (unit, module) of each SCI to such a function
         self._counters: dict[str, UartCounter] = {}
-        self._counted: dict[str, int] = {}  # from a wire to the number of characters that came from outside
+        self._counted: dict[str, int] = {}  # maps a wire to the number of characters that came from outside
         self._sent: dict[str, int] = {}
         if self._scis:
             from .uart_lines import sci_line

@@ -183,7 +183,7 @@ class BudgetJudge:
         return which not in ("min", "exactly") or (which == "exactly" and measure.worst > limit)
 
     def typical(self, start: int = 0) -> Verdict | None:
-        """Return the verdict on the value furthest from the limit; None if the measure has less than two values."""
+        """Return the verdict on the value furthest from the limit; None if the measure has fewer than two values."""
         part = self.shown
         measure, worst = part.measure, self.verdict(start)
         low = worst.which == "min"

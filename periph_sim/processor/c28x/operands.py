@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from .encodings import WIDE, Encoding, fixed_operands, is_operand, operand_texts
 
-Values = Mapping[str, int]  # from the letter of a field to its value
+Values = Mapping[str, int]  # maps the letter of a field to its value
 Evaluate = Callable[[str], int]  # returns the value of an expression
 Read = Callable[[str, int, Evaluate], dict[str, int]]  # parses the text of an operand, for an instruction's address
 

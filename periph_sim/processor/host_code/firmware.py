@@ -119,9 +119,9 @@ class Run:
         self._layout = layout
         self._place = 0  # host address of the instruction that makes the current access
         self._raised: BaseException | None = None  # the exception that `_call` raises after the C functions have ended
-        self._routines: dict[int, int] = {}  # from a function pointer of the host to its code address
+        self._routines: dict[int, int] = {}  # maps a function pointer of the host to its code address
         self._places: list[Place] = []  # the places written so far
-        self._numbers: dict[Place, int] = {}  # from each of these places to its number in runtime.c
+        self._numbers: dict[Place, int] = {}  # maps each of these places to its number in runtime.c
         # Maps the host address of the call that announces a write to (offset from the announced bytes, size) of the
         # store that follows.
         self._stores: dict[int, tuple[int, int]] = {}

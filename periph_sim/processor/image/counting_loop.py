@@ -39,7 +39,7 @@ WORD, HALF = 1 << 16, 1 << 15
 Place = str | int  # a 16-bit word: the name of a half of a register, or a memory address
 
 XAR = tuple((f"AR{n}", f"AR{n}H") for n in range(8))
-# From the name of a register to its words, the low word first.
+# Maps the name of a register to its words, the low word first.
 WORDS: dict[str, tuple[Place, ...]] = {"AL": ("AL",), "AH": ("AH",), "ACC": ("AL", "AH")}
 WORDS |= {f"XAR{n}": XAR[n] for n in range(8)} | {f"AR{n}": XAR[n][:1] for n in range(8)}
 OPERAND = ("loc", *LOCATIONS)  # names, in `encodings.toml`, of the operand of field l
@@ -295,7 +295,7 @@ class CountingLoop(InstructionWatch):
         self._state = cpu.state()
         self._arp, self._sp = cpu.arp, cpu.sp  # ARP and SP before the next instruction
         self._trace: list[Traced] = []
-        self._steps: dict[Place, int] = {}  # from each counter to its step
+        self._steps: dict[Place, int] = {}  # maps each counter to its step
 
     def executed(self, f: Operation, cpu: Cpu, cycle: int) -> None:
         if not self._cpu.polls.counting:

@@ -70,7 +70,7 @@ class UnmappedMemory:
         self._notes = notes
         self._frames: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END  # words of frames and of XINTF zone 0
         self._states: Annotated[list[UInt16], FRAMES_END] = [0] * FRAMES_END  # properties of these words
-        self._stored = {ADC_CAL: LRETR}  # from an address after the frames to its word
+        self._stored = {ADC_CAL: LRETR}  # maps an address after the frames to its word
         for address, value in FRAME_RESET.items():
             self._frames[address] = value
         self._noted: set[str] = set()

@@ -65,7 +65,7 @@ class PollSkipper:
         self.elsewhere: list[int] = []
         self._values: list[int] = []
         self.changed: dict[int, int] = {}
-        self._failed: dict[int, int] = {}  # from the branch of a loop to the number of failed analyses
+        self._failed: dict[int, int] = {}  # maps the branch of a loop to the number of failed analyses
         self._compared = False  # True if the state at the start of the last pass is known
         self._branch = -1
         self._spin = Spin(0)

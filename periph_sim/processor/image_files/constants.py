@@ -63,7 +63,7 @@ def accesses(
     begin: the register values before the first instruction.
     """
     known = begin or Known()
-    waiting: dict[int, Known] = {}  # from the target of a forward branch to the values known there
+    waiting: dict[int, Known] = {}  # maps the target of a forward branch to the values known there
     reached = True
     for instruction in instructions:
         if isinstance(instruction, int) or instruction.address in functions:

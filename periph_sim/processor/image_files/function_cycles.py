@@ -21,7 +21,7 @@ from .debug_info import Function, FunctionMap
 from .model import BadImage, Image
 
 WAITED = range(0xC000, 0x1_0000)  # L4 to L7, where a fetch of 32 bits takes 2 cycles
-OPEN = {"MOVL *SP++,ACC": "push_acc_cycles"}  # from an instruction to the option that decides its cycles
+OPEN = {"MOVL *SP++,ACC": "push_acc_cycles"}  # maps an instruction to the option that decides its cycles
 UNC_BRANCH = "B_off16_COND"
 
 

@@ -26,7 +26,7 @@ from .debug_info import DebugInfo, text_of
 from .model import Image
 
 UNSIGNED, SIGNED, FLOAT = "unsigned", "signed", "float"
-KINDS = {4: FLOAT, 5: SIGNED, 6: SIGNED}  # from a DW_ATE encoding to a number format; all others are unsigned
+KINDS = {4: FLOAT, 5: SIGNED, 6: SIGNED}  # maps a DW_ATE encoding to a number format; all others are unsigned
 FAR = "DW_TAG_lo_user"  # the name that the library gives to the tag 0x4080, TI's qualifier `far`
 QUALIFIERS = ("DW_TAG_const_type", "DW_TAG_volatile_type", "DW_TAG_restrict_type", "DW_TAG_atomic_type", FAR)
 OF_MEMBERS = ("DW_TAG_structure_type", "DW_TAG_union_type", "DW_TAG_class_type")

@@ -65,7 +65,7 @@ class Cpu:
         self._clock = clock
         self._recorder = recorder
         self._records_spans = recorder.wants(Kind.SPAN)
-        self._topics: dict[tuple[Operand, ...], Topic] = {}  # from the operands that a wait polls to its topic
+        self._topics: dict[tuple[Operand, ...], Topic] = {}  # maps the operands that a wait polls to its topic
         self._prologue: int = code.isr_prologue
         self._epilogue: int = code.isr_epilogue
         self._between: int = code.between_accesses

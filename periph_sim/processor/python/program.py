@@ -98,7 +98,7 @@ class PythonProgram(Program):
         self.thread: BigInt = 0
         self._kernel: Kernel = processor.kernel
         self._processor = processor
-        self._code: dict[int, Handler] = {}  # from a code address to the service routine
+        self._code: dict[int, Handler] = {}  # maps a code address to the service routine
         self._places = SourceLocator()
         self._greenlet: greenlet | None = None
         self._leftovers: list[PythonProgram] = []  # `leftovers` of the thread that has begun this program

@@ -242,7 +242,7 @@ class RegisterPort(Port):  # core: python
 
 Ports = tuple[Register, type[RegisterPort], dict[str, PortField]]
 
-_made: dict[str, Ports] = {}  # from the full name of a register to what its ports in all units share
+_made: dict[str, Ports] = {}  # maps the full name of a register to what its ports in all units share
 
 
 def register_port(cpu: Cpu, place: ModuleRange, register: Register) -> RegisterPort:  # core: python

@@ -44,7 +44,7 @@ class Link(NamedTuple):
     """A record found in a search for causes, with its relation to another record.
 
     known: RECORDED or INFERRED, the source of the relation; "" for the record whose causes are searched.
-    because: the relation in words.
+    because: the relation, as a phrase.
     aside: True if the record is only additional information and not the cause. The search does not continue from it.
     of: the row of the record to which this record is related; -1 for the record whose causes are searched.
     """
@@ -146,11 +146,11 @@ def looked_at(record: Record) -> tuple[str, Register | None, tuple[Field, ...]]:
 
 
 def held_up(run: Run, record: Record, after: int, before: int) -> list[Link]:
-    """Return links to the ends of the service routines that delayed an access or the entry of a service routine.
+    """Return links to the ends of the service routines that delayed `record`.
 
     These routines ended between the rows `after` and `before`. Only the MOST_ROUTINES longest are returned, in reverse
     order.
-    record: the delayed access or entry.
+    record: the delayed record: an access, or the entry of another service routine.
     """
     table = run.table
     ends, entries = run.service(record.where, record.cause, after, before)

@@ -104,7 +104,7 @@ def schema_of_table(kind: Any, definitions: Schema) -> Schema:
     about, of_keys = descriptions(kind)
     properties = {said: _property(key, definitions) for said, key in keys.items()}
     for said, what in of_keys.items():
-        # Draft 7 ignores other keywords beside a reference.
+        # Draft 7 ignores keywords beside "$ref", so the reference is put into a list.
         one = properties[said]
         properties[said] = {"description": what, **({"allOf": [one]} if "$ref" in one else one)}
     schema: Schema = {

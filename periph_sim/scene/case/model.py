@@ -83,7 +83,7 @@ class Case(Table, frozen=True, kw_only=True):
     breaks: tuple[str, ...] = ()
     _source: Source | None = None
     _all_budgets: tuple[Budget, ...] = ()  # all budgets of the file, if some were removed from `budget`
-    _replaced: dict[str, str] = {}  # maps a party to a sentence that says that an outside party replaces it
+    _replaced: dict[str, str] = {}  # maps each replaced party to a sentence about its replacement
 
     @classmethod
     def model_validate(cls, tree: object) -> Case:

@@ -17,7 +17,7 @@ from .origin import SHOWN
 _PLACE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)")
 _OPENS = re.compile(r"([^=\[]+=\s*)?[\[{](?!\[)")  # matches the start of a line that opens a list or a table in braces
 _NO_EQUALS = re.compile(r"([\w.-]+)(?:\s*:\s*|\s+(?![=:])|(?=[\[{\"']))([^=\s].*)")  # a key and a value without =
-_PROGRAMS = {".out": "image", ".asm": "image", ".c": "c"}  # from a suffix to the kind of `periph-sim new`
+_PROGRAMS = {".out": "image", ".asm": "image", ".c": "c"}  # maps a suffix to the kind of `periph-sim new`
 QUOTES = "'\""
 _TOO_LONG = re.compile(r"[0-9_]{4300}")  # matches an integer that is too long for Python
 

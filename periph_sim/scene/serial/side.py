@@ -147,7 +147,7 @@ class SerialSide:
     def _never_sent(self, name: str) -> str:
         return f"send {name!r} never went out: {self.sends[name].why_never()}"
 
-    # Sending --------------------------------------------------------------------
+    # Sending bursts --------------------------------------------------------------------
 
     def _attach_send(self, number: int, table: SendTable) -> None:
         place = ("serial", "send", number)

@@ -172,7 +172,7 @@ class FrameOrigins(Origins):
     def __init__(self, frames: HostFrames) -> None:
         super().__init__(frames.ADDRESSES)
         self._frames: FrameHistory = FrameHistory(frames.data)
-        self._shown: dict[int, int] = {}  # from a chip's address to the number of the frame that it returned last
+        self._shown: dict[int, int] = {}  # maps a chip's address to the number of the frame that it returned last
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         self._frames.add(number, values, tick)

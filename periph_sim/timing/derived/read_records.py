@@ -181,7 +181,7 @@ class ByteRecords:
             self._record_wrong(transfer, phase, wanted)
 
     def _is_judged(self, phase: Phase, compared: int) -> bool:
-        """Return True if the bytes of a read can be judged; otherwise count them for `finish` and return False."""
+        """Return True if the right bytes of a read are known. Otherwise, count its bytes for `finish`."""
         origin = None if self._origins is None else self._origins.of(phase)
         if origin is None:
             return True

@@ -134,7 +134,7 @@ class Matcher(Struct, frozen=True, dict=True):
 
     @cached_property
     def subjects(self) -> frozenset[str]:
-        """The wires or registers whose records this matcher needs apart from `others`; empty if it needs all."""
+        """The wires or registers whose records this matcher, without `others`, needs; empty if it needs all."""
         places = self.where or frozenset()
         if self.kind in (Kind.EDGE, Kind.FRAME):
             return places
@@ -214,7 +214,7 @@ def group_of(event: Event, scope: Scope) -> Group:
 
 
 def stretch_of(name: str, scope: Scope, whose: str, hint: str = "") -> Group:
-    """Return the group for a transfer or a round. Raise BadEvent, whose text begins with `whose`, if there is none."""
+    """Return the group for a transfer or a round. Raise BadEvent if there is none; its text begins with `whose`."""
     if not (scope.rounds if name == "round" else scope.bus):
         needs = "[controller] or [rounds]" if name == "round" else "SCL and SDA"
         raise BadEvent(f"{whose} needs {needs} in the scene, which has none{hint}")

@@ -132,7 +132,7 @@ class BusFromWires(BitParty):
         if self.stream.index >= 0 and self.stream.acked:
             self.first_bit(let_go, rose)
 
-    # Events ---------------------------------------------------------------------------
+    # Events, handled by subclasses ---------------------------------------------------------------------------
 
     def started(self, now: int) -> None:
         """Handle a START that is not a repeated START."""

@@ -81,8 +81,9 @@ class ValueTest:
 class Hearing:
     """The relation of the records of one topic to one event of a measure.
 
-    place: the index of the event. test: the values with which a record is the event; None for no value.
-    begins, ends: the values with which a record begins or ends a group of the event; None for no value.
+    place: the index of the event.
+    test: the test of values with which a record is the event; None if no value makes it the event.
+    begins, ends: the tests of values with which a record begins or ends a group of the event; None as for `test`.
     """
 
     __slots__ = ("begins", "ends", "groups", "place", "test")
@@ -158,7 +159,7 @@ class EventMeasure(Measure):
         self._groups = [None if m.group is None else Groups(m.group, m.nth) for m in matchers]
         self._queue: deque[_Seen] = deque()
         self._queued = False  # True if an event waits in `_queue`
-        self._newest: dict[int, _Seen] = {}  # from the index of an event to its last occurrence in the present group
+        self._newest: dict[int, _Seen] = {}  # maps the index of an event to its last occurrence in the present group
         starts = [one for groups in self._groups if groups is not None for one in groups.matchers]
         each = [one for m in (*matchers, *starts) for one in m.each]
         self.kinds = frozenset(one.kind for one in each)

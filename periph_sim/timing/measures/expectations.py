@@ -282,7 +282,7 @@ class Unsolicited(Measure):
         return in_time or not self.name
 
     def character(self, source: str, begin: int, end: int, value: int) -> None:
-        """Handle a character that belongs to no expected reply. value: with BAD added if it has an error."""
+        """Handle a character that belongs to no expected reply. value: plus BAD if the character has an error."""
         if not self.forbids(begin):
             return
         self.worst += 1

@@ -23,7 +23,7 @@ PAUSE = 2  # number of character times without a frame after which a burst ends
 class Groups:
     """Counts an event within each group, such as a transfer, to find the n-th occurrence.
 
-    nth: the number of the event in the group that is wanted, from 1; -1 for the last event.
+    nth: which event of each group is wanted, counted from 1; -1 for the last event.
     """
 
     STATE = State("inside _seen", ticks="_frame_began _frame_ended")

@@ -103,7 +103,7 @@ LOOKS_BACK = (
     "the whole run",
 )
 MILLIONTHS = 1_000_000  # shares of time and values in LSB are counted in millionths
-READ = "read"  # the occurrence of measures that have one value for each addressed phase, identified by its START
+READ = "read"  # `occurrence` of measures with a value for each addressed phase, which its START identifies
 
 
 class Measure(Listener):
@@ -148,7 +148,7 @@ class Measure(Listener):
         self._uncompared = 0
         self._kept: tuple[array[int], array[int]] | None = None
         self.tally: Tally | None = None  # set before the first value if percentiles are needed
-        self.refuted = ""  # why the budget is broken whatever its values are, such as by a wrong reply; "" if it is not
+        self.refuted = ""  # why the budget is broken regardless of its values, such as a wrong reply; or ""
         self.refuted_at = NO_TIME
         self.refuted_until = NO_TIME
         self.not_judged = ""  # the reason why it is not known whether all occurrences keep the limit

@@ -146,7 +146,7 @@ class Access:
 
 @final
 class Recent:
-    """The accesses of a unit in the last cycles, as a short linked list."""
+    """The accesses of a unit in the last cycles, as a linked list."""
 
     __slots__ = ("newest", "oldest")
 

@@ -32,9 +32,9 @@ FIRST, SECOND, START, STOP = range(4)  # indices in `matchers`: the events of a 
 class _Waiting:
     """First events that wait for their second event, with the number of third events that came before each of them.
 
-    oldest, oldest_counted: the tick and this number of the event that has waited longest; `oldest` is NO_TIME if no
-        event waits.
-    since, counted_at: the ticks and these numbers of all other waiting events, in order.
+    oldest: the tick of the event that has waited longest; NO_TIME if no event waits.
+    oldest_counted: the number of third events before it.
+    since, counted_at: the same ticks and numbers of all other waiting events, in order.
     counted: the number of third events since the last time at which no event waited.
     """
 

@@ -147,7 +147,7 @@ class TimeIn(EventMeasure):
         self._under_way: list[int] = []  # the waits and service routines in progress, the innermost of them last
         self._enters = len(state.enters)  # number of events that begin the state; `matchers` begins with these events
         self._since = NO_TIME
-        self._whole = False  # True if the state began during the run, not before it
+        self._whole = False  # True if the state in progress began during the run, not before it
         self._began = 0
         self._entered = False  # True after the state was entered
         self._lasted = 0  # the sum of the times, for a share, which has no value before the run ends

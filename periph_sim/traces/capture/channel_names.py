@@ -21,9 +21,8 @@ from .capture import Capture, Channel
 def channels_named(capture: Capture, line: str) -> list[Channel]:
     """Return the channels named `line`; if there are none, the channels with this word in their names.
 
-    Case and scopes (`tb.bus.scl`) are ignored.
-
-    `Channel 0 (SDA)`, `24LC515 SCL` and `i2c_scl` have the word; `SCL2` and `MISCL` do not.
+    Case and scopes (`tb.bus.scl`) are ignored. `Channel 0 (SDA)`, `24LC515 SCL` and `i2c_scl` have the word; `SCL2` and
+    `MISCL` do not.
     """
     names = {channel.index: channel.name.rpartition(".")[2].casefold() for channel in capture.channels}
     found = [channel for channel in capture.channels if names[channel.index].strip() == line]

@@ -217,7 +217,7 @@ def _bytes(seen: Counts, count: Counts, values: NDArray[np.uint8]) -> _Bytes:
     """
     per = (count + 8) // 9
     phase = np.repeat(np.arange(len(per)), per)
-    number = np.arange(len(phase)) - np.repeat(np.cumsum(per) - per, per)  # number of the byte in its phase
+    number = np.arange(len(phase)) - np.repeat(np.cumsum(per) - per, per)  # for each byte, its number within its phase
     begin = seen[phase] + 9 * number
     there = count[phase] - 9 * number
     bits, acked, whole = np.minimum(there, 8), there >= 9, there >= 8

@@ -46,7 +46,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Tick:
-    """A named instant in a lane. `at` is a time in seconds."""
+    """An instant in a lane with a label. at: the time in seconds. text: the label."""
 
     at: float
     text: str

@@ -163,7 +163,7 @@ def _number(path: Path, keys: dict[str, str], key: str, least: int, most: int) -
     return int(value)
 
 
-# Writing ------------------------------------------------------------------------
+# Writing of sessions ------------------------------------------------------------------------
 
 
 def write(capture: Capture, path: Path) -> tuple[str, ...] | None:

@@ -145,7 +145,7 @@ class _Reader:
         self._scopes: list[str] = []
         self._ours = False
         self._names: list[tuple[str, Line]] = []
-        self._lines: dict[bytes, list[Line]] = {}  # from each identifier to its bits, most significant bit first
+        self._lines: dict[bytes, list[Line]] = {}  # maps each identifier to its bits, most significant bit first
         self._now = 0
         self._timed = False  # True if a `#` was read
         self._moved = False  # True if a change was read after the last `#`

@@ -126,7 +126,7 @@ class Replay:
 class BusReplay(Replay):
     """A replay of SCL and SDA.
 
-    log: the edges of SCL and SDA. If only the capture drives these, the edges of the back wires, which the chip drives.
+    log: the edges of SCL and SDA or, if only the capture drives these, of the back wires, which only the chip drives.
     """
 
     NAME = "replay"  # name of the replayed side in a picture

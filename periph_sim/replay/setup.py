@@ -162,8 +162,8 @@ class Played:
     def step(self) -> int:
         """The number of positions from one sample to the next, which is the uncertainty of an edge.
 
-        If all positions of edges are multiples of one step, this step is taken for the distance of samples. But if the
-        usual low time of SCL is shorter than two steps, the positions are multiples because the bus has a regular
+        If all positions of edges are multiples of one step, this step is assumed to be the distance of samples. But if
+        the usual low time of SCL is shorter than two steps, the positions are multiples because the bus has a regular
         clock, and the step says nothing about the samples. The result is then 1.
         """
         step = int(2 * self.half_sample)

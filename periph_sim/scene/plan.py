@@ -62,8 +62,8 @@ class ScenePlan:
     def scope(self) -> Scope:
         """The names that budgets may use.
 
-        If another file than the case's file defines some of these names, all names are read again at each access,
-        because this file may have changed.
+        If some of these names are defined in a file other than the case's, all names are read again at each access,
+        because that file may have changed.
         """
         if self._scope is None or self._names_of_files:
             self._scope = scope_of_case(self.case, self.wiring)

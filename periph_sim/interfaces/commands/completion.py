@@ -23,7 +23,7 @@ Schema = dict[str, Any]
 Complete = Callable[[click.Context, click.Parameter, str], list[str]]
 
 WIRES = ("SCL", "SDA", "RX", "TX")
-MISSING = 2  # levels, as in unit.dsp.options.i2c of a unit without options
+MISSING = 2  # levels of keys that are offered although the case lacks them, such as unit.dsp.options.i2c
 BASH = r"""%(complete_func)s() {
     local completion kind value response
     response=$(env COMP_WORDS="$(printf '%%s\n' "${COMP_WORDS[@]}")" COMP_CWORD="$COMP_CWORD" \

@@ -3,17 +3,16 @@
 A recording has the causes of what chips do: the access or edge that changed a flag or moved a pin. If the chip filters
 or samples its inputs, the recorded cause is the last input that passed the filter. Three causes are inferred from the
 order of the records: the action of a party before an edge of a wire, the request for an interrupt, and the read that
-led to a write.
+led to a write. A look is a read that is not the first half of a read-modify-write.
 
     cause of a write: of the earlier looks in the same routine, the look that saw the newest change;
                       if there is no look, the entry of the service routine
     cause of a read:  the last change of the fields that were read;
                       if they had not changed before, the entry of the service routine
 
-A look is a read that is not the first half of a read-modify-write. The result also has records that are shown beside
-the cause of an access: the read of the write's own read-modify-write, the change of a flag that the write only wrote
-back, later looks, and service routines that delayed the firmware. A recording does not contain the firmware's reasons,
-so all of this is inferred from the order of the records.
+The result also has records that are shown beside the cause of an access: the read of the write's own read-modify-write,
+the change of a flag that the write only wrote back, later looks, and service routines that delayed the firmware. A
+recording does not contain the firmware's reasons, so all of this is inferred from the order of the records.
 """
 
 from __future__ import annotations

@@ -211,8 +211,8 @@ def channel_of_states(name: str, index: int, at: Positions, states: Levels, leng
     """Build a Channel from positions and the state of the line from each position on: 0, 1 or UNKNOWN.
 
     Positions may repeat but never decrease. The last of several states at one position counts, and a state that equals
-    the previous state is ignored. A span in which the level is unknown has no edges: the level before the span, or at
-    the start of the capture the level after the span, is assumed throughout.
+    the previous state is ignored. A span in which the level is unknown has no edges: the level before the span is
+    assumed throughout. If the capture begins with such a span, it is the level after the span.
     """
     if len(at):
         last = np.append(at[1:] != at[:-1], True)

@@ -32,8 +32,8 @@ TOLERANCE = Fraction(1, 20)
 FEWEST = 3  # minimum number of misread frames, and of frames at the other rate
 MISREAD = 0.15  # minimum share of misread frames
 BETTER = 0.25  # maximum share of misread frames at the other rate, relative to the share at the stated rate
-OFF_GRID = 0.3  # minimum distance from whole bits, in bits, of a falling edge that makes its frame a misread one
-FARTHEST = 0.45  # upper limit of this distance for captures with few samples per bit
+OFF_GRID = 0.3  # a frame is misread if a falling edge is more than OFF_GRID bits and half a sample off whole bits
+FARTHEST = 0.45  # upper limit, in bits, of this sum, which is large if there are few samples per bit
 LIKELY = 0.3  # minimum certainty of the guess
 # At four times the true rate, nearly all low pulses are longer than LONGER bits. Frames at their right rate have no low
 # pulse of more than ten bits, so at most two lengths of such pulses, four and eight bits, fit that slower rate. At a

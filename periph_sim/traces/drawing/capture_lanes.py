@@ -32,8 +32,8 @@ def wire_lanes(
 
     columns: the number of columns of the diagram. If a bit is narrower than a column, the lane of bytes shows whole
         phases of transfers. If a byte is narrower than a column, there is no lane of bytes.
-    expected: a dictionary from each wrong byte, as the position of its START and its place after the address, from 0,
-        to the expected value.
+    expected: the expected values of wrong bytes. The key of a byte has the position of its START, and its place after
+        the address, from 0.
     """
     lanes: list[Lane] = []
     names = [channel.name for channel in capture.channels]

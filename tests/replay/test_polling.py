@@ -11,6 +11,7 @@ from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.report import Report
 from periph_sim.replay.session import SessionReplay
 from periph_sim.scene.case.load import load
+from periph_sim.traces.decode.i2c import events
 from periph_sim.traces.decode.uart import Line
 from periph_sim.traces.formats import Capture
 from tests.replay.test_i2c_replay import CASES, ask, captured, new_wave, replay
@@ -110,8 +111,10 @@ def played(case: Path, capture: Capture, busy_us: int, *changes: str, **options)
 def test_firmware_is_polled_as_often_as_it_is_busy_and_all_else_agrees(memory: Path, polls: int, again: bool):
     """The firmware is ready shortly before the START of a poll. A module that misses a START does not answer."""
     busy = FIRST + (105 if again else 310) * polls - NINTH - 5
-    report = played(memory, stored_and_read(3, again=again), busy)
+    capture = stored_and_read(3, again=again)
+    report = played(memory, capture, busy)
     assert report.verdict == "pass" and report.divergences == [] and report.agreed == report.events
+    assert report.events == len(events(capture, "SCL", "SDA")) + 2 * (polls - 3) * (3 if again else 4)
     assert (report.refusals, report.captured_refusals) == (2 * polls, 6)
     assert report.lag_worst_us < 1
     if polls:
@@ -212,6 +215,27 @@ def test_polls_of_other_targets_and_polls_without_a_write_are_played_as_captured
     assert played(memory, captured(wave), 400).verdict == "pass"
 
 
+def test_only_a_write_to_the_polled_target_itself_makes_it_busy(memory: Path):
+    """Another target's write makes nothing busy, and its read ends nothing."""
+    wave = new_wave()
+    wave.transfer(0x51 << 1, 0x10, 0x33)
+    for acked in (False, True):
+        wave.idle(400)
+        wave.transfer(MEMORY << 1, *[0x10] * acked, nack_last=not acked)
+    report = played(memory, captured(wave), 0)
+    assert report.verdict == "fail" and report.divergences[0].found == "ACK"
+    wave = new_wave()
+    wave.transfer(MEMORY << 1, 0x10, 0x33)
+    wave.idle(400)
+    ask(wave, 0x51, b"\xff")
+    for acked in (False, True):
+        wave.idle(400)
+        wave.transfer(MEMORY << 1, *[0x10] * acked, nack_last=not acked)
+    for busy, polls in ((0, 0), (1000, 3)):
+        report = played(memory, captured(wave), busy)
+        assert report.verdict == "pass" and (report.captured_refusals, report.refusals) == (1, polls)
+
+
 def test_a_refusal_after_a_read_is_no_poll(memory: Path):
     wave = new_wave()
     ask(wave, MEMORY, b"\xff")
@@ -298,7 +322,8 @@ def test_firmware_that_answers_polls_which_the_capture_never_shows_answered_is_n
     report = played(memory, unanswered(4, again=again, bits=bits), busy)
     assert (report.verdict, report.divergences) == ("pass", [])
     assert (report.refusals, report.captured_refusals) == (polls, 4)
-    assert report.agreed == report.events
+    stop = 1 if bits is None or not again else 0
+    assert report.agreed == report.events == 8 + (3 if again else 4) * polls + 3 + stop
     assert report.notes[-1] == (
         "the capture ends before 50 answers its polls, and the firmware answers: the rest of the polls is not played"
     )

@@ -11,7 +11,7 @@ from periph_sim.replay.i2c_closed_loop import I2cReplay
 from periph_sim.replay.report import Report
 from periph_sim.replay.session import SessionReplay
 from periph_sim.scene.case.load import load
-from periph_sim.traces.decode.i2c import events
+from periph_sim.traces.decode.i2c import events, transfers
 from periph_sim.traces.decode.uart import Line
 from periph_sim.traces.formats import Capture
 from tests.replay.test_i2c_replay import CASES, ask, captured, new_wave, replay
@@ -33,6 +33,7 @@ from periph_sim.firmware import start_i2c
 class Settings:
     busy_us: int
     broken: bool = False
+    stretch_us: int = 0
 
 
 def main(dsp, settings):
@@ -44,6 +45,7 @@ def main(dsp, settings):
         dsp.spin(lambda: i2c.I2CSTR.AAS == 1)
         if i2c.I2CSTR.SDIR == 1:
             while i2c.I2CSTR.AAS == 1:
+                dsp.compute(150 * settings.stretch_us)
                 i2c.I2CDXR.all = memory[pointer]
                 pointer += 1
                 dsp.spin(lambda: i2c.I2CSTR.XRDY == 1 or i2c.I2CSTR.AAS == 0)
@@ -283,6 +285,41 @@ def test_without_a_change_of_the_polls_the_replay_is_that_of_the_capture(memory:
 def test_polls_as_captured_are_not_limited_by_patience(memory: Path):
     report = played(memory, stored_and_read(20), 195 + 310 * 20, patience=Fraction(1, 1000))
     assert report.verdict == "pass" and report.refusals == 40
+
+
+@pytest.mark.parametrize("stretch", [0, 150, 300, 500, 1000])
+@pytest.mark.parametrize(("busy", "polls"), [(0, 0), (400, 2), (600, 4), (1000, 7)])
+def test_what_longest_low_removes_beside_polls_makes_up_for_a_stretch(memory, busy, polls, stretch):
+    """SCL is low for 205 us before each repeated START of two polls; 20 us of them are played.
+
+    The pauses removed before each played poll make up for the stretch in the same transfer. The next transfer is late
+    by the rest.
+    """
+    wave = new_wave()
+    wave.transfer(MEMORY << 1, 0x10, 0x33)
+    wave.idle(800)
+    wave.start()
+    for _ in range(2):
+        wave.byte(MEMORY << 1, ack=False)
+        wave.samples += bytes([0b00]) * 800
+        wave.again()
+    wave.byte(MEMORY << 1)
+    wave.byte(0x10)
+    wave.again()
+    wave.byte(MEMORY << 1 | 1)
+    wave.byte(0x33, ack=False)
+    wave.stop()
+    wave.idle(400)
+    wave.transfer(MEMORY << 1, 0x10)
+    changes = (f"unit.dsp.settings.busy_us={busy}", f"unit.dsp.settings.stretch_us={stretch}")
+    played_ = I2cReplay(load(memory, changes), captured(wave), "SCL", "SDA", addresses=[MEMORY], longest_low=20 * US)
+    report = played_.run()
+    assert (report.verdict, report.refusals) == ("pass", polls)
+    wires = played_.log.capture(played_.timebase, played_.kernel.now)
+    begun = transfers(wires, "SCL", "SDA")[-1].phases[0].start.at - played_.origin
+    due = 1695 + 305 * (polls - 2)
+    late = max(0, max(0, stretch - 14.6) - 185 * polls)  # 14.6 us: ACK and the low phase of the first bit
+    assert begun * 1_000_000 / played_.timebase.per_second == pytest.approx(due + late, abs=0.1)
 
 
 # The capture ends before an answer -----------------------------------------------

@@ -55,11 +55,11 @@ def serial_channel(capture: Capture, text: str | None) -> str:
         if len(lines) == 1:
             return lines[0].name
         raise BadReplay(
-            f"{capture.path}: which channel is RX? give --uart FILE,rx=CHANNEL; it has {listed(capture.channels)}"
+            f"{capture.path}: which channel is RX? give --uart-file FILE,rx=CHANNEL; it has {listed(capture.channels)}"
         )
-    lines_given = _given(capture, text, "--uart")
+    lines_given = _given(capture, text, "--uart-file")
     if set(lines_given) != set(UART):
-        raise BadReplay(f"--uart {capture.path},{text}: expected rx=CHANNEL alone")
+        raise BadReplay(f"--uart-file {capture.path},{text}: expected rx=CHANNEL alone")
     return lines_given["rx"]
 
 

@@ -199,5 +199,5 @@ def _advice(better: Guess) -> str:
         )
     return (
         f"the line's edges fit {better.line.baud} baud, {better.line.shape}; if that is its format, give "
-        f"--baud {better.line.baud} --format {better.line.shape}"
+        f"--baud {better.line.baud} --frame {better.line.shape}"
     )

@@ -30,6 +30,7 @@ from ..bus.i2c.replayed_sides import I2cPlayer, Move, ScriptedTarget
 from ..core.kernel import Kernel
 from ..core.records import Recorder
 from ..core.time import NO_TIME, Timebase
+from ..core.tolerance import Tolerance
 from ..core.wire import Wire
 from ..scene.case.model import Case
 from ..traces.capture.capture import Capture
@@ -266,8 +267,7 @@ class I2cReplay(SlaveReplay):
     addresses: the addresses of the firmware; if empty, `answering` determines them.
     first: the maximum number of transfers; None for all.
     longest_low: the maximum time, in seconds, for which the controller holds SCL low. None: as long as captured.
-    tolerance: the allowed difference in time, in seconds. None: a sample period plus a cycle; larger differences are
-        reported, but not judged.
+    tolerance: the allowed difference in time; None: a sample period plus a cycle, and larger ones are not judged.
     lead: the time from the start of the firmware to the beginning of the capture, in seconds.
     patience: the maximum time, in seconds, for which SCL may be held low. After a longer time, the replay ends.
 
@@ -284,7 +284,7 @@ class I2cReplay(SlaveReplay):
         first: int | None = None,
         longest_low: Fraction | None = None,
         subscribe: Subscribe | None = None,
-        tolerance: Fraction | None = None,
+        tolerance: Tolerance | None = None,
         lead: Fraction = LEAD,
         patience: Fraction = PATIENCE,
     ) -> None:

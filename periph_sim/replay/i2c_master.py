@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 from ..bus.i2c.replayed_sides import ScriptedTarget
 from ..core.chip import NEVER
 from ..core.time import Timebase
+from ..core.tolerance import Tolerance
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
@@ -41,7 +42,7 @@ class I2cMasterReplay(BusReplay):
     """Replay of an I2C capture in which the firmware, as master, replaces the captured controller.
 
     first: the number of transfers to replay; None for all.
-    tolerance: the allowed difference in time of an event, in seconds; None: times are not compared.
+    tolerance: the allowed difference in time of an event; None: times are not compared.
     patience: a time in seconds. If the firmware has a script, the replay ends when the bus has been silent for the
         longest pause of the script plus this time.
 
@@ -59,7 +60,7 @@ class I2cMasterReplay(BusReplay):
         sda: str | int,
         first: int | None = None,
         subscribe: Subscribe | None = None,
-        tolerance: Fraction | None = None,
+        tolerance: Tolerance | None = None,
         patience: Fraction = PATIENCE,
     ) -> None:
         self._repeated = partial(I2cMasterReplay, case, capture, scl, sda, first, patience=patience)

@@ -27,6 +27,7 @@ import numpy as np
 from ..bus.edge_player import EdgePlayer, OneWayWire
 from ..core.kernel import Kernel
 from ..core.records import Recorder
+from ..core.tolerance import Tolerance
 from ..core.wire import Wire
 from ..scene.case.model import Case
 from ..scene.context import SceneWires
@@ -80,7 +81,7 @@ class I2cOpenReplay(SlaveReplay):
         addresses: Sequence[int] = (),
         first: int | None = None,
         subscribe: Subscribe | None = None,
-        tolerance: Fraction | None = None,
+        tolerance: Tolerance | None = None,
     ) -> None:
         self._repeated = partial(I2cOpenReplay, case, capture, scl, sda, addresses, first)
         super().__init__(case, capture, scl, sda, addresses, first, subscribe, tolerance, LEAD)

@@ -13,6 +13,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 from ..bus.edge_player import OneWayWire
+from ..core.tolerance import Tolerance, in_seconds
 from ..scene.case.model import Case
 from ..scene.scene import Scene
 from ..traces.capture.capture import Capture
@@ -134,9 +135,10 @@ class BusReplay(Replay):
     _compared: tuple[Sequence[Happened], Sequence[Happened]]
     _replayed: Capture
 
-    def __init__(self, scene: Scene, unit: str, lead: Fraction, part: Played, tolerance: Fraction | None) -> None:
+    def __init__(self, scene: Scene, unit: str, lead: Fraction, part: Played, tolerance: Tolerance | None) -> None:
         super().__init__(scene, unit, lead)
-        self._part, self._tolerance = part, tolerance
+        self._part = part
+        self._tolerance = None if tolerance is None else in_seconds(tolerance, scene.units[unit].clock.hz)
         self._per_position = scene.timebase.per_second / part.rate
         self._wires = scene.wire("SCL"), scene.wire("SDA")
         self.log = WireLog(*(wire.back if isinstance(wire, OneWayWire) else wire for wire in self._wires))
@@ -207,7 +209,7 @@ class SlaveReplay(BusReplay):
         addresses: Sequence[int],
         first: int | None,
         subscribe: Subscribe | None,
-        tolerance: Fraction | None,
+        tolerance: Tolerance | None,
         lead: Fraction,
     ) -> None:
         self._first = first
@@ -215,7 +217,7 @@ class SlaveReplay(BusReplay):
         self._answering = found = answering(case, part, addresses, lead)
         prepared, self._filled = alone(case, found.unit, "controller", found.forced, found.offered)
         super().__init__(self._build(case, prepared, subscribe), found.unit, lead, part, tolerance)
-        self._allowed = tolerance_of(tolerance, part.sample_rate, self.scene)
+        self._allowed = tolerance_of(self._tolerance, part.sample_rate, self.scene)
 
     def _build(self, case: Case, prepared: Case, subscribe: Subscribe | None) -> Scene:
         """Return the scene. prepared: the case as `alone` returns it."""

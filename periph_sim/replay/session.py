@@ -25,6 +25,7 @@ from typing import TYPE_CHECKING
 from ..bus.i2c.line_observers import WHO
 from ..bus.i2c.transfer import Transfer
 from ..core.records import Kind
+from ..core.tolerance import Tolerance
 from ..devices.host_frames import host_frames
 from ..scene.case.model import Case
 from ..scene.scene import Scene
@@ -93,7 +94,7 @@ class SessionReplay(I2cReplay):
         first: int | None = None,
         longest_low: Fraction | None = None,
         subscribe: Subscribe | None = None,
-        tolerance: Fraction | None = None,
+        tolerance: Tolerance | None = None,
         patience: Fraction = PATIENCE,
     ) -> None:
         self._serial_rate = rate_of(serial)

@@ -67,10 +67,14 @@ def test_the_serial_line_is_the_one_named_or_called_so_or_the_only_one():
 @pytest.mark.parametrize(
     ("capture", "text", "said"),
     [
-        (PLAIN, None, "samples: which channel is RX? give --uart FILE,rx=CHANNEL; it has D0 (index 0), D1 (index 1)"),
+        (
+            PLAIN,
+            None,
+            "which channel is RX? give --uart-file FILE,rx=CHANNEL; it has D0 (index 0), D1 (index 1)",
+        ),
         (of_bytes(b"\x03", ("a.rx", "b.rx")), None, "which channel is RX?"),
-        (ALL, "scl=0,sda=1", "--uart samples,scl=0,sda=1: expected rx=CHANNEL alone"),
-        (PLAIN, "rx=9", "--uart 'rx=9': samples has no single channel '9'"),
+        (ALL, "scl=0,sda=1", "--uart-file samples,scl=0,sda=1: expected rx=CHANNEL alone"),
+        (PLAIN, "rx=9", "--uart-file 'rx=9': samples has no single channel '9'"),
     ],
 )
 def test_a_serial_line_that_is_not_clear_is_refused(capture, text, said):

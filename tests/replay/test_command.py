@@ -95,10 +95,10 @@ def test_words_still_in_the_fifo_are_told_and_are_no_divergence(call, tens):
 
 def test_a_divergence_is_exit_status_1_and_tells_where(call, tens):
     """The firmware sets the SCI to eight data bits; seven are said of the line, so each eighth is a stop bit."""
-    status, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--format", "7n1")
+    status, out, _ = call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--frame", "7n1")
     assert status == 1 and "FAIL" in out and "0 of " in out
     assert "first wrong byte" in out and "expected 00 FE at 0.000300 s" in out and "found 00 at" in out
-    notes = json.loads(call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--format", "7n1", "--json")[1])
+    notes = json.loads(call("replay", HOST_FRAMES, "--case", tens, "--baud", "115200", "--frame", "7n1", "--json")[1])
     assert notes["notes"][0].startswith("read at 115200 baud, 7n1, ") and len(notes["notes"]) > 1
     line = TENS.splitlines().index("            sci.SCIRXBUF.all") + 1
     assert f"the firmware was at tens.py:{line}, in main" in out
@@ -139,10 +139,10 @@ def test_a_recording_of_the_replay(call, tmp_path):
     ("arguments", "said"),
     [
         (["--map", "rx=4"], "has no single channel '4'; it has RX (index 0)"),
-        (["--baud", "115200", "--format", "9n1"], "'9n1' is no line format; expected data bits 1 to 8"),
+        (["--baud", "115200", "--frame", "9n1"], "'9n1' is no line format; expected data bits 1 to 8"),
         (["--baud", "900000"], "samples a bit at 900000 baud; expected at least 2"),
         (["--first", "3"], "--first is for I2C captures; this one is not mapped so"),
-        (["--format", "8n1"], "--format needs --baud"),
+        (["--frame", "8n1"], "--frame needs --baud"),
         (["--rate", "fast"], "--rate: 'fast' is no sample rate"),
         (["--address", "0x80"], "--address: '0x80' is no 7-bit address"),
         (["--set", "unit.dsp.modules=['GPIO']"], "no unit has SCI-A, which this capture is for"),
@@ -302,6 +302,8 @@ def test_a_divergence_is_told_with_what_the_chip_did_and_drawn(call, tmp_path, l
     assert "W I2C-A.I2CDXR" in history and "00E4" in history and "I2C-A.I2CSTR.AAS" in history
     assert history.count("R I2C-A.I2CSTR       5600") <= 2, "polls that give the same are shown once"
     assert svg.read_text().startswith("<?xml") and "data read E4" in svg.read_text()
+    call("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--svg", str(tmp_path))
+    assert (tmp_path / "divergence.svg").read_text() == svg.read_text()
     report = json.loads(call("replay", NACK, "--case", RESPONDER, *WRONG, "--loop", loop, "--json")[1])
     (divergence,) = report["divergences"]
     assert divergence["kind"] == "byte" and {"at_s", "what", "value"} == set(divergence["history"][0])
@@ -323,6 +325,7 @@ def test_a_tolerance_makes_a_difference_in_time_a_failure(call, tmp_path):
     status, out, _ = call(*slow)
     assert status == 0 and "first difference in time" in out and "341.4 sample periods" in out
     assert call(*slow, "--tolerance", "80 us")[0] == 1 and call(*slow, "--tolerance", "90 us")[0] == 0
+    assert call(*slow, "--tolerance", "12000 cycles")[0] == 1 and call(*slow, "--tolerance", "13500 cycles")[0] == 0
 
 
 def test_a_session_of_one_file_and_of_two(call, tmp_path):
@@ -331,7 +334,7 @@ def test_a_session_of_one_file_and_of_two(call, tmp_path):
     assert status == 0 and "189 of 189" in out and "data age" in out and "23.933 ms" in out
     assert "note:" not in out  # rounds are read off the bus
     one = json.loads(call("replay", SESSION, "--case", IMU, *low, "--json")[1])
-    lines = ("--map", "scl=SCL,sda=SDA", "--uart", f"{SESSION},rx=RX", "--json")
+    lines = ("--map", "scl=SCL,sda=SDA", "--uart-file", f"{SESSION},rx=RX", "--json")
     two = json.loads(call("replay", SESSION, "--case", IMU, *low, *lines)[1])
     assert two["budgets"] == one["budgets"] and two["kind"] == one["kind"] == "session"
     early = json.loads(call("replay", SESSION, "--case", IMU, *low, *lines, "--offset", "-1 ms")[1])
@@ -361,17 +364,17 @@ def test_a_master_that_does_not_return_fails_after_the_patience_given(call, tmp_
         ([IMU_ROUND, "--as", "master", "--loop", "open"], "--loop open is for a slave; as master the firmware"),
         ([IMU_ROUND, "--as", "master", "--address", "0x53"], "--address is for a slave"),
         ([IMU_ROUND, "--offset", "1 ms"], "--offset needs --uart"),
-        ([IMU_ROUND, "--uart", HOST_FRAMES, "--offset", "1"], "--offset: '1' has no unit"),
-        ([IMU_ROUND, "--uart", HOST_FRAMES, "--offset", ""], "--offset: '' has no unit"),
-        ([IMU_ROUND, "--uart", f"{HOST_FRAMES},rx=7"], "has no single channel '7'"),
-        ([IMU_ROUND, "--uart", IMU_ROUND], "which channel is RX? give --uart FILE,rx=CHANNEL"),
-        ([IMU_ROUND, "--uart", f"{HOST_FRAMES},rate=quick"], "'quick' is no sample rate"),
-        ([IMU_ROUND, "--uart", HOST_FRAMES, "--loop", "open"], "are for --loop closed --as slave"),
-        ([IMU_ROUND, "--uart", HOST_FRAMES, "--case", RESPONDER], "no unit has SCI-A"),
-        ([HOST_FRAMES, "--uart", HOST_FRAMES], "--uart needs an I2C capture"),
+        ([IMU_ROUND, "--uart-file", HOST_FRAMES, "--offset", "1"], "--offset: '1' has no unit"),
+        ([IMU_ROUND, "--uart-file", HOST_FRAMES, "--offset", ""], "--offset: '' has no unit"),
+        ([IMU_ROUND, "--uart-file", f"{HOST_FRAMES},rx=7"], "has no single channel '7'"),
+        ([IMU_ROUND, "--uart-file", IMU_ROUND], "which channel is RX? give --uart-file FILE,rx=CHANNEL"),
+        ([IMU_ROUND, "--uart-file", f"{HOST_FRAMES},rate=quick"], "'quick' is no sample rate"),
+        ([IMU_ROUND, "--uart-file", HOST_FRAMES, "--loop", "open"], "are for --loop closed --as slave"),
+        ([IMU_ROUND, "--uart-file", HOST_FRAMES, "--case", RESPONDER], "no unit has SCI-A"),
+        ([HOST_FRAMES, "--uart-file", HOST_FRAMES], "--uart-file needs an I2C capture"),
         ([HOST_FRAMES, "--loop", "open"], "--loop is for I2C captures"),
         ([HOST_FRAMES, "--tolerance", "1 us"], "--tolerance is for I2C captures"),
-        ([IMU_ROUND, "--format", "8n1"], "--format is for UART captures"),
+        ([IMU_ROUND, "--frame", "8n1"], "--frame is for UART captures"),
     ],
 )
 def test_ways_that_do_not_go_together_are_one_sentence_and_exit_status_2(call, arguments, said):

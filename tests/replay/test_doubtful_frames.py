@@ -51,7 +51,7 @@ def test_frames_read_at_twice_their_rate_are_not_judged():
     assert report.verdict == "not judged" and report.captured_errors > 20
     share = f"{report.captured_errors} of {report.events} frames in the capture "
     assert report.unjudged.startswith(f"read at 230400 baud, 8n1, {share}(")
-    assert report.unjudged.endswith("give --baud 115200 --format 8n1")
+    assert report.unjudged.endswith("give --baud 115200 --frame 8n1")
 
 
 def test_a_firmware_that_sets_another_rate_than_the_line_has_is_not_judged():

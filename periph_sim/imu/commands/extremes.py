@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     "--tables", type=click.Choice(["RAM", "boot ROM"]), default="RAM", help="Memory of the libraries' tables."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of tables.")
-@click.option("--plot", type=click.Path(path_type=Path), metavar="FILE.svg", help="Draw error against cycles.")
+@click.option("--plot", type=click.Path(path_type=Path), metavar="FILE", help="Draw error against cycles, .svg.")
 def extremes(
     names: tuple[str, ...],
     only: tuple[str, ...],

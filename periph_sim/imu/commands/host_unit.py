@@ -22,6 +22,7 @@ WAITS = 5  # maximum time in seconds that a port may take to accept bytes
     "run",
     "periph-sim host-unit /tmp/dsp --flight flight.csv",
     "periph-sim host-unit rfc2217://127.0.0.1:4000 --udp 9000",
+    former={"--encoding": "--host-encoding"},
 )
 @click.argument("port")
 @click.option("--flight", type=click.Path(path_type=Path), metavar="CSV", help="Send a recorded flight, once.")
@@ -31,7 +32,7 @@ WAITS = 5  # maximum time in seconds that a port may take to accept bytes
 )
 @click.option("--baud", default=115_200, show_default=True, type=click.IntRange(min=1), help="Rate of PORT.")
 @click.option("--period", default="20 ms", show_default=True, metavar="TIME", help="From one frame to the next.")
-@click.option("--encoding", "settings", multiple=True, metavar="KEY=VALUE", help="A key of [host.encoding].")
+@click.option("--host-encoding", "settings", multiple=True, metavar="KEY=VALUE", help="A key of [host.encoding].")
 @click.option("--frames", type=click.IntRange(min=0), metavar="N", help="End after N frames; else with Ctrl-C.")
 def host_unit(
     port: str,
@@ -99,7 +100,7 @@ def _encoding(settings: tuple[str, ...]) -> Encoding:
     pairs = [setting.partition("=") for setting in settings]
     for setting, (_, equals, _) in zip(settings, pairs, strict=True):
         if not equals:
-            raise click.UsageError(f"--encoding {setting!r}: expected key=value, as in phi='0.01 deg'")
+            raise click.UsageError(f"--host-encoding {setting!r}: expected key=value, as in phi='0.01 deg'")
     return encoding_of({key.strip(): value.strip() for key, _, value in pairs})
 
 
@@ -115,7 +116,7 @@ def _mistakes(port: str) -> Iterator[None]:
         with usage_errors_in_one_sentence():
             yield
     except BadSetting as error:
-        raise click.UsageError(f"--encoding {error.name}: {error}") from None
+        raise click.UsageError(f"--host-encoding {error.name}: {error}") from None
     except SerialException as error:
         raise click.ClickException(in_our_words(port, error)) from None
     except ValueError as error:

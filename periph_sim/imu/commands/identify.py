@@ -23,7 +23,8 @@ UNEVEN = 0.01  # maximum relative difference of the periods of two recordings
 @command(
     "sensors",
     "periph-sim identify rest.csv --rate '50 Hz' --plot allan.svg",
-    "periph-sim identify rest.csv --parameters my.toml",
+    "periph-sim identify rest.csv --write-parameters my.toml",
+    former={"--parameters": "--write-parameters"},
 )
 @click.argument("file", type=click.Path(path_type=Path), metavar="FILE.csv")
 @click.option("--rate", metavar="RATE", help="Sample rate, if there is no column 'time [s]': '50 Hz'.")
@@ -36,10 +37,11 @@ UNEVEN = 0.01  # maximum relative difference of the periods of two recordings
 )
 @click.option("--slow-terms", is_flag=True, help="Also identify bias instability and random walk.")
 @click.option(
-    "--plot", "picture", type=click.Path(path_type=Path), metavar="FILE", help="The Allan plot, .svg or .png."
+    "--plot", "picture", type=click.Path(path_type=Path), metavar="FILE", help="Draw the Allan plot, .svg or .png."
 )
 @click.option(
-    "--parameters",
+    "--write-parameters",
+    "parameters",
     type=click.Path(path_type=Path),
     metavar="FILE.toml",
     help="A parameter set that the sensor models load.",

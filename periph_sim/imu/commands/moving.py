@@ -17,14 +17,15 @@ DIFFERENT = 1  # the exit status if the bytes on the wires differ from the compu
 @command(
     "sensors",
     "periph-sim moving timing/imu_moving.toml --direct",
-    "periph-sim moving timing/imu_moving.toml --seconds 1 --plot .",
+    "periph-sim moving timing/imu_moving.toml --seconds 1 --plots .",
+    former={"--plot": "--plots"},
 )
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--seconds", type=str, help="Run this long instead of the case's duration; 10 or '10 s'.")
 @CHANGES
 @click.option("--direct", is_flag=True, help="Without wires: compute the readings. Quick.")
 @click.option(
-    "--plot", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help="Write attitudes.svg and rates.svg."
+    "--plots", "folder", type=click.Path(path_type=Path), metavar="FOLDER", help="Write attitudes.svg and rates.svg."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 def moving(
@@ -69,12 +70,12 @@ def _pictures(folder: Path) -> Iterator[list[Path]]:
     try:
         import matplotlib  # noqa: F401
     except ImportError:
-        raise click.ClickException("--plot needs matplotlib: pip install 'periph-sim[sensors]'") from None
+        raise click.ClickException("--plots needs matplotlib: pip install 'periph-sim[sensors]'") from None
     made = not folder.exists()
     try:
         folder.mkdir(exist_ok=True)
     except OSError as error:
-        raise click.ClickException(f"--plot {folder}: {(error.strerror or 'an error').lower()}") from None
+        raise click.ClickException(f"--plots {folder}: {(error.strerror or 'an error').lower()}") from None
     try:
         with ExitStack() as both:
             yield [both.enter_context(atomic_write(folder / name)) for name in ("attitudes.svg", "rates.svg")]

@@ -11,17 +11,18 @@ import click
 
 from ...timing.verdict import BROKEN, NOT_JUDGED, SEEN
 from .command_frame import apart, command, command_line, print_json, print_table, progress, running_user_code, say
-from .shared_options import CHANGES, GUARANTEED, JSON
+from .shared_options import CHANGES, GUARANTEED, JSON, tolerance_option
 from .watch import note_inputs
 
 if TYPE_CHECKING:
+    from ...core.tolerance import Tolerance
     from ..reports.baselines.check import CaseCheck
     from ..reports.baselines.outcome import RejectedCase
 
 
 @command("run", "periph-sim check timing --junit results.xml", "periph-sim check timing/imu_hil.toml --update-baseline")
 @click.argument("paths", nargs=-1, type=click.Path(path_type=Path), metavar="[PATH]...")
-@click.option("--tolerance", type=click.IntRange(min=0), metavar="CYCLES", help="Times may differ by this.  [0]")
+@tolerance_option(plain=True)
 @click.option("--update-baseline", "update", is_flag=True, help="Make the figures of this run the new baselines.")
 @CHANGES
 @GUARANTEED
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
 )
 def check(
     paths: tuple[Path, ...],
-    tolerance: int | None,
+    tolerance: Tolerance | None,
     update: bool,
     changes: tuple[str, ...],
     jobs: int | None,

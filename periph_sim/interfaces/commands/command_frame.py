@@ -38,7 +38,10 @@ Section = Literal["run", "understand", "traces", "sensors"]
 class Command(click.Command):
     """A command whose messages about its command line suggest the fix."""
 
+    former: Mapping[str, str] = {}  # from former names of options to the present ones
+
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        args = [self._renamed(ctx, text) for text in args]
         given = [*args]
         try:
             return super().parse_args(ctx, args)
@@ -53,6 +56,16 @@ class Command(click.Command):
                 fix = f"--set {shlex.quote(f'{before}={after}')}"
                 raise click.UsageError(f"--set {before}: expected KEY=VALUE; write {fix}", ctx) from None
             raise
+
+    def _renamed(self, ctx: click.Context, text: str) -> str:
+        """Return an argument with the present name of an option in place of a former one, with a notice."""
+        name, equals, value = text.partition("=")
+        new = self.former.get(name)
+        if new is None:
+            return text
+        if not ctx.resilient_parsing:  # no notice while a shell completes the line
+            click.echo(f"{name} of {ctx.info_name} is now {new}; the next release refuses {name}", err=True)
+        return f"{new}{equals}{value}"
 
     def _long_option(self, given: list[str], unknown: str) -> tuple[str, str] | None:
         """Return an argument that is a long option with a missing dash, and this option; None if there is none."""
@@ -77,15 +90,19 @@ def _split_change(given: Sequence[str]) -> tuple[str, str]:
     return "", ""
 
 
-def command(section: Section, *examples: str) -> Callable[[Callable[..., object]], click.Command]:
+def command(
+    section: Section, *examples: str, former: Mapping[str, str] | None = None
+) -> Callable[[Callable[..., object]], click.Command]:
     """Return a decorator that makes a function a command of periph-sim.
 
     section: the section of `periph-sim --help` that lists the command.
     examples: the command lines with which the help of the command begins.
+    former: a dictionary from former names of options, which still work, to the present ones.
     """
 
     def made(function: Callable[..., object]) -> click.Command:
         found = click.command(cls=Command)(function)
+        found.former = former or {}
         lines = "\n".join(f"$ {example}" for example in examples)
         found.help = f"\b\n{lines}\n\n{cleandoc(found.help or '')}"
         return found

@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from .command_frame import command, print_answer, read_capture
-from .shared_options import JSON, RATE, SALVAGE
+from .shared_options import JSON, MAP, RATE, SALVAGE
 
 
 @command(
@@ -20,7 +20,7 @@ from .shared_options import JSON, RATE, SALVAGE
     type=click.Choice(["standard", "fast", "fast-plus"]),
     help="Of the bus: to 100 kHz, 400 kHz or 1 MHz.",
 )
-@click.option("--map", "mapping", metavar="LINE=CHANNEL,...", help="scl=0,sda=1; a channel by name or index.")
+@MAP
 @RATE
 @SALVAGE
 @click.option("--exact", is_flag=True, help="The file's times are exact, as in a simulation.")

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .command_frame import command, print_answer, read_capture, time_given
-from .shared_options import JSON, SALVAGE
+from .command_frame import command, print_answer, read_capture
+from .shared_options import JSON, MAP, SALVAGE, tolerance_option
 
 if TYPE_CHECKING:
+    from ...core.tolerance import Tolerance
     from ...traces.decode.uart_line import Line
 
 
@@ -21,13 +22,13 @@ if TYPE_CHECKING:
 )
 @click.argument("a", type=click.Path(path_type=Path))
 @click.argument("b", type=click.Path(path_type=Path))
-@click.option("--map", "mapping", metavar="LINE=CHANNEL,...", help="scl=0,sda=1 or rx=0; a channel by name or index.")
+@MAP
 @click.option("--map-b", metavar="LINE=CHANNEL,...", help="The same for B, if different.")
-@click.option("--uart", metavar="rx=CHANNEL,baud=RATE,format=8n1", help="Compare UART frames, not I2C.")
+@click.option("--uart", metavar="rx=CHANNEL,baud=RATE,...", help="Compare UART frames, not I2C; also format=8n1.")
 @click.option("--rate", metavar="RATE", help="Sample rate of A, if the file has none: '4 MHz'.")
 @click.option("--rate-b", metavar="RATE", help="The same for B.")
 @SALVAGE
-@click.option("--tolerance", metavar="TIME", help="Tolerated lateness: '1us'.  [one sample of each]")
+@tolerance_option()
 @JSON
 @click.option("--all", "everything", is_flag=True, help="List every event, and every difference.")
 def diff(
@@ -39,20 +40,23 @@ def diff(
     rate: str | None,
     rate_b: str | None,
     salvage: bool,
-    tolerance: str | None,
+    tolerance: Tolerance | None,
     as_json: bool,
     everything: bool,
 ) -> int:
     """Compare the events of captures A and B, one by one, and their times.
 
-    Exit status 0: the same events at the same times within the tolerance; 1: otherwise.
+    Exit status 0: the same events at the same times within the tolerance, by default one
+    sample of each; 1: otherwise.
     """
+    from ...core.tolerance import Cycles
     from ...replay import BadReplay
     from ...replay.channels import channel_map
     from ...traces import formats
     from ...traces.diff import diff_i2c, diff_uart, text_report
 
-    allowed = None if tolerance is None else time_given("--tolerance", tolerance)
+    if isinstance(tolerance, Cycles):
+        raise click.ClickException("--tolerance in cycles: captures state no SYSCLKOUT; give a time, such as '133 ns'")
     channel, line = (None, None) if uart is None else _line(uart)
     wanted = "sda" if line is None else "rx"
     if channel is not None and mapping is not None:
@@ -70,9 +74,9 @@ def diff(
                 raise click.ClickException(f"{path}: the lines found are {' and '.join(found)}; {way}")
         if line is None:
             (scl, sda), (scl_b, sda_b) = ((found["scl"], found["sda"]) for found in lines)
-            result = diff_i2c(*captures, (scl, sda), (scl_b, sda_b), allowed)
+            result = diff_i2c(*captures, (scl, sda), (scl_b, sda_b), tolerance)
         else:
-            result = diff_uart(*captures, line, lines[0]["rx"], lines[1]["rx"], allowed)
+            result = diff_uart(*captures, line, lines[0]["rx"], lines[1]["rx"], tolerance)
     except (formats.BadCapture, BadReplay, ValueError) as error:
         raise click.ClickException(str(error)) from None
     if not result.entries:

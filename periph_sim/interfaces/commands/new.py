@@ -21,7 +21,7 @@ from ...processor.image_files.assemble import sources_of
 from ...scene.case.origin import texts_in
 from ...scene.firmware_loader import SHIPPED
 from .command_frame import check_file_name, command, read_capture, running_user_code, usage_errors_in_one_sentence
-from .shared_options import RATE
+from .shared_options import MAP, RATE
 
 if TYPE_CHECKING:
     from ...traces.capture.capture import Capture
@@ -56,9 +56,7 @@ Files = dict[Path, str]
     "--live", type=click.Path(path_type=Path), metavar="LOG", help="Make a case of a live session: serve --log."
 )
 @click.option("--from", "capture", type=click.Path(path_type=Path), metavar="CAPTURE", help="The capture to replay.")
-@click.option(
-    "--map", "mapping", metavar="LINE=CHANNEL,...", help="Channels of --from: scl=0,sda=1, if not clear by name."
-)
+@MAP
 @RATE
 def new(
     kind: str | None,

@@ -24,9 +24,10 @@ from .command_frame import (
     time_given,
 )
 from .result_text import assumptions, budget_table, legend
-from .shared_options import CHANGES, JSON, RATE, SALVAGE
+from .shared_options import CHANGES, EIGHT_BITS, FRAME, JSON, MAP, RATE, SALVAGE, SVG, diagram_file, tolerance_option
 
 if TYPE_CHECKING:
+    from ...core.tolerance import Tolerance
     from ...replay.i2c_closed_loop import I2cReplay
     from ...replay.i2c_master import I2cMasterReplay
     from ...replay.i2c_open_loop import I2cOpenReplay
@@ -35,28 +36,26 @@ if TYPE_CHECKING:
     from ...scene.case.model import Case
     from ...traces.capture.capture import Capture
 
+DIVERGENCE = "divergence"  # name of the picture that --svg FOLDER gets
 BEFORE, AFTER = 14, 4  # maximum numbers of changes of registers that are shown before and after a divergence
 
 
 @command(
     "traces",
     "periph-sim replay capture.sr --case timing/responder.toml",
-    "periph-sim replay capture.sr --case timing/responder.toml --svg first.svg",
+    "periph-sim replay capture.sr --case timing/responder.toml --tolerance '2 us'",
+    former={"--format": "--frame", "--uart": "--uart-file"},
 )
 @click.argument("capture", type=click.Path(path_type=Path))
 @click.option("--case", "case_file", required=True, type=click.Path(path_type=Path), help="The case with the firmware.")
+@MAP
 @click.option(
-    "--map",
-    "mapping",
-    metavar="LINE=CHANNEL,...",
-    help="scl=0,sda=1, or rx=0, or all three; a channel by name or index.",
+    "--uart-file",
+    "serial",
+    metavar="FILE[,rx=CHANNEL]",
+    help="With an I2C capture: the capture of RX at the same time.",
 )
-@click.option(
-    "--uart", "serial", metavar="FILE[,rx=CHANNEL]", help="With an I2C capture: the capture of RX at the same time."
-)
-@click.option(
-    "--offset", metavar="TIME", help="From the start of CAPTURE to that of the --uart file; '-2 ms' if before."
-)
+@click.option("--offset", metavar="TIME", help="From the start of CAPTURE to that of --uart-file; '-2 ms' if before.")
 @RATE
 @SALVAGE
 @click.option(
@@ -65,7 +64,7 @@ BEFORE, AFTER = 14, 4  # maximum numbers of changes of registers that are shown 
     help="I2C: decisions (closed) or edges (open) of the capture. [closed]",
 )
 @click.option("--as", "role", type=click.Choice(["slave", "master"]), help="I2C: role of the F28335. [slave]")
-@click.option("--tolerance", metavar="TIME", help="I2C: fail if an event is further off in time: '2 us'.")
+@tolerance_option()
 @click.option("--address", "addresses", multiple=True, metavar="ADDRESS", help="I2C: an address of the firmware.")
 @click.option("--first", type=click.IntRange(min=1), metavar="N", help="I2C: only the first N transfers.")
 @click.option("--longest-low", metavar="TIME", help="I2C: release SCL after this time: '10 us'; else as captured.")
@@ -75,10 +74,10 @@ BEFORE, AFTER = 14, 4  # maximum numbers of changes of registers that are shown 
     help="I2C: end if SCL is held low, polls are refused, or a script makes no progress, for longer. [200 ms]",
 )
 @click.option("--baud", type=click.IntRange(min=1), help="UART: the line's rate; else as the firmware sets it.")
-@click.option("--format", "frame", metavar="FORMAT", help="UART: data bits, parity and stop bits with --baud: 8n1.")
+@FRAME
 @CHANGES
 @click.option("--record", type=click.Path(path_type=Path), help="Write the run to a file; its suffix says the format.")
-@click.option("--svg", type=click.Path(path_type=Path), help="Draw the first divergence as a timing diagram.")
+@SVG
 @click.option("--html", type=click.Path(path_type=Path), help="Write a report with the waves of both sides.")
 @click.option("--strict", is_flag=True, help="Exit status 1 also if something is ambiguous.")
 @click.option("-v", "--verbose", is_flag=True, help="List the undocumented behaviours that the run assumed.")
@@ -93,7 +92,7 @@ def replay(
     salvage: bool,
     loop: str | None,
     role: str | None,
-    tolerance: str | None,
+    tolerance: Tolerance | None,
     addresses: tuple[str, ...],
     first: int | None,
     longest_low: str | None,
@@ -136,6 +135,7 @@ def replay(
     from ...scene.case.load import load
     from ...traces.formats import atomic_write
 
+    svg = None if svg is None else diagram_file(svg, DIVERGENCE)
     apart(record=record, svg=svg, html=html)
     with running_user_code():
         case = load(case_file, list(changes))
@@ -146,12 +146,11 @@ def replay(
         own = [i2c_address_given("--address", text) for text in addresses]
         low = None if longest_low is None else _above_zero("--longest-low", longest_low)
         wait = PATIENCE if patience is None else _above_zero("--patience", patience)
-        most = None if tolerance is None else time_given("--tolerance", tolerance)
-        line = None if baud is None else line_format(baud, frame or "8n1")
+        line = None if baud is None else line_format(baud, frame or EIGHT_BITS)
         session = host is not None or len(lines) == len(ALL)
         is_uart, is_open, is_master = "rx" in lines, loop == "open", role == "master"
-        uart_only = {"--baud": baud, "--format": frame}
-        i2c_only = {"--address": own, "--first": first, "--longest-low": low, "--patience": patience}
+        uart_only = {"--baud": baud, "--frame": frame}
+        i2c_only: dict[str, object] = {"--address": own, "--first": first, "--longest-low": low, "--patience": patience}
         i2c_only |= {"--loop": loop, "--as": role, "--tolerance": tolerance}
         slave_only = {"--loop open": is_open, "--address": own, "--longest-low": low}
         unused = {} if session else i2c_only if is_uart else uart_only
@@ -164,9 +163,9 @@ def replay(
             },
             "--longest-low is for --loop closed; in open loop every edge is the capture's": is_open and low is not None,
             "--patience is for --loop closed; an open loop does not wait for the firmware": is_open and patience,
-            "--format needs --baud; without both the line is read as the firmware sets the SCI": frame and not baud,
-            "--uart needs an I2C capture; this one is a UART capture itself": host and "scl" not in lines,
-            "--offset needs --uart; the channels of one file share one time": offset is not None and not host,
+            "--frame needs --baud; without both the line is read as the firmware sets the SCI": frame and not baud,
+            "--uart-file needs an I2C capture; this one is a UART capture itself": host and "scl" not in lines,
+            "--offset needs --uart-file; the channels of one file share one time": offset is not None and not host,
             "an I2C and a UART capture together are for --loop closed --as slave": session and (is_open or is_master),
         }
         for sentence, applies in refused.items():
@@ -191,18 +190,18 @@ def replay(
                     first,
                     low,
                     subscribe,
-                    most,
+                    tolerance,
                     wait,
                 )
             elif "rx" in lines:
                 player = UartReplay(case, given, lines["rx"], line, subscribe)
             elif role == "master":
-                player = I2cMasterReplay(case, given, lines["scl"], lines["sda"], first, subscribe, most, wait)
+                player = I2cMasterReplay(case, given, lines["scl"], lines["sda"], first, subscribe, tolerance, wait)
             elif loop == "open":
-                player = I2cOpenReplay(case, given, lines["scl"], lines["sda"], own, first, subscribe, most)
+                player = I2cOpenReplay(case, given, lines["scl"], lines["sda"], own, first, subscribe, tolerance)
             else:
                 player = I2cReplay(
-                    case, given, lines["scl"], lines["sda"], own, first, low, subscribe, most, patience=wait
+                    case, given, lines["scl"], lines["sda"], own, first, low, subscribe, tolerance, patience=wait
                 )
             with progress(case.name) as on_progress:
                 report = player.run(on_progress)
@@ -228,7 +227,7 @@ def replay(
 
 
 def _serial(text: str, salvage: bool) -> tuple[Capture, str]:
-    """Parse the value of --uart: `host.sr`, `host.sr,rx=0`, `host.csv,rx=0,rate=4 MHz`.
+    """Parse the value of --uart-file: `host.sr`, `host.sr,rx=0`, `host.csv,rx=0,rate=4 MHz`.
 
     Return the capture in the file and the name of the channel of RX.
     """
@@ -237,7 +236,7 @@ def _serial(text: str, salvage: bool) -> tuple[Capture, str]:
     path, *more = text.split(",")
     rates = [part.partition("=")[2] for part in more if part.strip().startswith("rate=")]
     lines = [part for part in more if not part.strip().startswith("rate=")]
-    capture = read_capture(Path(path), rates[-1] if rates else None, salvage, "--uart")
+    capture = read_capture(Path(path), rates[-1] if rates else None, salvage, "--uart-file")
     return capture, serial_channel(capture, ",".join(lines) if lines else None)
 
 

@@ -24,7 +24,7 @@ from .command_frame import (
     time_given,
     usage_errors_in_one_sentence,
 )
-from .shared_options import CHANGES
+from .shared_options import CHANGES, EIGHT_BITS, FRAME
 
 if TYPE_CHECKING:
     from ...outside.live.i2cdriver_door import I2cDriverDoor
@@ -40,6 +40,7 @@ if TYPE_CHECKING:
     "run",
     "periph-sim serve timing/imu_hil.toml --pty /tmp/dsp --for '10 s'",
     "periph-sim serve timing/imu_hil.toml --rfc2217 4000 --log live.jsonl",
+    former={"--format": "--frame"},
 )
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--pty", "link", is_flag=False, flag_value="", metavar="[LINK]", help="A pseudo-terminal; LINK names it.")
@@ -50,9 +51,7 @@ if TYPE_CHECKING:
 )
 @click.option("--sci", default="scia", show_default=True, help="The SCI: scia, or UNIT.SCI-A.")
 @click.option("--baud", default=115_200, show_default=True, help="Rate until a client sets another one.")
-@click.option(
-    "--format", "form", default="8n1", show_default=True, help="Data bits, parity n, o, e, m or s, stop bits."
-)
+@FRAME
 @click.option(
     "--pace", default="1", show_default=True, metavar="N", help="Simulated seconds a second; 0: at full speed."
 )
@@ -84,7 +83,7 @@ def serve(
     bus: str | None,
     sci: str,
     baud: int,
-    form: str,
+    frame: str | None,
     pace: str,
     when_late: Any,
     length: str | None,
@@ -109,7 +108,7 @@ def serve(
 
     if sum(place is not None for place in (link, real, tcp, bus)) != 1:
         raise click.UsageError("give one of --pty, --rfc2217, --port and --i2cdriver as the place of the port")
-    if bus is not None and (serial := _given("sci", "baud", "form")):
+    if bus is not None and (serial := _given("sci", "baud", "frame")):
         raise click.UsageError(f"{' and '.join(serial)}: for serial ports only; --i2cdriver serves the I2C bus")
     if view and not sys.stdout.isatty():
         raise click.UsageError("--view needs a terminal; --browser shows the same on a page")
@@ -130,8 +129,8 @@ def serve(
                 line: SerialLine | None = None
                 door: PtyDoor | PortDoor | Rfc2217Door | I2cDriverDoor
                 if bus is None:
-                    line = session.serial(sci, baud, form)
-                    door = _door(line, (link, real, tcp), baud, form, shown.say)
+                    line = session.serial(sci, baud, frame or EIGHT_BITS)
+                    door = _door(line, (link, real, tcp), baud, frame or EIGHT_BITS, shown.say)
                 else:
                     door = I2cDriverDoor(session, Path(bus) if bus else None)
                 try:

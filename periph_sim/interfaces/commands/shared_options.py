@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any, TypeVar
 
 import click
 
+from ...core.tolerance import Tolerance, parse_tolerance
 from .command_frame import length_given, usage_errors_in_one_sentence
 from .completion import complete_key
 
+F = TypeVar("F", bound=Callable[..., Any])
+NUMBER = re.compile(r"-?\d+")
 RATE = click.option("--rate", metavar="RATE", help="Sample rate, if the file has none: '4 MHz'.")
 SALVAGE = click.option(
     "--salvage", is_flag=True, help="Read a damaged file up to the damage, and say what was dropped."
@@ -37,7 +43,41 @@ SECONDS = click.option(
 )
 JSON = click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
 RUN_FILE = click.argument("run", type=click.Path(path_type=Path))
+MAP = click.option(
+    "--map", "mapping", metavar="LINE=CHANNEL,...", help="Channels of the lines, by name or index: scl=0,sda=1 or rx=0."
+)
+EIGHT_BITS = "8n1"  # the default of --frame
+FRAME = click.option("--frame", metavar="FRAME", help="Data bits, parity n, o, e, m or s, and stop bits.  [8n1]")
+SVG = click.option(
+    "--svg",
+    type=click.Path(path_type=Path),
+    metavar="PLACE",
+    help="Draw timing diagrams: one to an .svg file, or each to a file in a folder.",
+)
 SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, if RUN does not contain it: '150 MHz'.")
+
+
+def diagram_file(place: Path, name: str) -> Path:
+    """Return the file of a diagram for --svg. name: the name of the file, without suffix, if `place` is a folder."""
+    return place / f"{name}.svg" if place.is_dir() else place
+
+
+def tolerance_option(plain: bool = False) -> Callable[[F], F]:
+    """Return the option --tolerance. plain: True to accept a number without a unit as cycles, with a notice."""
+
+    def parsed(context: click.Context, option: click.Parameter, text: str | None) -> Tolerance | None:
+        if text is None:
+            return None
+        if plain and NUMBER.fullmatch(text.strip()):
+            text = f"{text.strip()} cycles"
+            click.echo(f"--tolerance without a unit is obsolete; write --tolerance '{text}'", err=True)
+        try:
+            return parse_tolerance(text)
+        except ValueError as error:
+            raise click.ClickException(f"--tolerance: {error}") from None
+
+    help = "Allowed difference of times: '3 us' or '20 cycles'."
+    return click.option("--tolerance", metavar="TIME", callback=parsed, help=help)
 
 
 def _refuse_guaranteed(asked: bool | None) -> None:

@@ -10,7 +10,7 @@ from urllib.parse import urlencode
 import click
 
 from .command_frame import command, pace_given, usage_errors_in_one_sentence
-from .shared_options import CHANGES
+from .shared_options import CHANGES, EIGHT_BITS, FRAME
 
 SHOWN = ("default", "direct", "nocontrol", "printable", "colorize", "debug")
 
@@ -19,13 +19,12 @@ SHOWN = ("default", "direct", "nocontrol", "printable", "colorize", "debug")
     "run",
     "periph-sim terminal timing/uart_logger.toml --echo",
     "periph-sim terminal timing/uart_logger.toml --encoding hexlify",
+    former={"--format": "--frame"},
 )
 @click.argument("case", type=click.Path(path_type=Path))
 @click.option("--sci", default="scia", show_default=True, help="The SCI: scia, or UNIT.SCI-A.")
 @click.option("--baud", default=115_200, show_default=True, type=click.IntRange(min=1), help="Rate of the terminal.")
-@click.option(
-    "--format", "form", default="8n1", show_default=True, help="Data bits, parity n, o, e, m or s, stop bits."
-)
+@FRAME
 @click.option("--pace", default="1", show_default=True, metavar="N", help="Simulated seconds a second.")
 @click.option("--echo", is_flag=True, help="Also show typed characters.")
 @click.option(
@@ -41,7 +40,7 @@ def terminal(
     case: Path,
     sci: str,
     baud: int,
-    form: str,
+    frame: str | None,
     pace: str,
     echo: bool,
     eol: str,
@@ -65,6 +64,7 @@ def terminal(
 
     from ...outside.serial_line import parts_of_format
 
+    frame = frame or EIGHT_BITS
     settings = [("port", sci), ("pace", pace), *(("set", change) for change in changes)]
     settings += [] if log is None else [("log", str(log))]
     url = f"f28335://{case}?{urlencode(settings)}"
@@ -80,12 +80,12 @@ def terminal(
         ) from None
     with usage_errors_in_one_sentence():
         try:
-            bits, parity, stop = parts_of_format(form)
+            bits, parity, stop = parts_of_format(frame)
             port = Serial(url, baud, bytesize=bits, parity=parity.upper(), stopbits=stop, timeout=1)
         except (SerialException, ValueError) as error:
             raise click.ClickException(str(error)) from None
         typed = Terminal(port, echo, eol, show, encoding)
-        typed.talk(f"{sci} of {case}, {baud} {form}; Ctrl-] ends it, Ctrl-T Ctrl-H helps")
+        typed.talk(f"{sci} of {case}, {baud} {frame}; Ctrl-] ends it, Ctrl-T Ctrl-H helps")
         port.close()
     click.echo()
     if typed.failed:

@@ -13,7 +13,7 @@ import click
 from ...core.phrases import did_you_mean
 from .command_frame import command, print_json, progress, running_user_code
 from .completion import complete_budget
-from .shared_options import CHANGES, SECONDS
+from .shared_options import CHANGES, SECONDS, SVG, diagram_file
 
 if TYPE_CHECKING:
     from ...timing.verdict import Verdict
@@ -22,12 +22,16 @@ if TYPE_CHECKING:
 MOST = 100  # maximum number of columns of a picture
 
 
-@command("understand", "periph-sim worst timing/imu_hil.toml response", "periph-sim worst timing/imu_hil.toml --svg .")
+@command(
+    "understand",
+    "periph-sim worst timing/imu_hil.toml response",
+    "periph-sim worst timing/imu_hil.toml stretch --svg late.svg",
+)
 @click.argument("case", type=click.Path(path_type=Path))
 @click.argument("budgets", nargs=-1, metavar="[BUDGET]...", shell_complete=complete_budget)
 @SECONDS
 @CHANGES
-@click.option("--svg", type=click.Path(path_type=Path), help="Write a picture of each to this folder: BUDGET.svg.")
+@SVG
 @click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of text.")
 def worst(
     case: Path,
@@ -46,14 +50,17 @@ def worst(
     from ..reports.explain import chain as chains
     from ..reports.explain.explain import explain
 
-    if svg is not None and not svg.is_dir():
-        raise click.ClickException(f"--svg: {svg} is no folder; create it, or give another")
+    if svg is not None and not svg.is_dir() and svg.suffix != ".svg":
+        raise click.ClickException(f"--svg: {svg} is no folder; create it, or give another, or an .svg file")
     with running_user_code():
         loaded = load(case, list(changes))
         names = [budget.name for budget in loaded.budget]
         for name in budgets:
             if name not in names:
                 raise click.ClickException(f"{case}: there is no budget {name!r}; {did_you_mean(name, names)}")
+        count = len(set(budgets or names))
+        if svg is not None and not svg.is_dir() and count > 1:
+            raise click.ClickException(f"--svg: {svg} is one file for {count} budgets; name one, or give a folder")
         scene = Scene(loaded)
         with progress(loaded.name) as on_progress:
             result = scene.run(length, on_progress)
@@ -86,9 +93,10 @@ def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
     return [*chains.text(one.chain), "", *text_picture(one.window, columns)]
 
 
-def _write(folder: Path, found: dict[str, Explained]) -> None:
+def _write(place: Path, found: dict[str, Explained]) -> None:
     """Write a file with a picture for each budget. If a file cannot be written, write none and raise BadCheck.
 
+    place: the file, or the folder of the files.
     found: a dictionary from budgets to explanations.
     """
     from ..reports.baselines.files import write_all
@@ -100,4 +108,6 @@ def _write(folder: Path, found: dict[str, Explained]) -> None:
         if file in names:
             raise click.ClickException(f"--svg: budgets {names[file]!r} and {name!r} would both be {file}; rename one")
         names[file] = name
-    write_all({folder / file: svg_picture(found[name].window) for file, name in names.items()})
+    if not found and not place.is_dir():
+        click.echo(f"{place}: not written, since there is nothing to draw", err=True)
+    write_all({diagram_file(place, Path(file).stem): svg_picture(found[name].window) for file, name in names.items()})

@@ -20,7 +20,7 @@ def test_the_command(periph_sim: Run, tmp_path: Path) -> None:
     flight = tmp_path / "flight.csv"
     flight.write_text(FLIGHT)
     url = f"f28335://{written(tmp_path)}?pace=0"
-    came = periph_sim("host-unit", url, "--flight", str(flight), "--frames", "3", "--encoding", "byte_order=big")
+    came = periph_sim("host-unit", url, "--flight", str(flight), "--frames", "3", "--host-encoding", "byte_order=big")
     assert came.status == 0 and came.out.startswith(f"3 frames, 36 bytes sent to {url}, ")
     for arguments, sentence in (
         ((url,), "give either --flight or --udp"),
@@ -29,8 +29,8 @@ def test_the_command(periph_sim: Run, tmp_path: Path) -> None:
         (("f28335://none.toml", "--flight", str(flight)), "none.toml: cannot be read"),
         (("nosuch://x", "--flight", str(flight)), "nosuch"),
         ((url, "--flight", "none.csv"), "none.csv"),
-        ((url, "--flight", str(flight), "--encoding", "phi"), "--encoding 'phi': expected key=value"),
-        ((url, "--flight", str(flight), "--encoding", "phy=1 deg"), "there is no|no setting 'phy'"),
+        ((url, "--flight", str(flight), "--host-encoding", "phi"), "--host-encoding 'phi': expected key=value"),
+        ((url, "--flight", str(flight), "--host-encoding", "phy=1 deg"), "there is no|no setting 'phy'"),
         ((url, "--flight", str(flight), "--period", "0 s"), "--period 0 s: expected more than 0"),
     ):
         refused = periph_sim("host-unit", *arguments)

@@ -49,7 +49,7 @@ def test_the_table_as_json(periph_sim: Run):
 
 
 def test_samples_written_are_read_back_by_identify_and_its_set_by_the_models(rest: Path, periph_sim: Run):
-    came = periph_sim("identify", "rest.csv", "--expect", "accelerometer_z=-1", "--parameters", "set.toml")
+    came = periph_sim("identify", "rest.csv", "--expect", "accelerometer_z=-1", "--write-parameters", "set.toml")
     assert (came.status, came.err) == (0, "")
     assert came.out.startswith("rest.csv: 2000 samples, one every 0.02 s\n")
     told = load(Path("set.toml"))
@@ -132,7 +132,11 @@ EVEN = [n * 0.02 for n in range(100)]
             ("--plot", "none/p.svg"),
             "none/p.svg, its place: found no such file or directory, expected a place",
         ),
-        (rows(EVEN), ("--parameters", "p.toml"), "x: it is not a column of a sensor model; expected accelerometer_x, "),
+        (
+            rows(EVEN),
+            ("--write-parameters", "p.toml"),
+            "x: it is not a column of a sensor model; expected accelerometer_x, ",
+        ),
         (rows(EVEN), ("--undisturbed", "g.csv"), "g.csv: a sample every 0.04 s; expected every 0.02 s, as in f.csv"),
     ],
 )

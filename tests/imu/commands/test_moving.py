@@ -53,7 +53,7 @@ def test_bytes_that_differ_are_status_1(desk: Path, periph_sim: Run, monkeypatch
 def test_pictures_appear_both_in_a_folder_that_is_made_and_are_the_same_each_time(desk: Path, periph_sim: Run):
     names = ["attitudes.svg", "rates.svg"]
     for folder in ("one", "two"):
-        assert periph_sim("moving", *QUICK, "--plot", folder).status == 0
+        assert periph_sim("moving", *QUICK, "--plots", folder).status == 0
         assert sorted(path.name for path in Path(folder).iterdir()) == names
     for name in names:
         one, two = (Path(folder, name).read_bytes() for folder in ("one", "two"))
@@ -71,7 +71,7 @@ def test_pictures_appear_both_or_not_at_all(desk: Path, periph_sim: Run, monkeyp
 
     monkeypatch.setattr("periph_sim.imu.moving.plot.rates", fails)
     for folder in ("there", "new"):
-        assert periph_sim("moving", *QUICK, "--plot", folder).status == 3
+        assert periph_sim("moving", *QUICK, "--plots", folder).status == 3
     assert [path.name for path in Path("there").iterdir()] == ["attitudes.svg"]
     assert Path("there/attitudes.svg").read_text() == "before"
     assert not Path("new").exists()
@@ -82,8 +82,8 @@ def test_pictures_appear_both_or_not_at_all(desk: Path, periph_sim: Run, monkeyp
     [
         (("nothing.toml",), "Error: nothing.toml: cannot be read (No such file or directory); give the path of a case"),
         ((str(TIMING / "imu_hil_published.toml"),), "host: a moving experiment needs a motion; give host.motion"),
-        ((*QUICK, "--plot", "a/b"), "Error: --plot a/b: no such file or directory"),
-        ((*QUICK, "--plot", CASE), "--plot "),
+        ((*QUICK, "--plots", "a/b"), "Error: --plots a/b: no such file or directory"),
+        ((*QUICK, "--plots", CASE), "--plots "),
         ((CASE, "--seconds", "x"), "--seconds"),
         ((*QUICK, "--set", "host.motion.kind=srvo"), "there is no motion 'srvo'"),
         (
@@ -113,6 +113,6 @@ def test_no_rounds_at_all(desk: Path, periph_sim: Run):
 
 def test_without_matplotlib_the_way_out_is_told(desk: Path, periph_sim: Run, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    came = periph_sim("moving", *QUICK, "--plot", "new")
-    assert (came.status, came.err) == (2, "Error: --plot needs matplotlib: pip install 'periph-sim[sensors]'\n")
+    came = periph_sim("moving", *QUICK, "--plots", "new")
+    assert (came.status, came.err) == (2, "Error: --plots needs matplotlib: pip install 'periph-sim[sensors]'\n")
     assert not Path("new").exists()

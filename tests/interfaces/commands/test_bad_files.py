@@ -111,7 +111,7 @@ CASES = {
     "page over a case in a folder": ("check", ".", "--html", "small.toml"),
     "rows over case": ("sweep", "small.toml", "--vary", "seed=0,1", "--csv", "small.toml", *SHORT),
     "rows over firmware": ("sweep", "small.toml", "--vary", "seed=0,1", "--csv", "still.py", *SHORT),
-    "parameters over samples": ("identify", "rest.csv", "--parameters", "rest.csv"),
+    "parameters over samples": ("identify", "rest.csv", "--write-parameters", "rest.csv"),
 }
 
 

@@ -12,7 +12,7 @@ import pytest
 
 from periph_sim.timing.verdict import NOTHING_PROVEN
 from tests.interfaces.commands.conftest import Run
-from tests.interfaces.reports.baselines.desk import put
+from tests.interfaces.reports.baselines.desk import change, put
 
 ROOT = Path(__file__).parents[3]
 TIMING = ROOT / "timing"
@@ -112,6 +112,19 @@ def test_junit_is_written_and_annotations_follow_the_table(periph_sim: Run, case
     assert (root.get("tests"), root.get("failures")) == ("4", "1")
 
 
+@pytest.mark.parametrize(
+    ("tolerance", "status"), [("4", 1), ("5", 0), ("4 cycles", 1), ("5 cycles", 0), ("33 ns", 1), ("34ns", 0)]
+)
+def test_a_tolerance_is_a_time_or_cycles(periph_sim: Run, cases: Path, tolerance: str, status: int):
+    """The worst response was 5 cycles longer in the baseline."""
+    assert periph_sim("check", "--update-baseline", "--jobs", "1").status == 0
+    change(cases / "baselines" / "small.json", worst=15100, worst_at=1)
+    came = periph_sim("check", "--jobs", "1", "--tolerance", tolerance)
+    assert came.status == status
+    notice = f"--tolerance without a unit is obsolete; write --tolerance '{tolerance} cycles'\n"
+    assert came.err == (notice if tolerance.isdecimal() else "")
+
+
 def test_annotations_leave_json_alone(periph_sim: Run, cases: Path):
     came = periph_sim("check", "--jobs", "1", "--json", "--annotations", "github")
     assert json.loads(came.out)["verdict"] == "fail"
@@ -124,7 +137,9 @@ def test_annotations_leave_json_alone(periph_sim: Run, cases: Path):
         (["nowhere"], "nowhere: there is no such file or folder; give case files, or folders of them"),
         (["timing/small_firmware.py"], "timing/small_firmware.py, line 1: it is not TOML: "),
         (["--junit", "no/out.xml"], "no/out.xml, its place: found no such file or directory, expected a place that"),
-        (["--tolerance", "-1"], "Invalid value for '--tolerance': -1 is not in the range x>=0."),
+        (["--tolerance", "-1"], "--tolerance: -1 cycles is negative; a tolerance is 0 or more"),
+        (["--tolerance", "3 bits"], "--tolerance: '3 bits': unit 'bits' is none of ns"),
+        (["--tolerance", "x cycles"], "--tolerance: 'x' is not a number"),
         (["--set", "duration=1 ms"], "--update-baseline with --set: a baseline is of the unchanged case; remove one"),
         (["--jobs", "0"], "Invalid value for '--jobs': 0 is not in the range x>=1."),
         (["--annotations", "gitlab"], "Invalid value for '--annotations': 'gitlab' is not 'github'."),

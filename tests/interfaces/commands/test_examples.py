@@ -42,7 +42,7 @@ PREPARATIONS = (
     ("run", "timing/imu_hil.toml", "--seconds", "0.1", "--record", "run.psr"),
     ("assemble", "firmware/c28x/imu_hil.asm", "firmware.out"),
     ("imu-table", "--write", "rest.csv"),
-    ("identify", "rest.csv", "--parameters", "my.toml"),
+    ("identify", "rest.csv", "--write-parameters", "my.toml"),
     ("new", "i2c-slave", "case"),
 )
 

@@ -92,9 +92,9 @@ def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypat
     [
         ((), 2, "give one of --pty, --rfc2217, --port and --i2cdriver as the place of the port"),
         (
-            ("--i2cdriver", "--sci", "scia", "--format", "8e1"),
+            ("--i2cdriver", "--sci", "scia", "--frame", "8e1"),
             2,
-            "--sci and --format: for serial ports only; --i2cdriver",
+            "--sci and --frame: for serial ports only; --i2cdriver",
         ),
         (("--pty", "{taken}", "--port", "/dev/ttyS0"), 2, "give one of --pty, --rfc2217, --port"),
         (("--i2cdriver",), 2, "there is no wire 'SDA'"),
@@ -104,7 +104,7 @@ def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypat
         (("--pty", "--pace", "fast"), 2, "--pace 'fast': expected a number, as in 1 or 0.5"),
         (("--pty", "--for", "10 parsec"), 2, "--for: '10 parsec'"),
         (("--pty", "--sci", "scib"), 2, "there is no SCI 'SCI-B'; it has dsp.SCI-A"),
-        (("--pty", "--format", "9n1"), 2, "format '9n1': expected data bits 5 to 8"),
+        (("--pty", "--frame", "9n1"), 2, "format '9n1': expected data bits 5 to 8"),
         (("--pty", "--view"), 2, "--view needs a terminal; --browser shows the same on a page"),
         (("--pty", "--browser", "all"), 2, "--browser 'all': expected a port up to 65535, or ADDRESS:PORT"),
         (("--rfc2217", "0", "--browser", "--pace", "0", "--for", "10 ms"), 0, ""),

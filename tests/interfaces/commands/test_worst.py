@@ -83,9 +83,20 @@ def test_pictures_appear_together_or_not_at_all(periph_sim: Run, case: str, desk
     assert not any(name.startswith(".") for name in left)
 
 
+def test_the_picture_of_one_budget_may_be_a_file(periph_sim: Run, case: str, desk: Path):
+    (desk / "out").mkdir()
+    for place in ("out", "late.svg"):
+        assert periph_sim("worst", case, "stretch", "--svg", place, *LATE).status == 1
+    assert (desk / "late.svg").read_bytes() == (desk / "out" / "stretch.svg").read_bytes()
+    came = periph_sim("worst", case, "nacked rounds", "--svg", "none.svg", *LATE)
+    assert came.err == "none.svg: not written, since there is nothing to draw\n" and not Path("none.svg").exists()
+    came = periph_sim("worst", case, "stretch", "response", "--svg", "late.svg")
+    assert "--svg: late.svg is one file for 2 budgets; name one, or give a folder" in came.err
+
+
 MISTAKES = {
     ("respons",): "imu_hil.toml: there is no budget 'respons'; did you mean response?",
-    ("--svg", "nowhere"): "--svg: nowhere is no folder; create it, or give another",
+    ("--svg", "nowhere"): "--svg: nowhere is no folder; create it, or give another, or an .svg file",
     ("--seconds", "ten"): "--seconds: 'ten' is no length of time; write for instance 20 ms (ns, us, ms, s, min, h, d)",
     ("--set", "sed=1"): "imu_hil.toml, --set 'sed=1': there is no key 'sed'; did you mean seed?",
 }

@@ -16,10 +16,12 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from difflib import unified_diff
+from fractions import Fraction
 from pathlib import Path
 from typing import Literal, Protocol, TypeVar, TypeVarTuple
 
 from ....core.input_files import similar_file
+from ....core.tolerance import Tolerance, in_cycles
 from ....scene.case.discover import cases_below
 from ....timing.verdict import broken
 from ..explain.chain import Chain
@@ -130,7 +132,7 @@ def check(
     paths: Iterable[Path | str],
     *,
     jobs: int | None = None,
-    tolerance: int = 0,
+    tolerance: int | Tolerance = 0,
     update: bool = False,
     changes: Sequence[str] = (),
     keep_values: bool = False,
@@ -140,7 +142,7 @@ def check(
     """Run cases and compare them with their baselines.
 
     jobs: the number of processes; None for one per core. With 1, all cases run in this process.
-    tolerance: the number of cycles by which times may differ.
+    tolerance: the largest allowed difference of times: an int is a number of cycles, a Fraction is in seconds.
     update: True to write the figures as new baselines, all or none.
     changes: "key=value" texts that are applied to every case, to see their effect.
     keep_values: True to keep the values of budgets in the outcomes.
@@ -228,12 +230,19 @@ def _baselines(files: Iterable[Path], refused: list[RejectedCase] | None) -> dic
     return found
 
 
-def _compared(outcome: Outcome, baseline: Baseline | None, tolerance: int) -> CaseCheck:
+def _compared(outcome: Outcome, baseline: Baseline | None, tolerance: int | Tolerance) -> CaseCheck:
     path = path_for(outcome.path)
     if baseline is None:
         return CaseCheck(outcome, path, "missing", [])
-    changes = compare(baseline, outcome.figures, tolerance)
+    changes = compare(baseline, outcome.figures, _cycles(tolerance, outcome.figures))
     return CaseCheck(outcome, path, _state(changes), changes)
+
+
+def _cycles(tolerance: int | Tolerance, figures: Baseline) -> Fraction | int:
+    """Return a tolerance in cycles of the case with these figures."""
+    if isinstance(tolerance, int):
+        return tolerance
+    return in_cycles(tolerance, Fraction(figures.ticks_per_second, figures.ticks_per_cycle))
 
 
 def _state(changes: list[Change]) -> State:
@@ -246,14 +255,16 @@ class Start(Protocol):
     def __call__(self, work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]: ...
 
 
-def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start, tolerance: int | None) -> None:
+def _explain(
+    checks: list[CaseCheck], before: dict[Path, Baseline | None], start: Start, tolerance: int | Tolerance | None
+) -> None:
     """Run cases again to explain changed figures, and to find accesses that moved without changing a figure.
 
     A run ends after the last occurrence whose chain is needed. If the figures and the digest of event times equal those
     of the baseline, nothing can have moved, and the run is skipped.
 
     before: a dictionary from each case to its baseline, or to None if the case has no baseline.
-    tolerance: the number of cycles by which times may differ; None if new baselines are written. These need the chains
+    tolerance: as of `check`; None if new baselines are written. These need the chains
         of all budgets.
     """
     runs = [_chains(one.outcome, before[one.outcome.path], start, tolerance is None) for one in checks]
@@ -266,7 +277,8 @@ def _explain(checks: list[CaseCheck], before: dict[Path, Baseline | None], start
         if run is not None and baseline is not None and tolerance is not None:
             now = one.outcome.figures.budgets
             worse = {c.budget for c in one.changes if c.budget in now and c.figure == now[c.budget].chain_of}
-            one.changes[:0] = [] if worse else moved_accesses(baseline, one.outcome.figures, chains, tolerance)
+            allowed = _cycles(tolerance, one.outcome.figures)
+            one.changes[:0] = [] if worse else moved_accesses(baseline, one.outcome.figures, chains, allowed)
             one.state = _state(one.changes)
         if baseline is not None:
             explain(one.changes, baseline, one.outcome.figures, one.outcome.result.first_wrong)

@@ -50,7 +50,7 @@ class Change:
         return f"{self.text}: {self.why}" if self.why else self.text
 
 
-def compare(before: Baseline, now: Baseline, tolerance: int = 0) -> list[Change]:
+def compare(before: Baseline, now: Baseline, tolerance: Fraction | int = 0) -> list[Change]:
     """Return the differences of a run from its baseline, in the order of the case's budgets. Chains are not compared.
 
     tolerance: the number of cycles by which times may differ.
@@ -98,7 +98,9 @@ def _bus_bytes(before: list[str], now: list[str]) -> list[Change]:
     return [Change(None, BUS_BYTES, was, came, f"bytes on the bus differ from the baseline, {where}")]
 
 
-def _budget(name: str, before: Baseline, old: Figures, now: Baseline, new: Figures, tolerance: int) -> list[Change]:
+def _budget(
+    name: str, before: Baseline, old: Figures, now: Baseline, new: Figures, tolerance: Fraction | int
+) -> list[Change]:
     changes = _settings(f"{name} ", name, old, new, ("measure", "unit"))
     for figure in _figures(old, new):
         was, came = getattr(old, figure), getattr(new, figure)
@@ -158,7 +160,7 @@ def explain(changes: list[Change], before: Baseline, now: Baseline, first_wrong:
 
 
 def moved_accesses(
-    before: Baseline, now: Baseline, chains: Mapping[str, EventLine], tolerance: int = 0
+    before: Baseline, now: Baseline, chains: Mapping[str, EventLine], tolerance: Fraction | int = 0
 ) -> list[Change]:
     """Return a change for each access that moved in the chain of a budget, up to MOST_MOVED changes.
 

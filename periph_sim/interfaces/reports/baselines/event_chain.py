@@ -143,7 +143,7 @@ def first_divergence(before: list[str], now: list[str], cycles: Callable[[int], 
     return "; first to differ: ".join(differences)
 
 
-def first_moved(before: list[str], now: EventLine, cycles: Callable[[int], str], tolerance: int) -> str:
+def first_moved(before: list[str], now: EventLine, cycles: Callable[[int], str], tolerance: Fraction | int) -> str:
     """Describe the first event that moved by more than `tolerance` ticks, with its location in the firmware.
 
     A new or missing event counts as moved. Return "" if no event moved.
@@ -157,7 +157,7 @@ def first_moved(before: list[str], now: EventLine, cycles: Callable[[int], str],
     return f"{_moved(first[0], then_at.get(first), now_at.get(first), cycles)}{f' [{place}]' if place else ''}"
 
 
-def _apart(then_at: Times, now_at: Times, tolerance: int) -> list[tuple[str, int]]:
+def _apart(then_at: Times, now_at: Times, tolerance: Fraction | int) -> list[tuple[str, int]]:
     """Return the events that are missing in one of the chains, or whose times differ by more than `tolerance` ticks.
 
     The order of the events is that of their ticks. If the two ticks of an event differ, the earlier tick counts.

@@ -151,6 +151,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker("long")
         if item.nodeid.startswith(UNCOUNTED):
             item.add_marker("uncounted")
+        if os.name != "posix" and (posix := item.get_closest_marker("posix")) is not None:
+            item.add_marker(pytest.mark.skip(reason=f"needs Linux or macOS: {posix.args[0]}"))
         seen.add(function)
 
 

@@ -29,4 +29,3 @@ def test_a_loop_ends_by_itself(pytester: pytest.Pytester, loop: str) -> None:
 
 def test_the_suite_has_limits(pytestconfig: pytest.Config) -> None:
     assert 60 < float(pytestconfig.getini("faulthandler_timeout")) < float(pytestconfig.getini("timeout")) <= 900
-    assert pytestconfig.getini("timeout_method") == "signal"

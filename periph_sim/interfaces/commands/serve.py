@@ -100,7 +100,6 @@ def serve(
     verdicts: exit status 0 if the budgets hold, else 1.
     """
     from ...outside.live.case_for_line import case_for_bus, case_for_line
-    from ...outside.live.i2cdriver_door import I2cDriverDoor
     from ...outside.live.loop import Loop, signals_calling
     from ...outside.live.pacing import Pacer
     from ...outside.session import Session
@@ -132,6 +131,8 @@ def serve(
                     line = session.serial(sci, baud, frame or EIGHT_BITS)
                     door = _door(line, (link, real, tcp), baud, frame or EIGHT_BITS, shown.say)
                 else:
+                    from ...outside.live.i2cdriver_door import I2cDriverDoor
+
                     door = I2cDriverDoor(session, Path(bus) if bus else None)
                 try:
                     session.advance(session.now + ticks(time_given("--warm-up", warm_up), "nearest"))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import select
 import signal
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any, Protocol
@@ -63,8 +64,9 @@ class Loop:
         left = self._pacer.wait(due)
         while left > 0 and not self._stopped:
             files = [file for door in self._doors for file in door.files()]
-            ready, _, _ = select.select(files, [], [], left)
-            if ready:
+            if not files:
+                time.sleep(left)  # on Windows, select requires at least one file
+            elif select.select(files, [], [], left)[0]:
                 self._turn()
             left = self._pacer.wait(max(due, self._session.now))
 

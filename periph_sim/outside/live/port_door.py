@@ -12,6 +12,7 @@ import errno
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
+from io import UnsupportedOperation
 from typing import Any
 
 from ..errors import OutsideError
@@ -105,7 +106,12 @@ class PortDoor:
             self._port.close()
 
     def files(self) -> Sequence[int]:
-        return [self._port.fileno()] if self._port is not None and self._line.waiting < MOST else []
+        if self._port is None or self._line.waiting >= MOST:
+            return []
+        try:
+            return [self._port.fileno()]
+        except UnsupportedOperation:  # on Windows, a port has no file number; `turn` polls it at each step
+            return []
 
     def turn(self) -> None:
         self.back.add(self._line.read())

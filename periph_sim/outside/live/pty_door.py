@@ -16,14 +16,20 @@ import ctypes
 import errno
 import os
 import struct
-import termios
-import tty
 from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from ..errors import OutsideError
 from ..serial_line import SerialLine
 from .backlog import AT_ONCE, MOST, Backlog, left_there
+
+try:
+    import termios
+    import tty
+except ImportError:
+    raise OutsideError(
+        "a pseudo-terminal needs Linux or macOS; serve an SCI at --port or --rfc2217, which every system has"
+    ) from None
 
 RATES = {value: int(name[1:]) for name, value in vars(termios).items() if name[0] == "B" and name[1:].isdecimal()}
 

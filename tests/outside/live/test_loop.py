@@ -99,3 +99,14 @@ def test_one_that_is_stopped_waits_no_longer(monkeypatch: pytest.MonkeyPatch) ->
     calls, _, loop = made(lambda: loop.stop(), lefts=(0.5, 0.5, 0.5))
     loop.run(1000)
     assert ", ".join(calls) == "wait 1000, turn, wait 1000, turn, advance 1000, reached 1000, turn"
+
+
+def test_without_files_it_sleeps_because_select_refuses_none_on_windows(monkeypatch: pytest.MonkeyPatch) -> None:
+    slept: list[float] = []
+    monkeypatch.setattr("periph_sim.outside.live.loop.time.sleep", slept.append)
+    monkeypatch.setattr("periph_sim.outside.live.loop.select.select", None)
+    monkeypatch.setattr(Door, "files", lambda door: [])
+    calls, _, loop = made(lefts=(0.5,))
+    loop.run(1000)
+    assert slept == [0.5]
+    assert ", ".join(calls) == "wait 1000, wait 1000, turn, advance 1000, reached 1000, turn"

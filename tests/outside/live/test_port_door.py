@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import select
 import tty
@@ -111,6 +112,19 @@ def test_a_port_that_went_is_left_alone_for_a_second(tmp_path: Path) -> None:
         assert bool(door.files()) == is_open
     door.close()
     cable.unplug()
+
+
+def test_a_port_without_a_file_number_as_on_windows_is_polled_at_each_step(tmp_path: Path, monkeypatch) -> None:
+    cable = Cable(tmp_path / "ttyUSB0")
+    line = Session(written(tmp_path), ("RX", "TX")).serial("scia")
+    door = PortDoor(line, str(cable.name), 115_200, "8n1")
+    send(cable, door, b"y")
+    monkeypatch.setattr(door._port, "fileno", io.RawIOBase().fileno)
+    assert door.files() == []
+    door.turn()
+    assert line.waiting == 1
+    monkeypatch.undo()
+    door.close()
 
 
 def test_a_port_that_is_ahead_of_the_line_waits(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -17,7 +17,7 @@ from enum import Enum
 from fractions import Fraction
 from functools import lru_cache
 from pathlib import Path
-from types import NoneType, SimpleNamespace, UnionType
+from types import NoneType, UnionType
 from typing import (
     Annotated,
     Any,
@@ -33,6 +33,8 @@ from typing import (
 )
 
 import msgspec
+
+from .class_annotations import own_annotations, resolved_annotation
 
 UNIONS = (Union, UnionType)
 LIST_OF_TABLES = "expected a list of tables"
@@ -131,13 +133,11 @@ def convert(kind: type[T], tree: object) -> T:
 
 
 class Key:
-    """A key of a table. name: the name of its field. convert: its converter, which is made at the first use.
-
-    Names in its annotation are looked up in the module of the table's class, which is stored for this purpose.
-    """
+    """A key of a table. name: the name of its field. convert: its converter, which is made at the first use."""
 
     def __init__(self, kind: type, name: str, default: object) -> None:
-        self._owner = next(base for base in kind.__mro__ if name in vars(base).get("__annotations__", {}))
+        self._owner = next(base for base in kind.__mro__ if name in own_annotations(base))
+        # Names in its annotation are looked up in the module of the table's class.
         self._names = vars(sys.modules[self._owner.__module__]) if self._owner.__module__ in sys.modules else {}
         self.name = name
         self.default = default
@@ -149,8 +149,7 @@ class Key:
 
     @property
     def annotation(self) -> Any:
-        alone: Any = SimpleNamespace(__annotations__={self.name: vars(self._owner)["__annotations__"][self.name]})
-        return get_type_hints(alone, self._names, include_extras=True)[self.name]
+        return resolved_annotation(self._owner, self.name, self._names)
 
     @property
     def convert(self) -> Converter:

@@ -73,11 +73,14 @@ def built(folder: Path, **variables: str) -> Path:
     return file
 
 
-def installed_in(folder: Path, wheel: Path) -> Path:
-    """The site-packages of a new environment that has the wheel, and links to the packages that it needs to run."""
+def installed_in(folder: Path, wheel: Path, extra: str = "") -> Path:
+    """The site-packages of a new environment that has the wheel, and links to the packages that it needs to run.
+
+    extra: an extra of the wheel whose packages are linked too.
+    """
     venv.create(folder, with_pip=False)
     (site,) = folder.glob("lib/python3*/site-packages")
-    for name in needed("periph-sim"):
+    for name in needed("periph-sim", extra):
         files = distribution(name).files or []
         for top in {file.parts[0] for file in files} - {"..", "__pycache__"}:
             (site / top).symlink_to(distribution(name).locate_file(top))
@@ -86,16 +89,17 @@ def installed_in(folder: Path, wheel: Path) -> Path:
     return site
 
 
-def needed(name: str) -> set[str]:
-    """What a package needs to run, and what that needs, by name; no extras."""
+def needed(name: str, extra: str = "") -> set[str]:
+    """The names of the packages that a package needs to run, directly or indirectly, with one extra of its own."""
     found: set[str] = set()
-    left = [name]
+    left = [(name, extra)]
     while left:
-        for text in requires(left.pop()) or []:
+        package, of = left.pop()
+        for text in requires(package) or []:
             one = Requirement(text)
-            if one.name not in found and (one.marker is None or one.marker.evaluate({"extra": ""})):
+            if one.name not in found and (one.marker is None or one.marker.evaluate({"extra": of})):
                 found.add(one.name)
-                left.append(one.name)
+                left.append((one.name, ""))
     return found
 
 
@@ -116,6 +120,20 @@ def wheel(folder: Path) -> Path:
 @pytest.fixture(scope="module")
 def installed(wheel: Path, folder: Path) -> Path:
     return made_once(folder / "pure", lambda place: installed_in(place, wheel))
+
+
+@pytest.fixture(scope="module")
+def first_hour(wheel: Path, folder: Path) -> Path:
+    """The bin folder of an environment with the wheel and its extra `pytest`."""
+
+    def make(place: Path) -> Path:
+        site = installed_in(place, wheel, "pytest")
+        program = python_of(site).with_name("pytest")
+        program.write_text(f"#!{python_of(site)}\nimport pytest\nraise SystemExit(pytest.main())\n")
+        program.chmod(0o755)
+        return program.parent
+
+    return made_once(folder / "first_hour", make)
 
 
 @pytest.fixture(scope="module")
@@ -276,9 +294,9 @@ def test_a_shipped_case_keeps_its_baseline(installed: Path, repository: Path) ->
 
 @pytest.mark.parametrize(("name", "heading"), FIRST_HOUR)
 def test_a_page_of_the_first_hour_can_be_typed_in_as_it_stands(
-    installed: Path, tmp_path: Path, name: str, heading: str
+    first_hour: Path, tmp_path: Path, name: str, heading: str
 ) -> None:
-    """In an empty folder, by a shell that finds the wheel's `periph-sim` and the system's commands.
+    """In an empty folder, by a shell that finds the wheel's `periph-sim`, pytest and the system's commands.
 
     Commands within a sentence come last; nothing is shown for them, so they have to succeed.
     """
@@ -288,7 +306,7 @@ def test_a_page_of_the_first_hour_can_be_typed_in_as_it_stands(
         page, _, _ = page.partition("\n## ")
     for file, text in FILE.findall(page):
         (tmp_path / file).write_text(text, encoding="utf-8")
-    path = f"{python_of(installed).parent}{os.pathsep}{os.defpath}"
+    path = f"{first_hour}{os.pathsep}{os.defpath}"
     environment = {"PATH": path, "COLUMNS": WIDTH, "TERM": "dumb", "LC_ALL": "C.UTF-8", "HOME": str(tmp_path)}
 
     def shell(line: str) -> CompletedProcess[str]:

@@ -51,7 +51,9 @@ class Commands(click.Group):
         try:
             with inputs_of_one_command():
                 return super().invoke(ctx)
-        except BrokenPipeError:  # click would exit with 1, which means that a budget is broken
+        except OSError as error:  # click would exit with 1, which means that a budget is broken
+            if not is_closed_pipe(error):
+                raise
             raise click.exceptions.Exit(CLOSED_PIPE) from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
@@ -184,6 +186,12 @@ def run_command() -> None:
         click.echo("periph-sim: a fault of its own; please report it with the command and what follows.", err=True)
         traceback.print_exc()
         sys.exit(FAULT)
+
+
+def is_closed_pipe(error: OSError) -> bool:
+    """Return True if a reader of the output has ended. Windows then reports an invalid argument, without a file."""
+    invalid = os.name == "nt" and error.errno == errno.EINVAL and error.filename is None
+    return invalid or isinstance(error, BrokenPipeError)
 
 
 def _output_is_gone(error: Exception) -> bool:

@@ -15,6 +15,7 @@ import os
 import signal
 import sys
 import threading
+from pathlib import Path
 
 import pytest
 from _pytest.pytester import SysModulesSnapshot
@@ -32,6 +33,8 @@ pytest_plugins = [
 
 if form.running == form.INTERPRETED:
     os.environ[form.VARIABLE] = form.INTERPRETED  # so that no command tells of a build that is of other sources
+
+ROOT = Path(__file__).parents[1]
 
 # Hypothesis also draws constants that it reads from the source of all modules imported so far, so that examples would
 # depend on the tests that ran before in the same process.
@@ -57,6 +60,20 @@ settings.register_profile("periph-sim", deadline=None, derandomize=True, max_exa
 settings.register_profile("explore", deadline=None, max_examples=1000)
 settings.load_profile("periph-sim")
 
+
+# Files that need POSIX as they are imported, each with the reason; single tests elsewhere have the marker `posix`.
+NEED_POSIX = {
+    "tests/docs/test_warm.py": "sockets of a Unix domain that pass on files",
+    "tests/outside/drivers/test_i2c_dev.py": "fcntl.ioctl",
+    "tests/outside/drivers/test_i2cdriver_port.py": "pseudo-terminals",
+    "tests/outside/live/test_i2cdriver_door.py": "pseudo-terminals",
+    "tests/outside/live/test_port_door.py": "a pseudo-terminal as the real port",
+    "tests/outside/live/test_pty_door.py": "pseudo-terminals",
+    "tests/outside/test_log.py": "a log of pseudo-terminals",
+    "tests/platforms/test_without_posix.py": "what it removes",
+    "tests/test_supervisor.py": "fork and signals",
+    "tests/test_wheel.py": "a lock of fcntl",
+}
 
 # Whole cases run through everything; what they reach is reached by the tests of its parts.
 WHOLE = (
@@ -151,9 +168,16 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker("long")
         if item.nodeid.startswith(UNCOUNTED):
             item.add_marker("uncounted")
+        if reason := NEED_POSIX.get(item.nodeid.partition("::")[0]):
+            item.add_marker(pytest.mark.posix(reason))
         if os.name != "posix" and (posix := item.get_closest_marker("posix")) is not None:
             item.add_marker(pytest.mark.skip(reason=f"needs Linux or macOS: {posix.args[0]}"))
         seen.add(function)
+
+
+def pytest_ignore_collect(collection_path: Path) -> bool | None:
+    file = collection_path.relative_to(ROOT).as_posix() if collection_path.is_relative_to(ROOT) else ""
+    return True if os.name != "posix" and file in NEED_POSIX else None
 
 
 def pytest_report_header() -> str:

@@ -18,10 +18,6 @@ from subprocess import PIPE, Popen
 
 import pytest
 
-from periph_sim.supervisor import can_fork
-
-pytestmark = pytest.mark.skipif(not can_fork, reason="no fork here, so no process waits")
-
 CASE = """\
 name = "short"
 duration = "1 ms"

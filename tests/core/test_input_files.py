@@ -21,6 +21,7 @@ from periph_sim.core.input_files import (
 )
 
 
+@pytest.mark.posix("links")
 def test_a_file_that_was_read_is_an_input_by_each_of_its_names(tmp_path: Path):
     case, other = tmp_path / "case.toml", tmp_path / "other.toml"
     case.write_text("")
@@ -81,6 +82,7 @@ def test_a_file_is_read_and_noted_unless_its_reader_may_replace_it(tmp_path: Pat
             assert opened.read() == b"four" and is_input(baseline)
 
 
+@pytest.mark.posix("devices and pipes with a name")
 def test_devices_pipes_and_long_files_are_refused_before_they_are_read(tmp_path: Path):
     (tmp_path / "zero").symlink_to("/dev/zero")
     os.mkfifo(tmp_path / "pipe")

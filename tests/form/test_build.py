@@ -163,7 +163,7 @@ def compiler_that(folder: Path, does: str) -> str:
     return str(script)
 
 
-@pytest.mark.skipif(os.name != "posix", reason="a shell script is the compiler")
+@pytest.mark.posix("a shell script as the compiler")
 def test_a_linker_that_cannot_sort_links_all_the_same(tmp_path: Path):
     cc = compiler_that(tmp_path, f'case "$*" in *{build.SORTED}*) exit 1;; esac\necho "$@" > {LIBRARY}')
     build.link(["core.one", "core.two"], tmp_path, cc)
@@ -171,7 +171,7 @@ def test_a_linker_that_cannot_sort_links_all_the_same(tmp_path: Path):
 
 
 @pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
-@pytest.mark.skipif(os.name != "posix", reason="a shell script is the compiler")
+@pytest.mark.posix("a shell script as the compiler")
 def test_the_compiler_is_told_that_tracebacks_are_rare(tmp_path: Path, monkeypatch):
     package = tmp_path / "rooms"
     package.mkdir()
@@ -184,7 +184,21 @@ def test_the_compiler_is_told_that_tracebacks_are_rare(tmp_path: Path, monkeypat
     assert c_text.count("__attribute__((cold)) static void __Pyx_AddTraceback(") == 1
 
 
-@pytest.mark.skipif(os.name != "posix", reason="a shell script is the compiler")
+@pytest.mark.parametrize(("platform", "given"), [("linux", []), ("darwin", ["-undefined", "dynamic_lookup"])])
+def test_on_macos_the_linker_leaves_the_names_of_python_to_the_loader(monkeypatch, tmp_path: Path, platform, given):
+    commands: list[list[str]] = []
+
+    def run(command: list[str], **_: object) -> subprocess.CompletedProcess[str]:
+        commands.append(command)
+        return subprocess.CompletedProcess(command, 0)
+
+    monkeypatch.setattr(build, "run", run)
+    monkeypatch.setattr(build.sys, "platform", platform)
+    build.link(["one"], tmp_path, "cc")
+    assert commands == [["cc", "-shared", *given, "one.o", "-o", build.LIBRARY, build.SORTED]]
+
+
+@pytest.mark.posix("a shell script as the compiler")
 def test_what_does_not_link_is_told_with_the_linkers_words(tmp_path: Path):
     cc = compiler_that(tmp_path, "echo no space left >&2; exit 1")
     with pytest.raises(build.NoBuild, match=r"(?s)the compiled modules do not link; .*cc says:\nno space left"):
@@ -230,7 +244,8 @@ def test_a_source_without_declarations_is_told_in_a_line(monkeypatch, capsys, tm
     assert capsys.readouterr().err == f"the core stays interpreted: {said}\n"
 
 
-@pytest.mark.skipif(find_spec("Cython") is None or not hasattr(os, "setsid"), reason="Cython or POSIX is missing")
+@pytest.mark.posix("signals to a group of processes")
+@pytest.mark.skipif(find_spec("Cython") is None, reason="Cython is missing")
 def test_ctrl_c_ends_a_build_without_the_modules_that_wait(tmp_path: Path):
     """Each process of the terminal's group receives the signal while the first of eight modules is compiled."""
     package, built, calls = tmp_path / "rooms", tmp_path / "built", tmp_path / "calls.txt"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from importlib.util import find_spec
 from pathlib import Path
 from shutil import which
@@ -88,7 +87,7 @@ def test_runs_that_do_not_use_the_compiled_core_are_refused(own: Path):
     assert not (own / "compiled").exists()
 
 
-@pytest.mark.skipif(os.name != "posix", reason="a shell script is the compiler")
+@pytest.mark.posix("a shell script as the compiler")
 def test_a_compiler_other_than_gcc_is_named_with_its_words(own: Path, tmp_path: Path, monkeypatch, capsys):
     script = tmp_path / "other"
     script.write_text("#!/bin/sh\necho \"error: unknown argument: '-fprofile-partial-training'\" >&2; exit 1\n")

@@ -31,6 +31,7 @@ COMMANDS = {
 }
 
 
+@pytest.mark.posix("/dev/zero and pipes with a name")
 @pytest.mark.parametrize("file", ["zero", "pipe"])
 @pytest.mark.parametrize("arguments", COMMANDS.values(), ids=COMMANDS)
 def test_an_input_that_never_ends(periph_sim: Run, desk: Path, arguments: tuple[str, ...], file: str):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib
 import inspect
 import json
@@ -14,7 +15,7 @@ from pathlib import Path
 import pytest
 
 from periph_sim import form
-from periph_sim.cli import PACKAGES, ROOT, SECTIONS, cli, run_command
+from periph_sim.cli import PACKAGES, ROOT, SECTIONS, cli, is_closed_pipe, run_command
 from periph_sim.interfaces.commands.command_frame import MISTAKES, VERSION
 from tests.interfaces.commands.conftest import Run
 
@@ -170,3 +171,12 @@ def test_a_closed_pipe_is_neither_a_verdict_nor_a_message():
     with os.fdopen(writer, "w") as closed:
         came = started("schema", stdout=closed)
     assert (came.returncode, came.stderr) == (141, "")
+
+
+def test_windows_reports_a_closed_pipe_as_an_invalid_argument(monkeypatch: pytest.MonkeyPatch):
+    errors = BrokenPipeError(errno.EPIPE, ""), OSError(errno.EINVAL, ""), OSError(errno.EINVAL, "", "file.toml")
+    assert [is_closed_pipe(error) for error in errors] == [True, False, False]
+    with monkeypatch.context() as windows:
+        windows.setattr(os, "name", "nt")
+        found = [is_closed_pipe(error) for error in errors]
+    assert found == [True, True, False]

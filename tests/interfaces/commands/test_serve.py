@@ -30,6 +30,7 @@ def serve(*arguments: str) -> subprocess.Popen[str]:
     )
 
 
+@pytest.mark.posix("pseudo-terminals")
 def test_a_plain_script_talks_to_it_until_ctrl_c(tmp_path: Path) -> None:
     link, log = tmp_path / "dsp", tmp_path / "live.jsonl"
     served = serve(str(written(tmp_path)), "--pty", str(link), "--log", str(log), "--warm-up", "5 ms")
@@ -48,6 +49,7 @@ def test_a_plain_script_talks_to_it_until_ctrl_c(tmp_path: Path) -> None:
     assert end["end"] > 0
 
 
+@pytest.mark.posix("pseudo-terminals")
 def test_a_real_port_is_served_like_a_pseudo_terminal(tmp_path: Path) -> None:
     ours, port = os.openpty()  # as a cable to another computer
     served = serve(str(written(tmp_path)), "--port", os.ttyname(port), "--json")
@@ -65,6 +67,7 @@ def test_a_real_port_is_served_like_a_pseudo_terminal(tmp_path: Path) -> None:
     assert told["verdict"] == "not judged" and set(told["lateness"]) == {"worst_s", "p99_s", "late", "slips"}
 
 
+@pytest.mark.posix("pseudo-terminals")
 def test_an_unmodified_i2cdriver_program_reads_the_bus(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     i2cdriver = pytest.importorskip("i2cdriver", reason="i2cdriver is not installed: the extra drivers has it")
     opened = i2cdriver.serial.Serial
@@ -118,6 +121,7 @@ def test_what_it_refuses(more: tuple[str, ...], status: int, sentence: str, tmp_
     assert sentence in came.err.replace("\n", " ") and "Traceback" not in came.err
 
 
+@pytest.mark.posix("pseudo-terminals")
 def test_the_host_of_a_case_gives_way_with_its_budgets() -> None:
     case = Path(__file__).parents[3] / "timing" / "imu_hil.toml"
     said, mistakes = serve(str(case), "--pty", "--pace", "0", "--for", "30 ms").communicate(timeout=60)
@@ -136,6 +140,7 @@ def test_why_simulated_time_fell_behind_is_told() -> None:
     assert _slower(case, result) == f"{said}: {why}; it keeps --pace 0.4"
 
 
+@pytest.mark.posix("pseudo-terminals")
 def test_the_log_of_a_session_that_is_refused_and_the_case_stay_as_they_were(tmp_path: Path) -> None:
     case, taken, log = written(tmp_path), tmp_path / "taken", tmp_path / "live.jsonl"
     taken.touch()

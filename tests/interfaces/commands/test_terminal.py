@@ -15,6 +15,7 @@ from tests.outside.live.echo import written
 pytest.importorskip("serial", reason="pyserial is not installed: the extra live has it")
 
 
+@pytest.mark.posix("pseudo-terminals")
 def test_one_types_and_the_sci_answers(tmp_path: Path) -> None:
     mine, its = os.openpty()
     log = tmp_path / "live.jsonl"
@@ -40,6 +41,7 @@ def test_one_types_and_the_sci_answers(tmp_path: Path) -> None:
     os.close(mine)
 
 
+@pytest.mark.posix("pseudo-terminals")
 def test_a_session_that_ends_by_itself_says_so_and_why(tmp_path: Path) -> None:
     mine, its = os.openpty()
     case = written(tmp_path)

@@ -50,6 +50,7 @@ def test_a_folder_in_the_way_leaves_nothing_behind(tmp_path: Path):
     assert os.listdir(tmp_path) == ["run.vcd"]
 
 
+@pytest.mark.posix("symbolic links")
 def test_a_link_is_followed(tmp_path: Path):
     (tmp_path / "to").mkdir()
     target = tmp_path / "to" / "run.vcd"
@@ -61,6 +62,7 @@ def test_a_link_is_followed(tmp_path: Path):
     assert (tmp_path / "run.vcd").is_symlink()
 
 
+@pytest.mark.posix("pipes with a name")
 def test_a_pipe_takes_the_bytes_and_stays_a_pipe(tmp_path: Path):
     path = tmp_path / "pipe.vcd"
     os.mkfifo(path)

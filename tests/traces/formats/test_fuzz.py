@@ -295,6 +295,9 @@ def within(seconds: int) -> Iterator[None]:
     def late(number: int, frame: object) -> None:
         raise AssertionError(f"still reading after {seconds} s")
 
+    if not hasattr(signal, "SIGALRM"):  # on Windows the limit of the suite ends a hang
+        yield
+        return
     before = signal.signal(signal.SIGALRM, late)
     signal.alarm(seconds)
     try:

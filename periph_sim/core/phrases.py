@@ -10,12 +10,12 @@ from collections.abc import Iterable
 LONGEST = 60  # maximum number of characters of a name that are compared and shown
 
 
-def nearest(name: str, known: Iterable[str]) -> list[str]:
-    """Return up to three of the known names that resemble a name, the nearest first."""
+def nearest(name: str, known: Iterable[str], least: float = 0.6) -> list[str]:
+    """Return up to three of the known names that resemble a name, the nearest first. least: of difflib's ratio."""
     from difflib import get_close_matches  # imported here, because only errors need it
 
     folded = {k.casefold(): k for k in reversed(list(known))}
-    return [folded[k] for k in get_close_matches(name[:LONGEST].casefold(), list(folded), 3, 0.6)]
+    return [folded[k] for k in get_close_matches(name[:LONGEST].casefold(), list(folded), 3, least)]
 
 
 def did_you_mean(name: str, known: Iterable[str]) -> str:

@@ -46,10 +46,12 @@ from functools import lru_cache
 from msgspec import Struct
 from msgspec.structs import replace
 
+from ...core.phrases import nearest
 from ...core.table import duration
 from ...devices.sensor_rounds import known_sensors
-from .events import EVENTS, Event, event_of, read_event
+from .events import EVENTS, Event, read_event
 from .scope import BadEvent
+from .states import During, read_span, read_state
 from .tokens import Words
 
 CLAUSES = {
@@ -59,23 +61,6 @@ CLAUSES = {
     "unless": "unless",  # an event that must not happen, or the budget is not judged
     "unfinished": "unfinished",  # the event whose value is measured up to the end of the run, which cuts it off
 }
-LEVELS, BUS_STATES, CPU_STATES = ("high", "low"), ("busy", "free"), ("busy", "idle")
-
-
-class During(Struct, frozen=True):
-    """A state of the run.
-
-    enters: the events that begin the state; empty for the state of a CPU.
-    leaves: the events that end the state. An event that is also in `enters` does not end the state.
-    cpu: for the state of a CPU, "busy" or "idle"; "" for other states.
-    unit: for the state of a CPU, its unit.
-    """
-
-    text: str
-    enters: tuple[Event, ...] = ()
-    leaves: tuple[Event, ...] = ()
-    cpu: str = ""
-    unit: str = ""
 
 
 class Said(Struct, frozen=True):
@@ -118,9 +103,7 @@ def is_form(text: str) -> bool:
 
 def near_form(text: str) -> str:
     """Return the form whose first word resembles the first word of a text; "" if there is none."""
-    from difflib import get_close_matches  # imported here, because only errors need it
-
-    close = get_close_matches(text.split(" ", 1)[0], list(FORMS), 1, 0.75)
+    close = nearest(text.split(" ", 1)[0], FORMS, 0.75)
     return FORMS[close[0]] if close else ""
 
 
@@ -201,7 +184,7 @@ def _level(words: Words) -> Said:
 
 def _calls(words: Words) -> Said:
     words.one_of(["of"])
-    return Said(events=_span(words)[:1])
+    return Said(events=read_span(words)[:1])
 
 
 def _latency(words: Words) -> Said:
@@ -213,7 +196,7 @@ def _latency(words: Words) -> Said:
 
 
 def _time(words: Words) -> Said:
-    return Said(state=_during(words))
+    return Said(state=read_state(words))
 
 
 def _each(words: Words) -> Said:
@@ -229,68 +212,7 @@ def _share(words: Words) -> Said:
     while words.next and words.next != "in":
         length.append(words.take("the length of a window"))
     window = _checked_window(words, " ".join(length))
-    return Said(state=_during(words), window=window)
-
-
-def _during(words: Words) -> During:
-    """Read the word "in" and the name of a state after this word."""
-    words.one_of(["in"])
-    begin = words.place
-    if words.next == "cpu" and words.following in CPU_STATES:
-        words.take("cpu")
-        cpu = words.one_of(list(CPU_STATES))
-        unit = words.take("a unit") if words.took("of") else ""
-        return During(words.between(begin), cpu=cpu, unit=unit)
-    enters, leaves = _state(words)
-    return During(words.between(begin), enters, leaves)
-
-
-def _span(words: Words) -> tuple[Event, Event]:
-    """Read an optional word "span" and the name of a span. Return the events "begin" and "end" of the span.
-
-    All remaining words are the name. If they were read as an event, a name such as "wait to send" would end at "to".
-    """
-    words.took("span")
-    begin = words.place
-    unit, name = words.name("a span's name")
-    name = " ".join(filter(None, (name, words.rest())))
-    text = f"span {words.between(begin)}"
-    return Event("span", f"{text} begin", unit, name, "begin"), Event("span", f"{text} end", unit, name, "end")
-
-
-def _state(words: Words) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
-    """Return the events that begin the state, and the events that end it."""
-    kind = words.next
-    if words.took("bus"):
-        begins, ends = (event_of("bus START"),), (event_of("bus STOP"), event_of("bus arbitration lost"))
-        return (begins, ends) if words.one_of(list(BUS_STATES)) == "busy" else (ends, begins)
-    if kind not in STATES:
-        entered, left = _span(words)
-        return (entered,), (left,)
-    expected, enter, leave = STATES[words.take("a state")]
-    begin = words.place
-    words.name(expected)
-    place = words.between(begin)
-    if kind == "wire":
-        kind = "edge"
-        if words.one_of(list(LEVELS)) == "low":
-            enter, leave = leave, enter
-    elif not enter:
-        begin = words.place
-        words.one_of(["="])
-        words.value()
-        enter = words.between(begin)
-    return (event_of(f"{kind} {place} {enter}"),), (event_of(f"{kind} {place} {leave}"),)
-
-
-# STATES maps the first word of a state to a description of the state's name and the last words of two events.
-# The first of these events begins the state, and the second ends it; "" means the value in the text of the state.
-STATES = {
-    "flag": ("a field", "", "change"),
-    "variable": ("a variable of an image", "", "change"),
-    "wire": ("a wire", "rise", "fall"),
-    "interrupt": ("an interrupt's name", "enter", "leave"),
-}
+    return Said(state=read_state(words), window=window)
 
 
 def _busy(words: Words) -> Said:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from ...core.phrases import did_you_mean
+from ...core.phrases import did_you_mean, nearest
 from .scope import BadEvent
 
 WORD = re.compile(r"""\s*("[^"]+"|'[^']+'|["',=]|[^\s,="']+)""")
@@ -17,6 +17,7 @@ class Words:
         self.text = text
         self._words = WORD.findall(text)
         self.place = 0
+        self._optional: tuple[int, list[str]] = 0, []  # a place, and the words that `took` has not found there
         if '"' in self._words or "'" in self._words:
             raise BadEvent(f"{text!r}: a quote is not closed, or nothing is in it; write for instance 'time update'")
 
@@ -29,6 +30,11 @@ class Words:
     def following(self) -> str:
         """The word after the next word; "" if there is none."""
         return self._words[self.place + 1] if self.place + 1 < len(self._words) else ""
+
+    @property
+    def coming(self) -> list[str]:
+        """The words after the next word."""
+        return self._words[self.place + 1 :]
 
     def rest(self) -> str:
         """Take all remaining words and return them."""
@@ -64,6 +70,7 @@ class Words:
 
     def took(self, word: str) -> bool:
         if self.next != word:
+            self._optional = self.place, [*(self._optional[1] if self._optional[0] == self.place else ()), word]
             return False
         self.place += 1
         return True
@@ -114,6 +121,10 @@ class Words:
 
     def end(self) -> None:
         if self.next:
+            place, optional = self._optional
+            near = nearest(self.next, optional) if place == self.place else []
+            if near:
+                raise BadEvent(f"{self.text!r}: {self.next!r} where {near[0]} or the end is expected")
             raise BadEvent(f"{self.text!r}: {self.next!r} is more than a measure or event says; leave it out")
 
 

@@ -12,7 +12,7 @@ from typing import TypeAlias
 
 from msgspec.structs import replace
 
-from ...core.phrases import did_you_mean
+from ...core.phrases import did_you_mean, nearest
 from ...core.records import Kind
 from ...core.table import duration
 from ...devices.sensor_rounds import known_sensors
@@ -116,6 +116,10 @@ def _unknown(name: str, sentences: Mapping[str, str]) -> BadEvent:
     form = near_form(name)
     if form:
         return BadEvent(f"there is no measure {name!r}; did you mean {form}?")
+    prefix, colon, rest = name.partition(":")
+    near = nearest(f"{prefix}:", (SPAN, *PREFIXES)) if colon else []
+    if near:
+        return BadEvent(f"there is no measure {name!r}; did you mean {near[0]}{rest}?")
     names = [*sentences, *MEASURES, *NOT_SENTENCES, *(f"{prefix}NAME" for prefix in (SPAN, *PREFIXES))]
     hint = did_you_mean(name, names)
     if not hint.startswith("did you mean"):

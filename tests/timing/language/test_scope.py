@@ -125,6 +125,7 @@ def test_what_a_recorded_run_consisted_of():
     ("text", "scope", "said"),
     [
         ("perod of frame", ONE, "there is no measure 'perod of frame'; did you mean period of EVENT?"),
+        ("spqn:command", ONE, "there is no measure 'spqn:command'; did you mean span:command?"),
         ("stretchh", ONE, "there is no measure 'stretchh'; did you mean stretch?"),
         ("qqqqq", ONE, "there is no measure 'qqqqq'; it has response, stretch, round, "),
         (

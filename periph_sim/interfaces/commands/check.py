@@ -99,20 +99,20 @@ def check(
                 on_progress=on_progress,
                 on_refused=refused.append,
             )
+        outside = [one for one in refused if one.outside]
+        refused = [one for one in refused if not one.outside]
+        if outside and not checks and not refused:
+            raise click.ClickException(f"there is nothing to check: {outside[0].why}")
         if unfinished is not None:
             from ..reports.baselines.ci_output import junit
 
             unfinished.write_text(junit(checks, refused), encoding="utf-8")
         if unfinished_html is not None:
-            unfinished_html.write_text(_html(checks, jobs), encoding="utf-8")
+            unfinished_html.write_text(_html(checks, refused, jobs), encoding="utf-8")
         if unfinished_summary is not None:
             from ..reports.baselines.summary import summary
 
             unfinished_summary.write_text(summary(checks, refused, before), encoding="utf-8")
-    outside = [one for one in refused if one.outside]
-    refused = [one for one in refused if not one.outside]
-    if outside and not checks and not refused:
-        raise click.ClickException(f"there is nothing to check: {outside[0].why}")
     passed = all(one.passed for one in checks) and not refused
     if as_json:
         print_json(
@@ -153,7 +153,7 @@ def check(
     return 0 if passed else 1
 
 
-def _html(checks: list[CaseCheck], jobs: int | None) -> str:
+def _html(checks: list[CaseCheck], refused: list[RejectedCase], jobs: int | None) -> str:
     """Return the HTML report. Each case is run again to get the timelines."""
     from ..reports.baselines.check import workers
     from ..reports.html.gather import report_of_file
@@ -174,7 +174,8 @@ def _html(checks: list[CaseCheck], jobs: int | None) -> str:
             for one in checks
         ]
         reports = [came() for came in waiting]
-    return page(reports, reports[0].name if len(reports) == 1 else "periph-sim check", command_line())
+    title = reports[0].name if len(reports) == 1 and not refused else "periph-sim check"
+    return page(reports, title, command_line(), [f"{one.path.stem} cannot be run: {one.why}" for one in refused])
 
 
 def _show(checks: list[CaseCheck], refused: list[RejectedCase]) -> None:

@@ -216,8 +216,13 @@ def test_a_case_that_others_drive_is_named_and_left_out(periph_sim: Run, cases: 
     assert "\ntiming/theirs.toml: driven from outside, so not run here\n" in came.out
     told = json.loads(periph_sim("check", "--jobs", "1", "--json").out)
     assert told["verdict"] == "pass" and [one["file"] for one in told["driven_from_outside"]] == ["timing/theirs.toml"]
-    alone = periph_sim("check", "--jobs", "1", str(theirs))
+    files = ("--junit", "out.xml", "--html", "out.html", "--summary", "out.md")
+    assert periph_sim("check", "--jobs", "1", *files).status == 0
+    assert [suite.get("name") for suite in xml.parse("out.xml").getroot()] == ["small"]
+    assert "1 of 1 as they should be" in Path("out.md").read_text() and "theirs" not in Path("out.html").read_text()
+    alone = periph_sim("check", "--jobs", "1", "--html", "alone.html", str(theirs))
     assert alone.status == 2 and "there is nothing to check: timing/theirs.toml, line" in alone.err.replace("\n", " ")
+    assert not Path("alone.html").exists()
 
 
 def test_a_run_needs_nothing_of_a_terminal(cases: Path):

@@ -42,6 +42,26 @@ def test_check_writes_one_report_of_all_cases(periph_sim: Run, desk: Path) -> No
     assert "0 of 2 as they should be" in text
 
 
+@pytest.mark.parametrize("jobs", [(), ("--jobs", "1"), ("--jobs", "2")])
+@pytest.mark.parametrize("others", [0, 1])
+def test_the_report_of_check_names_the_cases_that_cannot_be_run(
+    periph_sim: Run, desk: Path, jobs: tuple[str, ...], others: int
+) -> None:
+    """Also if no case can be run, so that the report has no timelines."""
+    assert periph_sim("check", "--update-baseline", "small.toml").status == 0
+    for name in ("one", "two"):
+        text = CASE.format(firmware="<b>.py").replace("small", name)
+        Path(f"{name}.toml").write_text(text, encoding="utf-8")
+    came = periph_sim("check", *jobs, "--html", "out.html", "one.toml", "two.toml", *["small.toml"] * others)
+    assert came.status == 2 and came.out.count("Error: ") == 2
+    text = Path("out.html").read_text(encoding="utf-8")
+    assert f'<span class="chip bad">{others} of {2 + others} as they should be</span></h1>' in text
+    assert text.count("<article") == others and text.count('<details class="table"') == others
+    for name in ("one", "two"):
+        assert f"<li>{name} cannot be run: {name}.toml, line 5: unit.dsp.firmware: there is no firmware file" in text
+    assert "&#39;&lt;b&gt;.py&#39;" in text and "<b>" not in text
+
+
 @pytest.mark.parametrize("command", ["run", "check"])
 def test_a_place_that_cannot_be_written_to_is_told_before_anything_runs(
     periph_sim: Run, desk: Path, command: str

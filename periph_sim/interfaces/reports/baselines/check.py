@@ -336,10 +336,10 @@ def _write(checks: list[CaseCheck]) -> None:
 def workers(jobs: int | None, calls: int) -> Iterator[Start]:
     """Yield a function that starts calls, each in a process of its own.
 
-    jobs: the maximum number of calls at a time; None for one per core. With one job, or a single call, the calls run in
-        this process.
+    jobs: the maximum number of calls at a time; None for one per core. With one job, or at most one call, the calls run
+        in this process.
     """
-    if jobs == 1 or calls == 1:
+    if jobs == 1 or calls <= 1:
 
         def here(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:
             return lambda: work(path, *rest)

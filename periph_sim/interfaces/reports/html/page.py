@@ -40,11 +40,12 @@ STANDINGS = ("bad", "known", "good")  # the standings of cases, in the order in 
 MOST_FAILURES = 3  # maximum number of failures that the head of the page shows
 
 
-def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
+def page(cases: Sequence[CaseReport], title: str, command: str = "", refused: Sequence[str] = ()) -> str:
     """Return the page as HTML without references to other files.
 
     title: the title of the page, and of the overview if there are several cases.
     command: the command line that made the page.
+    refused: a sentence for each case that cannot be run.
     """
     # A row has the number of the case, the case, the number of the budget, and the budget.
     # Budgets with an unexpected result are first, and budgets that broke as expected are second. Failures of a case are
@@ -53,6 +54,7 @@ def page(cases: Sequence[CaseReport], title: str, command: str = "") -> str:
     rows = sorted(budgets, key=lambda row: (row[3].as_it_should_be, row[3].verdict.passed, row[0], _order(row[3])))
     return _template().render(
         cases=cases,
+        refused=refused,
         ordered=sorted(enumerate(cases, 1), key=lambda one: STANDINGS.index(one[1].standing)),
         rows=rows,
         failures=[row for row in rows if row[3].failure is not None],

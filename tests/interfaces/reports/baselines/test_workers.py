@@ -74,7 +74,7 @@ def test_so_many_calls_are_made_at_a_time_each_in_one_process(
     assert Threads.asked == [at_a_time]
 
 
-@pytest.mark.parametrize(("jobs", "calls"), [(1, 9), (None, 1), (4, 1)])
+@pytest.mark.parametrize(("jobs", "calls"), [(1, 9), (None, 1), (4, 1), (None, 0)])
 def test_one_job_or_one_call_is_made_in_this_process(jobs: int | None, calls: int):
     Threads.asked = []
     with workers(jobs, calls) as start:

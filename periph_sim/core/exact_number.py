@@ -12,6 +12,8 @@ MAX_DIGITS = 40  # maximum number of digits, enough for a femtosecond in a milli
 MAX_EXPONENT = 40
 _NUMBER = re.compile(r"[-+]?[\d._,/]+([eE][-+]?\d+)?")
 _EXPONENT = re.compile(r"[eE]([-+]?[0-9_]+)$")
+_SPLIT_UNIT = re.compile(r"([-+]?[\d.]+)([A-Za-z])")  # a number with the first letter of its unit
+_LETTERS = str.maketrans("OoIl", "0011")  # letters that are typed in place of digits
 SHOWN = 60  # maximum number of characters that a message quotes
 
 
@@ -32,8 +34,9 @@ def exact_number(text: str) -> Fraction:
     try:
         return Fraction(written)
     except (ValueError, ZeroDivisionError):
-        hint = f"; write {written.replace(',', '.')}" if re.fullmatch(r"[-+]?\d+,\d+", written) else ""
-        raise ValueError(f"{quoted} is not a number{hint}") from None
+        meant = written.replace(",", ".").translate(_LETTERS)
+        hint = f"write {meant}" if re.fullmatch(r"[-+]?\d+(\.\d+)?", meant) else "write for instance 20"
+        raise ValueError(f"{quoted} is not a number; {hint}") from None
 
 
 def number_and_unit(text: str) -> tuple[str, str]:
@@ -43,6 +46,9 @@ def number_and_unit(text: str) -> tuple[str, str]:
         found = _NUMBER.match(number)
         cut = 0 if found is None else found.end()
         return number[:cut], number[cut:]
+    split = _SPLIT_UNIT.fullmatch(number)
+    if split and split[2] not in "OoIl":
+        return split[1], f"{split[2]} {unit.strip()}"
     return number, unit.strip()
 
 
@@ -50,8 +56,11 @@ def unknown_unit(number: str, unit: str, known: Iterable[str]) -> str:
     """Return a phrase about an unknown unit of a number, with the known units and the nearest of them."""
     from difflib import get_close_matches  # imported here, because only errors need it
 
+    shown = shorten(repr(unit), SHOWN)
+    if unit[0].isdigit():
+        number, unit = number_and_unit(f"{number}{unit}")  # a blank in the number
     folded = {one.casefold(): one for one in known}
-    written = unit.casefold()
+    written = unit.replace(" ", "").casefold()
     alike = [one for one in folded if sorted(one) == sorted(written)] or get_close_matches(written, folded, 1, 0.5)
     hint = f"; did you mean {number} {folded[alike[0]]}?" if alike and {*alike[0]} & {*written[:1]} else ""
-    return f"unit {shorten(repr(unit), SHOWN)} is none of {', '.join(folded.values())}{hint}"
+    return f"unit {shown} is none of {', '.join(folded.values())}{hint}"

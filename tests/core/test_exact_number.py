@@ -47,6 +47,25 @@ def test_what_is_no_number_is_refused(text):
         exact_number(text)
 
 
+@pytest.mark.parametrize(
+    ("text", "hint"),
+    [
+        ("50n s", "unit 'n s' is none of ns, us, ms, s, min, h, d; did you mean 50 ns?"),
+        ("1.5u s", "unit 'u s' is none of ns, us, ms, s, min, h, d; did you mean 1.5 us?"),
+        ("10 0ms", "unit '0ms' is none of ns, us, ms, s, min, h, d; did you mean 100 ms?"),
+        ("2O ms", "'2O' is not a number; write 20"),
+        ("l5 ms", "'l5' is not a number; write 15"),
+        ("y ms", "'y' is not a number; write for instance 20"),
+        ("1,5 ms", "'1,5' is not a number; write 1.5"),
+        ("2o0 ms", "'2o0' is not a number; write 200"),
+    ],
+)
+def test_a_mistyped_time_is_answered_with_the_fix(text, hint):
+    with pytest.raises(TimeError) as error:
+        seconds(text)
+    assert str(error.value) == f"{text!r}: {hint}"
+
+
 @pytest.mark.parametrize("text", ["1e999999999 s", "1e-99999999 s", "1e400s", "1/" + "3" * 60 + " s"])
 def test_a_time_is_such_a_number(text):
     with pytest.raises(TimeError, match=r"exponent beyond 40|more than 40 digits"):

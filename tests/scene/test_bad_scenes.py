@@ -111,6 +111,12 @@ def case_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ),
         (
             'model_cost = "250 us"',
+            'model_cost = "240 uus to 260 us"',
+            "small.toml, line 9: unit.dsp.settings.model_cost: '240 uus': unit 'uus' is none of "
+            "ns, us, ms, s, min, h, d; did you mean 240 us?",
+        ),
+        (
+            'model_cost = "250 us"',
             "model_cost = 250",
             'small.toml, line 9: unit.dsp.settings.model_cost: 250 has no unit; write for instance "250 ms"',
         ),

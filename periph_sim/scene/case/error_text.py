@@ -57,7 +57,7 @@ def complaint(first: Mistake, above: Place = ()) -> str:
         told |= (
             any(one in first.what for one in quoted) or "but it is" in first.what or isinstance(first.error, BadCase)
         )
-        told |= isinstance(first.found, dict)
+        told |= isinstance(first.found, dict) or first.what.endswith("?")
     if told or len(found) > SHOWN:
         return first.what
     return f"{first.what[0].lower()}{first.what[1:]}, but it is {found}"

@@ -106,6 +106,8 @@ def _fix(line: str) -> str:
         return f"write {key} = {value.lower()}"
     if re.match(r"[-+]?\d\w*$", value):
         return "write a number, as 12 or 0x0c; texts are in quotes"
+    if re.fullmatch(r"[A-Za-z]\w*", value):
+        return f'write a number, as 12 or 0x0c, or a text in quotes: {key} = "{value}"'
     return f'write texts, and numbers with a unit, in quotes: {key} = "{value.strip(QUOTES)}"'
 
 

@@ -122,7 +122,7 @@ def edited(path: Path, line: str, by: str) -> Path:
         (
             'duration = "1 s"',
             'duration = "one s"',
-            "small.toml, line 2: duration: 'one s': 'one' is not a number",
+            "small.toml, line 2: duration: 'one s': 'one' is not a number; write for instance 20",
         ),
         (
             'firmware = "imu_hil"\n',
@@ -243,6 +243,7 @@ def test_a_folder_is_no_case(case_file: Path):
         ('duration = "1 s', 1, 'duration = "1 s"'),
         ("seed : 5", 1, "write seed = 5"),
         ("strict = True", 1, "write strict = true"),
+        ("seed = n", 1, 'write a number, as 12 or 0x0c, or a text in quotes: seed = "n"'),
         ("seed = 5x", 1, "write a number, as 12 or 0x0c"),
         ('breaks = ["a", "b"\nseed = 1', 1, "close the list or table"),
         ("[host", 1, "write a header as [table]"),

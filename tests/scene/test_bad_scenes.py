@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -227,6 +228,8 @@ def test_firmware_is_a_name_of_the_folder_not_a_module_path():
 @pytest.mark.parametrize("name", ["x" * 300, f"{'x' * 300}.py"])
 def test_a_file_name_that_the_system_refuses_is_told_in_one_sentence(case_file: Path, name: str):
     told = f"unit.dsp.firmware: firmware {name!r} cannot be loaded: OSError: [Errno 36] File name too long"
+    if sys.version_info >= (3, 14) and not name.endswith(".py"):  # Path.is_file() is False for such a name
+        told = "there is no firmware 'xxxxx"
     assert told in refusal(case_file, f"unit.dsp.firmware={name}")
     if name.endswith(".py"):
         told = refusal(case_file, f"device.own={{model = '{name}', address = 80}}")

@@ -48,7 +48,9 @@ def executable(path: Path) -> set[int]:
     found: set[int] = set()
     while waiting:
         code = waiting.pop()
-        if code.co_flags & CO_OPTIMIZED:  # a function
+        if (
+            code.co_flags & CO_OPTIMIZED and code.co_name != "__annotate__"
+        ):  # a function, but not Python 3.14's of a class
             found |= {line for _, _, line in code.co_lines() if line}
         waiting += [each for each in code.co_consts if isinstance(each, CodeType)]
     tree = ast.parse(path.read_text(encoding="utf-8"))

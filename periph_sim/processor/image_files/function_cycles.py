@@ -115,7 +115,7 @@ def _word(found: Instruction, wide: bool, pages: Mapping[int, int]) -> tuple[int
         return None
     place = 0x40 - (field & 0x3F) if field >= 0x40 else field
     page = pages[SP if field >= 0x40 else DP] * 4 + (field >= 0x40)
-    return page << 8 | place & ~wide, 1 + wide
+    return page << 8 | place & ~int(wide), 1 + wide
 
 
 def _written_early(found: Instruction) -> int:

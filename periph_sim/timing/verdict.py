@@ -167,6 +167,14 @@ def assumes(names: Sequence[str]) -> str:
     return f"undocumented behaviours assumed in it or shortly before: {listed}"
 
 
+def assumes_lines(names: Sequence[str]) -> list[str]:
+    """Return `assumes` as indented lines of at most 118 characters; [] without names."""
+    import textwrap  # imported here, because few runs fail
+
+    text = assumes(names) if names else ""
+    return textwrap.wrap(text, 118, initial_indent="  ", subsequent_indent="    ", break_long_words=False)
+
+
 def legend(words: Collection[str]) -> list[str]:
     """Return what the columns and words of a table of verdicts mean. words: the words in the table."""
     count = "count: occurrences" + "; seen: held in this run, other timings are not covered" * (SEEN in words)

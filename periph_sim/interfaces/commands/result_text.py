@@ -8,7 +8,18 @@ from ...core.options import Value
 from ...core.phrases import counted
 from ...scene.case.model import Case
 from ...scene.result import SKIPPED, Result
-from ...timing.verdict import FAIL, NOT_JUDGED, PASS, PASS_TITLE, Verdict, assumes, broken, figure, limit, simulated
+from ...timing.verdict import (
+    FAIL,
+    NOT_JUDGED,
+    PASS,
+    PASS_TITLE,
+    Verdict,
+    assumes_lines,
+    broken,
+    figure,
+    limit,
+    simulated,
+)
 from ...timing.verdict import legend as meanings
 from .command_frame import print_table, say
 
@@ -97,8 +108,7 @@ def broken_lines(budgets: Sequence[Verdict], assumed: Mapping[str, Sequence[str]
     lines = []
     for each in budgets:
         if each.broken:
-            names = assumed.get(each.name)
-            lines += [f"{each.name}: {broken(each)}", *([f"  {assumes(names)}"] if names else [])]
+            lines += [f"{each.name}: {broken(each)}", *assumes_lines(assumed.get(each.name, ()))]
     return lines
 
 

@@ -20,7 +20,7 @@ from pathlib import Path
 from ....core.text_table import columns, together
 from ....core.time import Timebase
 from ....processor.source_location import SourceLocation, parsed
-from ....timing.verdict import Verdict, assumes, figure, in_words, instant, percentile
+from ....timing.verdict import Verdict, assumes_lines, figure, in_words, instant, percentile
 from .cpu_activity import Doing, Stretch, phrase
 
 
@@ -201,7 +201,7 @@ def text(chain: Chain) -> list[str]:
         rows = [(signed(part.length), "", str(part)) for part in largest(chain.more)]
         more = signed(chain.length - typical)
         lines += [f"  {more} against {show(typical)}, its least critical occurrence", *_table(rows)]
-    return [*lines, *([f"  {assumes(chain.assumed)}"] if chain.assumed else [])]
+    return [*lines, *assumes_lines(chain.assumed)]
 
 
 def _head(verdict: Verdict) -> str:

@@ -67,6 +67,7 @@ NEED_POSIX = {
     "tests/outside/drivers/test_i2c_dev.py": "fcntl.ioctl",
     "tests/outside/drivers/test_i2cdriver_port.py": "pseudo-terminals",
     "tests/outside/live/test_i2cdriver_door.py": "pseudo-terminals",
+    "tests/outside/live/test_openings.py": "inotify",
     "tests/outside/live/test_port_door.py": "a pseudo-terminal as the real port",
     "tests/outside/live/test_pty_door.py": "pseudo-terminals",
     "tests/outside/test_log.py": "a log of pseudo-terminals",

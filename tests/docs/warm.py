@@ -14,13 +14,13 @@ import os
 import select
 import shutil
 import signal
+import socket
 import subprocess
 import sys
 import tempfile
 from ast import literal_eval
 from functools import cache
 from pathlib import Path
-from socket import AF_UNIX, SOCK_SEQPACKET, recv_fds, socket
 
 MOST = 100_000  # bytes of arguments and environment
 
@@ -76,7 +76,7 @@ def main() -> None:
     for module in USED:
         importlib.import_module(module)
     folder = Path(tempfile.mkdtemp())
-    with socket(AF_UNIX, SOCK_SEQPACKET) as server:
+    with socket.socket(socket.AF_UNIX, socket.SOCK_SEQPACKET) as server:
         _listen(server, folder)
         print(folder, flush=True)
         signal.signal(signal.SIGCHLD, signal.SIG_IGN)  # nobody waits for those who wait for commands
@@ -89,7 +89,7 @@ def main() -> None:
     shutil.rmtree(folder)
 
 
-def _listen(server: socket, folder: Path) -> None:
+def _listen(server: socket.socket, folder: Path) -> None:
     address = str(folder / "server")
     server.bind(address)
     server.listen()
@@ -98,7 +98,7 @@ def _listen(server: socket, folder: Path) -> None:
     command.chmod(0o755)
 
 
-def _is_command(line: socket) -> bool:
+def _is_command(line: socket.socket) -> bool:
     """Forks again. True in the child, which is as its client wants it; the other waits for it, tells, and ends."""
     signal.signal(signal.SIGCHLD, signal.SIG_DFL)
     child = os.fork()
@@ -106,7 +106,7 @@ def _is_command(line: socket) -> bool:
         status = os.waitstatus_to_exitcode(os.waitpid(child, 0)[1])
         line.send(str(status if status >= 0 else 128 - status).encode())
         os._exit(0)
-    asked, files, _, _ = recv_fds(line, MOST, 3)
+    asked, files, _, _ = socket.recv_fds(line, MOST, 3)
     sys.argv, folder, environment = literal_eval(asked.decode())
     for number, file in enumerate(files):
         os.dup2(file, number)

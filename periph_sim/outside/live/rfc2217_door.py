@@ -144,7 +144,15 @@ class Client:
         self._connection.close()
 
     def closed(self) -> bool:
-        """Return True if the client has closed its connection or vanished, even if its last bytes are unread."""
+        """Return True if the client has closed its connection or vanished, even if its last bytes are unread.
+
+        On Windows, a connection with unread bytes counts as open.
+        """
+        if not hasattr(select, "poll"):
+            try:
+                return bool(select.select([self.file], [], [], 0)[0]) and not self._connection.recv(1, socket.MSG_PEEK)
+            except OSError:
+                return True
         poll = select.poll()
         poll.register(self.file, getattr(select, "POLLRDHUP", 0))
         return bool(poll.poll(0))

@@ -108,7 +108,10 @@ def test_a_program_without_telnet_has_the_line_as_it_was_made(served: Served) ->
     assert [sentence.split()[-1] for sentence in served.said] == ["connected", "left"]
 
 
-def test_a_second_client_is_told_who_is_there(served: Served) -> None:
+@pytest.mark.parametrize("system", ["this system", "one without poll"])
+def test_a_second_client_is_told_who_is_there(served: Served, system: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    if system == "one without poll":
+        monkeypatch.delattr(rfc2217_door.select, "poll", raising=False)
     with served.client() as first, socket.create_connection(served.address) as second:
         served.passes("2 ms")
         name = "{}:{}".format(*first.getsockname())
@@ -304,6 +307,18 @@ def test_what_a_dead_client_left_does_not_stand_before_the_next_one_s_bytes(serv
     second.close()
 
 
+def test_a_client_that_left_makes_room_on_a_system_without_poll(served: Served, monkeypatch) -> None:
+    monkeypatch.delattr(rfc2217_door.select, "poll", raising=False)
+    served.client().close()
+    with socket.create_connection(served.address) as second:
+        served.door.turn()
+        assert [sentence.partition(" ")[2].split()[1] for sentence in served.said[1:]] == ["left", "connected"]
+        second.send(b"a")
+        served.passes("2 ms")
+        assert second.recv(100).endswith(b"b")
+
+
+@pytest.mark.posix("poll, which sees the end behind unread bytes")
 def test_the_end_of_a_client_that_is_ahead_is_seen_when_the_next_one_comes(
     served: Served, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -49,7 +49,7 @@ def show(result: Result, case: Case, verbose: bool = False, assumed: Mapping[str
     sci_bytes = f"{to_units} to units and {result.sci_bytes_sent} from units" if result.sci_bytes_sent else to_units
     traffic = f"{counted(result.wire_bytes, 'I2C byte')}, {sci_bytes}, {counted(result.events, 'event')}"
     say(
-        *legend(result.budgets, assumed or NOTHING),
+        *legend(result.budgets, assumed or NOTHING, verbose),
         f"{simulated(result.simulated_s)} simulated; {traffic}",
         *_counts(result, verbose),
     )
@@ -100,23 +100,33 @@ def budget_table(budgets: Sequence[Verdict]) -> None:
     print_table(("budget", "seen", "limit", "margin", "count", ""), rows, right=range(1, 5), whole=range(1, 6))
 
 
-def broken_lines(budgets: Sequence[Verdict], assumed: Mapping[str, Sequence[str]] = NOTHING) -> list[str]:
+def broken_lines(
+    budgets: Sequence[Verdict], assumed: Mapping[str, Sequence[str]] = NOTHING, verbose: bool = False
+) -> list[str]:
     """Return a line for each broken budget with the reason and, if it is known, the instant.
 
-    assumed: as for `show`; these options are a further line.
+    assumed: as for `show`; their number is a further line.
+    verbose: True to list them.
     """
     lines = []
     for each in budgets:
         if each.broken:
-            lines += [f"{each.name}: {broken(each)}", *assumes_lines(assumed.get(each.name, ()))]
+            names = assumed.get(each.name, ())
+            lines.append(f"{each.name}: {broken(each)}")
+            if verbose:
+                lines += assumes_lines(names)
+            elif names:
+                lines.append(f"  it assumes {counted(len(names), 'undocumented behaviour')} (worst names them)")
     return lines
 
 
-def legend(budgets: Sequence[Verdict], assumed: Mapping[str, Sequence[str]] = NOTHING) -> list[str]:
+def legend(
+    budgets: Sequence[Verdict], assumed: Mapping[str, Sequence[str]] = NOTHING, verbose: bool = False
+) -> list[str]:
     """Return the lines below a table of budgets: the reason for each broken budget, and the meanings of words."""
     if not budgets:
         return []
-    return [*broken_lines(budgets, assumed), *meanings({each.word for each in budgets})]
+    return [*broken_lines(budgets, assumed, verbose), *meanings({each.word for each in budgets})]
 
 
 def assumptions(names: Sequence[str], case: Case, verbose: bool) -> list[str]:

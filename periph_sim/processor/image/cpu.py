@@ -42,9 +42,7 @@ class ImageCpu(ImageMemory):
 
     STATE = State("ended returning idling _kept")
 
-    def __init__(
-        self, processor: Processor, options: SystemOptions, skip_polls: bool = True, keeps_decoded: bool = True
-    ) -> None:
+    def __init__(self, processor: Processor, options: SystemOptions, skip_polls: bool, keeps_decoded: bool) -> None:
         super().__init__(processor, options, skip_polls)
         self.keeps_decoded = keeps_decoded
         self._processor = processor

@@ -94,7 +94,7 @@ class Tally:
                 wide = self._cells.setdefault(number >> 1, cell)
                 if wide is not cell:
                     wide.count += cell.count
-                    if (cell.value, -cell.at) > (wide.value, -wide.at):
+                    if cell.value > wide.value:  # equal values are in one narrow cell
                         wide.value, wide.at = cell.value, cell.at
 
 

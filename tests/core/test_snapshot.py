@@ -285,7 +285,7 @@ def declared() -> list[tuple[str, ast.ClassDef, frozenset[str]]]:
     """Return each class of the package that declares a state: its file, source, and the names it lists."""
     found = []
     for path in sorted(PACKAGE.rglob("*.py")):
-        for node in ast.parse(path.read_text()).body:
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
             if not isinstance(node, ast.ClassDef):
                 continue
             for one in node.body:
@@ -300,7 +300,7 @@ def declared() -> list[tuple[str, ast.ClassDef, frozenset[str]]]:
 
 def test_each_declared_attribute_is_one_of_its_class():
     """A name that no object has would be left out of every state without a word."""
-    sources = {path: path.read_text() for path in PACKAGE.rglob("*.py")}
+    sources = {path: path.read_text(encoding="utf-8") for path in PACKAGE.rglob("*.py")}
     words = {path: set(ast_names(text)) for path, text in sources.items()}
     classes = declared()
     assert len(classes) > 120

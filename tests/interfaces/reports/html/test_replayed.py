@@ -42,8 +42,8 @@ def test_a_wrong_byte_is_marked_in_the_waves_of_the_replay_and_of_the_capture_be
     assert (report.verdict, row.verdict.name, row.verdict.verdict) == ("fail", "first wrong byte", "fail")
     assert row.failure is not None and row.timeline is not None
     assert row.failure.what.startswith("expected data read 21 at 0.003640 s of the capture, found data read 20 at ")
-    assert row.failure.why.startswith("I2CDXR = 0x20 was written at memory.py:22")
-    assert row.failure.source is not None and row.failure.source.line == 22
+    assert row.failure.why.startswith("I2CDXR = 0x20 was written at memory.py:24")
+    assert row.failure.source is not None and row.failure.source.line == 24
     lanes = {lane.name: lane for _, group in row.timeline.groups for lane in group}
     marked = {}
     for name in ("bytes", "captured bytes"):

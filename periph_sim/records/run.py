@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.input_files import open_input
+from ..core.input_files import open_input, similar_file
 from ..core.records import Kind, Record
 from ..core.registers import Field, Register
 from ..f28335.parts.f28335 import PART
@@ -90,7 +90,7 @@ class Run:
             with open_input(path) as file:
                 head = file.read(HEAD)
         except FileNotFoundError:
-            raise NotInRun(f"{path}: there is no such file; {WAY_OUT}") from None
+            raise NotInRun(f"{path}: there is no such file; {similar_file(path) or WAY_OUT}") from None
         except OSError as error:
             raise NotInRun(f"{path}: cannot be read ({error.strerror}); {WAY_OUT}") from None
         if not recognises(path, head):

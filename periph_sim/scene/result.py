@@ -173,6 +173,10 @@ def notes_of(scene: Scene) -> list[str]:
         for note, (tick, times) in party.notes.items():
             at = scene.timebase.show(tick - scene.start)
             lines.append(f"{name}, first at {at}: {note.text} [{note.source}] ({counted(times, 'time')})")
+    for fault in scene.faults:
+        if not fault.has_occurred:
+            at = scene.timebase.show(fault.next_at - scene.start)
+            lines.append(f"{fault.who} never occurred: its time, {at}, is after the end of the run")
     return lines + _missed_rounds(scene) + scene.uart.notes()
 
 

@@ -139,3 +139,10 @@ def test_a_fault_of_a_file_is_told_with_its_line(tmp_path: Path):
     with pytest.raises(BadCase) as caught:
         Scene(load(path, []))
     assert str(caught.value) == f"{path}, line 9: fault.0.width: it must be longer than 0, but it is '0 us'"
+
+
+@pytest.mark.parametrize(("at", "noted"), [("205.13 s", True), ("50 ms", False)])
+def test_a_fault_after_the_end_of_the_run_is_noted(at: str, noted: bool):
+    ran = faulty(f'{{kind="reset", unit="dsp", at="{at}", length="100 us"}}')
+    note = "fault 0 (reset) never occurred: its time, 205.130000 s, is after the end of the run"
+    assert (note in ran.result.notes) is noted

@@ -29,6 +29,7 @@ from ...core.kernel import Kernel
 from ...core.sampler import watch
 from ...core.state import State
 from ...core.table import DURATION_TEXT, Duration, duration
+from ...core.time import NO_TIME
 from ...core.wire import Wire
 
 
@@ -158,15 +159,16 @@ def kinds() -> dict[str, FaultKind]:
 
 
 class Repeated:
-    """Calls `strike` at each time of `when`. Only the next call is scheduled."""
+    """Calls `strike` at each time of `when`. Only the next call is scheduled. next_at: the tick of this call."""
 
-    STATE = State("_place _strike _number")
+    STATE = State("_place _strike _number", ticks="next_at")
 
     def __init__(self, when: When, place: FaultContext, strike: Callable[[], None]) -> None:
         self._when = when
         self._place = place
         self._strike = strike
         self._number = 0
+        self.next_at = NO_TIME
         self._plan()
 
     def _plan(self) -> None:
@@ -175,7 +177,17 @@ class Repeated:
             return
         due = place.start + place.ticks(when.at + number * (when.every or 0))
         late = place.random.randrange(place.ticks(when.spread) + 1)
-        place.kernel.call_at(due + late, self._struck)
+        self.next_at = due + late
+        place.kernel.call_at(self.next_at, self._struck)
+
+    @property
+    def who(self) -> str:
+        """The name of the fault, such as "fault 0 (spike)"."""
+        return self._place.who
+
+    @property
+    def has_occurred(self) -> bool:
+        return self._number > 0
 
     def _struck(self) -> None:
         self._strike()

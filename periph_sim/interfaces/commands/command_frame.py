@@ -46,10 +46,15 @@ class Command(click.Command):
         try:
             return super().parse_args(ctx, args)
         except click.NoSuchOption as error:
-            text = self._long_option(given, error.option_name)
-            if text is None:
-                raise
-            raise click.NoSuchOption(text[0], possibilities=[text[1]], ctx=ctx) from None
+            long = [name[2:] for one in self.params for name in one.opts if name[:2] == "--"]
+            unknown, near = error.option_name, nearest(error.option_name.lstrip("-"), long)
+            for text in given:  # a long option with a missing dash is read as short ones
+                meant = nearest(text[1:], long) if SINGLE_DASH.match(text) and unknown[1] in text else []
+                if meant:
+                    unknown, near = text, meant[:1]
+            names = " or ".join(f"'--{name}'" for name in near)
+            hint = f" Did you mean {names}?" if near else ""
+            raise click.NoSuchOption(unknown, f"No such option {unknown!r}.{hint}", ctx=ctx) from None
         except click.UsageError as error:
             before, after = _split_change(given)
             if after and "extra argument" in error.message:
@@ -66,15 +71,6 @@ class Command(click.Command):
         if not ctx.resilient_parsing:  # no notice while a shell completes the line
             click.echo(f"{name} of {ctx.info_name} is now {new}; the next release refuses {name}", err=True)
         return f"{new}{equals}{value}"
-
-    def _long_option(self, given: list[str], unknown: str) -> tuple[str, str] | None:
-        """Return an argument that is a long option with a missing dash, and this option; None if there is none."""
-        long = [name for one in self.params if isinstance(one, click.Option) for name in one.opts if name[:2] == "--"]
-        for text in given:
-            near = nearest(f"-{text}", long) if SINGLE_DASH.match(text) and unknown[1] in text else []
-            if near:
-                return text, near[0]
-        return None
 
 
 SINGLE_DASH = re.compile(r"-[A-Za-z][\w-]+")

@@ -12,6 +12,7 @@ import click
 
 from ...core.input_files import note_inputs_of, read_regular
 from ...scene.case.origin import named_files, texts_in
+from ...scene.case.toml_file import text_of
 from .command_frame import command, say, usage_errors_in_one_sentence
 from .result_text import HEADLINES, broken_lines, budget_table, title
 from .shared_options import CHANGES, GUARANTEED
@@ -37,6 +38,7 @@ def watch(case: Path, changes: tuple[str, ...]) -> int:
 
     try:
         with usage_errors_in_one_sentence():
+            text_of(case, "case")
             before: Outcome | None = None
             while True:
                 seen = stamps(case)

@@ -27,7 +27,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from ...core.examples import EXAMPLES
-from ...core.input_files import read_input
+from ...core.input_files import read_input, similar_file
 from ..c28x.assembler import Parsed, evaluate, parse
 from ..c28x.operands import BadInstruction
 from .coff2 import write
@@ -286,7 +286,8 @@ def text_of(path: Path) -> str:
     try:
         return read_input(path).decode("utf-8-sig")
     except OSError as error:
-        raise BadImage(f"{path}: {error.strerror}; give a source in assembly") from None
+        hint = similar_file(path) or "give a source in assembly"
+        raise BadImage(f"{path}: {error.strerror}; {hint}") from None
     except UnicodeDecodeError:
         raise BadImage(f"{path}: it is not UTF-8 text") from None
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 from itertools import combinations, pairwise
 from pathlib import Path
 
-from ...core.input_files import read_input
+from ...core.input_files import read_input, similar_file
 from ...f28335.descriptor import Part
 from ...f28335.memory.address_space import Content, area_at, not_loadable
 from ...f28335.parts.f28335 import PART
@@ -28,7 +28,7 @@ def load(path: Path) -> Image:
     try:
         data = read_input(path, LARGEST)
     except OSError as error:
-        raise BadImage(f"{path}: {error.strerror}; {WAY_OUT}") from None
+        raise BadImage(f"{path}: {error.strerror}; {similar_file(path) or WAY_OUT}") from None
     try:
         return parse(data)
     except BadImage as error:

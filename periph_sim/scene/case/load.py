@@ -6,6 +6,7 @@ change of host.jitter --> the table [host] is read and checked again; all other 
 
 from __future__ import annotations
 
+import re
 import tomllib
 from collections.abc import Sequence
 from functools import cached_property, lru_cache
@@ -139,6 +140,9 @@ def apply(tree: dict[str, object], change: str) -> Place:
     names = [name.strip() for name in key.split(".")]
     if not found or not all(names):
         raise BadCase(f"--set {change!r}: expected key=value, for instance controller.period=10 ms")
+    if not re.fullmatch(r"[\w-]+", names[0]):
+        meant = ".".join((*filter(None, re.split(r"[^\w-]+", names[0])), *names[1:]))
+        raise BadCase(f"--set {change!r}: the parts of a key are separated by points; write {meant}={value.strip()}")
     try:
         parsed = tomllib.loads(f"value = {value.strip()}")["value"]
     except tomllib.TOMLDecodeError:

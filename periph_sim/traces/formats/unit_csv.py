@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.input_files import open_input
+from ...core.input_files import open_input, similar_file
 from ...core.phrases import shorten
 from ..capture.capture import BadCapture
 from .csv_rows import numbered_rows
@@ -50,9 +50,8 @@ def read(path: Path) -> list[Column]:
         with open_input(path, LARGEST) as file:
             head = file.readline().decode("utf-8-sig")
     except OSError as error:
-        raise BadCapture(
-            path, "the file", (error.strerror or "an error").lower(), "a file that can be read", "check its name"
-        ) from None
+        found, hint = (error.strerror or "an error").lower(), similar_file(path) or "check its name"
+        raise BadCapture(path, "the file", found, "a file that can be read", hint) from None
     except UnicodeDecodeError:
         raise _bad(path, 1, "bytes that are not UTF-8", "text") from None
     try:

@@ -7,7 +7,7 @@ The monitor is created only when the first subscriber needs it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from typing import TYPE_CHECKING
 
@@ -64,6 +64,11 @@ class BusSide:
     def period(self) -> int:
         """Number of ticks between the due times of two successive rounds; 0 if there are no rounds."""
         return 0 if self.asked is None else int(self.asked.period // 1)
+
+    @property
+    def starts(self) -> Sequence[int]:
+        """The due times of the rounds if the case lists them; else empty."""
+        return () if self.asked is None else self.asked.starts or ()
 
     def count(self, transfer: Transfer) -> None:
         """Count the bytes of a transfer by the controller agent, and call `count_nacked` with the transfer."""

@@ -92,12 +92,16 @@ def head_plan(scale: CaseTicks) -> HeadPlan:
         ahead=ticks(table.initialise or Fraction(0)),
         starts=scale.starts("rounds"),
     )
+    set_up_at = scale.start + schedule.first - schedule.ahead
+    if startup and schedule.starts and schedule.starts[0] < set_up_at:
+        way = "start it later, or make controller.first earlier or controller.initialise longer"
+        raise scale.case.mistake(f"the round starts before the chips are set up; {way}", "inputs", "rounds", 0)
     asked = Asked(
         requests=_transfers(requests, by_stop),
         period=schedule.period,
         startup=_transfers(startup, by_stop),
         first=scale.start + schedule.first,
-        late=schedule.jitter,
+        late=schedule.jitter if schedule.starts is None else 0,
         rounds=schedule.rounds,
         starts=schedule.starts,
     )

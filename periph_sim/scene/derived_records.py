@@ -67,7 +67,7 @@ class DerivedRecords:
         if named[Kind.ROUND]:
             from ..timing.derived.transfer_records import RoundRecords
 
-            RoundRecords(self._recorder, scene.bus.rounds, scene.bus.period)
+            RoundRecords(self._recorder, scene.bus.rounds, scene.bus.period, scene.bus.starts)
         if named[Kind.RECEIVER]:
             scene.uart.record_receivers()
         if "stuck" in named[Kind.BUS] and scene.head is None:  # a controller agent reports stuck lines itself

@@ -187,10 +187,13 @@ def _missed_rounds(scene: Scene) -> list[str]:
     if head is None or table is None or not head.missed or judged:
         return []
     period = scene.timebase.show(scene.timebase.ticks(table.period, "nearest"))
-    return [
-        f"controller: {counted(head.missed, 'round')} that were due every {period} did not begin, because the one "
-        "before was still running; a budget on 'missed rounds' judges that"
-    ]
+    rounds = counted(head.missed, "round")
+    which = (
+        f"{rounds} did not begin when due"
+        if scene.bus.starts
+        else f"{rounds} that were due every {period} did not begin"
+    )
+    return [f"controller: {which}, because the one before was still running; a budget on 'missed rounds' judges that"]
 
 
 def unwired_pins(dsp: Dsp) -> list[str]:

@@ -75,12 +75,15 @@ class Schedule:
     def begins(self, start: int) -> tuple[list[int], int]:
         """Return the due times of the rounds missed since the last round, and the due time of the round that begins.
 
+        A round after the last one in `Asked.starts`, which another master has made, is due when it begins.
+
         start: the tick at which the round begins.
         """
         missed = self._missed(start)
         if not self._is_fixed:
             self._since, self._next = start, 0
-        return missed, self._pass()
+        due = self._pass()
+        return missed, start if due == NEVER else due
 
     def missed_by(self, now: int, over: int | None) -> list[int]:
         """Return the due times of the rounds missed since the last round, when the run ends at tick `now`.
@@ -88,7 +91,7 @@ class Schedule:
         over: the tick at which the last round ended; None if a round or the set-up is in progress.
         """
         missed = self._missed(now)
-        if self._is_fixed and self._deadline() != NEVER and self._due() <= now:
+        if self._is_fixed and self._is_due_again() and self._due() <= now:
             due = self._pass()
             if over is None or due + self._asked.late < over:
                 missed.append(due)
@@ -102,12 +105,14 @@ class Schedule:
 
     def _deadline(self) -> int:
         """Return the tick at which the next round is missed if it has not begun; NEVER if no round is due."""
-        rounds = self._asked.rounds
-        if self._starts is not None:
-            return self._due(1) if self._passed < len(self._starts) else NEVER
-        if self._since == NO_TIME or (rounds is not None and self._passed >= rounds):
+        if not self._is_due_again():
             return NEVER
         return self._due(1) if self._is_fixed else self._due() + self._ticks // 2
+
+    def _is_due_again(self) -> bool:
+        """Return True if a further round will be due."""
+        rounds = self._asked.rounds if self._starts is None else len(self._starts)
+        return self._since != NO_TIME and (rounds is None or self._passed < rounds)
 
     def _pass(self) -> int:
         """Go to the next round. Return the due time of the round before."""

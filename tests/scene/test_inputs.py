@@ -16,11 +16,13 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from periph_sim import BadCase, Dsp, FirmwareError, Scene, load, make_case
+from periph_sim.bus.i2c.transfer import Phase, Transfer
 from periph_sim.core.records import Kind, Record, Recorder
 from periph_sim.core.table import Spread
-from periph_sim.core.time import Timebase
+from periph_sim.core.time import NO_TIME, Timebase
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.firmware_loader import Firmware, settings_for
+from periph_sim.timing.rounds import Asked, BusRounds
 from tests.scene.runs import TIMING
 
 US = Fraction(1, 1_000_000)
@@ -123,6 +125,35 @@ def test_a_round_that_starts_within_another_is_missed():
     assert seen.result.budgets[0].worst == 1
 
 
+def test_the_last_round_is_missed_if_it_starts_within_another():
+    budget = {"name": "missed", "measure": "missed rounds", "max": 0}
+    for late in ("0 s", "1 ms"):  # jitter does not apply
+        tables = {"controller": {**REQUEST, "jitter": late}, "inputs": {"rounds": ["5 ms", "5.05 ms"]}}
+        seen = Observed(case(**tables, budget=[budget]), idle)
+        assert seen.scene.head is not None
+        assert (seen.result.budgets[0].worst, seen.scene.head.missed) == (1, 1)
+        (note,) = (one for one in Observed(case(**tables), idle).result.notes if one.startswith("controller"))
+        assert note.startswith("controller: 1 round did not begin when due, because the one before was still running")
+
+
+def test_the_slack_of_a_round_reaches_to_the_next_listed_start():
+    """A round of an address and one byte takes 0.105 ms; the last one has slack until a period of 20 ms is over."""
+    slack = {"name": "slack", "measure": "slack", "min": "0 s"}
+    for rounds, worst in ((["5 ms", "6 ms"], 895), (["5 ms", "30 ms"], 19_895)):
+        (verdict,) = Observed(case(controller=REQUEST, inputs={"rounds": rounds}, budget=[slack]), idle).result.budgets
+        assert verdict.worst == worst
+
+
+def test_rounds_of_another_master_are_due_when_they_begin_after_the_list():
+    asked = [Transfer("", [Phase(0x20, True, count=1, start_at=tick)], tick + 10) for tick in (50, 70)]
+    rounds = BusRounds(Asked(tuple(asked[:1]), 20, first=10, starts=(50,)), lambda: NO_TIME)
+    seen: list[tuple[int, int]] = []
+    rounds.on_round.append(lambda one: seen.append((one.due, one.start)))
+    for transfer in asked:
+        rounds.transfer(transfer)
+    assert seen == [(50, 50), (70, 70)]
+
+
 def test_a_frame_that_starts_within_another_is_not_sent():
     seen = Observed(case(host={}, inputs={"frames": ["1 ms", "1.5 ms", "4 ms"]}), idle)
     assert len(seen.frames) == 2
@@ -152,6 +183,22 @@ WRONG = {
 def test_lists_of_parts_that_are_not_there_are_refused(inputs: dict[str, Any], sentence: str):
     with pytest.raises(BadCase, match=sentence):
         case(inputs=inputs)
+
+
+def test_a_round_before_the_chips_are_set_up_is_refused():
+    """They are set up 10 ms before `first`, whatever the listed rounds."""
+    tables = {"chip": {"gyroscope": {"model": "itg3200", "values": {"fixed": [0, 0, 0]}}}, "unit": {}}
+    asked = {"request": [{"chip": "gyroscope"}], "first": "40 ms", "initialise": "10 ms"}
+    sentence = r"inputs\.rounds\.0: the round starts before the chips are set up; start it later, or make "
+    with pytest.raises(BadCase, match=sentence):
+        Scene(case(controller=asked, inputs={"rounds": ["29 ms"]}, **tables))
+    assert Observed(case(controller=asked, inputs={"rounds": ["36 ms"]}, **tables)).rounds == [36 * MS]
+
+
+@pytest.mark.parametrize(("key", "program"), [("image", "x.out"), ("sources", ["x.c"])])
+def test_costs_of_units_without_ranges_are_refused(key: str, program: object):
+    with pytest.raises(BadCase, match=r"inputs\.costs\.dsp: only computations of Python firmware have a range"):
+        make_case(name="x", unit={"dsp": {key: program, "modules": []}}, duration="1 ms", inputs={"costs": {"dsp": []}})
 
 
 @pytest.mark.parametrize("times", [["2 ms", "1 ms"], ["2 ms", "2 ms"]])

@@ -75,6 +75,11 @@ def subject_of(case: Case, duration: Fraction | None = None) -> EmulatorUnderTes
         raise case.mistake("a moving experiment needs a motion; give host.motion", "host")
     if case.host.lose:
         raise case.mistake("a lost byte shifts all others; a moving experiment needs whole frames", "host", "lose")
+    if case.inputs is not None and not (case.inputs.rounds is None and case.inputs.frames is None):
+        what = (
+            "a moving experiment has its rounds and frames by the schedules of [controller] and [host]; leave them out"
+        )
+        raise case.mistake(what, "inputs")
     names = {request.name for request in scene.requests}
     if case.controller is None or names != set(SENSORS) or len(scene.requests) != len(SENSORS):
         raise case.mistake(f"a moving experiment reads {', '.join(SENSORS)} in each round", "controller", "order")

@@ -128,6 +128,9 @@ class Case(Table, frozen=True, kw_only=True):
         for unit in inputs.costs:
             if unit not in self.unit:
                 yield Mistake(("inputs", "costs", unit), f"there is no unit {unit!r}; {did_you_mean(unit, self.unit)}")
+            elif not self.unit[unit].firmware:
+                way = "only computations of Python firmware have a range; leave it out"
+                yield Mistake(("inputs", "costs", unit), way)
 
     def _made_budgets(self) -> Iterator[tuple[Place, Budget]]:
         """Yield a budget for each expected reply, silence and watched wire, with the place of its table in the case."""

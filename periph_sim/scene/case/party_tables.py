@@ -75,7 +75,7 @@ class Controller(Table, frozen=True, kw_only=True):
     pointer_by: between pointer and read: `"repeated START"` or `"STOP"`
     order: known chips to read: gyroscope, accelerometer, magnetometer, or a plugin's
     request: further requests, `[[controller.request]]`
-    initialise: the known chips are identified and set up this long before the first round
+    initialise: the known chips are identified and set up this long before `first`
     check: `"host"`: compare known chips with the host's frames or the firmware's sensor models; the latter need
         `pins = { MODEL = 34 }`, high while they run
     on_nack: after a refused data byte: `"go on"` with the next phase or `"give up"` with a STOP

@@ -17,6 +17,8 @@ held      release of SCL by the master, if others hold it to the end    ticks up
 
 from __future__ import annotations
 
+from bisect import bisect_right
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from ...bus.i2c.transfer import Phase, Transfer
@@ -109,12 +111,14 @@ class RoundRecords:
     refused   due time of the round     number of requests whose address was not acknowledged; recorded if not 0
 
     period: the number of ticks from the due time of a round to the due time of the next round.
+    starts: the due times of all rounds, between which `period` does not apply; empty if they follow from it.
     """
 
-    def __init__(self, recorder: Recorder, rounds: BusRounds, period: int) -> None:
+    def __init__(self, recorder: Recorder, rounds: BusRounds, period: int, starts: Sequence[int] = ()) -> None:
         names = ("due", "missed", "begin", "end", "next", "refused")
         self._topics: dict[str, Topic] = {what: recorder.topic(Kind.ROUND, I2C, what) for what in names}
         self._period = period
+        self._starts = starts
         rounds.on_due.append(self._topics["due"].emit)
         rounds.on_missed.append(self._topics["missed"].emit)
         rounds.on_round.append(self.round)
@@ -123,6 +127,8 @@ class RoundRecords:
         """Record a round that is over."""
         self._topics["begin"].emit(over.start)
         self._topics["end"].emit(over.end)
-        self._topics["next"].emit(over.due + self._period)
+        following = bisect_right(self._starts, over.due)
+        last = following == len(self._starts)
+        self._topics["next"].emit(over.due + self._period if last else self._starts[following])
         if over.nacked:
             self._topics["refused"].emit(over.due, over.nacked)

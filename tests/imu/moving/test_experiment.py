@@ -67,6 +67,7 @@ def test_what_is_told():
             "host.lose: a lost byte shifts all others; a moving experiment needs whole frames",
         ),
         ("controller.order=['gyroscope']", "a moving experiment reads gyroscope, accelerometer, magnetometer in each"),
+        ("inputs.rounds=['5 ms']", "inputs: a moving experiment has its rounds and frames by the schedules"),
         ("unit.dsp.settings={}", 'needs one unit with sensor models; give it arithmetic = "q16"'),
     ],
 )

@@ -125,6 +125,23 @@ def test_failures_are_in_order_of_time_and_known_breaks_have_their_cause_too(sma
     assert of_known.find("./details").get("open") is not None
 
 
+@pytest.mark.parametrize(
+    ("unexpected", "known", "text", "mark"),
+    [
+        (3, 1, "and 1 more budget, in the table below", "known"),
+        (3, 2, "and 2 more budgets, in the table below", "known"),
+        (4, 1, "and 2 more budgets, in the table below", None),
+    ],
+)
+def test_further_failures_are_counted_and_marked_as_known_if_all_are(
+    unexpected: int, known: int, text: str, mark: str | None
+) -> None:
+    found = [replace(budget(f"b{number}", 30.0), failure=Failure("of it")) for number in range(unexpected + known)]
+    found[unexpected:] = [replace(one, must_break=True) for one in found[unexpected:]]
+    last = parsed(page([report(*found)], "by hand")).findall(".//ul[@class='failures']/li")[-1]
+    assert (said(last), last.get("class")) == (text, mark)
+
+
 def test_texts_of_a_case_cannot_break_out_of_their_place(small: CaseReport) -> None:
     evil = "</script><script>alert(3)</script>\"'><img src=x onerror=alert(4)>&amp;"
     timeline = replace(drawn(), says=(evil, *drawn().says[1:]))

@@ -41,7 +41,7 @@ class EdgePlayer:
 class OneWayWire(Wire):
     """A wire that only a player drives; all other parties read this wire, but drive the wire `back`.
 
-    back: the wire that all other parties drive. Its edges are not recorded.
+    back: the wire that all other parties drive; its edges are not recorded.
     """
 
     def __init__(self, kernel: Kernel, name: str, recorder: Recorder) -> None:

@@ -38,7 +38,7 @@ class Shown:
         return known
 
 
-BYTES = 6  # number of register bytes of a chip before the first run
+BYTES = 6  # number of register bytes of each emulated chip; all are 0 before the first run of the model
 
 
 class ChipModel:

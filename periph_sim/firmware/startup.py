@@ -72,7 +72,9 @@ def start_pie(dsp: Dsp, handlers: dict[str, Callable[[], None]]) -> None:
     """Enable the PIE and some interrupts. handlers: a dictionary from their names to their service routines."""
     pie = dsp.module("PIE")
     pie.PIECTRL.ENPIE = 1
-    pie.PIEACK.all = 0xFFF  # before PIEIER is written: later it would pulse INTx again for a request already sent
+    # PIEACK is cleared before any line is enabled in PIEIER. Otherwise the request of an enabled line could pulse INTx
+    # before PIEACK is cleared, and pulse it a second time when PIEACK is cleared.
+    pie.PIEACK.all = 0xFFF
     for name, handler in handlers.items():
         group, line = dsp.handle(name, handler)
         setattr(pie[f"PIEIER{group}"], f"INTx{line}", 1)

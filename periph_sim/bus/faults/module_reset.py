@@ -1,4 +1,4 @@
-"""A reset of a unit's I2C module in mid-byte, as a watchdog routine or a debugger makes it.
+"""A reset of a unit's I2C module, for example in mid-byte, as a watchdog routine or a debugger makes it.
 
     I2CMDR.IRS  ‾‾‾‾‾‾|______|‾‾‾‾‾‾     for `length`: the module releases both lines and clears all flags; with
                                          IRS = 1 it waits for a START, and the firmware waits for flags that never come

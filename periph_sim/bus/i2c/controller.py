@@ -41,6 +41,7 @@ class I2cController(BitParty):
     """An agent that makes transfers on SCL and SDA.
 
     who: its name on the wires and in records.
+    beside_others: True if a `BusRecorder` records the events on the wires, so the controller records only OF_AGENT.
     stuck_after: a time in ticks, or 0 for never. If SCL does not change for this time while the controller waits for
         the bus or for the rise of SCL, `on_stuck` is called with the stuck line.
     clear_after: a time in ticks, or 0 for never, as on buses with other controllers. If SCL stays high for this time

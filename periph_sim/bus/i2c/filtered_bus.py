@@ -44,7 +44,7 @@ class FilteredBus:
         self.scl_moved = now
         self._filter = filter
         self._lines = IDLE
-        self._scl_seen = SCL  # the filtered level of SCL before its last change
+        self._scl_seen = SCL  # the last level of SCL, before the present one, that lasted for the time of the filter
         self._sda_moved = -filter
         self._sda_event = NOTHING  # the last change of SDA, classified as START, STOP or NOTHING
         self._sda_seen = 1  # the level of SDA after the filter

@@ -2,8 +2,9 @@
 
     EVENTS >> 3 * (before << 2 | now) & 7, levels as SCL | SDA: bit 0 is SCL, bit 1 is SDA
 
-START and STOP are changes of SDA with SCL high in both samples. If both lines change at once, SCL counts: data may
-change with the fall of SCL (a hold time of 0), and a bit is the level of SDA while SCL is high.
+START and STOP are changes of SDA with SCL high in both samples. If both lines change at once, only the rise or fall of
+SCL is an event: data may change with the fall of SCL (a hold time of 0), and a bit is the level of SDA while SCL is
+high.
 
 Source: UM10204 sections 3.1.3 and 3.1.4, Table 10 (tHD;DAT).
 """

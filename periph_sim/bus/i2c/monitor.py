@@ -72,7 +72,7 @@ class I2cMonitor(BitParty):
         self._stream = I2cStream()  # decoder of the master's bits and conditions
         self._filter = filter
         self._sda_at = -filter
-        self._sda_seen = 1  # the level of SDA before its last change, spikes ignored
+        self._sda_seen = 1  # the last level of SDA, before the present one, that lasted for the time of the filter
         sampler = watch([scl, sda], self)
         self._levels = sampler.levels
         for wire in (scl, sda):

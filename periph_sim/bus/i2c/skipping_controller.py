@@ -1,7 +1,7 @@
-"""An I2C controller that skips the bits of a byte that are unobservable (`bit_skip`).
+"""An I2C controller that skips the first seven bits of each byte in which they are unobservable (`bit_skip`).
 
-RELEASE of the first bit --edge by edge--> BIT_END ...
-   +----seven bits skipped--> RELEASE of the eighth
+release of SCL for the first bit --edge by edge--> end of this bit, second bit ...
+            `--seven bits are skipped--> release of SCL for the eighth bit
 """
 
 # core: compiled
@@ -33,7 +33,7 @@ class SkippingController(I2cController):
         return self._scl_mask if line == SCL else self._sda_mask
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
-        """Return True if the bus filter passes levels of these times, and if no check for a stuck line is scheduled."""
+        """Return True if no level of such a byte is so short that the filter ignores it, and no stuck check is scheduled."""
         return self._guard is None and self._bus.passes(min(high, hold, low - hold))
 
     def byte(self) -> int:

@@ -117,7 +117,7 @@ class TargetSide(BitParty):
         self._refused = False  # True if the controller's last acknowledge in a read was a NACK
         self._level = 1  # the next level of SDA
         self._on_end = on_end
-        self._taken = False  # True if the present phase is acknowledged
+        self._taken = False  # True if the address of the present phase was acknowledged
         self._held_until = 0
         self._powered = True
         watch([scl, sda], self)

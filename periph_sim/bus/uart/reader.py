@@ -159,7 +159,7 @@ class UartCounter(Agent):
 
     on_character: callbacks with the tick of each character's start bit, called when the next character begins or the
         run ends.
-    topics: topics in which a record with value 1 is made for each character.
+    topics: the topics of records (`core.records`); each character makes one record, with value 1, in each topic.
     """
 
     topics: list[Topic]

@@ -79,14 +79,17 @@ NOTHING: Any = msgspec.UNSET  # marks a message that quotes no value, and a key 
 
 
 class Before(msgspec.Struct, frozen=True):
-    """A function that converts a value before the check. said: the value's type in the file, if it is another one."""
+    """A conversion before the check. `function` returns the value to check, or raises ValueError with a description.
+
+    said: the type of the value in the file, for the JSON schema; None if it is the annotated type.
+    """
 
     function: Callable[[Any], object]
     said: Any = None
 
 
 class After(msgspec.Struct, frozen=True):
-    """A function that converts a checked value. It rejects the value by a ValueError with a phrase."""
+    """A conversion after the check. `function` returns the new value, or raises ValueError with a description."""
 
     function: Callable[[Any], object]
 
@@ -137,7 +140,7 @@ class Key:
 
     def __init__(self, kind: type, name: str, default: object) -> None:
         self._owner = next(base for base in kind.__mro__ if name in own_annotations(base))
-        # Names in its annotation are looked up in the module of the table's class.
+        # Names in the key's annotation are looked up in the module of the class that has the annotation.
         self._names = vars(sys.modules[self._owner.__module__]) if self._owner.__module__ in sys.modules else {}
         self.name = name
         self.default = default

@@ -58,7 +58,7 @@ def unknown_unit(number: str, unit: str, known: Iterable[str]) -> str:
 
     shown = shorten(repr(unit), SHOWN)
     if unit[0].isdigit():
-        number, unit = number_and_unit(f"{number}{unit}")  # a blank in the number
+        number, unit = number_and_unit(f"{number}{unit}")  # the number contains a space: "1 000 ms"
     folded = {one.casefold(): one for one in known}
     written = unit.replace(" ", "").casefold()
     alike = [one for one in folded if sorted(one) == sorted(written)] or get_close_matches(written, folded, 1, 0.5)

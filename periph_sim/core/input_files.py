@@ -41,7 +41,8 @@ def similar_file(path: Path) -> str:
         names = [] if path.exists() else os.listdir(path.parent)
     except (OSError, ValueError):
         return ""
-    # Two names with the same suffix must resemble each other without it. A broken link has the name itself.
+    # Two names with the same suffix must resemble each other without the suffix. The missing name itself is in the
+    # folder if it is a broken link; it is no suggestion.
     near = [
         str(path.parent / name)
         for name in nearest(path.name, names)

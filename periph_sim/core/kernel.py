@@ -293,8 +293,7 @@ class Kernel:
     def replay(self, since: int, agent: Agent, tag: int) -> None:
         """Run skipped events: go back to tick `since`, call `agent.act(tag)`, and run the events that follow from it.
 
-        They run until the time is again that of the call. In its tick, only phases before the phase of the call are
-        run; later events stay queued.
+        Events are run up to the tick and the phase in which this method was called; later events stay queued.
         """
         now, phase, stop = self.now, self._phase, self._stop
         owner, outer, self.nested_owner = self.nested_owner, self.outer_loop, None

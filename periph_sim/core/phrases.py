@@ -11,7 +11,7 @@ LONGEST = 60  # maximum number of characters of a name that are compared and sho
 
 
 def nearest(name: str, known: Iterable[str], least: float = 0.6) -> list[str]:
-    """Return up to three of the known names that resemble a name, the nearest first. least: of difflib's ratio."""
+    """Return up to three of the known names that resemble `name`, best first. least: the minimum ratio of difflib."""
     from difflib import get_close_matches  # imported here, because only errors need it
 
     folded = {k.casefold(): k for k in reversed(list(known))}

@@ -10,8 +10,8 @@ A subscription to edges, flags or accesses can be limited to some wires or regis
                            '--> callbacks: a Record                    (text files, diagrams)
 
 All records with the same kind, the same place (`where`, such as a wire or a module) and the same thing (`what`, such as
-a register) form a topic. `tag_of` of a subscriber is called once for each topic, and returns the tag that its records
-have for this subscriber, or UNWANTED. So subscribers do not have to filter records.
+a register) form a topic. `tag_of` of a subscriber is called once for each topic. It returns the tag under which the
+subscriber receives the topic's records, or UNWANTED. So subscribers do not have to filter records.
 """
 
 # core: compiled
@@ -307,7 +307,7 @@ class Recorder:
     def makes_records(self, kind: Kind) -> bool:
         """Return True if a subscriber to this kind is a callback, which receives Record objects.
 
-        The code of a callback may inspect the scene.
+        A callback may inspect the scene and keep references to its objects. Listeners and sinks receive only values.
         """
         return any(not isinstance(party, Listener | RecordSink) for party, _ in self._parties[kind])
 
@@ -331,7 +331,7 @@ class Recorder:
         return topic
 
     def carried(self, action: Callable[[], None]) -> Callable[[], None]:
-        """Return a function that calls `action` with the present cause, even if `cause` is another one by then."""
+        """Return a function that calls `action` with the present cause, even if `cause` has changed before the call."""
         return partial(self._under, self.cause, action) if self.cause else action
 
     def _under(self, cause: int, action: Callable[[], None]) -> None:

@@ -63,7 +63,10 @@ class Ref(NamedTuple):
 
 
 class Found(NamedTuple):
-    """A reference to an object that the scene finds by a key, for example an operand by the address of the access."""
+    """A reference to an object that the scene finds by a key (see `Keyed`), so that the object itself is not stored.
+
+    For example, the key of the object that describes an access has the address of the access.
+    """
 
     kind: str
     key: tuple[object, ...]

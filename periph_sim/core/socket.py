@@ -2,7 +2,8 @@
 
     wire edge, CPU access, wake-up --> chip --> wires, interrupt requests, records
 
-Every input of a chip ends in `publish`, so no output, request or wake-up is missed.
+An input that may have changed the chip's outputs ends in `publish`. An input that can have changed only the time of the
+next wake-up ends in `_plan`. So no output, request or wake-up is missed.
 """
 
 # core: compiled without checks for None
@@ -121,7 +122,7 @@ class Socket(Agent):
         self.after: Callable[[int], None] | None = None  # called with the cycle when readable values may have changed
         self.on_held: Callable[[int, int], None] | None = None  # called with (cycle, mask) when `Chip.held` changes
         self._held = 0
-        self.release: PinReleaseGate | None = None
+        self.release: PinReleaseGate | None = None  # decides when the pins of output 0 are released; None: at once
         self.watchers: list[ChipObserver] = []
         self.on_watch: Callable[[], None] | None = None  # called when `watchers` has changed
         self.notes: list[tuple[int, Note]] = []
@@ -330,13 +331,13 @@ class Socket(Agent):
         return self._recorder.cause
 
     def repeat_output(self, index: int, cause: int) -> None:
-        """Release the pins of an output again, after `release` held them back, as an effect of the record `cause`."""
+        """Release the pins of an output that a PinReleaseGate has kept low, as an effect of the record `cause`."""
         outer, self._recorder.cause = self._recorder.cause, cause
         self._set_pins(index, 1)
         self._recorder.cause = outer
 
     def watch(self, watcher: ChipObserver) -> None:
-        """Call `watcher.look(cycle)` after every input, as a CPU in a polling loop needs."""
+        """Call `watcher.look` after each input that may have changed readable values, as a polling CPU needs."""
         self._have_watch([*self.watchers, watcher] if self.watchers else [watcher])
 
     def unwatch(self, watcher: ChipObserver) -> None:

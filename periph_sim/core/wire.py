@@ -33,8 +33,8 @@ class Wire(Settleable):
     recorded: True if the edges of this wire are recorded.
     pulling: mask of the parties that pull it low in the settled state; bit i is party i.
     attached: the number of parties.
-    version: a number that increases when a party is attached or a listener is added or removed, so that a user can tell
-        whether a list of them that it has stored is still valid.
+    version: a number that increases when a party is attached or a listener is added or removed. If it is unchanged, a
+        stored list of the parties or listeners is still valid.
     """
 
     STATE = State("level pulling _pulling _pulling_recorded", records="cause", chains="_watches")

@@ -87,14 +87,16 @@ def costs(name: str) -> dict[str, int]:
     return {what: counts.most_common(1)[0][0] for what, counts in found.items()}
 
 
-ROW = re.compile(r"^\| [^|]* \[(\S+)\] \| ((?:pass|enter|leave) \S+) \| (\d+) \|$", re.MULTILINE)
+ROW = re.compile(r"^\| [^|]* \[(\S+)\] \| ((?:pass|enter|leave|enter, leave) \S+) \| (\d+(?:, \d+)?) \|$", re.MULTILINE)
 
 
 def shown() -> Mapping[str, dict[str, int]]:
     """The page's figures by program."""
     found: dict[str, dict[str, int]] = {}
     for program, what, cycles in ROW.findall((ROOT / "docs" / "fidelity.md").read_text(encoding="utf-8")):
-        found.setdefault(program, {})[what] = int(cycles)
+        kinds, _, name = what.rpartition(" ")
+        for kind, figure in zip(kinds.split(", "), cycles.split(", "), strict=True):
+            found.setdefault(program, {})[f"{kind} {name}"] = int(figure)
     return found
 
 

@@ -8,5 +8,6 @@ count: a 16-bit value in a host frame; a count of 1 is, for example, 1e-4 rad.
 emulator: firmware that calculates the codes of the chips from host frames.
 round: one execution of the requests that a controller repeats periodically.
 truth: the motion of the body, without errors of sensors.
-as built, corrected: the gyroscope's rates are derivatives of the attitude angles, or the body rates of appendix B.
+as built: the gyroscope's rates are the derivatives of the attitude angles, as in the dissertation's section 4.3.2.
+corrected: the gyroscope's rates are the body rates of the dissertation's appendix B.
 """

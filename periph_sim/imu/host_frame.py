@@ -19,7 +19,8 @@ from ..devices.host_frames import ByteOrder
 from .motion import VALUES, BadMotion, Motion, sampled
 from .motion.quantities import Acceleration, Angle
 
-FAR = float(1 << 69)  # All floats from here on, infinity included, have the same count: 0 if it wraps, else the limit.
+# All quotients of FAR or more, infinity included, have the same count: 0 if counts wrap, or the limit if they saturate.
+FAR = float(1 << 69)
 LEAST, MOST = -0x8000, 0x7FFF
 
 KEPT = 256  # number of frames whose counts are cached

@@ -61,7 +61,7 @@ def shown(values: Sequence[T]) -> dict[str, Sequence[T]]:
 
 
 def data(address: int, values: tuple[int, ...]) -> bytes:
-    """Return the register bytes of the chip at this address, with its values of a frame (see SHOWN)."""
+    """Return the register bytes of the chip at this address after firmware has copied a frame's values (see SHOWN)."""
     chip, part = BY_ADDRESS[address]
     return register_bytes(chip, values[part])
 

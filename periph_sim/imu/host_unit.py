@@ -48,7 +48,7 @@ class FlightFrames:
         self._values = MotionFrames(flight, encoding, Fraction(0), period)
         self._order = encoding.byte_order
 
-    def frame(self, number: int) -> bytes | None:
+    def frame(self, number: int) -> bytes:
         """Return the bytes of frame `number`."""
         return encode(self._values(number), self._order)
 

@@ -178,7 +178,10 @@ def _hold(octave: Gaussian, k: int, number: int) -> int:
 
 
 class ImuNoise:
-    """Noise of the three sensors of an IMU on x, y, z, in deg/s, g and gauss. The models add it before the matrix S."""
+    """Noise of the three sensors of an IMU on x, y, z, in deg/s, g and gauss.
+
+    The models add it before they multiply by the matrix S, which has scale and cross-axis sensitivity.
+    """
 
     def __init__(self, imu: ImuParameters, seed: int) -> None:
         self._sensors = [_axes_of(name, getattr(imu, name), imu.period, seed) for name in Noise._fields]

@@ -9,7 +9,8 @@ Source: SPRUG03B; clock gate SPRUFB0D section 5.1.
 Chosen:
 - With the clock gated off the module releases both lines and ignores them; its registers keep their values.
 - An edge takes effect one filter width later; a pulse that is shorter than this width has no effect.
-- After a debugger halt, a slave holds SCL low from the fall that ends the byte in progress (or the transfer).
+- After a debugger halt, a slave holds SCL low from the fall that ends the present byte. With `free_slave_unit` =
+  whole_transfer, it completes the present transfer, and holds SCL low from the first fall of the next transfer.
 """
 
 # core: compiled without checks for None

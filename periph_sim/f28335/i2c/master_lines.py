@@ -1,4 +1,4 @@
-"""The I2C master on its lines: times falls and releases of SCL, START, repeated START and STOP.
+"""The I2C master on its lines: schedules falls and releases of SCL, START, repeated START and STOP.
 
     SCL low --low()--> released --others may hold it--> rises --high()--> `_after_high`: the next fall, or a condition
     SDA falls while SCL is high: START      SDA rises while SCL is high: STOP

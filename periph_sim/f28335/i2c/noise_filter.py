@@ -4,8 +4,8 @@
     levels   SCL ~~~~~~~~\\________      SDA ~~~~~~~~~~~~~~~      width = 5 cycles
 
 A level passes once it has lasted for the filter's width; a shorter pulse has no effect. Edges of both lines that arrive
-in one cycle leave in one cycle, as one change. TI does not document how the filter works, so the options
-`noise_filter_cycles` and `unequal_arrival` set it.
+in one cycle leave in one cycle, as one change. TI does not document how the filter works. So its width and its
+treatment of nearly simultaneous edges are options: `noise_filter_cycles` and `unequal_arrival`.
 """
 
 # core: compiled
@@ -25,10 +25,10 @@ class I2cNoiseFilter:
     """Filter of both lines.
 
     levels: SCL and SDA after the filter, as bits.
-    due: the cycle of their next change that can have an effect, or NEVER. A change of SDA while SCL is low has none; it
-    is applied with the next sample or change of SCL.
-    unequal_arrival: option. If it is set, edges of the two lines less than a module clock apart leave together, at the
-    time of the later one.
+    due: the cycle of the next change of `levels` that can have an effect, or NEVER. A change of SDA while SCL is low
+        has no effect; it is applied with the next sample or change of SCL.
+    unequal_arrival: an option. If it is True, edges of the two lines that are less than a module clock apart leave the
+        filter together, at the time of the later edge.
     """
 
     STATE = State("levels", cycles="due _scl_due _sda_due _cycle _scl_was _sda_was")

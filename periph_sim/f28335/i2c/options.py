@@ -157,7 +157,7 @@ class I2cOptions(Answers):
         "after_last_bit", "after_dxr_write", question="Loopback: the event from which the delay n counts."
     )
 
-    # Clock, emulation, FIFO
+    # Noise filter, clock, debugger halt, FIFO
     noise_filter_cycles: IntOption = number(
         1, 0, 4096, unit="module clocks", question="How long a level must last on a pin to be seen."
     )

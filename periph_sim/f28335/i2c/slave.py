@@ -168,7 +168,7 @@ class I2cSlave(I2cSlaveData):
                 self._shift = self._shift << 1 | sda
                 if bit == n:  # rise 8, at which NACKMOD is sampled
                     self._nack_armed = bool(self.state.mdr & MDR_NACKMOD)
-                    # With this value of the option the address is compared here. Its use is recorded at fall 8.
+                    # With "rise8" the address is compared here. The use of the option is recorded at fall 8.
                     compared = phase != RECEIVE and self.state.options.aas_sdir_point.unrecorded() == "rise8"
                     if compared and not self.muted and self._is_ours():
                         self._address_flags(now)

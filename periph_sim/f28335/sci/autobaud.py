@@ -58,7 +58,7 @@ class SciAutobaud:
             self._compare(edges[-6:])
 
     def brr(self, divider: int, phase: int, nearest: bool) -> int:
-        """Return the baud divider for the measured length, 1 to 65535. nearest: round it, else truncate."""
+        """Return the baud divider for the measured length, 1 to 65535: rounded if `nearest` is True, else truncated."""
         last = self._edges[-1]
         first = last - self.nine_bits
         lspclks = (last - phase) // divider - (first - phase) // divider

@@ -23,7 +23,7 @@ BREAK_TICKS = {"10": 80, "9.625": 77}
 
 @final
 class SciFormat:
-    """Character format. Bits are numbered from the start bit, 0; ticks are counted from its first low sample.
+    """Character format. The start bit is bit 0. Ticks are counted from the first low sample of the start bit.
 
     Options determine where the search for a start bit begins, which samples of the stop bit vote, and when a break is
     detected. The receiver records the use of an option when a frame depends on it.

@@ -68,7 +68,7 @@ class SciLines(Chip):
         self._rx = SciRx(options, self.touched)
         self._tx = SciTx(options, self._tx_clock, self._layout, self.touched)
         self._autobaud = SciAutobaud()
-        self.filter_width = self._sync = options.rx_sync_stages.unrecorded()  # its use is recorded with each frame
+        self.filter_width = self._sync = options.rx_sync_stages.unrecorded()  # `_run_rx` records the use of the option
         self._rxd = 1
         self._listening = False  # True if the bit receiver follows the line
         self._rx_at = self._tx_at = NEVER  # cycles of the next events of receiver and transmitter

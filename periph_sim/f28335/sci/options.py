@@ -1,8 +1,8 @@
 """Undocumented behaviours of the SCI: one field per question, the default first.
 
 `SciOptions` is built from a dict of a scene file (`core.options.options_from`) or from keyword arguments, and has the
-answers for one `Sci`. All questions but the last three are in section 3 of the open questions. The last three arose
-while the model was written.
+answers for one `Sci`. All questions but the last three are in section 3 of the project's list of open questions. The
+last three arose while the model was written.
 """
 
 from __future__ import annotations

@@ -9,7 +9,7 @@ Times are SCICLK ticks. With the default options a word is loaded into TXSHF at 
 Chosen, where the manual is silent:
 - TXWAKE works in FIFO mode as in standard mode: it applies to the next word loaded.
 - A word that is written less than FFTXDLY after the end of the previous word waits for the rest of FFTXDLY.
-- SCITXBUF and FIFO keep their words when SCIFFENA changes; only the selected one is sent.
+- SCITXBUF and FIFO keep their words when SCIFFENA changes; only words of the one that SCIFFENA selects are sent.
 - Words written to the FIFO while SW RESET = 0 wait. So do words written while SCIRST = 0, if scirst_scope = "shifters".
 - If SW RESET sets TXRDY to 1, TXINT is not requested.
 - TXFIFOXRESET = 0 does not stop TXFFINT, since an empty FIFO has fallen to any level.
@@ -145,7 +145,7 @@ class SciTx:
         self._set_next(now)
 
     def resume(self, now: int) -> None:
-        """Continue after a start or stop of the clock. Events of past ticks move to the next tick."""
+        """Reschedule the next word after a start or stop of the clock, for the next tick at the earliest."""
         self.stopping = False
         coming = self._clock.passed(now) + 1
         self._start_at = max(self._start_at, coming)

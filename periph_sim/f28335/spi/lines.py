@@ -74,7 +74,8 @@ class SpiLines(Chip):
         super().__init__()
         self.name = name
         self.options = options
-        self.filter_width = self._latency = options.input_latency.unrecorded()  # its use is recorded at each edge
+        # `_clock_edge` records the use of this option.
+        self.filter_width = self._latency = options.input_latency.unrecorded()
         self._shifter = SpiShifter()
         self._tx = TransmitBuffer(options, self.touched)
         self._rx = ReceiveBuffer(options, self.touched)

@@ -5,7 +5,7 @@ An arithmetic is float64, which is the reference, float32, or a Q format (see `n
 working range --search--> deviation of each arithmetic from float64
 motions, fields --sweep--> first input at which an arithmetic deviates from the reference, and how
 events ------------------> lost frames, runs of weeks, divisions by 0, rejected parameters
-outside the models ------> length of a run, clocks of some ppm, baud rates, sums of noise, Allan variances, inputs
+outside the models ------> length of a run, clocks with errors, baud rates, sums of noise, Allan variances, inputs
 costs -------------------> cycles for a sample
 """
 

@@ -1,14 +1,15 @@
 """Extremes that do not depend on the arithmetic: time, clocks, lines, noise, inputs, baud rates, Allan variances.
 
-    longest run, clocks of some ppm over a day, a transfer at the last tick, 10^9 samples of noise, NaN in a sample,
+    longest run, clocks with errors over a day, a transfer at the last tick, 10^9 samples of noise, NaN in a sample,
     a sender's largest rate error, large offsets and steep ramps, a scene whose crystals are 200 000 ppm apart
 
 Each finding is measured: errors are caused, edges are counted, and runs are compared.
 
-Baud rates: an SCI samples at eight times its own rate and counts from the first low sample of each start bit, which is
-up to one sample late. The SCI votes on the stop bit with samples 4 to 6 of 8, and two of these three samples must be in
-the sender's stop bit. For a fast sender, the first two samples must be before the next start bit. For a slow sender,
-the last two samples must be after the last data bit. If a bit of the sender has a length of b samples,
+Baud rates: an SCI samples at eight times its own rate and counts from the first low sample of each start bit, which may
+be up to one sample after the sender's fall. The SCI votes on the stop bit with samples 4 to 6 of 8, and two of these
+three samples must be in the sender's stop bit. For a fast sender, the first two samples must be before the next start
+bit. For a slow sender, the last two samples must be after the last data bit. If a bit of the sender has a length of b
+samples,
 
     fast   10 b >= 72 + 5        slow   9 b <= 72 + 4        (TI SPRUFZ5A section 1.2.7, figure 1-7)
 """
@@ -194,7 +195,8 @@ SAMPLE = 4 * (BRR + 1)  # length of a sample in SYSCLKOUT cycles, with LSPCLK = 
 NOMINAL = 8  # samples per bit if the sender has the right rate
 PHASES = 16  # number of phases within a sample at which the first start bit begins
 BYTES = b"\x55\x00\x7f" * 4  # twelve bytes whose last data bit is 0, unlike a stop bit
-LIMITS = {"fast": Fraction(77, 10), "slow": Fraction(76, 9)}  # limit of the samples per bit for each kind of sender
+# The shortest bit (fast sender) and the longest bit (slow sender) with which all bytes are received, in samples.
+LIMITS = {"fast": Fraction(77, 10), "slow": Fraction(76, 9)}
 HALVINGS = 8  # number of bisections of an interval of half a sample per bit
 START = 10_000  # cycle of the first start bit
 

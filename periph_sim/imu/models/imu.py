@@ -41,7 +41,10 @@ T = TypeVar("T")
 
 
 class Noise(NamedTuple, Generic[T]):
-    """Noise of the three chips on x, y, z, in deg/s, g and gauss. The models add the noise before the matrix S."""
+    """Noise of the three chips on x, y, z, in deg/s, g and gauss.
+
+    The models add it before they multiply by the matrix S, which has scale and cross-axis sensitivity.
+    """
 
     gyroscope: Triple[T]
     accelerometer: Triple[T]

@@ -37,7 +37,11 @@ boundary: an instant between two instructions, at which an interrupt can be take
 to land: to take effect; a posted write lands some cycles after it was issued.
 lease: the time in which nothing except the program of this CPU can act.
 wait: a loop of the program that reads values until a condition is true.
-pass: one execution of a loop.
+pass: one execution of a loop, or of the instruction that RPT repeats.
 statement: the line of the firmware's source that is executed, as a `SourceLocation`.
+place: a statement, unless a class `Place` or the description of a parameter says otherwise.
+topic: all records of one kind that are about one thing, for example the reads of one register (`core.records.Topic`).
+spread: a range of times, from which each computation draws one (`core.table.Spread`).
+port: in `python`, an object for accesses to a register; in `pin_router`, an input or output of a module.
 note: a remark on the firmware, for example on an access that violates a rule of the manuals.
 """

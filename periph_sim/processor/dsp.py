@@ -66,8 +66,8 @@ class DspPlan(Struct):
     skip_polls: True if passes of a wait that repeat the previous pass are skipped.
     keeps_decoded: see `Engine`.
     strict: True if the run ends when the firmware violates a rule of the manuals (a note with the code "duty").
-    seed: seed of the values drawn from spreads.
-    costs: the values of the first spreads, in seconds; further values are drawn.
+    seed: the seed of the times that are drawn from spreads.
+    costs: the times for the first computations whose cost is a spread, in seconds; times for later ones are drawn.
     stall_limit: seconds of host CPU time that firmware may take at one instant of simulated time; 0 if unlimited.
     pulled_down: the GPIO numbers of the pins with an external pull-down resistor.
     part: the member of the F2833x family.

@@ -22,10 +22,10 @@ CALLS = frozenset(["LCR", "LC", "FFC", "XCALL"])
 RETURNS = frozenset(["LRETR", "LRET", "LRETE", "IRET"])
 INTERRUPTS = frozenset(["TRAP", "INTR", "ITRAP0", "ITRAP1"])
 RELATIVE = frozenset(["B", "BF", "SB", "SBF", "BANZ", "BAR"])
-UNC_ENDS = frozenset(["B", "BF", "SB", "XB", "XRETC"])  # with the condition UNC, they always jump
+UNC_ENDS = frozenset(["B", "BF", "SB", "XB", "XRETC"])  # mnemonics that always jump if their condition is UNC
 ENDS = RETURNS | {"ESTOP0", "ITRAP0", "ITRAP1", "LB"}
 TMU = range(0xE270, 0xE27D)
-VCU = (0xE2, 0xE5)  # upper bytes of the first word
+VCU = (0xE2, 0xE5)  # upper bytes of the first word of an instruction for the VCU
 
 
 class Instruction(NamedTuple):
@@ -104,9 +104,9 @@ def decode(first: int, second: int) -> Encoding | None:
 
 
 def other_unit(first: int) -> str:
-    """Return the name of the unit of other C28x parts that would execute this word, such as "the TMU of an F2837x".
+    """Return the name of hardware of other C28x parts that would execute this word, such as "the TMU of an F2837x".
 
-    Return "" if no other part has such a unit. first: the first word of an instruction.
+    Return "" if no other part has such hardware. first: the first word of an instruction.
     """
     if first in TMU:
         return "the TMU of an F2837x"

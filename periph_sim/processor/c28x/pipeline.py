@@ -118,17 +118,19 @@ def addressing(field: int) -> int:
 
 # Fetch queue ------------------------------------------------------------------------------------------------------
 
-DEPTH = 4  # largest number of units in the fetch queue
+DEPTH = 4  # largest number of blocks in the fetch queue
 QUEUE_PACKED = 6 + DEPTH  # length of `FetchQueue.packed_queue`
 LONG_AGO = 1 << 7  # cycles: earlier times have no effect, since filling the queue takes at most 4 * 17 cycles
 
 
 @final
 class FetchQueue:
-    """The instruction fetch queue of up to four units of 32 or 64 bits. One unit arrives each `_cycles` cycles.
+    """The instruction fetch queue of up to four blocks of 32 or 64 bits. One block arrives each `_cycles` cycles.
+
+    A block contains the words that one fetch reads. Its number is its address divided by its length.
 
     Fetching continues while instructions execute, until the queue is full; a discontinuity, such as a jump, empties the
-    queue. The queue is used only for memory with wait states. In other memory a unit arrives in each cycle, so no
+    queue. The queue is used only for memory with wait states. In other memory a block arrives in each cycle, so no
     instruction waits. A data read of the same memory may be inserted between two fetches.
 
     expected: the address of the next instruction if there is no discontinuity.
@@ -139,11 +141,11 @@ class FetchQueue:
 
     def __init__(self) -> None:
         self._consumed: Annotated[list[int], DEPTH] = [0] * DEPTH  # the cycle at which each slot was free again
-        self._place = DEPTH - 1  # mask of the bits of a unit's number that select its slot
-        self._newest = 0  # the number of the last unit that an instruction needed: address >> _bits
-        self._ready = 0  # the cycle at which that unit was available
-        self._bits = 1  # number of address bits within a unit
-        self._cycles = 1  # cycles in which one unit arrives
+        self._place = DEPTH - 1  # mask of the bits of a block's number that select its slot
+        self._newest = 0  # the number of the last block that an instruction needed: address >> _bits
+        self._ready = 0  # the cycle at which that block was available
+        self._bits = 1  # number of address bits within a block
+        self._cycles = 1  # number of cycles in which one block arrives
         self._issued = 0  # the cycle at which the last instruction left the queue
         self.expected = -1
         self.packed_queue: Annotated[list[int], QUEUE_PACKED] = [0] * QUEUE_PACKED
@@ -161,9 +163,9 @@ class FetchQueue:
         """Begin to fetch at an address after a discontinuity.
 
         cycle: the cycle at which the instruction at the address would execute without wait states.
-        bits: a unit has 2 ** bits words.
-        first, later: the wait states of the first unit, and of each later one.
-        depth: the number of units in the queue, 1, 2 or 4.
+        bits: a block has 2 ** bits words.
+        first, later: the wait states of the first block, and of each later one.
+        depth: the maximum number of blocks in the queue, 1, 2 or 4.
         """
         assert depth in (1, 2, 4)
         self._bits, self._cycles, self._place = bits, later + 1, depth - 1
@@ -180,10 +182,10 @@ class FetchQueue:
         self._issued = ready if ready > cycle else cycle
         return self._issued - cycle
 
-    def _need(self, unit: int) -> int:
-        """Return the cycle at which a unit is available. Earlier units have left the queue then."""
+    def _need(self, block: int) -> int:
+        """Return the cycle at which a block is available. Earlier blocks have left the queue then."""
         place = self._place
-        while self._newest < unit:
+        while self._newest < block:
             if self._consumed[self._newest & place] < self._issued:
                 self._consumed[self._newest & place] = self._issued
             self._newest += 1
@@ -196,15 +198,15 @@ class FetchQueue:
 
         waits: the wait states of the read itself. The next fetch begins after the read.
         """
-        place, ready, unit = self._place, self._ready, self._newest + 1
-        while ready <= cycle and unit <= self._newest + place:
-            free = self._consumed[unit & place]
+        place, ready, block = self._place, self._ready, self._newest + 1
+        while ready <= cycle and block <= self._newest + place:
+            free = self._consumed[block & place]
             if free >= cycle or ready == cycle:
                 break
             ready = (free if free > ready else ready) + self._cycles
-            unit += 1
+            block += 1
         begins = ready if ready > cycle else cycle
-        self._consumed[unit & place] = begins + waits + 1
+        self._consumed[block & place] = begins + waits + 1
         return begins - cycle
 
 
@@ -212,8 +214,8 @@ class FetchQueue:
 
 LANE = 10  # number of bits of a lane of `Pipeline.pending`, one for each register in REGISTERS
 ONCE_EACH = 0x100401  # bit 0 of each of the three lanes
-BEHIND = 3  # cycles that the next instruction waits for a word
-STORES = 4  # stores that are kept; at most one is made in a cycle, and two by an instruction
+BEHIND = 3  # number of cycles for which the next instruction waits for a written word
+STORES = 4  # number of stores that are kept; at most one is made in a cycle, and two by an instruction
 STORES_PACKED = 1 + 3 * STORES  # length of `Pipeline.packed_stores`
 
 

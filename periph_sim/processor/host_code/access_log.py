@@ -3,9 +3,9 @@
     run that keeps a log:  C code --access--> LoggedRun --> CPU --value--> C code, and an item of the log
     re-execution:          C code --access--> runtime.c or LoggedRun: equal to the item? --its value--> C code
 
-A snapshot is possible only while main computes, the CPU sleeps meanwhile, and no service routine is active. The log
-ends there, and the restored scene continues there. An item is appended at the end of an access, after the items of the
-service routines that interrupt the access. The bits of an item:
+A snapshot is possible only while main computes, which means that the CPU sleeps, and no service routine is active. The
+log ends at the instant of the snapshot, from which the restored scene continues. An item is appended at the end of an
+access, after the items of the service routines that interrupt the access. The bits of an item:
 
     kind: 3 bits | bytes of a READ, modulo 8: 3 bits | place: 18 bits | value: 40 bits, signed
 """

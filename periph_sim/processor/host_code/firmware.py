@@ -229,7 +229,7 @@ class Run:
         return said
 
     def _announced(self, at: int, size: int) -> int:
-        """Return the number of the place that is written next; PROTECTED if only the store determines the place."""
+        """Return the number of the place that C code writes next; PROTECTED if only the store determines the place."""
         if not self._layout.may_write(at, size):
             raise self._no_member(at, size)
         place = self._layout.announced(at, size)
@@ -254,7 +254,10 @@ class Run:
         return place
 
     def _begin_write(self, place: Place) -> int:
-        """Return the number of a place that is written next. For a bit field, first read its word."""
+        """Return the number, for runtime.c, of the register or bit field that C code writes next.
+
+        For a bit field, first read its word, because the store changes only some bits of the word.
+        """
         if place.partial:
             self.load(place.at, place.size, (place,))
         number = self._numbers.get(place)

@@ -73,16 +73,17 @@ class Library:
         self._numbers = (ctypes.c_int * (BYTES * (LARGEST + 1))).in_dll(self._library, "c28x_numbers")
 
     def write_as_announced(self, at: int, size: int, place: int) -> None:
-        """Make C code treat each later write announced for these bytes as a write of the place with this number.
+        """Make runtime.c treat each later write announced for these bytes as a write of the place with this number.
 
-        Then the announcement of such a write makes no request.
+        Announcements of such writes then make no request.
         """
         self._numbers[at * (LARGEST + 1) + size] = place
 
     def answer(self, log: array[int]) -> ctypes.c_uint64:
-        """Let C code answer accesses with the items of a log, except the last item.
+        """Let runtime.c answer accesses of the firmware from a log, as long as they equal its items.
 
-        Return the variable of the C code that has the index of the next item.
+        The last item, in which the log ends, is left to Python. Return the variable of runtime.c that has the index of
+        the next item.
         """
         ctypes.c_uint64.in_dll(self._library, "c28x_log").value = log.buffer_info()[0]
         ctypes.c_uint64.in_dll(self._library, "c28x_log_end").value = max(len(log) - 1, 0)

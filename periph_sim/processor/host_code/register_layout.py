@@ -66,7 +66,7 @@ CHIP_BITS = {  # bits of a type on the chip; types that are not listed have 16
 FIXED_WIDTH = re.compile(r"u?int(?:_least|_fast)?(8|16|32|64)_t")
 SIGNED = (5, 6)  # DWARF encodings of signed types: DW_ATE_signed, DW_ATE_signed_char
 COMPOUND = ("DW_TAG_structure_type", "DW_TAG_union_type")
-LARGEST = 8  # most bytes of an access
+LARGEST = 8  # maximum number of bytes of an access
 STORES_ARE_DECODED = platform.machine() == "x86_64"  # True if runtime.c can decode a store instruction of the host
 NO_REGISTER = "no register has this type; declare 16 bits as unsigned int or uint16_t, 32 as unsigned long or uint32_t"
 
@@ -225,9 +225,12 @@ class RegisterLayout:
         return -(-longest // WORD // align) * align
 
     def _is_certain(self, member: DIE, word: int, host_bit: int) -> bool:
-        """Return True if the position of a member is the same with and without unnamed bits before it.
+        """Return True if unnamed bits before a member would not change its position.
 
-        word, host_bit: the first word on the chip, and the first bit on the host, after the bit fields before it.
+        The member follows bit fields, after which there may be unnamed bits, which the debug information does not list.
+
+        word: the first word after these bit fields, in the structure on the chip.
+        host_bit: the first bit after these bit fields, in the structure on the host.
         """
         offset, align = _value(member, "DW_AT_data_member_location"), self._alignment(member)
         host_align = _host_alignment(member)

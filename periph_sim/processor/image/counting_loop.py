@@ -92,15 +92,15 @@ class Number(NamedTuple):
     step: int
 
 
-def passes_within(number: Number, unit: int) -> int:
-    """Return the number of further passes in which a number stays between the multiples of `unit` around it."""
+def passes_within(number: Number, size: int) -> int:
+    """Return the number of further passes in which a number stays between the multiples of `size` around it."""
     value, step = number
     if not step:
         return NEVER
-    rest = value % unit
+    rest = value % size
     if not rest:
         return 0
-    return (unit - 1 - rest) // step if step > 0 else (rest - 1) // -step
+    return (size - 1 - rest) // step if step > 0 else (rest - 1) // -step
 
 
 # Instructions that count --------------------------------------------------------------------
@@ -117,10 +117,10 @@ COMPARISON = re.compile(
 class Sum(NamedTuple):
     """The sum that an instruction computes: result = left + sign * right. A copy adds 0.
 
-    result: the name of the place that is written; "" if only the flags are written.
-    left: the name of a place.
+    result: the name of the operand that is written, such as "ACC" or "loc"; "" if only the flags are written.
+    left: the name of an operand.
     sign: 1 or -1.
-    right: the name of a place, or a number, "1" or "simm16".
+    right: the name of an operand, or a number, "1" or "simm16".
     """
 
     result: str
@@ -129,7 +129,7 @@ class Sum(NamedTuple):
     right: str
 
     def number(self, c: int) -> int | None:
-        """Return the value of `right`; None if it is a place. A signed immediate is returned as its low 16 bits.
+        """Return the value of `right`; None if it names an operand. A signed immediate is returned as its low 16 bits.
 
         c: the value of field c, which contains the immediate.
         """
@@ -198,7 +198,7 @@ class RepeatedPass:
     """Evaluation of a traced pass with counters in place of values.
 
     counters: a dictionary from each word that is a counter to its number at the present instruction of the pass.
-    passes: the number of further passes for which the results so far are valid.
+    passes: the number of further passes for which the evaluation so far is valid.
     stores: the writes to memory so far.
     """
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ...core.options import BoolOption
 
 BRANCHES = RELATIVE | {"LB", "XB", "XBANZ"}
-PREFETCHED = 2  # flash with FOPT.ENPIPE = 1 is fetched in units of 2 ** PREFETCHED words
+PREFETCHED = 2  # flash with FOPT.ENPIPE = 1 is fetched in blocks of 2 ** PREFETCHED words
 WITHOUT_WAITS = (range(0x800), range(0x8000, 0xC000), range(0x3F_8000, 0x3F_C000))  # M0, M1, L0 to L3 (twice)
 
 

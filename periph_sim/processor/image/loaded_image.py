@@ -30,7 +30,7 @@ from .cpu import ImageCpu
 from .observers import CallListener, CallStack, InstructionWatch
 
 LAST_JUMPS = 8  # number of jumps that an error message lists; a power of two
-LONGEST = 64  # most words of a loop whose code is examined
+LONGEST = 64  # maximum number of words of a loop whose code is examined
 ALL = 0xFFFF
 MEMORY = "memory"  # what a loop waits for if the words that it reads are unknown
 LCR_WORDS = 2

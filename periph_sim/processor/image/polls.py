@@ -26,7 +26,7 @@ from ..operand import Operand
 from ..polling import Lease, Spin
 
 FIRST_EXAMINED = 2  # number of passes of a loop before a pass is examined
-LONGEST = 1024  # most passes between two examined passes of a loop that is no wait
+LONGEST = 1024  # maximum number of passes between two examined passes of a loop that is no wait
 COUNTS_FROM = 64  # number of passes before a loop is analysed for counters, which is slow
 FEWEST = 8  # a smaller number of counting passes is not skipped
 TRIES = 3  # number of failed analyses after which a loop is no longer analysed
@@ -39,11 +39,12 @@ class PollSkipper:
     tracking: True if the present pass is examined.
     clean: True if the examined pass has been clean so far (see the module's description).
     counting: True if the examined pass is analysed for counters, so it may change words of memory.
-    changed: a dictionary from the address of each memory word that this pass has changed to its earlier value.
-    skips: True if equal passes are skipped. If False, they are executed, and only the cycles at which a sleeping
-        program would begin to sleep and would be woken are recorded.
-    asleep: True between these two cycles.
-    replaying: True while reads before the cycle `live_from` return the earlier values.
+    changed: a dictionary from the address of each memory word that the examined pass has changed to its earlier value.
+    skips: True if the program sleeps instead of executing the further passes. If False, it executes them, and the sleep
+        is only noted, so that the wait is recorded with the same start and end as for a sleeping program.
+    asleep: True from the start of a sleep, or of a noted sleep, to its end.
+    replaying: True while a pass is replayed. Its reads before the cycle `live_from` return the values that the examined
+        pass has read.
     elsewhere: the addresses of the unmodelled words that the examined pass has read.
     routines: the number of active service routines.
     restarts: True if the examined pass has restarted the watchdog, so further passes must not be skipped.
@@ -270,7 +271,10 @@ class PollSkipper:
             self._time.resume_by(max(cycle, self.began))
 
     def answer(self, cycle: int) -> bool:
-        """Return True if a read in this cycle must return its earlier value (`answered`). If not, end the replay."""
+        """Return True if a read in this cycle must return a value of the examined pass, which `answered` returns.
+
+        If not, end the replay.
+        """
         self.replaying = cycle < self.live_from and self._next < len(self._values)
         return self.replaying
 

@@ -42,7 +42,7 @@ INCLUDES = re.compile(r'\s*\.include\s+"([^"]+)"', re.IGNORECASE)
 COMMENT = re.compile(r'((?:"[^"]*"|\'.\'|[^;"])*);.*')
 SHIPPED = EXAMPLES / "firmware" / "c28x"
 NOP = 0x7700
-MOST_WORDS = 0x40_0000  # most words of a section: the size of program space
+MOST_WORDS = 0x40_0000  # maximum number of words of a section: the size of program space
 
 
 class _Place(NamedTuple):

@@ -100,7 +100,7 @@ def function_cycles(image: Image, name: str) -> FunctionCycles:
         if not one.goes_on:
             pipeline.drain()
         for register in pages:
-            pages[register] += (f.makes | _written_early(one)) & register > 0
+            pages[register] += (f.makes | _written(one)) & register > 0
         address += one.words
     return FunctionCycles(function, tuple(rows), least)
 
@@ -108,7 +108,10 @@ def function_cycles(image: Image, name: str) -> FunctionCycles:
 def _word(found: Instruction, wide: bool, pages: Mapping[int, int]) -> tuple[int, int] | None:
     """Return (key, number of words) of an operand that is addressed by DP or SP; None for other operands.
 
-    Equal keys mean equal addresses. wide: True if the operand has 32 bits. pages: the changes of DP and SP so far.
+    Equal keys mean equal addresses.
+
+    wide: True if the operand has 32 bits.
+    pages: a dictionary from DP and SP to the number of their changes so far.
     """
     field = found.values.get("l", 0xFF)
     if field >= 0x80:
@@ -118,8 +121,8 @@ def _word(found: Instruction, wide: bool, pages: Mapping[int, int]) -> tuple[int
     return page << 8 | place & ~int(wide), 1 + wide
 
 
-def _written_early(found: Instruction) -> int:
-    """Return the mask with the bits of DP and SP that are set if the instruction writes the register."""
+def _written(found: Instruction) -> int:
+    """Return the registers DP and SP that the instruction writes, as a mask of the constants DP and SP."""
     writes = places(found.encoding.writes)
     moved = SP if found.values.get("l", 0) in (0xBD, 0xBE) else 0
     return (DP if "DP" in writes else 0) | (SP if "SP" in writes else 0) | moved

@@ -20,7 +20,7 @@ from .model import BadImage, Image, quoted
 OTHER_PART = "a part with a CLA (F2803x, F2806x or F2837x)"  # its images have sections whose names begin with "Cla1"
 ELF_MAGIC = b"\x7fELF"
 WAY_OUT = "give the linker's .out file, or assembly (.asm)"
-LARGEST = 1 << 28  # most bytes of a file; most of them would be debug data
+LARGEST = 1 << 28  # maximum number of bytes of a file, most of which would be debug data
 
 
 def load(path: Path) -> Image:

@@ -5,7 +5,7 @@
     0x9042          the unsigned word at an address
     x-long          an unsigned number of 32 bits at the address of x, whatever the type of x
 
-Names are C names, or those of the symbol table (`_x`). TI's compilers count sizes and offsets in units of 16 bits.
+Names are C names, or those of the symbol table (`_x`). TI's compilers count sizes and offsets in words of 16 bits.
 Source: DWARF 3, sections 5.1 to 5.6 (types) and 2.6.
 """
 
@@ -33,7 +33,7 @@ OF_MEMBERS = ("DW_TAG_structure_type", "DW_TAG_union_type", "DW_TAG_class_type")
 ARRAY = "DW_TAG_array_type"
 WORDS = (1, 2)  # numbers of words that the CPU reads in one access
 DW_OP_PLUS_UCONST = 0x23
-MOST_NAMES = 64  # most typedefs and qualifiers of one type
+MOST_NAMES = 64  # maximum number of typedefs and qualifiers of one type
 STEP = re.compile(r"\.([^.\[]+)|\[(\d{1,6})\]")
 
 

@@ -35,7 +35,7 @@ from .program import PythonProgram
 SLEEPS = Stop.SLEEPS
 
 MANY_READS = 1000  # number of reads without a write or a wait after which a loop may be polling
-CYCLES_OF_A_PASS = 100  # most cycles between two reads of a loop that only polls
+CYCLES_OF_A_PASS = 100  # maximum number of cycles between two reads of a loop that only polls
 POLLING = Note(
     "polling",
     "a loop polls registers pass by pass, which takes long to simulate; wait with dsp.spin(lambda: CONDITION), which "
@@ -108,7 +108,7 @@ class Cpu:
             self.record(self._recorder.topic(Kind.WAIT, self.program.name, "IDLE"), self.time.cycle, begins)
 
     def waited_for(self, spin: Spin) -> Topic:
-        """Return the topic of waits that poll the same operands as this one."""
+        """Return the topic of the WAIT records of all waits that poll the same operands as `spin`."""
         polled = tuple([read.operand for read in spin.reads[: spin.made]])
         topic = self._topics.get(polled)
         if topic is None:

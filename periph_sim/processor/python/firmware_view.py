@@ -53,13 +53,13 @@ class FirmwareView:
     control: SystemControl
 
     def __init__(self, name: str, seed: int, costs: Sequence[Fraction] = ()) -> None:
-        """name: the name of the unit. seed: the seed of the values drawn from spreads. costs: see `DspPlan`."""
+        """name: the name of the unit. seed, costs: see `DspPlan`."""
         self.name: str = name
         self.sockets: dict[str, Socket] = {}
         self._ports: dict[str, ModulePort] = {}
         self._random: Random = Random(f"{seed} {name} computations")
         self._costs: Sequence[Fraction] = costs
-        self._drawn = 0  # number of values drawn from spreads, those in `costs` included
+        self._drawn = 0  # number of computations so far whose cost was a spread
 
     def has(self, module: Text) -> bool:
         """Return True if the unit has this module."""
@@ -127,7 +127,10 @@ class FirmwareView:
         self.cpu.compute(self._cycles(cost), name)
 
     def _value_in(self, spread: Spread) -> int:
-        """Return a number of cycles in a spread: the next of `costs`, or a drawn one if none is left."""
+        """Return the cycles of a computation whose cost is a spread: the next of `costs`, or a drawn time.
+
+        Raise Misuse if the next of `costs` is not in the spread.
+        """
         number, self._drawn = self._drawn, self._drawn + 1
         if number >= len(self._costs):
             return self._random.randint(self._cycles(spread.least), self._cycles(spread.most))

@@ -73,7 +73,7 @@ class Condition:
 
 
 class Port:
-    """One register of one module of a unit.
+    """One register of one module of a unit; its attributes are the names of `PortField`.
 
     where: the name of the register, "I2C-A.I2CSTR". fields: the names of its fields. Subclasses set both.
     """
@@ -242,11 +242,11 @@ class RegisterPort(Port):  # core: python
 
 Ports = tuple[Register, type[RegisterPort], dict[str, PortField]]
 
-_made: dict[str, Ports] = {}  # maps the full name of a register to what its ports in all units share
+_made: dict[str, Ports] = {}  # maps the full name of a register to the class and fields that its ports in all units use
 
 
 def register_port(cpu: Cpu, place: ModuleRange, register: Register) -> RegisterPort:  # core: python
-    """Return the port of one register."""
+    """Return the object through which firmware accesses a register (see `Port`)."""
     where = f"{place.name}.{register.name}"
     found = _made.get(where)
     if found is None or found[0] is not register:

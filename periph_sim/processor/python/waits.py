@@ -147,9 +147,10 @@ class Waits:
     """The waits of the Python firmware of one CPU."""
 
     def __init__(self, cpu: Cpu, pf2_read_ws: IntOption, poll_pass: int, skip_polls: bool) -> None:
-        """poll_pass: cycles of a pass with one read in peripheral frame 2. pf2_read_ws: the option of its wait states.
+        """poll_pass: the cycles of a pass with one read in peripheral frame 2.
 
-        skip_polls: False if each pass is executed; tests of the skipping compare runs with and without it.
+        pf2_read_ws: the option for the wait states of such a read.
+        skip_polls: False if each pass is executed; tests compare runs with and without skipping.
         """
         # The cycles of the branch back to the start of a pass.
         self._branch: int = max(0, poll_pass - cpu_costs.SIMPLE - pf2_read_ws.unrecorded())

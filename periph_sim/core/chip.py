@@ -18,7 +18,7 @@ from typing import NamedTuple, Protocol
 from .registers import RegisterMap
 from .state import State
 
-NEVER = 2**62  # a cycle that no run reaches; sums and comparisons with it are valid
+NEVER = 2**62  # a cycle that no run reaches; the sum of NEVER and any cycle of a run still fits 64 bits
 
 # What an input may have changed: nothing visible; only `next_wake`; `next_wake` and `out`; any attribute or register.
 NO_CHANGE, WAKE_CHANGED, PINS_CHANGED, ANY_CHANGED = range(4)
@@ -29,7 +29,7 @@ class Note(NamedTuple):
 
     code: "duty" if firmware does what the manual forbids, "lost" if data or a request was lost, "unknown" if the
         behaviour of silicon is not known, "overflow" if a result of fixed-point arithmetic does not fit.
-    joint: a text that several notes share, or "". They are reported as one note with this text and their members.
+    joint: a text, or "". All notes with the same text are reported as one note: this text, and a list of their members.
     member: the item that this note adds to the list.
     """
 

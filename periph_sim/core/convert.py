@@ -95,7 +95,11 @@ class After(msgspec.Struct, frozen=True):
 
 
 class Mistake(msgspec.Struct, frozen=True):
-    """One mistake and its place. error: the exception of a check, or None. known: the valid keys for an unknown key."""
+    """One mistake and its place.
+
+    error: the exception of a check, or None.
+    known: the valid keys if the mistake is an unknown key, else None.
+    """
 
     place: Place
     what: str = ""
@@ -122,7 +126,7 @@ class BadTable(ValueError):
         return next((one for one in self.mistakes if one.known is not None), self.mistakes[0])
 
 
-# A `Converter` converts a value at a place and appends mistakes to a list. Its result is valid only if it appends none.
+# A `Converter` converts a value at a place and appends mistakes to a list. If it appends any, its result is not valid.
 Converter = Callable[[Any, Place, list[Mistake]], Any]
 
 

@@ -140,7 +140,10 @@ class Kernel:
         return NEVER if first is None else first.time
 
     def quiet_until(self) -> int:
-        """Return the first tick at which any other party may act. It is at most the tick after the end of this run."""
+        """Return the first tick at which a party other than the calling CPU may act.
+
+        The result is at most the tick after the end of this run.
+        """
         if self._unsettled is not None or self._sampling is not None or self._stop:
             return self.now
         end = self._horizon + 1

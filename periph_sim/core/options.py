@@ -142,7 +142,7 @@ def allowed(field: dataclasses.Field[Any]) -> str:
     return f"{field.metadata['least']} to {field.metadata['most']} {field.metadata['unit']}"
 
 
-@cache  # answers are immutable, so all scenes without their own answers share one object
+@cache  # answers are immutable, so all scenes that use only default answers share one object
 def _defaults(kind: Any) -> object:
     return kind()
 

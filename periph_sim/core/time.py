@@ -26,7 +26,7 @@ DAY = 86_400
 LONGEST = 365_250 * DAY  # maximum length of time in seconds that a user can write: more than 64-bit ticks can count
 MOST_TICKS = LAST_TICK  # maximum length of time in ticks
 MOST = NEVER  # maximum product of two numbers that are 64-bit integers in the compiled form
-USUAL_PER_NS = 1000  # above this number of ticks per nanosecond, messages advise a crystal of a round frequency
+USUAL_PER_NS = 1000  # above this number of ticks per nanosecond, messages suggest a crystal of a round frequency
 
 UNITS: dict[str, Fraction] = {
     "ns": Fraction(1, GHZ),

@@ -290,7 +290,7 @@ class I2cController(BitParty):
         self._sda_wire.pull(self._sda_mask, level)
 
     def _release(self) -> None:
-        """Release SCL. If no other party holds it, it rises now; else wait for its edge."""
+        """Release SCL. SCL rises now, or later if another party holds it low; `sampled` handles the rise."""
         self._scl_wire.pull(self._scl_mask, 1)
         self._let_go_at = self._kernel.now
         self._rising = True

@@ -250,7 +250,7 @@ class I2cMaster(I2cMasterData):
         self._release_after_low(now)
 
     def fell(self, now: int) -> None:
-        """Process a fall of SCL after the filter. If another device makes it, the high phase ends early."""
+        """Process a fall of SCL after the filter. If another device pulled SCL low, the high phase ends early."""
         if not self.active or self.lines & SCL:
             return
         if self._step == STARTED:  # this module's START was not over yet

@@ -211,7 +211,7 @@ class I2cMasterLines:
         self._at(now + self.high(), STARTED)
 
     def _restart(self, now: int, own: bool) -> None:
-        """Begin a repeated START. own: it belongs to the command in progress."""
+        """Begin a repeated START. own: True if the repeated START belongs to the command in progress."""
         self._own_restart = own
         if not own:
             self._latch_command()

@@ -269,7 +269,7 @@ class SciLines(Chip):
         return not self._layout.parity or bool(word & PE) != self._layout.even
 
     def _request_rx(self, now: int) -> None:
-        """Request RXINT if an event on the line does so."""
+        """Request RXINT, after the delay `rx_int_extra`, if an event on the line has set `SciRx.request`."""
         if not self._rx.request:
             return
         self._rx.request = False
@@ -280,7 +280,7 @@ class SciLines(Chip):
             self.requests |= RXINT
 
     def _watch_idle(self, now: int) -> None:
-        """Let the bit receiver report the tenth idle bit only if it has a visible effect."""
+        """Let the bit receiver report the tenth idle bit only while that can set RXWAKE."""
         rx = self._rx
         watch = rx.enabled and not rx.status & ST_RXWAKE and not self._layout.address
         if watch != self._bits.watch_idle:

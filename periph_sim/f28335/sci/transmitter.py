@@ -341,7 +341,7 @@ class SciTx:
         self.replan(now)
 
     def set_int_enabled(self, on: bool) -> None:
-        """Set TXINTENA; it requests at once if TXRDY = 1."""
+        """Set TXINTENA. If it becomes 1 while TXRDY = 1, TXINT is requested at once (standard mode)."""
         if on and not self.int_enabled and not self.fifo_mode and self.show_flags(0) & TXRDY:
             self.request = True
         self.int_enabled = on

@@ -232,7 +232,7 @@ class ReceiveBuffer:
         return word
 
     def set_enables(self, enables: int) -> None:
-        """Set SPIINTENA and OVERRUNINTENA, each in the position of its flag."""
+        """Set SPIINTENA and OVERRUNINTENA, which `enables` has at the positions of their flags in SPISTS."""
         if enables & ~self.enables & self.status and not self.fifo.on:
             self.request = True
         self.enables = enables

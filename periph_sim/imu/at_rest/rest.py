@@ -45,7 +45,7 @@ FAR = 12.0  # codes at more than this multiple of sigma from the mean are ignore
 
 @dataclass(frozen=True)
 class Expected:
-    """Expected mean, variance and fourth central moment of the samples of one axis, in powers of its unit."""
+    """Expected mean, variance and fourth central moment of the samples of one axis, in its unit, unit^2 and unit^4."""
 
     mean: float
     variance: float

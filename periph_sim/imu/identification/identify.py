@@ -5,8 +5,8 @@ without the disturbance (equation 4.10). The standard error of a mean is the roo
 parts:
 
     white noise       the square of this part is the density divided by the duration of the recording in seconds
-    drift             if the curve is above the line of white noise at long tau, averaging does not help any more
-    quantisation      if the noise is small compared with an LSB, the mean of rounded values has a systematic error
+    drift             the Allan deviation at long tau, if it is above the line of white noise; more samples do not help
+    quantisation      the systematic error of the mean of rounded values; large if the noise is small beside an LSB
 """
 
 from __future__ import annotations

@@ -69,7 +69,7 @@ class ModelRuns:
     @property
     def frames(self) -> list[int]:
         """For each run of the models, the number of the frame that the run used; -1 for no frame."""
-        # The scene may end when the last frame has been read, but its last stop bit has not ended.
+        # The scene may end after firmware has read the last frame, but before the last stop bit of this frame ends.
         sent = [*self._sent, self._sent[-1] + 1]
         return [sent[taken] for taken in self._begun_with]
 

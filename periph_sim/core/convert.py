@@ -79,10 +79,7 @@ NOTHING: Any = msgspec.UNSET  # marks a message that quotes no value, and a key 
 
 
 class Before(msgspec.Struct, frozen=True):
-    """A conversion before the check. `function` returns the value to check, or raises ValueError with a description.
-
-    said: the type of the value in the file, for the JSON schema; None if it is the annotated type.
-    """
+    """A conversion before the check, like `After`. said: the type in the file; None if it is the annotated type."""
 
     function: Callable[[Any], object]
     said: Any = None
@@ -95,11 +92,7 @@ class After(msgspec.Struct, frozen=True):
 
 
 class Mistake(msgspec.Struct, frozen=True):
-    """One mistake and its place.
-
-    error: the exception of a check, or None.
-    known: the valid keys if the mistake is an unknown key, else None.
-    """
+    """One mistake and its place. error: the exception of a check. known: the valid keys for an unknown key."""
 
     place: Place
     what: str = ""

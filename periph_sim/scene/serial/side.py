@@ -158,6 +158,7 @@ class SerialSide:
         burst = self._burst(name, table, *place)
         sender = self._sender(sci, *place)
         send = self.sends[name] = Send(name, table, self._context, sender, burst, self._table.value("ppm", table))
+        send.on_begin.append(partial(self._sent, sci))
         trigger = self._triggers.get(("send", number))
         if trigger is not None:
             send.why_unasked = trigger.missing
@@ -281,6 +282,12 @@ class SerialSide:
                 silence.others_turn(tick)
         for reply in self._replies[number]:
             reply.window(tick)
+
+    def _sent(self, sci: SciLines, tick: int) -> None:
+        for expect, replies in zip(self._table.expect, self._replies, strict=True):
+            if sci_named(self._case, expect.from_) == sci:
+                for reply in replies:
+                    reply.sent(tick)
 
     def _due(self, number: int, tick: int) -> None:
         for reply in self._replies[number]:

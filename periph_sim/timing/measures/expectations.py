@@ -24,6 +24,7 @@ from .measure import Measure, MeasuredScene
 if TYPE_CHECKING:
     from ...devices.watchers import WireWatcher
 
+WRONG = "whose first wrong character ended at"  # only the text about a wrong reply contains these words
 BAD = 0x100  # this number is added to the value of a character with a wrong parity or without a stop bit
 
 
@@ -51,7 +52,7 @@ class _Occasion(Struct):
     wrong_at: the tick at which the first wrong character ended; NO_TIME if there is none.
     """
 
-    STATE: ClassVar[State] = State("came shut", ticks="window since first ended wrong_at ends", made=True)
+    STATE: ClassVar[State] = State("came shut", ticks="window since first ended wrong_at ends next_send", made=True)
     window: int
     since: int = NO_TIME
     came: list[int] = field(default_factory=list)
@@ -59,11 +60,14 @@ class _Occasion(Struct):
     ended: int = NO_TIME  # the tick at which the last character so far ended
     wrong_at: int = NO_TIME
     ends: int = NO_TIME  # a wrong character that begins after this tick does not belong to the reply
+    next_send: int = NO_TIME  # the tick at which the first send after the request begins
     shut: bool = False  # True after a wrong character that begins after `ends`; all later characters are ignored
 
 
 class Reply(Measure):
-    """Time from the end of a request to the end of the last character of its reply. A wrong reply breaks the budget.
+    """Time from the end of a request to the end of the last character of its reply.
+
+    A reply that is wrong, or that never comes, has no time and breaks the budget.
 
     last: the tick at which the last character began that belongs to a reply; NO_TIME before the first.
     """
@@ -107,6 +111,12 @@ class Reply(Measure):
             if waiting.ends == NO_TIME:
                 waiting.ends = tick + self._expected.within
             self._settle()
+
+    def sent(self, tick: int) -> None:
+        """Note that a send to the SCI that has to reply begins at `tick`."""
+        for one in self._open:
+            if one.next_send == NO_TIME < one.since < tick:
+                one.next_send = tick
 
     def others_turn(self, tick: int) -> None:
         """End the wrong replies, because another request begins and later characters belong to the next reply."""
@@ -156,34 +166,40 @@ class Reply(Measure):
                 self._judge(occasion)
                 self.take(max(0, occasion.ended - occasion.since), occasion.since)
             else:
-                self._refute(occasion, NO_TIME)
+                self._refute(occasion)
 
     def _judge(self, occasion: _Occasion) -> None:
         self.occasion(occasion.since)
         self._judged += occasion.since >= self.not_before
 
-    def _refute(self, occasion: _Occasion, now: int) -> None:
-        """Record that the right reply did not come. now: the tick at which this is known; NO_TIME for a wrong reply."""
+    def _refute(self, occasion: _Occasion) -> None:
+        """Record that the right reply did not come. This lasts up to its limit, or to the next send before it."""
         if occasion.since < self.not_before:
             return
         self._judge(occasion)
-        if now != NO_TIME and occasion.wrong_at == NO_TIME:
-            self.take(now - occasion.since, occasion.since)
-        over = occasion.since + self._expected.within
-        self.refute(self._said(occasion), occasion.since, over if occasion.wrong_at == NO_TIME else occasion.ended)
+        until = occasion.ended
+        if occasion.wrong_at == NO_TIME:
+            until = self._limit(occasion)
+            if occasion.next_send != NO_TIME:
+                until = min(until, occasion.next_send)
+        self.refute(self._said(occasion), occasion.since, until)
+
+    def _limit(self, occasion: _Occasion) -> int:
+        return occasion.since + self._expected.within
+
+    def _instant(self, tick: int) -> str:
+        return f"{(tick - self._began) / self._per_second:.6f} s"
 
     def _said(self, occasion: _Occasion) -> str:
         expected = self._expected
         came = expected.show(tuple(occasion.came))
         wanted = f"{expected.show(expected.characters)} was expected from {expected.source}"
-        if not expected.anywhere and occasion.since != NO_TIME and occasion.first > occasion.since + expected.within:
-            return f"{wanted}, but nothing came in time"
+        by = f"by {self._instant(self._limit(occasion))}"
+        if not occasion.came or (not expected.anywhere and occasion.first > self._limit(occasion) >= expected.within):
+            return f"{wanted}, but nothing came {by}"
         if occasion.wrong_at != NO_TIME:
-            at = (occasion.wrong_at - self._began) / self._per_second
-            return f"{wanted}, but {came} came, whose first wrong character ended at {at:.6f} s"
-        if occasion.came and not expected.anywhere:
-            return f"{wanted}, but only {came} came"
-        return f"{wanted}, but {came + ' came last' if occasion.came else 'nothing came'}"
+            return f"{wanted}, but {came} came, {WRONG} {self._instant(occasion.wrong_at)}"
+        return f"{wanted}, but {came} came last" if expected.anywhere else f"{wanted}, but only {came} came {by}"
 
     def _give_up(self, now: int) -> None:
         """Judge the replies that are overdue or wrong, because another reply is requested."""
@@ -192,7 +208,7 @@ class Reply(Measure):
             late = first.since != NO_TIME and now - first.since > self._expected.within
             if not late and first.wrong_at == NO_TIME:
                 return
-            self._refute(self._open.popleft(), now)
+            self._refute(self._open.popleft())
 
     def finish(self, now: int) -> None:
         self._settle()
@@ -202,7 +218,7 @@ class Reply(Measure):
             ):
                 self._cut = True
             else:
-                self._refute(occasion, now)
+                self._refute(occasion)
         self._open.clear()
 
     def why_silent(self) -> str:

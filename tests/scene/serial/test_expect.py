@@ -77,21 +77,22 @@ def test_a_late_reply_breaks_its_limit_by_what_it_took():
             {b"ask\n": b"ER"},
             r"'OK' was expected from SCI-A, but 'ER' came, whose first wrong character ended at 0.0005",
         ),
-        ({b"ask\n": b"O"}, "'OK' was expected from SCI-A, but only 'O' came"),
-        ({}, "'OK' was expected from SCI-A, but nothing came"),
+        ({b"ask\n": b"O"}, "'OK' was expected from SCI-A, but only 'O' came by 0.001447 s"),
+        ({}, "'OK' was expected from SCI-A, but nothing came by 0.001447 s"),
         ({b"ask\n": b"NO WAY"}, "'OK' was expected from SCI-A, but 'NO' came, whose first wrong character ended at"),
     ],
 )
 def test_another_reply_or_none_is_told_with_what_came(replies: dict[bytes, bytes], said: str):
     (verdict,) = judged(replies, ASK, {"text": "OK"})
     assert verdict.verdict == "fail" and said in verdict.found
+    assert verdict.worst is None and verdict.margin is None and verdict.until_s is not None
     assert verdict.found in legend([verdict])[0]
 
 
 def test_what_comes_long_after_is_not_taken_for_the_reply():
     other = {"text": "x", "at": "2500 us", "name": "other"}
     (verdict,) = judged({b"ask\nx": b"NO"}, [*ASK, other], {"text": "OK", "within": "1 ms"})
-    assert verdict.found == "'OK' was expected from SCI-A, but nothing came in time"
+    assert verdict.found == "'OK' was expected from SCI-A, but nothing came by 0.001447 s"
     (verdict,) = judged({b"ask\nx": b"OK"}, [*ASK, other], {"text": "OK", "within": "1 ms"})
     assert verdict.verdict == "fail" and verdict.worst > 2000 and not verdict.found  # the right one, but late
 
@@ -109,7 +110,7 @@ def test_what_comes_behind_within_or_for_another_send_is_no_part_of_a_wrong_repl
 def test_a_wrong_character_behind_within_does_not_follow_what_came_in_time():
     other = {"text": "x", "at": "2500 us", "name": "other"}
     (verdict,) = judged({b"ask\n": b"O", b"x": b"NK"}, [*ASK, other], {"text": "OK", "within": "1 ms"})
-    assert verdict.found == "'OK' was expected from SCI-A, but only 'O' came"
+    assert verdict.found == "'OK' was expected from SCI-A, but only 'O' came by 0.001447 s"
 
 
 def test_a_text_that_takes_longer_than_within_is_refused():

@@ -159,7 +159,7 @@ def test_de_is_held_down_while_nobody_drives_it():
 
 def test_a_frame_with_the_driver_off_goes_nowhere():
     result = run(answers("SCI-A", {b"?": b"OK"}))
-    assert result.budgets[0].found.endswith("but nothing came")
+    assert result.budgets[0].found.endswith("but nothing came by 0.001287 s")
     assert "RS485: dsp.SCI-A sends a frame while dsp.GPIO34 holds its driver off, first at " in result.notes[-1]
     assert result.notes[-1].endswith("(2 times)")
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from ....core.records import Kind
 from ....core.time import Timebase
+from ....timing.budget_schema import REPLY
 from ....timing.language.events import Event
 from ....timing.language.language import measure_of
+from ....timing.measures.expectations import WRONG
 from ....timing.measures.registry import MEASURES
 from ....timing.verdict import Verdict
 
@@ -43,3 +45,8 @@ def is_late(verdict: Verdict) -> bool:
     """Return True if the instant of a verdict is the end of a wait that is too long."""
     event = event_of(verdict)
     return event is not None and event.how in LATE
+
+
+def never_came(verdict: Verdict) -> bool:
+    """Return True if a verdict is about a reply that did not come, and not about a wrong or late reply."""
+    return verdict.measure.startswith(REPLY) and verdict.until_s is not None and WRONG not in verdict.found

@@ -4,7 +4,7 @@ wrong reply                        --> the request, and the writes of characters
                                        (the expected text comes from the case and not from a record)
 characters that nothing asked for  --> their writes, after a send or in the whole run
 reply that never came              --> the interrupts and the characters read since the request, and the firmware's
-                                       activity at the end
+                                       activity at its limit, or at the next send before it
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ from ....timing.budget_schema import REPLY, SILENCE
 from ....timing.measures.factory import UNSOLICITED
 from .chain import Step
 from .evidence import Evidence
+from .occurrence import never_came
 
 MOST_CHARACTERS = 8  # maximum number of wrong characters that are listed
 MOST_READ = 16  # maximum number of characters that are listed as read
@@ -35,7 +36,7 @@ def request_of(evidence: Evidence) -> list[Step]:
 def unanswered(evidence: Evidence) -> list[Step]:
     """Return steps about the firmware since the request of a reply that did not come; an empty list if it came."""
     window, verdict = evidence.window, evidence.window.verdict
-    if not verdict.measure.startswith(REPLY) or not verdict.found or verdict.until_s is not None:
+    if not never_came(verdict):
         return []
     _, table = _expected(evidence)
     unit, _, module = table.from_.rpartition(".")
@@ -69,7 +70,7 @@ def wrong_characters(evidence: Evidence) -> list[WrongCharacter]:
         found = _unsolicited(evidence, verdict.measure.removeprefix(SILENCE))[:MOST_CHARACTERS]
         what = "{}: SCITXBUF written, {:#04x}: unsolicited"
         return [(frame, evidence.step(r, what.format(r.where, r.value & 0xFF)), None) for frame, r in found]
-    wrong = verdict.measure.startswith(REPLY) and verdict.until_s is not None
+    wrong = verdict.measure.startswith(REPLY) and verdict.until_s is not None and not never_came(verdict)
     return _wrong(evidence, _asked(evidence)) if wrong else []
 
 

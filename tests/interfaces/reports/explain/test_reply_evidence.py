@@ -149,9 +149,26 @@ def test_a_reply_that_never_came_is_told_with_what_was_read_and_where_the_firmwa
         "RX: the last character of what asks for it",
         "SCIRXBUF read, 2 times since the request began: 0x61 0x62",
     ]
-    assert steps[-1].startswith("dsp: wait for SCI-A.SCIFFRX.RXFFST, begun 2")
+    assert steps[-1].startswith("dsp: wait for SCI-A.SCIFFRX.RXFFST, begun 9")
     long = steps_of(answers("SCI-A", {b"x": b"OK"}), text="a" * 20)
     assert f"SCIRXBUF read, 20 times since the request began: {'0x61 ' * 15}0x61, ..." in long
+
+
+@pytest.mark.parametrize(("at", "until"), [("3 ms", 1000), ("500 us", 313.2)])
+def test_a_reply_that_never_came_is_explained_up_to_its_limit_or_the_next_send(at: str, until: float):
+    """RX |a|    limit 1 ms     |b|      or       |a|  |b|   limit"""
+    program = answers("SCI-A", {b"b": b"ER"})
+    programs = {"dsp": Firmware("dsp", lambda dsp, settings: program(dsp), None)}
+    sends = [{"to": "SCI-A", "name": text, "at": when, "text": text} for text, when in (("a", "100 us"), ("b", at))]
+    expect = {"name": "told", "from": "dsp.SCI-A", "after_send": "a", "within": "1 ms", "text": "OK"}
+    small = case(unit={"dsp": unit("SCI-A")}, serial={"send": sends, "expect": [expect]}, duration="6 ms")
+    told = explain(small, Scene(small, None, programs).run().budgets, programs=programs)["told"]
+    assert told.chain.us(told.chain.length) == pytest.approx(until, abs=1)
+    assert told.chain.us(told.chain.steps[-1].at) == pytest.approx(until, abs=1)
+    assert [step.what for step in told.chain.steps if "SCIRXBUF" in step.what] == [
+        "SCIRXBUF read, 1 time since the request began: 0x61"
+    ]
+    assert "SCITXBUF" not in " ".join(step.what for step in told.chain.steps)
 
 
 def test_firmware_that_reads_nothing_for_a_reply_says_so():
@@ -162,7 +179,7 @@ def test_firmware_that_reads_nothing_for_a_reply_says_so():
 
     steps = steps_of(main)
     assert "no interrupt is entered and SCIRXBUF is not read from here on" in steps
-    assert steps[-1].startswith("dsp: span elsewhere, begun 2")
+    assert steps[-1].startswith("dsp: span elsewhere, begun 1")
 
 
 def test_interrupts_before_a_reply_that_never_came_are_counted():

@@ -2,7 +2,7 @@
 
 Motions: pitch through 90 degrees, wraps of yaw and of int16, rates and accelerations beyond full scale. Parameters:
 fields along an axis, weak and strong, and lever arms whose products exceed the Q format. Each sweep converts a value,
-from ordinary to extreme, to the counts that a host would send.
+from ordinary to extreme, to parameters of the sensors and to the counts that a host would send (`Sample`).
 """
 
 from __future__ import annotations

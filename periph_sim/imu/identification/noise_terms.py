@@ -5,7 +5,7 @@
 Without slow terms, only the density of white noise, N squared, is identified. This density follows from the part of the
 Allan deviation with slope -1/2:
 
-    tau at or below 1 s --> adjacent points on this slope, on both sides --> weighted mean of variance * tau = density
+    tau near 1 s, or below --> points on this slope around this tau --> weighted mean of variance * tau = density
 
 Dissertation section 4.3.4: the density is the square of the Allan deviation at tau = 1 s, where the slope must be -1/2.
 On this slope, variance * tau is the same at every tau. So every point on the slope gives the value at 1 s, and the mean

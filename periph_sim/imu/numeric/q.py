@@ -12,10 +12,10 @@ IQdiv, IQsqrt and IQmag always saturate. x/0 is the largest number, also for 0/0
     quotient       rounded to nearest and saturated (IQNdiv.asm)
     root           rounded to nearest; the root of a negative number is 0 (IQNsqrt.asm)
 
-Source: comments in the sources of IQmath V1.4 for the C28x. In these sources, division and root are two Newton steps
-from a table, and the comments call the results 32-bit accurate. Here, division and root are exact before rounding.
-Everything else follows the sources step by step, so the results have the same errors as those of IQmath. `bits` is the
-number of fraction bits, 1 to 29.
+Source: comments in the sources of IQmath V1.4 for the C28x. In these sources, division and root take a first value from
+a table and improve it by two Newton steps; the comments call the results 32-bit accurate. Here, division and root are
+exact before rounding. Everything else follows the sources step by step, except that the coefficients of the parabolas
+are fitted (see `tables`). `bits` is the number of fraction bits, 1 to 29.
 """
 
 # core: compiled

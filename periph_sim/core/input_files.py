@@ -36,19 +36,27 @@ def inputs_of_one_command() -> Iterator[None]:
 
 
 def similar_file(path: Path) -> str:
-    """Return a phrase with the files of a folder whose names resemble a path that does not exist; "" if none does."""
+    """Return a phrase with the existing paths that resemble a path that does not exist; "" if none does."""
     try:
-        names = [] if path.exists() else os.listdir(path.parent)
+        near = _similar_paths(path)
     except (OSError, ValueError):
-        return ""
+        near = []
+    return f"did you mean {' or '.join(map(str, near))}?" if near else ""
+
+
+def _similar_paths(path: Path) -> list[Path]:
+    """Return the existing paths that differ from `path` in their folder or else in their name, and resemble it."""
+    if path.exists() or path == path.parent:
+        return []
+    if not path.parent.exists():
+        return [folder / path.name for folder in _similar_paths(path.parent) if (folder / path.name).exists()]
     # Two names with the same suffix must resemble each other without the suffix. The missing name itself is in the
     # folder if it is a broken link; it is no suggestion.
-    near = [
-        str(path.parent / name)
-        for name in nearest(path.name, names)
+    return [
+        path.parent / name
+        for name in nearest(path.name, os.listdir(path.parent))
         if name != path.name and (Path(name).suffix != path.suffix or nearest(path.stem, [Path(name).stem]))
     ]
-    return f"did you mean {' or '.join(near)}?" if near else ""
 
 
 def open_regular(path: Path, most: int | None = None) -> BinaryIO:

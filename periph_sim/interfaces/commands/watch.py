@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING
 import click
 
 from ...core.input_files import note_inputs_of, read_regular
+from ...scene.case.load import CaseFile
+from ...scene.case.model import BadCase
 from ...scene.case.origin import named_files, texts_in
-from ...scene.case.toml_file import text_of
 from .command_frame import command, say, usage_errors_in_one_sentence
 from .result_text import HEADLINES, broken_lines, budget_table, title
 from .shared_options import CHANGES, GUARANTEED
@@ -38,7 +39,7 @@ def watch(case: Path, changes: tuple[str, ...]) -> int:
 
     try:
         with usage_errors_in_one_sentence():
-            text_of(case, "case")
+            _check_command_line(case, changes)
             before: Outcome | None = None
             while True:
                 seen = stamps(case)
@@ -48,6 +49,16 @@ def watch(case: Path, changes: tuple[str, ...]) -> int:
     except KeyboardInterrupt:
         click.echo()
     return 0
+
+
+def _check_command_line(case: Path, changes: tuple[str, ...]) -> None:
+    """Raise BadCase for mistakes that no edit of the case corrects: a missing file, and an invalid --set."""
+    file = CaseFile(case)
+    try:
+        _ = file.case
+    except BadCase:
+        return
+    file.changed(changes)
 
 
 def _print_run(came: Outcome | RejectedCase, before: Outcome | None) -> Outcome | None:

@@ -295,9 +295,12 @@ def text_of(path: Path) -> str:
 def assemble_file(path: Path) -> tuple[Image, bytes]:
     """Return the image of a source file, and the bytes of its .out file. Raise BadImage with the path for an error.
 
-    If there is no such file, it is the program of this name that is shipped with periph_sim.
+    If there is no such file, it is the program of this name that is shipped with periph_sim. A missing folder, which
+    could be mistyped, must then be written as that of the shipped programs.
     """
-    text = text_of(included(path.name, path.parent))
+    folder = path.parent
+    is_there = folder.is_dir() or folder.parts[-2:] == SHIPPED.parts[-2:]
+    text = text_of(included(path.name, folder) if is_there else path)
     try:
         data = write(assemble(text, path))
         return parse_image(data), data

@@ -6,11 +6,11 @@ from typing import TypeVar
 
 from ...core.convert import LIST_OF_TABLES, NOTHING, BadTable, Mistake, keys_of
 from ...core.options import Value, options_from
-from ...core.phrases import did_you_mean
+from ...core.phrases import did_you_mean, nearest
 from ...core.table import Table
 from .device_tables import DeviceTable, WatchTable
 from .model import BadCase, Case
-from .origin import Place, Source, key_of
+from .origin import Place, Source, key_of, line_of
 
 T = TypeVar("T")
 SHOWN = 60  # maximum number of characters of a wrong value in a message
@@ -28,8 +28,27 @@ def explain(source: Source, error: BadTable, tree: object = None, above: Place =
     if first.known is not None:
         return f"{where}: there is no key {key!r}; {did_you_mean(str(place[-1]), first.known)}"
     if first.is_missing:
-        return f"{where}: {key} is missing"
+        return f"{_header_place(source, place)}: {key} is missing{_where_it_is(place, tree)}"
     return f"{where}: {key or 'the case'}: {complaint(first, above)}"
+
+
+def _header_place(source: Source, place: Place) -> str:
+    """Return file and line of the table that lacks a key. A table may have no header but those of tables inside it."""
+    return source.where(place if len(place) < 2 or line_of(source.text, place) else place[:-1])
+
+
+def _where_it_is(place: Place, tree: object) -> str:
+    """Return a phrase with the header of a table that has the key missing at `place`; "" if there is none.
+
+    A mistyped header, as in [unit.dspp] before [unit.dsp.settings], leaves a table without keys of its own.
+    """
+    *above, name, key = place if len(place) > 1 else ("", *place)
+    for part in above:
+        tree = tree.get(part) if isinstance(tree, dict) else None
+    if not isinstance(tree, dict) or not all(isinstance(one, dict) for one in tree.get(name, {}).values()):
+        return ""
+    near = nearest(str(name), [other for other, table in tree.items() if isinstance(table, dict) and key in table])
+    return f"; it is in [{'.'.join(map(str, (*above, near[0])))}]" if near else ""
 
 
 def complaint(first: Mistake, above: Place = ()) -> str:

@@ -16,6 +16,8 @@ from .origin import SHOWN
 
 _PLACE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)")
 _OPENS = re.compile(r"([^=\[]+=\s*)?[\[{](?!\[)")  # matches the start of a line that opens a list or a table in braces
+_NO_POINT = r"[\s.]*[\s,;:/.][\s.]*"
+_HEADER = re.compile(rf"(\[+)([\w-]+(?:{_NO_POINT}[\w-]+)+)(\]+)")  # a header whose parts may lack a point
 _NO_EQUALS = re.compile(r"([\w.-]+)(?:\s*:\s*|\s+(?![=:])|(?=[\[{\"']))([^=\s].*)")  # a key and a value without =
 _PROGRAMS = {".out": "image", ".asm": "image", ".c": "c"}  # maps a suffix to the kind of `periph-sim new`
 QUOTES = "'\""
@@ -87,6 +89,9 @@ def _not_toml(text: str, error: str) -> str:
 def _fix(line: str) -> str:
     """Return the way to correct a line that is not TOML."""
     if line.startswith("["):
+        header = _HEADER.match(line)
+        if header:
+            return f"write {header[1]}{'.'.join(re.split(_NO_POINT, header[2]))}{header[3]}"
         return "write a header as [table], or as [[table]] for one of several"
     no_equals = _NO_EQUALS.match(line)
     if no_equals:
@@ -104,6 +109,8 @@ def _fix(line: str) -> str:
         return f"write {key} = ..." if re.fullmatch(r"[\w.-]+", key) else "write KEY = VALUE, with texts in quotes"
     if value.lower() in ("true", "false"):
         return f"write {key} = {value.lower()}"
+    if re.fullmatch(r"[-+]?0\d+", value):
+        return f"write {key} = {int(value)}"
     if re.match(r"[-+]?\d\w*$", value):
         return "write a number, as 12 or 0x0c; texts are in quotes"
     if re.fullmatch(r"[A-Za-z]\w*", value):

@@ -33,6 +33,10 @@ from tests.interfaces.commands.conftest import Run
             "did you mean rest.csv?",
         ),
         (["watch", "Small.toml"], "Small.toml: cannot be read (No such file or directory); did you mean small.toml?"),
+        (
+            ["watch", "small.toml", "--set", "sed=2"],
+            "small.toml, --set 'sed=2': there is no key 'sed'; did you mean seed?",
+        ),
     ],
 )
 def test_a_mistyped_argument_is_answered_with_the_fix(periph_sim: Run, desk: Path, arguments: list[str], fix: str):

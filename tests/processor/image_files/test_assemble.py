@@ -122,6 +122,9 @@ def test_a_program_that_is_not_there_is_the_shipped_one_of_its_name(tmp_path: Pa
     assert "_toggle" not in assemble_file(mine)[0].symbol_at.values()
     with pytest.raises(BadImage, match=r"none\.asm: No such file"):
         assemble_file(tmp_path / "none.asm")
+    assert assemble_file(tmp_path / "firmware" / "c28x" / "rtc.asm")[0].entry
+    with pytest.raises(BadImage, match=r"rtc\.asm: No such file or directory; give a source in assembly"):
+        assemble_file(tmp_path / "fiirmware" / "c28x" / "rtc.asm")
 
 
 def test_a_mistake_in_an_included_file_is_told_with_its_own_line(tmp_path: Path):

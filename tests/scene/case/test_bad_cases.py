@@ -232,6 +232,19 @@ def test_missing_file(case_file: Path):
     assert message == "smal.toml: cannot be read (No such file or directory); did you mean small.toml?"
 
 
+def test_a_missing_folder(case_file: Path):
+    Path("bench").mkdir()
+    case_file.rename("bench/small.toml")
+    message = refusal(Path("Bench/small.toml"))
+    assert message == "Bench/small.toml: cannot be read (No such file or directory); did you mean bench/small.toml?"
+
+
+def test_a_mistyped_header_of_one_of_two_tables_of_a_unit(case_file: Path):
+    """Line 8 is [unit.dsp.settings]."""
+    message = refusal(edited(case_file, "[unit.dsp]", "[unit.dspp]"))
+    assert message == "small.toml, line 8: unit.dsp.modules is missing; it is in [unit.dspp]"
+
+
 def test_a_folder_is_no_case(case_file: Path):
     assert refusal(Path(".")) == ".: is a folder; give a case file, or run all its cases: periph-sim check ."
 
@@ -247,6 +260,10 @@ def test_a_folder_is_no_case(case_file: Path):
         ("seed = 5x", 1, "write a number, as 12 or 0x0c"),
         ('breaks = ["a", "b"\nseed = 1', 1, "close the list or table"),
         ("[host", 1, "write a header as [table]"),
+        ("[unit,dsp]", 1, "write [unit.dsp]"),
+        ("[[controller request]] # one", 1, "write [[controller.request]]"),
+        ("seed = 00", 1, "write seed = 0"),
+        ("seed = -007 # one", 1, "write seed = -7"),
         ("duration: 20 ms", 1, 'duration = "20 ms"'),
         ('duration "20 ms"', 1, 'write duration = "20 ms"'),
         ("strict True", 1, "write strict = true"),

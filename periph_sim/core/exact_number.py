@@ -12,7 +12,7 @@ MAX_DIGITS = 40  # maximum number of digits, enough for a femtosecond in a milli
 MAX_EXPONENT = 40
 _NUMBER = re.compile(r"[-+]?[\d._,/]+([eE][-+]?\d+)?")
 _EXPONENT = re.compile(r"[eE]([-+]?[0-9_]+)$")
-_SPLIT_UNIT = re.compile(r"([-+]?[\d.]+)([A-Za-z])")  # a number and the first letter of its unit, as in "20m s"
+_SPLIT_UNIT = re.compile(r"([-+]?\d*\.?\d+)([A-Za-z])")  # a number and the first letter of its unit, as in "20m s"
 _LETTERS = str.maketrans("OoIl", "0011")  # letters that are typed in place of digits
 SHOWN = 60  # maximum number of characters that a message quotes
 
@@ -57,7 +57,7 @@ def unknown_unit(number: str, unit: str, known: Iterable[str]) -> str:
     from difflib import get_close_matches  # imported here, because only errors need it
 
     shown = shorten(repr(unit), SHOWN)
-    if unit[0].isdigit():
+    if unit[0].isdecimal():
         number, unit = number_and_unit(f"{number}{unit}")  # the number contains a space: "1 000 ms"
     folded = {one.casefold(): one for one in known}
     written = unit.replace(" ", "").casefold()

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import TypeAlias
 
-from .exact_number import exact_number
+from .exact_number import SHOWN, exact_number, number_and_unit, unknown_unit
+from .phrases import shorten
 from .table import duration
+from .time import UNITS, TimeError, seconds
 
 _CYCLES = re.compile(r"\s*(\S+?)\s*cycles?\s*")
 
@@ -30,7 +32,24 @@ Tolerance: TypeAlias = Fraction | Cycles  # a Fraction is in seconds
 def parse_tolerance(text: str) -> Tolerance:
     """Return the tolerance in a text such as "3 us" or "20 cycles". Raise ValueError for other texts."""
     cycles = _CYCLES.fullmatch(text)
-    return duration(text) if cycles is None else Cycles(exact_number(cycles[1]))
+    if cycles is not None:
+        return Cycles(exact_number(cycles[1]))
+    try:
+        seconds(text)
+    except TimeError as error:
+        raise ValueError(_with_cycles(str(error), text)) from None
+    return duration(text)
+
+
+def _with_cycles(error: str, text: str) -> str:
+    """Return the message that a text is no time. If its unit is the reason, the message names the unit cycles, too."""
+    number, unit = number_and_unit(text)
+    if unit in UNITS or not unit.isascii():
+        return error
+    has_digits = any(map(str.isdigit, number))
+    if unit and has_digits:
+        return f"{shorten(repr(text), SHOWN)}: {unknown_unit(number, unit, (*UNITS, 'cycles'))}"
+    return f"{error} or {shorten(number, SHOWN) if has_digits else 20} cycles"
 
 
 def in_seconds(tolerance: Tolerance, cycles_per_second: Fraction) -> Fraction:

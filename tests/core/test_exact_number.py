@@ -58,6 +58,8 @@ def test_what_is_no_number_is_refused(text):
         ("y ms", "'y' is not a number; write for instance 20"),
         ("1,5 ms", "'1,5' is not a number; write 1.5"),
         ("2o0 ms", "'2o0' is not a number; write 200"),
+        ("1.2.3m s", "'1.2.3m' is not a number; write for instance 20"),
+        ("5 ² ms", "unit '² ms' is none of ns, us, ms, s, min, h, d"),
     ],
 )
 def test_a_mistyped_time_is_answered_with_the_fix(text, hint):

@@ -142,7 +142,7 @@ class Reaction(Agent):
         del self._put[:done]
 
     def _weigh_all(self) -> None:
-        """Lower `_due` to the earliest tick at which the case can answer a move in `_put` at or after `_now`."""
+        """Lower `_due` to the earliest tick at which the case can answer a move that is in `_put` and is not past."""
         self._pass(len(self._put))
         self._seen = self._levels.copy()
         self._scl_moved = self._scl_done
@@ -227,7 +227,9 @@ class Reaction(Agent):
             if line == self._scl:
                 before, self._scl_moved = self._scl_moved, tick
                 if tick - before <= self._widest:
-                    tick = max(before, self._now)  # if the filter removes the pulse, SDA edges in it are START or STOP
+                    # This edge of SCL ends a pulse that began at `before` and that a filter may remove. If it removes a
+                    # low pulse, SDA edges in the pulse are START or STOP, so the module can answer from `before` on.
+                    tick = max(before, self._now)
                 elif self._silent:
                     self._silent -= 1
                     return

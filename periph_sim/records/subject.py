@@ -55,7 +55,7 @@ def named(run: Run, name: str) -> RecordedSignal:
     wanted = _folded(name)
     found = (
         [s for s in known if s.name == name]
-        or [s for s in known if s.name.endswith("." + name)]  # "model" is not the wire "MODEL"
+        or [s for s in known if s.name.endswith("." + name)]  # so that "model" does not find the wire "MODEL"
         or [s for s in known if _folded(s.name) == wanted]
         or [s for s in known if _folded(s.name).endswith("." + wanted)]
     )

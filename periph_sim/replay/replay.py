@@ -76,7 +76,7 @@ class Replay:
         return divergence_picture(divergence, title, *self.sides(divergence))
 
     def sides(self, divergence: Divergence) -> tuple[Side, Side, float]:
-        """Return both sides of a picture, and the length of a bit in seconds."""
+        """Return (capture, replay, length of a bit in seconds) for a picture of the divergence."""
         raise NotImplementedError
 
     def _play(self, end: int, progress: Progress | None) -> None:

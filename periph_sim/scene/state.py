@@ -112,7 +112,10 @@ def _unit_modules(name: str, dsp: Dsp, cycle: int, keys: Mapping[type, Keyed]) -
 
 
 def _samplers(scene: Scene) -> dict[int, Sampler]:
-    """Return a dictionary from a rank to the sampler with this rank. The scene made the samplers in order of rank."""
+    """Return a dictionary from a sampler's rank, its place in the order in which parties sample, to the sampler.
+
+    All scenes of a case make their samplers in the same order, so a rank identifies a sampler in a saved state.
+    """
     found = [listener for wire in scene.wires.values() for listener in wire.listeners()]
     for dsp in scene.units.values():
         found += [socket.inputs for socket in dsp.sockets.values()]

@@ -41,8 +41,8 @@ class _Seen(Struct, frozen=True):
 class Values(Struct, frozen=True, eq=False):
     """Values of one budget's measure, in the order in which they were taken.
 
-    A scene with `keep_values=True` stores them. Each value takes the memory of two int64. Measures that are one number
-    a run (counts, loads) have no values.
+    A scene with `keep_values=True` stores them. Each value takes the memory of two int64. Measures with one number for
+    the whole run (counts, loads) have no values.
 
     values: int64[n], in ticks if `unit` is "time", in millionths if it is "LSB", else counts.
     at: int64[n], the tick of each value, counted from the start of the run.
@@ -229,7 +229,7 @@ class BudgetJudge:
         return _Seen(which, limit, value, at, limit - value)
 
     def show(self, value: BigInt) -> float | int:
-        """Return a value of the measure in the unit of verdicts."""
+        """Convert a value of the measure to the unit of verdicts, for example ticks to microseconds."""
         if self.measure.unit == "%":
             return value * 100 / MILLIONTHS
         if self.measure.unit == "LSB":

@@ -33,7 +33,7 @@ class Asked(Struct, frozen=True):
     """The requests of a master. Times are ticks.
 
     requests: the transfers of each round.
-    startup: the transfers before the first round.
+    startup: the transfers before the first round, which are the set-up.
     first: the due time of the first round; None if it is not known.
     late: the maximum delay of the start of a round after its due time.
     rounds: the number of rounds that are due; None if rounds are due until the end of the run.
@@ -115,7 +115,7 @@ class Schedule:
         return self._since != NO_TIME and (rounds is None or self._passed < rounds)
 
     def _pass(self) -> int:
-        """Go to the next round. Return the due time of the round before."""
+        """Count the next round as begun or missed, and return its due time."""
         due = self._due()
         self._next += 1
         self._passed += 1

@@ -48,8 +48,8 @@ class Bus(NamedTuple):
         or selections.
     notes: sentences on the limitations of the decoding.
     lines: all lines: SCL and SDA, the serial line, or clock, data and chip select.
-    glitch: pulses of fewer positions are glitches by default: half a bit of a serial line with a known rate, otherwise
-        SPIKE; 0 if the capture has no rate.
+    glitch: the default limit, in positions: shorter pulses are glitches. It is half a bit of a serial line with a known
+        rate, and otherwise SPIKE; 0 if the capture has no rate.
     role: mosi or miso; "" for other buses.
     is_decoded: False if the lines are not decoded, so that the absence of rows does not mean silence.
     """

@@ -117,7 +117,7 @@ def _lines(rows: Rows, name: str, bus: Bus, sample: int) -> Iterator[Line]:
             yield Line(at, end, name, "result", {bus.role: _hexadecimal(value, bits)})
 
 
-FAULTS = {"parity error": "parity", "frame error": "framing"}  # Logic 2 states the first of them
+FAULTS = {"parity error": "parity", "frame error": "framing"}  # of several faults of a frame, Logic 2 states the first
 
 
 def _said(flag: bool) -> str:

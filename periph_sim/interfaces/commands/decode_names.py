@@ -53,7 +53,7 @@ class NamedDevice:
         self.assumed = ""
         self._scale = AT_POWER_ON
         self._scene = scene
-        self._pointed = False  # the capture shows a write of the pointer
+        self._pointed = False  # True if the pointer is known, because the capture shows a write of it
         self._written = False
 
     def forget(self) -> None:

@@ -206,7 +206,8 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
     seen, calls = Seen(), LoopCalls()
     try:
         scene = Scene(case_of(tree, target), lambda recorder, _: recorder.subscribe((Kind.ACCESS, Kind.IRQ), seen))
-    except BadCase as error:  # for example, gcc rejects a source; the file in the message does not exist yet
+    except BadCase as error:  # for example, gcc rejects a source
+        # The message begins with the name of the new case, which is left out, because this file is not written.
         raise click.ClickException(
             f"no case was written: {str(error).partition(f'{UNIT}.')[2].partition(': ')[2]}"
         ) from None

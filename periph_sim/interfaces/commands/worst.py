@@ -43,7 +43,7 @@ def worst(
 ) -> int:
     """Explain the worst occurrence of each budget of CASE, step by step.
 
-    BUDGET selects budgets by name; the default is all. Exit status as of run: 0 if they hold, 1 if not.
+    BUDGET selects budgets by name; the default is all. Exit status 0: all selected budgets hold; 1: otherwise.
     """
     from ...scene.case.load import load
     from ...scene.scene import Scene

@@ -17,7 +17,7 @@ from ..errors import OutsideError
 
 WhenLate = Literal["slip", "catch-up", "stop"]
 TOLERATED = 0.050  # lateness, in seconds, above which a step counts as late
-STEPS = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.010, 0.020, 0.050, 0.100, 1.0)
+STEPS = (0.0001, 0.0002, 0.0005, 0.001, 0.002, 0.005, 0.010, 0.020, 0.050, 0.100, 1.0)  # classes of lateness, seconds
 
 
 class Pacer:
@@ -42,7 +42,9 @@ class Pacer:
         self.when_late = when_late
         self.late = self.slips = 0
         self.worst = 0.0
-        self.counts = [0] * (len(STEPS) + 1)  # number of steps in each class of lateness, between the bounds in STEPS
+        # For each class of lateness, the number of steps of the simulation. STEPS has the upper limits of all classes
+        # except the last one, which has none.
+        self.counts = [0] * (len(STEPS) + 1)
         self._per_second = float(ticks_per_second * pace)
         self._clock = clock
         self._origin: float | None = None

@@ -213,7 +213,7 @@ ROUND_A_GATE = 16  # maximum cycles between a module's request and the PIEIFR fl
 def walk_back(run: Run, row: int, depth: int) -> Iterator[Link]:
     """Yield a link to the record in `row`, then links to at most `depth` causes.
 
-    Each cause comes after the links that are shown beside it (`aside`).
+    Before each cause come the links to records that are only additional information about it (`Link.aside`).
     """
     step = Link(row, run.record(row), "")
     yield step

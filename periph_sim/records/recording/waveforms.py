@@ -226,8 +226,8 @@ class VcdWriter(WaveformWriter):
 
 
 class SrWriter(WaveformWriter):
-    """sigrok session for PulseView and sigrok-cli: wires, bus state, interrupts and spans, as an analyser would show
-    them.
+    """sigrok session for PulseView and sigrok-cli: wires, bus state, interrupts and named spans of the firmware, as an
+    analyser would show them.
 
     The file has the first 64 signals of one bit, wires first, without fields of registers. Its sample rate is the
     highest of `RATES` with which the file has at most `MOST_SAMPLES` samples.

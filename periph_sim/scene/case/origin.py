@@ -18,7 +18,7 @@ class Source(Struct, frozen=True):
 
     text: the text of the file as it was read.
     changes: the `key=value` texts that were applied, each with the place that it changed.
-    values: the text of every key of the case whose value is a text, after the changes; some of them name files.
+    values: all strings among the values of the case, after the changes; some of them name files.
     """
 
     path: Path

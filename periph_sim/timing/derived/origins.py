@@ -1,7 +1,7 @@
 """Origins of reads: the host frame whose values a read returned, and the bytes that would have been right.
 
     frames of the host ---------.
-    MODEL pin (runs of models) --+--> Origins --of(phase)--> Origin: frame, when it had ended, wanted bytes
+    MODEL pin (model runs) ------+--> Origins --of(phase)--> Origin: frame, when it had ended, wanted bytes
     reads of the controller ----'
 
 The firmware emulates sensor chips, which the controller reads. An emulated chip is called a chip here. It shows a frame
@@ -10,10 +10,10 @@ while its registers contain values of the frame.
 If the chips show the values of frames (`FrameOrigins`), a read's bytes are compared with the last 8 frames and with
 every frame since the one that the chip showed last. The measure `age` judges how old the values are.
 
-If firmware computes the chips' values with models (`ModelOrigins`), each run of the models may have used any frame that
-ended before the MODEL pin rose. A chain is one possible sequence of the frames that the successive runs used. No run of
-a chain uses an older frame than the run before. After each read, the chains whose values disagree with the bytes read
-are removed. The number of chains is limited: if chains had to be left out, a read that agrees with none of the
+If firmware computes the chips' values with models (`ModelOrigins`), each model run may have used any frame that ended
+before the MODEL pin rose. A chain is one possible sequence of the frames that the successive model runs used. No model
+run of a chain uses an older frame than the one before. After each read, the chains whose values disagree with the bytes
+read are removed. The number of chains is limited: if chains had to be left out, a read that agrees with none of the
 remaining chains is not judged. The firmware provides only the level of the MODEL pin.
 """
 
@@ -111,7 +111,7 @@ class FrameHistory:
 RECENT = 8  # number of recent frames with which each read is compared
 KEPT = 64  # number of recent frames from which a model run may have taken its input
 COMPLETE = 256  # maximum number of chains (possible sequences of frames) up to which all chains are followed
-PASSED_OVER = 3  # with more chains than COMPLETE, only the PASSED_OVER + 1 newest frames are tried for a run
+PASSED_OVER = 3  # with more chains than COMPLETE, only the PASSED_OVER + 1 newest frames are tried for a model run
 MOST = 64  # with more chains than COMPLETE, at most this number of them is followed, with younger frames preferred
 
 
@@ -197,9 +197,9 @@ class FrameOrigins(Origins):
 class Chain:
     """A possible sequence of the frames that the model runs used, of which only the end is stored.
 
-    sent: the frame that the last run of the chain used.
-    before: the number of the frame that the run before used; the values of the last run depend on this frame, too.
-    shown: the values that the last run produced.
+    sent: the frame that the last model run of the chain used.
+    before: the number of the frame that the model run before it used, on which the values of the last one depend, too.
+    shown: the values that the last model run produced.
     """
 
     __slots__ = ("before", "sent", "shown")
@@ -212,7 +212,7 @@ class Chain:
 
 @final
 class Run:
-    """A complete run of the firmware's models. sent: the frames that this run may have used, oldest first."""
+    """A complete model run. sent: the frames that this model run may have used, oldest first."""
 
     __slots__ = ("number", "sent")
 
@@ -234,13 +234,13 @@ class ModelOrigins(Origins):
         self.reset()
 
     def reset(self) -> None:
-        """Discard all chains and runs after a reset of the firmware. The MODEL pin is then a pulled-up input."""
+        """Discard all chains and model runs after a reset of the firmware. The MODEL pin is then a pulled-up input."""
         self._pulled_up = True
         self._chains = [Chain(NOTHING_SENT, BEFORE_ANY, self._codes.at_rest)]
         self._left_out = False  # True if chains were left out after the last read that agreed with a chain
-        self._before: list[Chain] = []  # the chains as they were before the last run was added to them
+        self._before: list[Chain] = []  # the chains without the last model run
         self._runs = 0
-        self._over: list[Run] = []  # complete runs that are not in a chain yet
+        self._over: list[Run] = []  # complete model runs that are not in a chain yet
         self._last: Run | None = None
         self._may_take: list[Sent] = []
 
@@ -248,10 +248,10 @@ class ModelOrigins(Origins):
         self._sent.append(Sent(number, values, tick))
 
     def model_pin(self, now: int, level: int) -> None:
-        """Handle a change of the MODEL pin, which is high during a run. A run may use frames that ended earlier."""
+        """Handle a change of the MODEL pin, which is high during a model run. It may use frames that ended before."""
         if level:
             self._may_take = list(self._sent)
-        elif self._pulled_up:  # the pin falls because it becomes an output, not because a run ends
+        elif self._pulled_up:  # the pin falls because it becomes an output, not because a model run ends
             self._pulled_up = False
         else:
             self._last = Run(self._runs, self._may_take)
@@ -267,7 +267,7 @@ class ModelOrigins(Origins):
         if not fitting and _fitting(self._before, address, got):
             return _nearest(
                 got, [(chain.sent, chain.shown.data(address)) for chain in self._before]
-            )  # the read began before the last run was complete, so it returned values of the previous run
+            )  # the read began before the last model run was complete, so it returned values of the previous one
         if not fitting:
             fitting = _fitting(self._anew(), address, got)
         if fitting:
@@ -276,7 +276,10 @@ class ModelOrigins(Origins):
         return nearest._replace(judged=False) if self._left_out else nearest
 
     def _longer(self, run: Run) -> list[Chain]:
-        """Return all chains, each extended by `run`; only the chains with the youngest frames if there are too many."""
+        """Return all possible extensions of the chains by `run`.
+
+        If there are too many, return only those with the youngest frames.
+        """
         count: int = 0
         chain: Chain
         for chain in self._chains:
@@ -295,7 +298,7 @@ class ModelOrigins(Origins):
         return list(longer.values())[:MOST] if many else list(longer.values())
 
     def _may_be(self, chain: Chain, run: Run) -> list[Sent]:
-        """Return the frames that `run` may have used, oldest first, if the runs before used the frames of `chain`.
+        """Return the frames that `run` may have used, oldest first, if the model runs before used those of `chain`.
 
         These are the last frame of the chain and all later frames in `run.sent`.
         """
@@ -314,10 +317,10 @@ class ModelOrigins(Origins):
         return may_be
 
     def _anew(self) -> Iterator[Chain]:
-        """Yield new chains, to be used if a read agrees with no known chain.
+        """Yield new chains, for a read that agrees with no known chain.
 
-        Each new chain consists of three runs of the models, the last of which is `_last`. All three used frames among
-        the PASSED_OVER + 1 newest frames that `_last` may have used, and none used an older frame than the run before.
+        Each new chain consists of three model runs, the last of which is `_last`. Each of the three uses one of the
+        PASSED_OVER + 1 newest frames in `_last.sent`, and none uses an older frame than the model run before it.
         """
         if self._last is not None:
             number, recent = self._last.number, self._last.sent[-PASSED_OVER - 1 :]

@@ -93,7 +93,7 @@ class Group(Struct, frozen=True):
 class Matcher(Struct, frozen=True, dict=True):
     """Test of whether a record is an event.
 
-    where: the places at which the event may happen; None for any place.
+    where: the places, such as wires or modules, whose records can be the event; None for all places.
     what: the thing that the record must have; ANYTHING for all things of the kind.
     mask: the bits of the record's value that are compared.
     want: the value that these bits must have.
@@ -134,7 +134,7 @@ class Matcher(Struct, frozen=True, dict=True):
 
     @cached_property
     def subjects(self) -> frozenset[str]:
-        """The wires or registers whose records this matcher, without `others`, needs; empty if it needs all."""
+        """The wires or registers whose records this matcher needs; empty if it needs those of all. Ignores `others`."""
         places = self.where or frozenset()
         if self.kind in (Kind.EDGE, Kind.FRAME):
             return places
@@ -214,7 +214,7 @@ def group_of(event: Event, scope: Scope) -> Group:
 
 
 def stretch_of(name: str, scope: Scope, whose: str, hint: str = "") -> Group:
-    """Return the group for a transfer or a round. Raise BadEvent if there is none; its text begins with `whose`."""
+    """Return the group for a transfer or a round. Raise BadEvent, whose text begins with `whose`, if there is none."""
     if not (scope.rounds if name == "round" else scope.bus):
         needs = "[controller] or [rounds]" if name == "round" else "SCL and SDA"
         raise BadEvent(f"{whose} needs {needs} in the scene, which has none{hint}")

@@ -218,7 +218,7 @@ class Scope(Struct):
         return owner, True
 
     def places(self, unit: str) -> frozenset[str]:
-        """Return the places of a unit from which records can come; the places of all units if `unit` is empty."""
+        """Return the places of a unit's records, which are the unit and its modules; those of all units for ""."""
         named = [self.unit(unit)] if unit else list(self.units)
         return frozenset(place for u in named for place in (u, *(f"{u}.{m}" for m in self._modules(u))))
 

@@ -17,7 +17,10 @@ class Words:
         self.text = text
         self._words = WORD.findall(text)
         self.place = 0
-        self._optional: tuple[int, list[str]] = 0, []  # a place, and the words that `took` has not found there
+        self._optional: tuple[int, list[str]] = (
+            0,
+            [],
+        )  # a value of `place`, and words that `took` did not find there
         if '"' in self._words or "'" in self._words:
             raise BadEvent(f"{text!r}: a quote is not closed, or nothing is in it; write for instance 'time update'")
 

@@ -274,14 +274,14 @@ class Unsolicited(Measure):
     # Events from the scene ----------------------------------------------------
 
     def window(self, tick: int) -> None:
-        """Start a silence, because the send begins at `tick`."""
+        """Begin a silence: from `tick` on, at which the send begins, no unsolicited character may begin."""
         self.others_turn(tick)
         if self._until < tick:  # otherwise, the previous silence continues
             self._since = tick
         self._is_open, self._until = True, NO_TIME
 
     def due(self, tick: int) -> None:
-        """Let the silence in progress end at `tick`."""
+        """Set the end of the silence in progress to `tick`, which may be in the future."""
         if self._is_open:
             self._until = tick
 
@@ -293,7 +293,7 @@ class Unsolicited(Measure):
             self._until = tick if self._until == NO_TIME else min(self._until, tick)
 
     def forbids(self, begin: int) -> bool:
-        """Return True if no character may begin at the tick `begin`, which is not before the last silence."""
+        """Return True if no unsolicited character may begin at `begin`. Only the last silence is considered."""
         in_time = NO_TIME < self._since <= begin and (self._until == NO_TIME or begin < self._until)
         return in_time or not self.name
 

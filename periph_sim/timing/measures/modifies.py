@@ -241,9 +241,9 @@ class Modifies(RecordSink):
         return self._registers[key]
 
     def places(self, tag: int) -> int:
-        """Return for which accesses the place in the firmware is recorded.
+        """Return for which accesses with this tag the statement must be recorded (see `RecordSink.places`).
 
-        The place is needed to find the read and the write of one statement.
+        A write belongs to an earlier read only if the same statement made both.
         """
         topic = self._topics[tag]
         return NOWHERE if topic.register is None or topic.flag is not None else OF_MODIFIES

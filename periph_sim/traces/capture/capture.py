@@ -111,8 +111,8 @@ class Channel:
         """
         if not short.any():
             return self
-        begins = np.flatnonzero(~np.append(False, short[:-1]))  # indices of the edges after a level that is kept
-        ends = np.flatnonzero(~short)  # indices of the edges before a level that is kept
+        begins = np.flatnonzero(~np.append(False, short[:-1]))  # indices of the edges that end a level that is kept
+        ends = np.flatnonzero(~short)  # indices of the edges that begin a level that is kept
         return replace(self, edges=self.edges[ends[(ends - begins) & 1 == 0]])
 
     def cut(self, span: Span) -> Channel:

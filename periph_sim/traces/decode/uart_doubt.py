@@ -39,7 +39,8 @@ LIKELY = 0.3  # minimum certainty of the guess
 # pulse of more than ten bits, so at most two lengths of such pulses, four and eight bits, fit that slower rate. At a
 # fraction of the true rate, most low pulses are shorter than half a bit, and many of them are in one frame.
 LONGER, SHORTER = 3.5, 0.5
-NEARLY_NONE, MOST = 0.05, 0.5  # maximum share of low pulses below LONGER, minimum share of those below SHORTER
+# The rate is doubtful if at most NEARLY_NONE of the low pulses are below LONGER, or at least MOST are below SHORTER.
+NEARLY_NONE, MOST = 0.05, 0.5
 PULSES, LENGTHS = 12, 3  # minimum number of low pulses, and of their different lengths at the other rate
 
 

@@ -90,7 +90,10 @@ def run_case(path: Path, changes: tuple[str, ...] = (), keep_values: bool = Fals
 
 
 def run_chains(path: Path, changes: tuple[str, ...], wanted: dict[str, Wanted]) -> dict[str, EventLine]:
-    """Run a case again until the last wanted occurrence. Return a dictionary from budgets to chains."""
+    """Run a case again until the last wanted occurrence has ended.
+
+    Return a dictionary from budgets to the events around their wanted occurrences.
+    """
     try:
         return chains(load(path, list(changes)), wanted)
     except REFUSED as error:  # the first run was possible, so the case or its firmware has changed

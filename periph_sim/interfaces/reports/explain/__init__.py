@@ -9,7 +9,8 @@ evidence    queries of these records: phases on the bus, accesses, flags, CPU ac
 findings    the records at both ends of the occurrence (`Ends`), and findings from the records around an instant
   |
 explain     steps: events in order of time, with the causes of both ends
-            parts: the time between the ends, divided by place: bus, party that holds SCL, hardware, firmware
+            parts: the time between the ends, divided into that of the bus, of parties that hold SCL, of hardware, and
+                   of firmware
   |
 chain       the explanation as data, as text and as JSON                            (`Chain`)
 picture, reports/html    pictures of the occurrence

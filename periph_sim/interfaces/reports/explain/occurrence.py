@@ -15,8 +15,9 @@ LATE = ("missed", "stuck")  # events whose instant is the end of a wait that is 
 
 
 def occurrence(verdict: Verdict, timebase: Timebase, start: int) -> tuple[int, int]:
-    """Return the first and the last tick of the worst occurrence of a verdict that has an instant.
+    """Return the first and the last tick of the worst occurrence of a verdict.
 
+    verdict: a verdict whose `at_s` is not None.
     start: the tick at which the run began.
     """
     per_second = timebase.per_second

@@ -25,7 +25,7 @@ from ..explain.window import I2C_BUS, Window, WrongByte, windows_of_replay
 from .gather import BudgetReport, CaseReport, Failure, commit_of, failure, source_around, sysclk
 from .timeline import MOST, Lane, Lanes, Texts, Timeline
 
-# Registers' fields that are shown at first.
+# Names of the wires, registers and flags whose lanes the page draws at first; other lanes are drawn on request.
 I2C_SHOWN = ("AAS", "SDIR", "RRDY", "XRDY", "SCL", "SDA", "I2CDXR", "I2CDRR")
 UART_SHOWN = ("RX", "RXFFST", "RXRDY", "FE")
 

@@ -236,9 +236,10 @@ class _Runs:
 
 
 def _best(outcomes: Sequence[Outcome], max_error_s: float) -> tuple[Outcome, str]:
-    """Return the outcome with the lowest cost that fits (see `Outcome.fits`), and the reason as a phrase.
+    """Return the outcome to recommend, and the reason as a phrase.
 
-    If several costs do not differ significantly, return the outcome of the most accurate row.
+    Only outcomes that fit can be recommended (see `Outcome.fits`). Of those whose cost is not significantly above the
+    lowest cost, the most accurate one is returned.
     """
     reference = outcomes[0]
     fitting = [one for one in outcomes if one.fits(max_error_s)]

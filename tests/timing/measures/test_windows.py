@@ -18,6 +18,7 @@ WINDOWS = {
     ("devices/chips/adxl345.py", "slice"): "the chip's own FIFO",
     ("scene/serial/send_schedule.py", "slice"): "as many characters as the text has that they are compared with",
     ("records/subject.py", "slice"): "the parts of a name",
+    ("processor/image_files/assemble.py", "slice"): "the last two names of a path",
     ("records/cause_trace/causes.py", "slice"): "`why` says that it searched no further",
 }
 

@@ -177,7 +177,19 @@ def notes_of(scene: Scene) -> list[str]:
         if not fault.has_occurred:
             at = scene.timebase.show(fault.next_at - scene.start)
             lines.append(f"{fault.who} never occurred: its time, {at}, is after the end of the run")
-    return lines + _missed_rounds(scene) + scene.uart.notes()
+    return lines + _late_parties(scene) + _missed_rounds(scene) + scene.uart.notes()
+
+
+def _late_parties(scene: Scene) -> list[str]:
+    """Return notes on a controller and a host that begin only after the case ends."""
+    case, timebase = scene.case, scene.timebase
+    end = timebase.show(timebase.ticks(case.duration, "nearest"))
+    return [
+        f"{name}: its first {what}, at {timebase.show(timebase.ticks(table.first, 'nearest'))}, is after the end of "
+        f"the case, {end}"
+        for name, what, table in (("controller", "round", case.controller), ("host", "frame", case.host))
+        if table is not None and table.first >= case.duration
+    ]
 
 
 def _missed_rounds(scene: Scene) -> list[str]:

@@ -118,3 +118,15 @@ def test_a_note_on_lost_words_has_the_statement_and_the_number() -> None:
     line = main.__code__.co_firstlineno + 3
     assert note.startswith("dsp SCI-A, first at ") and note.endswith("] (4 times)"), note
     assert f", line {line} of test_result.py: SCITXBUF was written while TXFFST = 16" in note
+
+
+@pytest.mark.parametrize(("first", "shown"), [("100 ms", "100.000 ms"), ("1 s", "1000.000 ms"), ("99 ms", "")])
+def test_a_controller_that_begins_after_the_case_ends_is_noted(first: str, shown: str):
+    result = Scene(load(TIMING / "responder.toml", [f"controller.first='{first}'"])).run(Fraction(2, 1000))
+    note = f"controller: its first round, at {shown}, is after the end of the case, 100.000 ms"
+    assert result.notes == [note] * bool(shown)
+
+
+def test_a_host_that_begins_after_the_case_ends_is_noted():
+    result = Scene(load(TIMING / "uart_logger.toml", ["host.first='4 s'"])).run(Fraction(2, 1000))
+    assert "host: its first frame, at 4000.000 ms, is after the end of the case, 200.000 ms" in result.notes

@@ -10,6 +10,8 @@ line that leads outside: a wire of the case that the outside may release or pull
 move: a change of a line by the outside, at a tick.
 client: a program that is connected to a session, for example by a serial port.
 door: in `live`, a connection between a session and its clients.
+step: in `live`, an advance of the session by a short simulated time. The doors transfer bytes between two steps.
+port: a serial port of the computer, real or simulated; in names such as "scia", an SCI of the case.
 """
 
 from __future__ import annotations

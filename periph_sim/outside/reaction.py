@@ -216,7 +216,7 @@ class Reaction(Agent):
         return event.time
 
     def _weigh(self, tick: int, line: Text, level: int) -> None:
-        """Lower `_due` to the earliest answer to a move, if a listener can answer it."""
+        """Lower `_due` to the tick of the earliest answer to a move, if a listener can answer it."""
         if level == self._seen[line]:
             return
         self._seen[line] = level

@@ -244,7 +244,7 @@ class Session:
 
         If a line is moved several times in one tick, only the last call has an effect.
 
-        Raise OutsideError if the tick is past, a line does not lead outside, or a level is invalid. Then no line moves.
+        Raise OutsideError, and move no line, if the tick is past, a line does not lead outside, or a level is invalid.
         """
         self._open()
         self._check_tick(at)

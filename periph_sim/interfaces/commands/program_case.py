@@ -2,7 +2,8 @@
 
 program --run with everything--> modules, pins, interrupts, calls --second run, without limits--> figures --> case
 
-Its limits are the figures of that run and a margin. They describe the program, not what its user requires.
+The limits of the case are the figures of the second run plus a margin. They describe the program, not what its user
+requires.
 """
 
 from __future__ import annotations
@@ -78,7 +79,11 @@ class WrittenCase(NamedTuple):
 
 
 class Topic(NamedTuple):
-    """The number of the records with the same `where` and `what`. bits: the bits that are 1 in any of their values."""
+    """The records of one kind with the same `where` and `what`.
+
+    records: the number of these records.
+    bits: the bits that are 1 in any of their values.
+    """
 
     where: str
     what: str
@@ -341,7 +346,10 @@ def _notes(scene: Scene, dsp: Dsp, seen: Seen) -> Iterator[str]:
 
 
 def _as_seen(tree: Tree, target: Path, measures: dict[str, str]) -> list[Tree]:
-    """Return a budget for each of these measures that has a value. Its limit is the largest value and the margin."""
+    """Run the case. Return a budget for each measure that has a value, with this value plus MARGIN % as the limit.
+
+    Pins without an edge in the run are removed from the unit in `tree`.
+    """
     found: list[Tree] = []
     for name, measure in measures.items():
         budget = {"name": name, "measure": measure, "max": "0 us", "why": SEEN}

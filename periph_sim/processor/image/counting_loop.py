@@ -271,7 +271,7 @@ def _value(words: Sequence[Place], traced: Traced) -> int:
 
 
 class CountingLoop(InstructionWatch):
-    """Trace of one pass of a loop. The pass begins when the trace is made.
+    """Trace of one pass of a loop. The pass begins when this object is made.
 
     does_more: True if the pass does more than count, so that later passes need not be traced.
     """

@@ -93,7 +93,7 @@ class ImageProgram(LoadedImage):
             self._calls.began(self._entry, self._processor.time.cycle)
 
     def kill(self, how: type[BaseException]) -> None:
-        """See `Program.kill`. A sleep ends before, so that a reset of watched registers does not wake the program."""
+        """See `Program.kill`. A sleep ends, too, so that a later reset of registers does not wake the program."""
         LoadedImage.kill(self, how)
         time = self._processor.time
         now = self._clock.cycle_at(time.instant()[1])
@@ -211,7 +211,10 @@ class ImageProgram(LoadedImage):
     # Waits --------------------------------------------------------------------------
 
     def _sleeps(self) -> bool:
-        """Put the program to sleep at the start of a pass that must repeat the previous ones. Return False if awake."""
+        """Put the program to sleep at the start of a pass that must repeat the previous ones.
+
+        Return False if the program stays awake.
+        """
         polls, passed = self.cpu.polls, self.instructions - self._counted
         self._counted = self.instructions
         if polls.counting:

@@ -19,7 +19,7 @@ chip has shown a frame, the age counts from the first frame. If several frames h
 the last of them.
 
 The model age is for firmware whose chips do not show the values of frames, but results of models that it computes from
-them. The firmware's span "model" marks each run of the models. A run uses the last frame that ended before it began.
+them. The firmware's span "model" marks each model run, which uses the last frame that ended before it began.
 
     thing            tick               value
     bytes asked      START of the read  number of bytes requested

@@ -56,7 +56,7 @@ def check(
 
     Exit status 0: every budget holds, or breaks where the case says that it must, and every
     figure is that of the baseline; 1: otherwise; 2: a case could not be run (the others were). Cases
-    that are driven from outside are named, and not run.
+    that are driven from outside are listed, but not run.
     """
     import msgspec
 

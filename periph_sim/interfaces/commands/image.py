@@ -18,8 +18,8 @@ from .command_frame import command, print_answer, usage_errors_in_one_sentence
 def image(image: Path, function: str | None, cycles: bool, verbose: bool, as_json: bool) -> int:
     """Show the contents of FILE, the .out of TI's linker, COFF2 or C28x ELF, or assembly (.asm).
 
-    Sections, entry, vectors that code stores, registers that it accesses, functions with their size, and unknown words
-    of code. Exit status 0: all words are known; 1: some are not.
+    The contents are the sections, the entry, vectors that the code stores, registers that it accesses, functions with
+    their sizes, and words of code that are no instructions. Exit status 0: there are no such words; 1: there are some.
     """
     if cycles != (function is not None):
         raise click.UsageError("--cycles and FUNCTION belong together: periph-sim image --cycles FILE FUNCTION")

@@ -82,9 +82,9 @@ def new(
 
     NAME is the name of the files, with or without a folder: bench/thermometer. For image and c it
     is the program; a run of it finds modules, pins and limits for a case in the present folder. With
-    --example NAME is the folder of the copy. With --live the case is that of the session, driven by
-    its log instead of its [host], with its budgets; if it has none, with the session's results as
-    budgets. Existing files are never overwritten.
+    --example NAME is the folder of the copy. With --live the new case is that of the session, in which
+    the session's log replaces the [host] or [controller]. If that case has no budgets, the session's results
+    become budgets. Existing files are never overwritten.
     """
     with usage_errors_in_one_sentence():
         if live is not None:

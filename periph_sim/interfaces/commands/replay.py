@@ -110,15 +110,15 @@ def replay(
     """Replay CAPTURE against the firmware of a case.
 
     \b
-    --loop closed  of an I2C capture the controller's decisions are played, and
-                   the firmware's slave answers and stretches by itself
+    --loop closed  the decisions of the controller in an I2C capture are played,
+                   and the firmware's slave answers and stretches by itself
     --loop open    every edge of the capture goes to the chip; its outputs are
                    compared with the capture
     --as master    the captured targets' answers are played to the firmware's
                    own requests
 
-    Of a UART capture one line goes into SCI-A, edge by edge. An I2C and a UART capture of the same time, from one file
-    or two, are a session: the case's budgets are measured on it.
+    One line of a UART capture goes into SCI-A, edge by edge. An I2C and a UART capture of the same time, from one file
+    or two, are a session, in which the case's budgets are measured.
 
     Exit status 0: the wires agree with the capture, and budgets and tolerance hold; 1: they do not, or nothing
     can be judged; 2: it cannot be replayed.

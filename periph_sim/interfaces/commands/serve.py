@@ -96,8 +96,8 @@ def serve(
 ) -> int:
     """Run CASE in real time, with one of its SCIs as a serial port, or its bus as an I2CDriver.
 
-    A program that opens the port replaces the [host] of the case, or its [controller]. Ends with Ctrl-C, and prints the
-    verdicts: exit status 0 if the budgets hold, else 1.
+    A program that opens the port replaces the [host] of the case, or its [controller]. Ctrl-C ends the run, and the
+    verdicts are printed. Exit status 0: the budgets hold; 1: otherwise.
     """
     from ...outside.live.case_for_line import case_for_bus, case_for_line
     from ...outside.live.loop import Loop, signals_calling

@@ -51,9 +51,9 @@ def terminal(
 ) -> int:
     """Type to an SCI of CASE, which runs in real time.
 
-    pyserial's miniterm (extra live): Ctrl-] ends it, Ctrl-T Ctrl-H lists its keys, a break among them. The user
-    replaces the [host] of the case. At the end prints the verdicts of the run: exit status 0 if the
-    budgets hold, else 1.
+    The terminal is pyserial's miniterm (extra live). Ctrl-] ends it, and Ctrl-T Ctrl-H lists its keys, one of which
+    sends a break. The user replaces the [host] of the case. At the end, the verdicts of the run are printed. Exit
+    status 0: the budgets hold; 1: otherwise.
     """
     try:
         from ...outside.live.protocol_f28335 import Serial

@@ -26,8 +26,8 @@ from .shared_options import RUN_FILE, SYSCLK
 def why(run: Path, question: str, depth: int, sysclk: str | None, as_json: bool) -> None:
     """Explain why 'I2C-A.I2CSTR.XRDY@12.345ms' had its value in RUN.
 
-    RUN is the output of `run --record x.psr`. A question is a field, wire, span, interrupt or variable, and a time:
-    'SDA@3 us'. Variables of an image are recorded if a budget names them.
+    RUN is the output of `run --record x.psr`. A question consists of a field, wire, span, interrupt or variable, and of
+    a time: 'SDA@3 us'. Variables of an image are recorded if a budget names them.
     """
     from ...records.cause_trace import why as answers
 

@@ -4,7 +4,7 @@
     write   issued | wait states | posted . . | lands
     modify  issued | wait for writes, wait states | fetched, posted . . | lands      read, then write of a bit field
 
-A read has its value in the stage R2 of the pipeline. A write leaves the pipeline in the last stage, W, two cycles after
+A read has its value in phase R2 of the pipeline. A write leaves the pipeline in the last phase, W, two cycles after
 R2. So a write is posted: it takes effect (lands) at the end of a later cycle, while the CPU continues. A read in the
 protected block, or of the same register, waits until the write has landed. Any other read does not wait; it returns the
 old value up to the cycle in which the write lands.

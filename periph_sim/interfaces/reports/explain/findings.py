@@ -187,10 +187,10 @@ def awaited(evidence: Evidence, access: Record, let_go: int) -> Step:
 
 
 def _refused(evidence: Evidence, ends: Ends) -> Finding:
-    """Find the address that was not acknowledged at an instant.
+    """Find the address that was not acknowledged at an instant, and the reason.
 
-    If the measure counts refused transfers or rounds, find the first address after the instant that was not
-    acknowledged.
+    If the measure counts refused transfers or rounds, find the first such address in a phase that ends after the
+    instant.
     """
     at = evidence.window.begin
     if not ends.measure.kinds & {Kind.BUS, Kind.TRANSFER, Kind.ROUND} or ends.thing in LATE:

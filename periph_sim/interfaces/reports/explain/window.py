@@ -104,7 +104,7 @@ class Window:
 
     @cached_property
     def run(self) -> Run:
-        """The records as a recorded run, in which causes can be followed. Places in this run have no paths of files."""
+        """The records as a recorded run, in which causes can be followed. Its firmware places lack file paths."""
         columns = Columns()
         for record in self.by_number.values():
             columns.add(record)

@@ -1,6 +1,6 @@
 """The CPU that executes an operation: its operands, memory, stack and control.
 
-    locate          finds the address of the operand, and applies the effects of the addressing mode, in stage D2
+    locate          finds the address of the operand, and applies the effects of the addressing mode, in phase D2
     read16, write16 access the operand: memory at that address, or the register that field l names
     load16, store16 access memory; a subclass for a chip with a bus overrides them
 
@@ -77,7 +77,7 @@ class Cpu(Registers):
     high_byte: True if the operand is the upper byte of the word at `ea`.
     cycles: the cycles of the current instruction.
     written_in: the cycle of the current instruction, from 1 to `cycles`, in which the part of it that writes memory is
-        in stage D2.
+        in phase D2.
     repeat: the repeat count N that RPT has set for the next instruction; -1 if there is none.
     passes: the number of completed passes of a repeated instruction.
     """

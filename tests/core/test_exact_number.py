@@ -53,6 +53,7 @@ def test_what_is_no_number_is_refused(text):
         ("50n s", "unit 'n s' is none of ns, us, ms, s, min, h, d; did you mean 50 ns?"),
         ("1.5u s", "unit 'u s' is none of ns, us, ms, s, min, h, d; did you mean 1.5 us?"),
         ("10 0ms", "unit '0ms' is none of ns, us, ms, s, min, h, d; did you mean 100 ms?"),
+        ("3.e us", "'3.e' is not a number; write for instance 20"),
         ("2O ms", "'2O' is not a number; write 20"),
         ("l5 ms", "'l5' is not a number; write 15"),
         ("y ms", "'y' is not a number; write for instance 20"),

@@ -16,6 +16,8 @@ from .origin import SHOWN
 
 _PLACE = re.compile(r" \(at (?:line (\d+), column \d+|end of document)\)")
 _OPENS = re.compile(r"([^=\[]+=\s*)?[\[{](?!\[)")  # matches the start of a line that opens a list or a table in braces
+_TABLE = re.compile(r"\[[\w.\s-]+\]\s*(#.*)?$")  # matches the header of a table
+BACKSLASH = r"write \\ for a backslash, as in C:\\data"
 _NO_POINT = r"[\s.]*[\s,;:/.][\s.]*"
 _HEADER = re.compile(rf"(\[+)([\w-]+(?:{_NO_POINT}[\w-]+)+)(\]+)")  # a header whose parts may lack a point
 _NO_EQUALS = re.compile(r"([\w.-]+)(?:\s*:\s*|\s+(?![=:])|(?=[\[{\"']))([^=\s].*)")  # a key and a value without =
@@ -80,8 +82,11 @@ def _not_toml(text: str, error: str) -> str:
     what = _PLACE.sub("", error)
     if what.startswith("Cannot"):
         return _given_twice(lines, number)
-    if what.startswith("Unclosed"):  # tomllib names the line after
-        number = next((n for n in range(number, 0, -1) if _OPENS.match(lines[n - 1])), number)
+    if what.startswith("Unclosed"):  # tomllib names a line after, which may be a header
+        opens = (n for n in range(number, 0, -1) if _OPENS.match(lines[n - 1]) and not _TABLE.match(lines[n - 1]))
+        number = next(opens, number)
+    if what.startswith("Unescaped"):
+        return f", line {number}: it is not TOML: {what} in `{shorten(lines[number - 1], SHOWN)}`; {BACKSLASH}"
     line = lines[number - 1]
     return f", line {number}: it is not TOML: {what} in `{shorten(line, SHOWN)}`; {_fix(line)}"
 

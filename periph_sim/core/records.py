@@ -48,6 +48,7 @@ class Kind(Enum):
     __hash__ = object.__hash__  # by identity, because each member is a single object and Enum's own hash is slow
 
 
+TIMED_OUT = "timeout"  # the text of the end of a wait that its timeout has ended; other ends of waits have none
 DERIVED = frozenset({Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA})
 RECORDED = tuple(kind for kind in Kind if kind not in DERIVED)  # the kinds that a recording of a whole run contains
 

@@ -11,10 +11,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import NamedTuple
 
-from ..core.records import Kind, Record
+from ..core.records import TIMED_OUT, Kind, Record
 from ..core.registers import Field
 from .register_maps import register_of
 
+GAVE_UP = "gave up (timeout)"
 IN_FIRMWARE = (Kind.ACCESS, Kind.IRQ, Kind.SPAN, Kind.WAIT)  # kinds of records whose `text` is a place in the firmware
 
 
@@ -70,7 +71,8 @@ def happened_where(record: Record) -> str:
         return f"{unit}{dot}{said}{f' at {record.text}' if record.text else ''}"
     if record.kind not in IN_FIRMWARE:
         return f"{record.where}: {said}" if record.kind is Kind.NOTE else said
-    return f"{record.where}: {said}{f' at {record.text}' if record.text else ''}"
+    has_place = record.text and not has_timed_out(record)
+    return f"{record.where}: {said}{f' at {record.text}' if has_place else ''}"
 
 
 def number(value: int) -> str:
@@ -103,6 +105,15 @@ def _field(module: str, register: str, name: str) -> Field | None:
     return known[name] if known is not None and name in known else None
 
 
+def has_timed_out(record: Record) -> bool:
+    """Return True for the end of a wait that its timeout has ended."""
+    return record.kind is Kind.WAIT and not record.value and record.text == TIMED_OUT
+
+
+def _wait(record: Record) -> str:
+    return f"wait for {record.what} {'begins' if record.value else GAVE_UP if has_timed_out(record) else 'is over'}"
+
+
 def _frame(record: Record) -> str:
     if record.what in PAIR_PARTS:
         return f"{record.where}: {PAIR_PARTS[record.what]}, {record.text}"
@@ -119,7 +130,7 @@ _SAID: dict[Kind, Callable[[Record], str]] = {
     Kind.FLAG: _flag,
     Kind.IRQ: lambda r: f"{r.what} {'entered' if r.value else 'left'}",
     Kind.SPAN: lambda r: f"span {r.what} {'begins' if r.value else 'ends'}",
-    Kind.WAIT: lambda r: f"wait for {r.what} {'begins' if r.value else 'is over'}",
+    Kind.WAIT: _wait,
     Kind.BUS: lambda r: f"{r.where}: {on_the_bus(r)}{f' ({r.text})' if r.text else ''}",
     Kind.FRAME: _frame,
     Kind.NOTE: lambda r: f"note: {r.text}" if r.text else f"note {r.what}",

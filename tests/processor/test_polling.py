@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from msgspec.structs import replace
 
 from periph_sim.core.kernel import Kernel
-from periph_sim.core.records import Kind, Recorder
+from periph_sim.core.records import TIMED_OUT, Kind, Recorder
 from periph_sim.core.time import Timebase
 from periph_sim.core.wire import Wire
 from periph_sim.f28335.cpu.code_costs import BARE
@@ -202,6 +202,7 @@ def test_waits_with_thousands_of_reads_in_a_pass_are_recorded():
 
     bench.run(main, 200_000)
     assert [(record.what, record.value) for record in records] == 2 * [("FLAGS.STATUS.A", 1), ("FLAGS.STATUS.A", 0)]
+    assert [record.text for record in records if not record.value] == ["", TIMED_OUT]
 
 
 def test_an_interrupt_asked_for_behind_a_wait_waits_for_the_end_of_an_instruction():

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from periph_sim.core.records import Kind, Record
+from periph_sim.core.records import TIMED_OUT, Kind, Record
 from periph_sim.records.record_text import happened, happened_where, on_the_bus
 
 
@@ -80,3 +80,11 @@ def test_addresses_and_bytes_are_said_as_people_write_them(what: str, value: int
 )
 def test_a_record_with_its_unit_and_place(made: Record, said: str):
     assert happened_where(made) == said
+
+
+def test_a_wait_that_timed_out_is_said_to_have_given_up():
+    ends = [Record(1, 0, Kind.WAIT, "dsp", "SCI-A.SCIFFRX.RXFFST", 0, text, 0) for text in (TIMED_OUT, "")]
+    assert [happened_where(end) for end in ends] == [
+        "dsp: wait for SCI-A.SCIFFRX.RXFFST gave up (timeout)",
+        "dsp: wait for SCI-A.SCIFFRX.RXFFST is over",
+    ]

@@ -116,10 +116,10 @@ class Cpu:
             topic = self._topics[polled] = self._recorder.topic(Kind.WAIT, self.program.name, what)
         return topic
 
-    def record(self, topic: Topic, cycle: int, begins: int) -> None:
-        """Record that a wait or a span begins (begins = 1) or ends (0)."""
-        where = (self.program.place() or "") if begins and topic.places else ""
-        topic.emit(self._clock.tick(cycle), begins, where)
+    def record(self, topic: Topic, cycle: int, begins: int, end: Text = "") -> None:
+        """Record that a wait or a span begins (begins = 1) or ends (0). end: the text of the end."""
+        text = (self.program.place() or "") if begins and topic.places else end
+        topic.emit(self._clock.tick(cycle), begins, text)
 
     # Interrupt and protection instructions -------------------------------------------
 

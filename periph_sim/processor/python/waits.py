@@ -29,7 +29,7 @@ from typing import final
 
 from ...core.chip import NEVER
 from ...core.options import IntOption
-from ...core.records import Topic
+from ...core.records import TIMED_OUT, Topic
 from ...f28335.cpu import code_costs as cpu_costs
 from ..cpu_time import CpuTime
 from ..operand import Operand
@@ -219,7 +219,7 @@ class Waits:
             if time.cycle >= spin.ends:
                 break
         if waited is not None:
-            cpu.record(waited, time.cycle, 0)
+            cpu.record(waited, time.cycle, 0, "" if came else TIMED_OUT)
         cpu.instruction(cpu_costs.SB_NOT_TAKEN)
         program.spin = outer
         self._spare = None if cpu.keeps_waits else spin

@@ -8,11 +8,12 @@ routine. If the stack is empty, the firmware executes other code.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterable, Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 from ....core.records import Kind, Record
+from ....records.record_text import GAVE_UP, has_timed_out
 from .window import Window
 
 Doing = Literal["interrupt", "span", "wait", "code", "bus", "hardware", "unknown"]
@@ -30,7 +31,7 @@ class Stretch:
     The activity is a service routine, a span, a wait, other code, traffic on the bus, or the work of hardware. A
     Stretch is either a whole activity, or a part of an activity during which no nested activity is in progress.
 
-    doing, what: the kind and the name of the activity.
+    doing, what: the kind and the name of the activity. The name of a wait that timed out ends with GAVE_UP.
     end: the end of the window if the activity has not ended.
     where: the place in the firmware; "" if unknown.
     since: the tick at which the activity began, which is `begin` or an earlier tick.
@@ -51,6 +52,11 @@ class Stretch:
 
     def __str__(self) -> str:
         return phrase(self.doing, self.what)
+
+    @property
+    def timed_out(self) -> bool:
+        """True for a wait that its timeout has ended."""
+        return self.doing == "wait" and self.what.endswith(GAVE_UP)
 
 
 def phrase(doing: Doing, what: str) -> str:
@@ -77,7 +83,7 @@ def timeline(window: Window, unit: str, begin: int, end: int, kinds: Collection[
 
     kinds: the kinds of records that begin an activity. The remaining time is other code.
     """
-    moves = [r for r in _relevant(window, unit) if r.tick < end and r.kind in kinds]
+    moves = [r for r in _up_to(window, unit, end) if r.tick < end and r.kind in kinds]
     stack: list[Record] = []
     found: list[Stretch] = []
     at = min([begin, *(r.tick for r in moves)])
@@ -110,9 +116,22 @@ def open_at(window: Window, unit: str, tick: int) -> list[Record]:
     return stack
 
 
-def _relevant(window: Window, unit: str) -> Iterable[Record]:
+def _relevant(window: Window, unit: str) -> list[Record]:
     open_before = [r for r in window.before if r.value]
     return [r for r in (*open_before, *window.records) if r.where == unit and r.kind in DOING]
+
+
+def _up_to(window: Window, unit: str, end: int) -> list[Record]:
+    """Return the records of a unit's activities. The names of waits that have timed out by tick `end` say so."""
+    found = _relevant(window, unit)
+    begins: dict[str, int] = {}  # maps the name of a wait to the index of its last start
+    for index, record in enumerate(found):
+        if record.kind is Kind.WAIT and record.value:
+            begins[record.what] = index
+        elif has_timed_out(record) and record.tick <= end and record.what in begins:
+            for place in (begins[record.what], index):
+                found[place] = found[place]._replace(what=f"{record.what} {GAVE_UP}")
+    return found
 
 
 def _move(stack: list[Record], record: Record) -> list[Record]:
@@ -145,7 +164,7 @@ def all_episodes(window: Window, unit: str, begin: int, end: int) -> list[Stretc
     """
     stack: list[Record] = []
     over: list[tuple[Record, Sequence[Record], int]] = []
-    for record in _relevant(window, unit):
+    for record in _up_to(window, unit, end):
         over += [(ended, tuple(stack), record.tick) for ended in _move(stack, record)]
     over += [(one, stack[:place], window.kept[-1].end) for place, one in enumerate(stack)]
     found = [Stretch(r.tick, to, DOING[r.kind], r.what, r.text, r.tick, tuple(within)) for r, within, to in over]

@@ -3,7 +3,8 @@
 wrong reply                        --> the request, and the writes of characters that differ from the expected ones
                                        (the expected text comes from the case and not from a record)
 characters that nothing asked for  --> their writes, after a send or in the whole run
-reply that never came              --> the interrupts and the characters read since the request, and the firmware's
+reply that never came              --> the interrupts, the characters read and the waits that gave up since the request
+                                       began, and the firmware's
                                        activity at its limit, or at the next send before it
 """
 
@@ -13,14 +14,17 @@ from collections import Counter
 
 from ....core.phrases import counted
 from ....core.records import Kind, Record
+from ....records.record_text import GAVE_UP
 from ....scene.case.serial import ExpectTable, SerialTable, content_of
 from ....timing.budget_schema import REPLY, SILENCE
 from ....timing.measures.factory import UNSOLICITED
 from .chain import Step
+from .cpu_activity import all_episodes
 from .evidence import Evidence
 from .occurrence import never_came
 
 MOST_CHARACTERS = 8  # maximum number of wrong characters that are listed
+MOST_TIMEOUTS = 4  # maximum number of waits that gave up, and are listed
 MOST_READ = 16  # maximum number of characters that are listed as read
 
 
@@ -43,7 +47,7 @@ def unanswered(evidence: Evidence) -> list[Step]:
     of = evidence.for_unit(unit) if unit else evidence
     serial = evidence.case.serial
     assert serial is not None
-    since = _since(evidence, serial, table, _asked(evidence)) or window.begin
+    since = _began(evidence, serial, table, _asked(evidence))
     records = [r for r in window.between(since, window.end) if r.where == of.unit]
     least = "at least " if window.hole else ""
     steps = []
@@ -57,6 +61,12 @@ def unanswered(evidence: Evidence) -> list[Step]:
         more = ", ..." if len(read) > MOST_READ else ""
         text = f"SCIRXBUF read, {least}{counted(len(read), 'time')} since the request began: {values}{more}"
         steps.append(of.step(read[0], text))
+    gave_up = [one for one in all_episodes(window, of.unit, since, window.end) if one.timed_out]
+    for one in gave_up[:MOST_TIMEOUTS]:
+        steps.append(of.episode_step(one, window.end))
+    if len(gave_up) > MOST_TIMEOUTS:
+        later = gave_up[MOST_TIMEOUTS]
+        steps.append(of.say(later.begin, f"{counted(len(gave_up) - MOST_TIMEOUTS, 'wait')} more {GAVE_UP}"))
     none = [what for what, there in (("no interrupt is entered", entered), ("SCIRXBUF is not read", read)) if not there]
     if none:
         steps.append(of.say(since, f"{' and '.join(none)} from here on{' in the records kept' if least else ''}"))
@@ -146,6 +156,26 @@ def _since(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: l
     kept, begin = evidence.window.kept[0].begin, evidence.window.begin
     early = len(_written(evidence, table.from_, kept)) > len(_written(evidence, table.from_, begin))
     return None if early else begin
+
+
+def _began(evidence: Evidence, serial: SerialTable, table: ExpectTable, asked: list[Record]) -> int:
+    """Return the tick at which the request of a reply began.
+
+    A request may be sent in parts. The pauses between its parts are shorter than the time limit of the reply, and the
+    SCI sends nothing in them.
+    """
+    window = evidence.window
+    since = _since(evidence, serial, table, asked)
+    if table.after_send is None or since is None:
+        return window.begin if since is None else since
+    pause = window.timebase.ticks(table.within, "nearest")
+    replies = {frame.tick for frame, _ in _written(evidence, table.from_, window.kept[0].begin)}
+    last_reply = max((tick for tick in replies if tick < since), default=window.kept[0].begin - 1)
+    for frame in reversed([r for r in asked if last_reply < r.tick < since]):
+        if since - frame.tick > pause:
+            break
+        since = frame.tick
+    return since
 
 
 def _written(evidence: Evidence, source: str, since: int) -> list[tuple[Record, Record]]:

@@ -31,13 +31,14 @@ from ....traces.capture.capture import Capture, Channel, Span, channel_of
 from ....traces.drawing.capture_lanes import bit_of
 from ....traces.formats.record_table import Columns, RecordTable
 from .assumed import advance, shortly_before
-from .occurrence import event_of, is_interval, is_late, occurrence
+from .occurrence import event_of, is_interval, is_late, never_came, occurrence
 
 if TYPE_CHECKING:
     from ....records.recording import Subscribe
 
 AROUND = Fraction(5, 1000)  # seconds that are kept before and after an interval; enough for a transfer or a frame
-WIDE = Fraction(25, 1000)  # seconds that are kept before and after an instant; enough for a period of rounds
+# Seconds that are kept before and after an instant, or a reply that never came; enough for a period of rounds.
+WIDE = Fraction(25, 1000)
 LONGEST = Fraction(1, 10)  # seconds that are kept after the start and before the end of a long occurrence
 LEAD = Fraction(25, 1000)  # seconds that are kept before a range, so that a transfer in progress is decoded
 BITS = 18  # minimum extent of a picture in bits: two bytes with their ACKs
@@ -257,7 +258,7 @@ class _Keeper:
 
     def _want(self, verdict: Verdict) -> _Wanted:
         begin, end = occurrence(verdict, self._timebase, self._start)
-        around = self._timebase.ticks(AROUND if is_interval(verdict) else WIDE, "nearest")
+        around = self._timebase.ticks(AROUND if is_interval(verdict) and not never_came(verdict) else WIDE, "nearest")
         first, last = max(begin - around, self._start), min(end + around, self.end)
         longest = self._timebase.ticks(LONGEST, "nearest")
         kept: tuple[Span, ...] = (Span(first, last + 1),)

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from periph_sim.core.records import Kind, Record
+from periph_sim.core.records import TIMED_OUT, Kind, Record
 from periph_sim.interfaces.reports.explain.chain import difference, parts_of
 from periph_sim.interfaces.reports.explain.cpu_activity import episodes, open_at, phrase, timeline, units
 from periph_sim.traces.capture.capture import Span
@@ -79,6 +79,17 @@ def test_episodes_know_what_they_preempt():
     assert (found["SCI"].begin, found["SCI"].end, found["AAS"].begin) == (20, 50, -90)
     assert "AAS" not in {one.what for one in episodes(window, "dsp", 100, 120)}
     assert [one.what for one in episodes(window, "dsp", 0, 20)] == ["AAS"]  # SCI begins as they end
+
+
+def test_a_wait_that_timed_out_says_so_once_it_is_over():
+    window = drawn("wait AAS 0 20", "wait AAS 30 50")
+    ends = [r._replace(text=TIMED_OUT) if r.tick == 50 else r for r in window.records]
+    window = replace(window, records=tuple(ends))
+    gave_up = "wait for AAS gave up (timeout)"
+    assert [str(one) for one in episodes(window, "dsp", 0, 60)] == ["wait for AAS", gave_up]
+    assert [str(one) for one in episodes(window, "dsp", 0, 40)] == ["wait for AAS", "wait for AAS"]
+    assert [str(one) for one in timeline(window, "dsp", 0, 60) if one.doing == "wait"] == ["wait for AAS", gave_up]
+    assert [r.what for r in open_at(window, "dsp", 40)] == ["AAS"] and not open_at(window, "dsp", 55)
 
 
 TICKS = st.integers(-60, 140)

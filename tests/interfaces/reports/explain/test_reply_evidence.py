@@ -201,3 +201,35 @@ def test_interrupts_before_a_reply_that_never_came_are_counted():
     assert "SCIRXINTA entered, 3 times since the request began" in steps
     assert "SCIRXBUF read, 3 times since the request began: 0x61 0x62 0x63" in steps
     assert "no interrupt" not in " ".join(steps)
+
+
+def test_a_request_in_two_parts_is_told_from_its_first_part_with_the_timeout_that_cut_it():
+    """RX |x| |a|  pause 1 ms  |b|     a frame is over after 500 us without a character; X is the reply to x."""
+
+    def main(dsp: Dsp) -> None:
+        sci = start_sci(dsp, "SCI-A")
+        while True:
+            dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
+            frame = bytes([sci.SCIRXBUF.all & 0xFF])
+            while dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0, timeout=75_000):
+                frame += bytes([sci.SCIRXBUF.all & 0xFF])
+            if frame in (b"x", b"ab"):
+                sci.SCITXBUF.all = ord("X")
+
+    programs = {"dsp": Firmware("dsp", lambda dsp, settings: main(dsp), None)}
+    times = {"x": "100 us", "a": "2 ms", "b": "3 ms", "c": "12 ms"}
+    sends = [{"to": "SCI-A", "name": text, "at": at, "text": text} for text, at in times.items()]
+    expect = {"name": "told", "from": "dsp.SCI-A", "after_send": "b", "within": "5 ms", "text": "OK"}
+    small = case(unit={"dsp": unit("SCI-A")}, serial={"send": sends, "expect": [expect]}, duration="20 ms")
+    told = explain(small, Scene(small, None, programs).run().budgets, programs=programs)["told"]
+    steps = [step.what for step in told.chain.steps]
+    assert "SCIRXBUF read, 2 times since the request began: 0x61 0x62" in steps
+    gave_up = [
+        step for step in told.chain.steps if step.what.endswith("wait for SCI-A.SCIFFRX.RXFFST gave up (timeout)")
+    ]
+    assert [told.chain.us(step.at) for step in gave_up] == pytest.approx([-1000, 0], abs=10)
+    assert [told.chain.us(step.length or 0) for step in gave_up] == pytest.approx([500, 500], abs=1)
+    assert len({(step.at, step.what) for step in told.chain.steps}) == len(steps)
+    (cut, *_) = gave_up
+    assert "wait for SCI-A.SCIFFRX.RXFFST gave up (timeout)" in {str(part) for part in told.chain.parts}
+    assert told.window.drawn.begin <= told.window.at + cut.at

@@ -83,12 +83,16 @@ def _lines(verdict: Verdict, one: Explained | None) -> list[str]:
 
     one: the explanation of the worst occurrence; None if the verdict has no instant.
     """
+    from ...timing.budget_schema import SILENCE
     from ..reports.explain import chain as chains
     from ..reports.explain.picture import text_picture
 
     if one is None:
-        nothing = verdict.found or "nothing was measured"
-        return [f"{verdict.name}: {nothing if verdict.worst is None else f'{verdict.worst}: it never happened'}"]
+        if verdict.worst is None:
+            return [f"{verdict.name}: {verdict.found or 'nothing was measured'}"]
+        is_silence = verdict.measure.startswith(SILENCE) and not verdict.worst
+        never = "no answer came, as expected" if is_silence else f"{verdict.worst}: it never happened"
+        return [f"{verdict.name}: {never}"]
     columns = min(MOST, max(80, get_terminal_size().columns))
     return [*chains.text(one.chain), "", *text_picture(one.window, columns)]
 

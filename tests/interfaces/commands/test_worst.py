@@ -116,6 +116,16 @@ def test_budgets_whose_pictures_would_share_a_file_are_refused(periph_sim: Run, 
     assert not list(desk.glob("*.svg"))
 
 
+def test_a_silence_that_held_is_said_as_one(periph_sim: Run, desk: Path):
+    (desk / "mute.py").write_text("def main(dsp, settings):\n    pass\n", encoding="utf-8")
+    send = '[[serial.send]]\nname = "bad CRC"\nto = "SCI-A"\ntext = "x"\nat = "1 ms"\nexpect = "nothing"\n'
+    unit = '[unit.dsp]\nfirmware = "mute.py"\nmodules = ["SCI-A"]\n'
+    head = 'name = "mute"\nduration = "5 ms"\n'
+    (desk / "mute.toml").write_text(f'{head}{unit}{send}within = "2 ms"\n', encoding="utf-8")
+    came = periph_sim("worst", "mute.toml")
+    assert (came.status, came.out) == (0, "bad CRC: no answer came, as expected\n")
+
+
 def test_nothing_measured_is_said(periph_sim: Run, case: str):
     came = periph_sim("worst", case, "response", "--seconds", "1 ms")
     assert came.status == 1 and came.out.startswith("response: nothing was measured")

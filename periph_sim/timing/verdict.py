@@ -168,11 +168,11 @@ def assumes(names: Sequence[str]) -> str:
 
 
 def assumes_lines(names: Sequence[str]) -> list[str]:
-    """Return `assumes` as indented lines of at most 118 characters; [] without names."""
+    """Return `assumes` as indented lines of at most 80 characters; [] without names."""
     import textwrap  # imported here, because few runs fail
 
     text = assumes(names) if names else ""
-    return textwrap.wrap(text, 118, initial_indent="  ", subsequent_indent="    ", break_long_words=False)
+    return textwrap.wrap(text, 80, initial_indent="  ", subsequent_indent="    ", break_long_words=False)
 
 
 def legend(words: Collection[str]) -> list[str]:

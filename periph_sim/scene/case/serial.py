@@ -134,14 +134,14 @@ class ExpectTable(SerialEntry, frozen=True, kw_only=True):
     """A reply that an SCI must send: exactly one of `text`, `bytes` and `file`, after one of `after_send`, `after` and
     `at`.
 
-    Each entry is a budget of its name with the measure `reply:NAME`. A different reply breaks it. Without a request
-    it is not judged.
+    Each entry is a budget of its name with the measure `reply:NAME`. A different or missing reply breaks it. Without a
+    request it is not judged.
 
     name: name, distinct from those of budgets
     from: the SCI, as in `to`
-    after_send: each send of this name: characters count from its start, time from its end
-    within: time limit for the last character's end; takes the place of `max`, also in `--set`. Less than the line
-        needs is refused
+    after_send: each send of this name: characters count from its start, as an echo begins during it; time from its end
+    within: time limit for the last character's end; takes the place of `max`, also in `--set`. Refused if send and
+        `within` are together shorter than the reply
     anywhere: `true`: other characters may precede the reply
     why: reason, shown with the verdict
     """

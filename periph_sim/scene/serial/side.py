@@ -248,13 +248,14 @@ class SerialSide:
         # `within` must be long enough for a reply that begins together with the data it answers.
         count = len(self._expected(number).characters)
         takes = count * self._table.form(table).length * self._table.bit(table)
-        may = table.within
+        may, echo = table.within, ""
         if table.after_send is not None:
-            asks = self.sends[table.after_send].ticks
-            may += Fraction(asks, self._context.timebase.per_second)
+            asks = Fraction(self.sends[table.after_send].ticks, self._context.timebase.per_second)
+            may += asks
+            echo = f", not even one that begins with send {table.after_send!r}, which takes {float(asks) * 1000:g} ms"
         if takes * (1 - OFF) > may:
             baud = 1 / self._table.bit(table)
-            what = f"{count} characters take {float(takes) * 1000:g} ms at {baud} baud, so no reply can keep this"
+            what = f"{count} characters take {float(takes) * 1000:g} ms at {baud} baud, so no reply can keep this{echo}"
             raise self._case.mistake(f"{what}; give it more time", *place, "within")
 
     def _expected(self, number: int) -> Expected:

@@ -120,6 +120,9 @@ def test_a_text_that_takes_longer_than_within_is_refused():
     long = {"text": "0123456789", "period": "5 ms"}  # an echo begins while it is sent
     (verdict,) = judged({}, [long], {"text": "0123456789", "within": "400 us"})
     assert verdict.verdict == "fail"
+    kept = r"so no reply can keep this, not even one that begins with send 'ask', which takes 0\.347222 ms; give it"
+    with pytest.raises(BadCase, match=kept):
+        judged({}, [{"text": "0123"}], {"text": "0123456789", "within": "400 us"})
 
 
 def test_bytes_are_shown_as_bytes_and_bad_ones_marked():

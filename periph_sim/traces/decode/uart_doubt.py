@@ -74,14 +74,14 @@ def rate_doubt(capture: Capture, channel: str | int, line: Line, glitch: int = 0
         return None
     lengths = np.unique(np.rint(lows * float(ratio)))
     fits = (longer and LONGER * ratio <= 1) or (shorter and SHORTER * ratio >= 1)
-    usual = [float(length) for length in np.quantile(lows, (0.1, 0.9))] if fits else []
+    usual = [f"{float(f'{length:.2g}'):g}" for length in np.quantile(lows, (0.1, 0.9))] if fits else []
     stated = f"{float(line.baud):.7g} baud, {line.shape}"
     for other in (replace(line, baud=guessed.line.baud), guessed.line):
         left, count = misread_frames(capture, index, other, glitch)
         if misread and count >= FEWEST and left * frames <= BETTER * wrong * count:
             return f"{wrong} of {counted(frames, 'frame')} have errors or edges between bits at {stated}", other
         if fits and len(lengths) >= LENGTHS and count >= FEWEST and left <= NEARLY_NONE * count:
-            return f"most low pulses are {usual[0]:.2g} to {usual[1]:.2g} bits long at {stated}", other
+            return f"most low pulses are {usual[0]} to {usual[1]} bits long at {stated}", other
     return None
 
 

@@ -185,6 +185,14 @@ def test_lists_of_parts_that_are_not_there_are_refused(inputs: dict[str, Any], s
         case(inputs=inputs)
 
 
+def test_starts_out_of_order_are_found_in_their_own_change():
+    changes = ["inputs.rounds=['5 ms']", "inputs.frames=['5 ms', '3 ms']"]
+    with pytest.raises(
+        BadCase, match=r"--set \"inputs\.frames=\['5 ms', '3 ms'\]\": inputs\.frames\.1: it is not after"
+    ):
+        load(TIMING / "imu_hil.toml", changes)
+
+
 def test_a_round_before_the_chips_are_set_up_is_refused():
     """They are set up 10 ms before `first`, whatever the listed rounds."""
     tables = {"chip": {"gyroscope": {"model": "itg3200", "values": {"fixed": [0, 0, 0]}}}, "unit": {}}
@@ -203,7 +211,7 @@ def test_costs_of_units_without_ranges_are_refused(key: str, program: object):
 
 @pytest.mark.parametrize("times", [["2 ms", "1 ms"], ["2 ms", "2 ms"]])
 def test_starts_out_of_order_are_refused(times: list[str]):
-    with pytest.raises(BadCase, match="rounds: entry 2 is not after entry 1; list the starts in order"):
+    with pytest.raises(BadCase, match=r"inputs\.rounds\.1: it is not after the start before it; list them in order"):
         case(controller=REQUEST, inputs={"rounds": times})
 
 

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Set
-from itertools import pairwise
-
 from ...core.table import Duration, Table
 
 
@@ -20,12 +17,3 @@ class InputsTable(Table, frozen=True, kw_only=True):
     rounds: tuple[Duration, ...] | None = None
     frames: tuple[Duration, ...] | None = None
     costs: dict[str, tuple[Duration, ...]] = {}
-
-    def check_together(self, given: Set[str]) -> None:
-        for name in ("rounds", "frames"):
-            times = getattr(self, name) or ()
-            for number, (before, after) in enumerate(pairwise(times), 2):
-                if after <= before:
-                    raise ValueError(
-                        f"{name}: entry {number} is not after entry {number - 1}; list the starts in order"
-                    )

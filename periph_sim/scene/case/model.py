@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from fractions import Fraction
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -119,12 +120,16 @@ class Case(Table, frozen=True, kw_only=True):
         return case
 
     def _flaws_of_inputs(self) -> Iterator[Mistake]:
-        """Yield a mistake for each list in [inputs] that belongs to no part of the case."""
+        """Yield a mistake for each list in [inputs] that has no part of the case to apply to, or is not in order."""
         inputs = self.inputs or InputsTable()
         if inputs.rounds is not None and self.controller is None:
             yield Mistake(("inputs", "rounds"), "there is no [controller] whose rounds could start then; leave it out")
         if inputs.frames is not None and self.host is None:
             yield Mistake(("inputs", "frames"), "there is no [host] whose frames could start then; leave it out")
+        for name, times in (("rounds", inputs.rounds), ("frames", inputs.frames)):
+            for number, (before, after) in enumerate(pairwise(times or ()), 1):
+                if after <= before:
+                    yield Mistake(("inputs", name, number), "it is not after the start before it; list them in order")
         for unit in inputs.costs:
             if unit not in self.unit:
                 yield Mistake(("inputs", "costs", unit), f"there is no unit {unit!r}; {did_you_mean(unit, self.unit)}")

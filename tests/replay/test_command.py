@@ -315,6 +315,10 @@ def test_a_picture_of_nothing_is_not_written(call, tmp_path):
     assert status == 0 and not svg.exists() and "not written, since there is no divergence to draw" in err
     status, _, err = call("replay", NACK, "--case", RESPONDER, *WRONG, "--svg", str(tmp_path / "no" / "where.svg"))
     assert status == 2 and "where.svg" in err and "expected a place that can be written to" in err
+    for place in (tmp_path / "nowhere", tmp_path / "wrong.png"):
+        status, _, err = call("replay", NACK, "--case", RESPONDER, *WRONG, "--svg", str(place))
+        assert status == 2 and not place.exists()
+        assert f"--svg: {place} is no folder; create it, or give another, or an .svg file" in err
 
 
 def test_a_tolerance_makes_a_difference_in_time_a_failure(call, tmp_path):
@@ -388,5 +392,6 @@ def test_a_page_is_written_with_both_sides_of_the_first_divergence(call, tmp_pat
     assert (status, err) == (1, "")
     text = html.read_text(encoding="utf-8")
     assert "expected data read E5 at 0.001015 s of the capture" in text and "captured SDA" in text
-    status, _, err = call("replay", NACK, "--case", RESPONDER, "--html", str(html), "--svg", str(html))
+    both = str(tmp_path / "both.svg")
+    status, _, err = call("replay", NACK, "--case", RESPONDER, "--html", both, "--svg", both)
     assert status == 2 and "--svg and --html both name" in err

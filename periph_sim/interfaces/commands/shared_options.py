@@ -52,6 +52,7 @@ SVG = click.option(
     "--svg",
     type=click.Path(path_type=Path),
     metavar="PLACE",
+    callback=lambda context, option, place: _checked_place(place),
     help="Draw timing diagrams: one to an .svg file, or each to a file in a folder.",
 )
 SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, if RUN does not contain it: '150 MHz'.")
@@ -60,6 +61,13 @@ SYSCLK = click.option("--sysclk", metavar="RATE", help="SYSCLKOUT, if RUN does n
 def diagram_file(place: Path, name: str) -> Path:
     """Return the file of a diagram for --svg. name: the name of the file, without suffix, if `place` is a folder."""
     return place / f"{name}.svg" if place.is_dir() else place
+
+
+def _checked_place(place: Path | None) -> Path | None:
+    """Return the place of diagrams. Raise ClickException for a name that is neither a folder nor of an .svg file."""
+    if place is None or place.is_dir() or place.suffix.lower() == ".svg":
+        return place
+    raise click.ClickException(f"--svg: {place} is no folder; create it, or give another, or an .svg file")
 
 
 def tolerance_option(plain: bool = False) -> Callable[[F], F]:

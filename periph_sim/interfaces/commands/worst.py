@@ -50,8 +50,6 @@ def worst(
     from ..reports.explain import chain as chains
     from ..reports.explain.explain import explain
 
-    if svg is not None and not svg.is_dir() and svg.suffix != ".svg":
-        raise click.ClickException(f"--svg: {svg} is no folder; create it, or give another, or an .svg file")
     with running_user_code():
         loaded = load(case, list(changes))
         names = [budget.name for budget in loaded.budget]

@@ -129,3 +129,11 @@ def test_a_silence_that_held_is_said_as_one(periph_sim: Run, desk: Path):
 def test_nothing_measured_is_said(periph_sim: Run, case: str):
     came = periph_sim("worst", case, "response", "--seconds", "1 ms")
     assert came.status == 1 and came.out.startswith("response: nothing was measured")
+
+
+@pytest.mark.parametrize("change", ["controller.ppm=-30", "inputs.rounds=['5 ms', '8 ms']"])
+def test_the_slack_after_a_round_is_explained_from_the_due_time_of_this_round(periph_sim: Run, case: str, change: str):
+    """The due time follows from the period of a controller with its own clock, or is a listed start."""
+    said = periph_sim("worst", case, "schedule slack", "--seconds", "40 ms", "--set", change).out
+    assert "a round is due\n" not in said  # the first transfer begins then
+    assert said.splitlines()[1].endswith("gyroscope (0x68 W)") and "0.000 us              controller: STOP" in said

@@ -17,6 +17,7 @@ from ....f28335.i2c.descriptor import I2C_A
 from ....records.cause_trace.causes import Link, holders, walk_back, wire_rows
 from ....records.record_text import BusByte, bus_byte, happened
 from ....scene.case.model import Case
+from ....scene.context import CaseTicks
 from ....traces.capture.capture import Channel
 from .chain import Chain, FirmwarePlace, Part, Step, place_of
 from .cpu_activity import CODE, DOING, IN_FIRMWARE, Stretch, episodes, open_at, phrase, timeline, units
@@ -242,11 +243,14 @@ class Evidence:
             return min((rise - fall for fall, rise in self._scl_lows if rise < end), default=0)
         return self.window.timebase.ticks(table.low or Fraction(1, 2) / table.rate, "nearest")
 
-    @property
-    def period(self) -> int:
-        """The period of rounds in ticks; 0 if there are no rounds."""
-        table = self.case.controller or self.case.rounds
-        return 0 if table is None else self.window.timebase.ticks(table.period, "nearest")
+    def due_before(self, due: int) -> int:
+        """Return the tick at which the round before the one at `due` was due; `due` if there are no rounds."""
+        ticks, controller = CaseTicks(self.case, self.window.timebase, self.window.start), self.case.controller
+        starts = ticks.starts("rounds") or ()
+        table = controller or self.case.rounds
+        ppm = Fraction(0) if controller is None else controller.ppm
+        period = 0 if table is None else int(ticks.exact_ticks(table.period, ppm))
+        return max((start for start in starts if start < due), default=due - period)
 
     def stretches(self, begin: int, end: int) -> list[tuple[int, int]]:
         """Return the stretches of SCL between two ticks.

@@ -183,7 +183,7 @@ def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
     """
     begin, end = evidence.window.begin, evidence.window.end
     between = _between_rounds(evidence, ends)
-    since, until = (end - evidence.period, begin) if between else (begin, end)
+    since, until = (evidence.due_before(end), begin) if between else (begin, end)
     made = [] if between or ends.end is None else _of_firmware(evidence, ends.end, begin)
     phase = evidence.phase_at(begin)
     if phase is None or between or phase.end < end:

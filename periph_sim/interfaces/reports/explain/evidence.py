@@ -6,7 +6,7 @@ Window, case --> Evidence: phases on the bus, low phases of SCL, accesses, chang
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from fractions import Fraction
 from functools import cached_property
 from itertools import islice, pairwise
@@ -21,6 +21,7 @@ from ....scene.context import CaseTicks
 from ....traces.capture.capture import Channel
 from .chain import Chain, FirmwarePlace, Part, Step, place_of
 from .cpu_activity import CODE, DOING, IN_FIRMWARE, Stretch, episodes, open_at, phrase, timeline, units
+from .recorded_phase import RecordedPhase
 from .window import Window
 
 I2C, SCI = I2C_A.name, "SCI-A"
@@ -28,33 +29,6 @@ SMALL = Fraction(1, 100)  # smallest share of an occurrence for which a wait or 
 LONG = Fraction(1, 10**6)  # in seconds; code without a record that takes longer than this is listed separately
 BACK = 16  # maximum number of causes that are followed back from an end of an occurrence
 MOST = 12  # maximum number of listed service routines, spans and waits of an occurrence; the longest are listed
-
-
-@dataclass(frozen=True)
-class RecordedPhase:
-    """A phase of a transfer according to the records: from a START or repeated START to the next START or STOP.
-
-    name: the name of the addressed device; "" if unknown.
-    start: "START" or "repeated START".
-    answered: the tick at which SCL falls after the ACK bit of the address; None if the phase or the records end before
-        this tick.
-    data: the records of the bytes after the address.
-    """
-
-    name: str
-    begin: int
-    end: int
-    address: int
-    read: bool
-    acked: bool
-    answered: int | None
-    start: str
-    data: tuple[Record, ...]
-
-    def __str__(self) -> str:
-        """Format the phase: "gyroscope (0x68 R)", or "0x68 R" if no name is known."""
-        asked = f"0x{self.address:02X} {'R' if self.read else 'W'}"
-        return f"{self.name} ({asked})" if self.name else asked
 
 
 class Evidence:
@@ -117,15 +91,21 @@ class Evidence:
         """Return the record that began the innermost service routine, span or wait in progress at a tick."""
         return next(reversed(open_at(self.window, self.unit, tick)), None)
 
-    def doing_at(self, tick: int) -> str:
-        """Return a phrase with the firmware's activity at a tick and the time since the activity began."""
+    def doing_at(self, tick: int) -> tuple[str, FirmwarePlace | None]:
+        """Return the firmware's activity at a tick, or in other code the last access, as a phrase with its place."""
         part = self.blame_at(tick)
-        return "other code" if part is None else f"{part}, begun {self.span(part.length)} before"
+        if part is not None:
+            return f"{part}, begun {self.span(part.length)} before", part.place
+        last = next((r for r in reversed(self._done) if r.tick <= tick and r.kind is Kind.ACCESS), None)
+        if last is None or tick - last.tick <= self.slip:
+            return "other code", None
+        what = happened(last).partition(",")[0]
+        return f"other code, {self.span(tick - last.tick)} after {what}", place_of(last.text)
 
     def doing_step(self, tick: int) -> Step:
         """Return a step for the firmware's activity at a tick."""
-        part = self.blame_at(tick)
-        return self.say(tick, f"{self.unit}: {self.doing_at(tick)}", None, None if part is None else part.place)
+        what, place = self.doing_at(tick)
+        return self.say(tick, f"{self.unit}: {what}", None, place)
 
     def blame_at(self, tick: int) -> Part | None:
         """Return the firmware's activity at a tick as a cause; None if no activity is in progress."""

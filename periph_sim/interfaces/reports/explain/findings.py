@@ -25,7 +25,7 @@ from ....timing.measures.factory import measure_named
 from ....timing.measures.measure import Measure
 from .chain import Part, Step
 from .cpu_activity import episodes
-from .evidence import I2C, SCI, Evidence, RecordedPhase, in_time
+from .evidence import I2C, SCI, Evidence, in_time
 from .fault_evidence import (
     ONES,
     answering,
@@ -42,6 +42,7 @@ from .fault_evidence import (
     waited_for,
 )
 from .occurrence import LATE
+from .recorded_phase import RecordedPhase
 
 DERIVED_FROM = {
     Kind.TRANSFER: (Kind.BUS, Kind.EDGE),
@@ -158,7 +159,7 @@ def held(evidence: Evidence, begin: int, end: int) -> list[Step]:
     steps = []
     for let_go, rise in evidence.stretches(begin, end):
         holder = evidence.holder_at(rise - 1)
-        doing = f": {evidence.for_unit(holder).doing_at(let_go)}" if holder in evidence.case.unit else ""
+        doing = f": {evidence.for_unit(holder).doing_at(let_go)[0]}" if holder in evidence.case.unit else ""
         steps.append(evidence.say(let_go, f"SCL held low by {holder}{doing}", rise - let_go))
     return steps
 

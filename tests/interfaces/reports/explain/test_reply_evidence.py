@@ -233,3 +233,21 @@ def test_a_request_in_two_parts_is_told_from_its_first_part_with_the_timeout_tha
     (cut, *_) = gave_up
     assert "wait for SCI-A.SCIFFRX.RXFFST gave up (timeout)" in {str(part) for part in told.chain.parts}
     assert told.window.drawn.begin <= told.window.at + cut.at
+
+
+def test_firmware_that_polls_a_timer_forever_is_told_with_the_timer_and_the_line():
+    def main(dsp: Dsp) -> None:
+        sci, timer = start_sci(dsp, "SCI-A"), dsp.module("TIMER0")
+        dsp.spin(lambda: sci.SCIFFRX.RXFFST > 0)
+        assert sci.SCIRXBUF.all
+        while timer.TIM.all > 0:
+            dsp.compute(100)
+
+    programs = {"dsp": Firmware("dsp", lambda dsp, settings: main(dsp), None)}
+    send = {"to": "SCI-A", "name": "ask", "at": "100 us", "text": "a"}
+    expect = {"name": "told", "from": "dsp.SCI-A", "after_send": "ask", "within": "1 ms", "text": "OK"}
+    small = case(unit={"dsp": unit("SCI-A", "TIMER0")}, serial={"send": [send], "expect": [expect]}, duration="3 ms")
+    told = explain(small, Scene(small, None, programs).run().budgets, programs=programs)["told"]
+    last = told.chain.steps[-1]
+    assert last.what.startswith("dsp: other code, 0.") and last.what.endswith(" us after TIMER0.TIM read")
+    assert last.place is not None and last.place.function == "main"

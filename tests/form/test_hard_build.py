@@ -9,7 +9,7 @@ from shutil import which
 
 import pytest
 
-from periph_sim.form import PACKAGE, build
+from periph_sim.form import INTERPRETED, PACKAGE, VARIABLE, build
 from periph_sim.form.sources import UNCHECKED
 from tests import hard
 
@@ -119,7 +119,8 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_a_planted_fault_ends_the_process(folder: Path, fault: str):
     right, wrong, said = PLANTED[fault]
     for second, ends in ((right, False), (wrong, True)):
-        done = hard.run_hard(["-c", CALL, str(folder), right, second], {"PYTHONPATH": str(PACKAGE.parent)})
+        own = {"PYTHONPATH": str(PACKAGE.parent), VARIABLE: INTERPRETED}  # only the planted module is compiled
+        done = hard.run_hard(["-c", CALL, str(folder), right, second], own)
         assert done.stdout.count("\n") == 1 + (not ends), done.stderr
         assert (done.returncode != 0) is ends
         assert not ends or re.search(said, done.stderr), done.stderr

@@ -174,7 +174,7 @@ def test_a_line_that_is_no_measure_is_one_sentence_with_its_place(case_file: Pat
         (
             "import os",
             "shared.toml, line 1: it is not TOML: Expected '=' after a key in a key/value pair in `import os`; "
-            'write texts, and numbers with a unit, in quotes: import = "os"',
+            'write a number, as 12 or 0x0c, or a text in quotes: import = "os"',
         ),
     ],
 )

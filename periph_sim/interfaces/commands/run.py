@@ -17,7 +17,6 @@ from ...records.recording import recording
 from ...scene.case.load import load
 from ...scene.result import Result
 from ...scene.scene import Scene
-from ...timing.verdict import FAIL
 from .command_frame import apart, command, command_line, print_json, progress, running_user_code
 from .completion import complete_optimization
 from .result_text import show
@@ -98,7 +97,7 @@ def run(
             found = explained(scene.case, result.budgets, scene.typical(), length)
             chains = {one.window.verdict.name: one.chain for one in found}
         assumed: Mapping[str, Sequence[str]] = {name: chain.assumed for name, chain in chains.items()}
-        if result.verdict == FAIL and not (explain or as_json):
+        if any(one.broken for one in result.budgets) and not (explain or as_json):
             from ..reports.explain.assumed import assumed_in
 
             assumed = assumed_in(scene.case, result, length)

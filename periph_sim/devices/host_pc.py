@@ -132,16 +132,12 @@ class Host(Agent):
         schedule = self._schedule
         if schedule.starts is not None:
             if self._number < len(schedule.starts):
-                self.begin_frame_at(schedule.starts[self._number])
+                self._due_next: int = schedule.starts[self._number]
+                self._kernel.schedule(self._due_next, self, FRAME)
         elif schedule.frames is None or self._number < schedule.frames:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0
-            self._due_next: int = due
+            self._due_next = due
             self._kernel.schedule(due + late, self, FRAME)
-
-    def begin_frame_at(self, tick: int) -> None:
-        """Schedule the next frame, which is due and begins at `tick`. Call it only if no frame is scheduled."""
-        self._due_next = tick
-        self._kernel.schedule(tick, self, FRAME)
 
     def _begin(self, due: int) -> None:
         schedule, now = self._schedule, self._kernel.now

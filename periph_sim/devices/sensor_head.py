@@ -91,20 +91,16 @@ class SensorHead(Agent):
             self._set_up()
 
     def _plan(self) -> None:
+        """Schedule the next round. `_due` is the tick at which it is due."""
         schedule = self.schedule
         if schedule.starts is not None:
             if self._number < len(schedule.starts):
-                self.begin_round_at(schedule.starts[self._number])
+                self._due: int = schedule.starts[self._number]
+                self._kernel.schedule(self._due, self, ROUND)
         elif schedule.rounds is None or self._number < schedule.rounds:
             late = self._random.randrange(schedule.jitter + 1) if schedule.jitter else 0
-            # The tick at which the next round is due.
-            self._due: int = self._first + self._number * self._period.numerator // self._period.denominator
+            self._due = self._first + self._number * self._period.numerator // self._period.denominator
             self._kernel.schedule(self._due + late, self, ROUND)
-
-    def begin_round_at(self, tick: int) -> None:
-        """Schedule the next round, which is due and begins at `tick`. Call it only if no round is scheduled."""
-        self._due = tick
-        self._kernel.schedule(tick, self, ROUND)
 
     def _set_up(self) -> None:
         """Make the start-up requests, like a round that is not counted. Rounds that are due meanwhile are missed."""

@@ -243,7 +243,7 @@ def in_seconds(time: Fraction) -> str:
     st.lists(st.integers(0, 30_000), max_size=5, unique=True).map(sorted),
 )
 def test_rounds_and_frames_start_at_any_listed_cycles(rounds: list[int], frames: list[int]):
-    """Of starts, in steps of 150 cycles, none is left out, except those within another."""
+    """Every listed start begins a round or a frame, unless it lies within the one before."""
     lists = {"rounds": [f"{one} us" for one in rounds], "frames": [f"{one} us" for one in frames]}
     seen = Observed(case(controller={**REQUEST, "gap": "0 s"}, host={}, inputs=lists), idle)
     assert seen.scene.head is not None and seen.scene.host is not None

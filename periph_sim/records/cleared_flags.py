@@ -1,10 +1,11 @@
-"""Registers with flags that are cleared by writing 1. For each place, the flags that read-modify-writes cleared.
+"""Flags that read-modify-writes cleared, at each place. Covers all registers with flags that writing 1 clears.
 
     CLEARABLE --> ClearedRegister --> Place: flags that its writes cleared, by whether firmware had read them
                         '-- Flag: its last rise
 
-Changes, reads and writes of a register must be passed in the order of their records. Only counts by place are kept, so
-memory does not grow with the run, unless ticks are kept.
+Changes and writes of a register must be passed in the order of their records. Reads must be passed in their own order,
+and each read after the write that belongs to it. Only counts by place are kept, so memory does not grow with the run,
+unless ticks are kept.
 """
 
 # core: compiled
@@ -105,10 +106,11 @@ class Cleared:
 class FlagOfPlace:
     """A flag of a register in the read-modify-writes of one place.
 
-    rose: number of times that the flag rose between the read and the write.
+    rose: number of times that the flag rose between the read and the write. If ticks are not kept, only the times
+        at which the write then cleared the flag are counted.
     between: the writes that cleared the flag after it rose between the read and the write.
-    along: the writes that cleared the flag after the read returned it as 1, though the firmware named another flag.
-    unseen: the writes in `along` for which the firmware had not read the flag after its last rise.
+    along: the writes that cleared the flag, which the read had returned as 1, in statements that do not name the flag.
+    unseen: the writes in `along` before which the firmware had not read the flag since its last rise.
     """
 
     __slots__ = ("along", "between", "rose", "unseen")
@@ -121,7 +123,7 @@ class FlagOfPlace:
 
 
 @final
-class Look:
+class FieldRead:
     """The last read of a field.
 
     field: the name of the field; "" for the whole register.
@@ -135,32 +137,32 @@ class Look:
 
 
 @final
-class Looks:
+class FieldReads:
     """The last read of each field of a register. A list suffices, because firmware reads few fields of one register."""
 
-    __slots__ = ("_of",)
+    __slots__ = ("_reads",)
 
     def __init__(self) -> None:
-        self._of: list[Look] = []
+        self._reads: list[FieldRead] = []
 
     def add(self, field: Text, number: int) -> None:
         """Store a read of a field as the last read of this field."""
-        look: Look
-        for look in self._of:
-            if look.field is field:
-                look.number = number
+        read: FieldRead
+        for read in self._reads:
+            if read.field is field:
+                read.number = number
                 return
-        for look in self._of:
-            if look.field == field:  # equal names may be different string objects
-                look.field, look.number = field, number
+        for read in self._reads:
+            if read.field == field:  # equal names may be different string objects
+                read.field, read.number = field, number
                 return
-        look = Look()
-        look.field, look.number = field, number
-        self._of.append(look)
+        read = FieldRead()
+        read.field, read.number = field, number
+        self._reads.append(read)
 
     def last(self, field: str) -> int:
         """Return the record number of the last read of a field or of the whole register; NEVER_YET if there is none."""
-        return max((look.number for look in self._of if look.field in ("", field)), default=NEVER_YET)
+        return max((read.number for read in self._reads if read.field in ("", field)), default=NEVER_YET)
 
 
 @final
@@ -171,16 +173,16 @@ class Place:
     count: number of writes.
     proven: bits that were written as 1 although they were read as 0.
     always: bits that every write set to 1.
-    looks: the last read of each field in these read-modify-writes.
+    last_reads: the last read of each field in these read-modify-writes.
     named: names of the fields that the statements at this place assign.
     """
 
-    __slots__ = ("always", "count", "flags", "looks", "named", "proven")
+    __slots__ = ("always", "count", "flags", "last_reads", "named", "proven")
 
     def __init__(self, flags: list[FlagOfPlace]) -> None:
         self.flags = flags
         self.count = 0
-        self.looks = Looks()
+        self.last_reads = FieldReads()
         self.proven = 0
         self.always = -1
         self.named: set[str] = set()
@@ -199,35 +201,35 @@ class ClearedRegister:
 
     status: True if hardware sets any flag of the register.
     last: the write of the last read-modify-write of the register.
-    looks: the last read of each field, without the reads that belong to a read-modify-write.
+    last_reads: the last read of each field, without the reads that belong to a read-modify-write.
     places: a dictionary from a place in the firmware to its read-modify-writes.
     keeps_ticks: True to keep the ticks at which flags were cleared, and to count flags that rose between read and write
         but were not cleared.
     """
 
-    __slots__ = ("flags", "keeps_ticks", "last", "looks", "places", "status")
+    __slots__ = ("flags", "keeps_ticks", "last", "last_reads", "places", "status")
 
     def __init__(self, register: Clearable, keeps_ticks: bool = False) -> None:
         self.keeps_ticks = keeps_ticks
         self.flags = [Flag(field, self) for field in register.flags]
         self.status: bool = register.status
-        self.looks = Looks()
+        self.last_reads = FieldReads()
         self.places: dict[str, Place] = {}
         self.last: Modify | None = None
 
     def flag(self, name: str) -> Flag | None:
         return next((flag for flag in self.flags if flag.name == name), None)
 
-    def looked_at(self, flag: Flag, place: Text) -> int:
+    def last_read(self, flag: Flag, place: Text) -> int:
         """Return the record number of the last read of this flag, by its own name or in a read of the whole register.
 
         The value that was read does not matter. Reads that belong to read-modify-writes at `place` do not count.
         """
-        last: int = self.looks.last(flag.name)
+        last: int = self.last_reads.last(flag.name)
         other: Place
         for at, other in self.places.items():
             if at != place:
-                last = max(last, other.looks.last(flag.name))
+                last = max(last, other.last_reads.last(flag.name))
         return last
 
     def flag_changed(self, flag: Flag, number: int, tick: int, value: int, cause: int) -> None:
@@ -259,7 +261,7 @@ class ClearedRegister:
         made: the write that belongs to the read; None for a read without a write.
         """
         if made is None:
-            self.looks.add(field, number)
+            self.last_reads.add(field, number)
             return
         place: Place | None = self.places.get(made.place)
         if place is None:
@@ -282,6 +284,6 @@ class ClearedRegister:
                     of.between.one_more(made.tick)
             elif is_cleared and value & flag.mask and field != flag.name:
                 of.along.one_more(made.tick)
-                if self.looked_at(flag, made.place) < made.rose[at]:
+                if self.last_read(flag, made.place) < made.rose[at]:
                     of.unseen.one_more(made.tick)
-        place.looks.add(field, number)
+        place.last_reads.add(field, number)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..core.phrases import counted
 
-MOST_TOLD = 3
+MAX_LISTED = 3  # maximum number of frequencies that `in_words` lists
 
 
 class ClockHistory(NamedTuple):
@@ -41,7 +41,7 @@ class ClockHistory(NamedTuple):
     def of_distances(self, ticks: NDArray[np.int64], at: NDArray[np.int64]) -> NDArray[np.int64]:
         """Convert distances in ticks to the nearest numbers of cycles.
 
-        at: for each distance, a tick; the clock in effect at this tick is used.
+        at: for each distance, the tick whose clock is used for the conversion.
         """
         periods = np.array([float(period) for period in self.periods])
         cycles: NDArray[np.int64] = (ticks / periods[self._now(at)] + 0.5).astype(np.int64)
@@ -88,7 +88,7 @@ class ClockHistory(NamedTuple):
         frequencies, the text has only the last one and the number of changes.
         """
         clocks = [f"{float(per_second / period / 1_000_000):.8g} MHz" for period in self.periods]
-        if len(clocks) > MOST_TOLD:
+        if len(clocks) > MAX_LISTED:
             return f"{clocks[-1]} at last, changed {counted(len(clocks) - 1, 'time')}"
         since = [f"from {float(tick / per_second * 1000):.3f} ms on" for tick in self.begins[1:]]
         return ", ".join([clocks[0], *map(" ".join, zip(since, clocks[1:], strict=True))])

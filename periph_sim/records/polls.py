@@ -23,10 +23,13 @@ Number = TypeVar("Number", np.int64, np.bool_)
 
 SHORTEST_PASS, LONGEST_PASS = 4, 400  # minimum and maximum cycles of a pass of a polling loop
 MOST_READS = 3  # maximum number of reads of one register in a pass
-# Minimum shares that must fit the length of a pass: of passes with one read, of passes with several reads, and of gaps
-# with a change.
+# A length of a pass is accepted if a large enough share of the recorded passes is a multiple of the length: more than
+# PASSES_AGREE for passes with one read, more than MORE_AGREE for passes with several reads. In addition, at least
+# GAPS_AGREE of the gaps that contain a change must fit the length.
 PASSES_AGREE, MORE_AGREE, GAPS_AGREE = 0.75, 0.6, 0.75
-FEW_GAPS = 3  # with at least this number of gaps, their greatest common divisor is taken as the length of a pass
+# If no pass was recorded, the greatest common divisor of the gaps is taken as the length of a pass. This needs at least
+# FEW_GAPS gaps.
+FEW_GAPS = 3
 
 
 class Polls(NamedTuple):
@@ -35,7 +38,7 @@ class Polls(NamedTuple):
     before: for each change, the tick of the last poll before the change; -1 if this poll was recorded.
     after: for each change, the tick of the first poll at or after the change; -1 if this poll was recorded.
     changes: the rows of these changes.
-    unplaced: the indices of the reads after which polls were skipped that could not be reconstructed.
+    unplaced: the indices of the reads before those skipped waits whose polls could not be reconstructed.
     """
 
     before: Rows
@@ -48,7 +51,7 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
     """Return the polls in skipped waits that are next to a change.
 
     reads: rows of the reads of one register at one place.
-    waits: for each read, True if the next access of its routine is the next read in `reads`.
+    waits: for each read, True if it and the next read in `reads` belong to the same wait.
     changes: rows of the changes to consider.
     looking: for each read, True if it read the fields that changed. Only polls by these reads are returned.
     """
@@ -99,8 +102,9 @@ def skipped_polls(run: Run, unit: str, reads: Rows, waits: NDBool, changes: Rows
 def _period(begins: Rows, waits: NDBool, gaps: Rows, in_pass: int) -> int:
     """Return the length in cycles of one pass of the polling loop; 0 if the recording does not show the length.
 
-    begins, waits, gaps: for each read of the loop, its cycle, True if the next access is a read of the loop, too, and
-        the number of cycles to that read.
+    begins: the cycle of each read of the loop.
+    waits: for each read, True if it and the next read belong to the same wait.
+    gaps: for each read, the number of cycles to the next read of the same wait; 0 if there is none.
     in_pass: the assumed number of reads in a pass.
     """
     whole = _within(waits, in_pass)

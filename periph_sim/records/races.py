@@ -68,7 +68,7 @@ class PlaceRaces:
 
     @property
     def closest(self) -> int | None:
-        return min((shave.cycles for shave in (self.before, self.after) if shave is not None), default=None)
+        return min((miss.cycles for miss in (self.before, self.after) if miss is not None), default=None)
 
 
 @dataclass(frozen=True)
@@ -84,12 +84,12 @@ class Races:
 
     @property
     def lost(self) -> int:
-        """Number of flags that read-modify-writes cleared unintentionally and that the firmware cannot have read."""
+        """Number of times that a read-modify-write cleared a flag before the firmware had read the flag as 1."""
         return sum(modify.lost for modify in self.modifies)
 
     @property
     def along(self) -> int:
-        """Number of flags that read-modify-writes cleared unintentionally, whether firmware had read them or not."""
+        """Number of times that a read-modify-write, meant for another flag, also cleared a flag that was read as 1."""
         return sum(flag.along for modify in self.modifies for flag in modify.flags)
 
 
@@ -132,9 +132,10 @@ def distances(run: Run, register: str | None = None) -> tuple[Rows, Rows, int]:
 class _Reads(NamedTuple):
     """All reads of one register at a place.
 
-    looked_at: for each read, the code of the name of the field that was read, which is an index into the table's names.
-        A read of the whole register has the code of the name "", or -1 if the table does not contain this name.
-    waits: for each read, True if the next access of the same routine is also one of these reads.
+    looked_at: for each read, the name of the field that was read, as an index into the names in the table of the run.
+        For a read of the whole register, it is the index of the name "", or -1 if the table does not have this name.
+    waits: for each read, True if the read and the next one belong to the same wait. This is the case if the firmware
+        makes no other access in between, or only reads that belong to the same loop (`_loops_of_an_image`).
     """
 
     place: str
@@ -167,6 +168,7 @@ def _reads_by_place(run: Run, group: Group) -> Iterator[_Reads]:
 def _loops_of_an_image(run: Run, unit: str, reads: Rows, nexts: Rows) -> NDBool:
     """Return, for each read, True if a loop makes this read again after one or two reads at other places.
 
+    In firmware that is a program image, each instruction that reads is a place, so one loop can have several places.
     A loop is assumed if all accesses in between are reads, and if the read is repeated after at most LONGEST_PASS
     cycles or after a recorded wait.
     """
@@ -188,7 +190,7 @@ def _loops_of_an_image(run: Run, unit: str, reads: Rows, nexts: Rows) -> NDBool:
 
 
 def _changes(run: Run, group: Group, fields: tuple[Field, ...]) -> Rows:
-    """Return the rows at which fields changed, without the changes that an access of the unit made at the same tick."""
+    """Return the rows at which the fields changed. Changes that an access of the unit made at once are left out."""
     of = [run.changes(group.unit, group.module, group.register, each) for each in fields]
     rows = np.sort(np.concatenate(of))
     others: Rows = rows[~np.isin(run.made_by(rows), run.in_order(group.unit)[0])]

@@ -13,10 +13,11 @@ from .read_modify_write import ReadModifyWrite
 CLOSEST = ("register", "place", "closest", "cycles", "field", "at")
 COUNTS = ("register", "place", "reads", "polls", *("0", "<10", "<100", "<1k", "<10k", "more"))
 NOTES = (
-    "reads: recorded ones; polls: those beside a change in waits that were skipped, put back on the grid of their "
-    "passes. Columns 0 to more: reads and polls by cycles to their nearest change.",
-    "A read that names a field is compared with the changes of that field; one of the whole register, as each of a "
-    "read-modify-write is, with those of all. Changes that the firmware's own access made in its cycle do not count.",
+    "reads: recorded reads. polls: reads beside a change in skipped waits, reconstructed from the length of a pass. "
+    "Columns 0 to more: reads and polls by the number of cycles to the nearest change.",
+    "A read that names a field is compared with the changes of that field. A read of the whole register, such as the "
+    "read of a read-modify-write, is compared with the changes of all fields. Changes that an access of the firmware "
+    "makes at once do not count.",
 )
 
 
@@ -101,7 +102,7 @@ def _closest(races: Races, place: PlaceRaces) -> list[tuple[str, ...]]:
 
 
 def _counts(races: Races, place: PlaceRaces) -> tuple[str, ...]:
-    # `at` is None if the place is not in an image. For a place in an image, the table above has the source line.
+    # `at` is None unless the firmware is a program image. For an image, the first table shows the source line.
     at = parsed(place.place)
     short = place.place if at is None else f"{at.function} {at.pc:#08x}"
     return (_name(races, place), short, str(place.reads), str(place.polls), *map(str, place.histogram))

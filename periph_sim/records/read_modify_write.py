@@ -71,11 +71,11 @@ class LostFlag:
 
     rose: number of times that the flag rose between the read and the write.
     lost_between: number of times that the flag rose between the read and the write, and the write cleared it.
-    along: number of times that the read returned the flag as 1 and the write cleared it, though the firmware meant
-        another flag.
+    along: number of times that the read returned the flag as 1 and the write cleared it, though the firmware intended
+        to clear another flag.
     unseen: number of the times in `along` at which the firmware had not read the flag after its last rise. A read that
         named another field of the register does not count.
-    lost: the ticks at which the flag was cleared although the firmware had not read it, in order.
+    lost: the ticks at which the flag was cleared before the firmware had read it after its last rise, in order.
     cleared: the ticks at which the flag was cleared unintentionally, whether the firmware had read it or not.
     """
 
@@ -99,7 +99,8 @@ class ReadModifyWrite:
 
     count: number of read-modify-writes.
     meant: the flags that the firmware named, or that it certainly intended to clear.
-    doubt: the flags that every write set to 1, if the recording does not show which of these flags were meant.
+    doubt: the flags that every write set to 1, if the recording does not show which of them the firmware intended to
+        clear; else empty.
     """
 
     unit: str

@@ -106,7 +106,7 @@ def _field(module: str, register: str, name: str) -> Field | None:
 
 
 def has_timed_out(record: Record) -> bool:
-    """Return True for the end of a wait that its timeout has ended."""
+    """Return True if the record is the end of a wait that timed out."""
     return record.kind is Kind.WAIT and not record.value and record.text == TIMED_OUT
 
 

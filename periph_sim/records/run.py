@@ -104,7 +104,10 @@ class Run:
     # Searches for rows ------------------------------------------------------------------------
 
     def rows(self, kind: Kind, where: str | None = None, what: str | None = None) -> Rows:
-        """Return the rows of this kind, in the order of their ticks. where, what: None for any place or thing."""
+        """Return the rows of the records of a kind, in the order of their ticks.
+
+        where, what: the place of the records, such as a wire, and their subject, such as a register; None for any.
+        """
         key = kind, where, what
         if key not in self._rows:
             found = self.table.rows(kind, where, what)
@@ -171,7 +174,7 @@ class Run:
         return risen
 
     def changed_before(self, unit: str, module: str, register: Register, f: Field, row: int) -> int | None:
-        """Return the row of the field's last change before a row, or None."""
+        """Return the row of the last change of a field before row `row`; None if there is none."""
         return self.last(self.changes(unit, module, register, f), int(self.table.tick[row]), row)
 
     def values(self, unit: str, module: str, register: Register, f: Field, rows: Rows) -> Rows:
@@ -267,7 +270,10 @@ class Run:
     # Instants and durations ------------------------------------------------------------------------
 
     def clock(self, unit: str = "") -> ClockHistory:
-        """Return the history of SYSCLKOUT of a unit. If no unit has this name, it is the history of the first unit."""
+        """Return the history of SYSCLKOUT of a unit, or of the first unit if no unit has this name.
+
+        If `sysclk` was given, or if the recording has no clocks, the history is one clock, as in `cycles`.
+        """
         if self._sysclk is None and self._clocks:
             return self._clocks.get(unit) or next(iter(self._clocks.values()))
         return ClockHistory((0,), (self.cycles.ticks,))

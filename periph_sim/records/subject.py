@@ -19,7 +19,7 @@ from ..f28335.memory.ram import MEMORY
 from .register_maps import is_status, registers_of
 from .run import Group, NotInRun, Run
 
-COARSEST = Fraction(1, 10**6)  # in seconds; the coarsest last digit with which a time can mean a change (`_tick`)
+COARSEST = Fraction(1, 10**6)  # in seconds; a time typed with a coarser last digit always means its exact tick
 
 
 @dataclass(frozen=True)
@@ -143,10 +143,10 @@ def _folded(name: str) -> str:
 
 
 def groups_of(run: Run, register: str | None) -> list[tuple[Group, Field | None]]:
-    """Return the groups of accesses to a register, each with the field in `register`, or None for the whole register.
+    """Return the groups of accesses to a register or field, each with the field; None: the whole register.
 
-    register: a name such as "I2C-A.I2CSTR" or "I2C-A.I2CSTR.XRDY"; None selects every status register. Raise NotInRun
-    if the firmware never accessed it.
+    Raise NotInRun if the firmware never accessed the register.
+    register: a name such as "I2C-A.I2CSTR" or "I2C-A.I2CSTR.XRDY"; None selects every status register.
     """
     if register is None:
         return [(group, None) for group in run.accesses if is_status(group.register)]

@@ -20,12 +20,13 @@ HEAD = """\
 the run: cycles between reads and changes; SYSCLKOUT 150 MHz, which all accesses
   fall on"""
 NOTES = """\
-note: reads: recorded ones; polls: those beside a change in waits that were
-  skipped, put back on the grid of their passes. Columns 0 to more: reads and
-  polls by cycles to their nearest change.
-note: A read that names a field is compared with the changes of that field; one
-  of the whole register, as each of a read-modify-write is, with those of all.
-  Changes that the firmware's own access made in its cycle do not count."""
+note: reads: recorded reads. polls: reads beside a change in skipped waits,
+  reconstructed from the length of a pass. Columns 0 to more: reads and polls by
+  the number of cycles to the nearest change.
+note: A read that names a field is compared with the changes of that field. A
+  read of the whole register, such as the read of a read-modify-write, is
+  compared with the changes of all fields. Changes that an access of the
+  firmware makes at once do not count."""
 
 # A look, a read-modify-write of SCD between whose accesses NACK rises, two later reads. RRDY falls by the write: what
 # firmware does itself is no race.

@@ -1,9 +1,9 @@
 """Search from a record back to its causes. Each link states whether it was recorded or inferred.
 
 A recording has the causes of what chips do: the access or edge that changed a flag or moved a pin. If the chip filters
-or samples its inputs, the recorded cause is the last input that passed the filter. Three causes are inferred from the
-order of the records: the action of a party before an edge of a wire, the request for an interrupt, and the read that
-led to a write. A look is a read that is not the first half of a read-modify-write.
+or samples its inputs, the recorded cause is the last input that passed the filter. Other causes are inferred from the
+order of the records: the action of a party before an edge of a wire, the request for an interrupt, and these causes of
+accesses. (A look is a read that is not the first half of a read-modify-write.)
 
     cause of a write: of the earlier looks in the same routine, the look that saw the newest change;
                       if there is no look, the entry of the service routine
@@ -11,8 +11,7 @@ led to a write. A look is a read that is not the first half of a read-modify-wri
                       if they had not changed before, the entry of the service routine
 
 The result also has records that are shown beside the cause of an access: the read of the write's own read-modify-write,
-the change of a flag that the write only wrote back, later looks, and service routines that delayed the firmware. A
-recording does not contain the firmware's reasons, so all of this is inferred from the order of the records.
+the change of a flag that the write only wrote back, later looks, and service routines that delayed the firmware.
 """
 
 from __future__ import annotations
@@ -45,7 +44,8 @@ class Link(NamedTuple):
     known: RECORDED or INFERRED, the source of the relation; "" for the record whose causes are searched.
     because: the relation, as a phrase.
     aside: True if the record is only additional information and not the cause. The search does not continue from it.
-    of: the row of the record to which this record is related; -1 for the record whose causes are searched.
+    of: the row of the related record; -1 in the first link, and in a link that `causes` returns if the related
+        record is the one that was passed to `causes`.
     """
 
     row: int
@@ -110,9 +110,8 @@ def accesses_before(run: Run, row: int, record: Record) -> Rows:
 
 
 def _beside(run: Run, look: int) -> list[Link]:
-    """Return links to a look that came after the cause of a write, to the change that the look saw, and to delays.
-
-    The delays are service routines between change and look. All these links are shown beside the cause.
+    """Return links to a look that came after the cause of a write, to the change that the look saw, and to service
+    routines that delayed the firmware between the change and the look. All these links are shown beside the cause.
     """
     record = run.record(look)
     changed = change_seen(run, look, record)
@@ -124,7 +123,7 @@ def _beside(run: Run, look: int) -> list[Link]:
 
 
 def change_seen(run: Run, row: int, record: Record) -> int | None:
-    """Return the row of the last change before a read that the read could see, or None.
+    """Return the row of the last change before a read that the read could see; None if there is none.
 
     A read that names a field sees changes of that field; any other read sees changes of the whole register.
     """
@@ -136,7 +135,7 @@ def change_seen(run: Run, row: int, record: Record) -> int | None:
 
 
 def looked_at(record: Record) -> tuple[str, Register | None, tuple[Field, ...]]:
-    """Return the module, the register and the accessed fields of an access. An unknown register is None."""
+    """Return the module, the register (None if it is unknown) and the accessed fields of an access."""
     module, _, name = record.what[2:].partition(".")
     register = register_of(module, name)
     if register is None:
@@ -207,7 +206,7 @@ def handed_back(write: Record, read: int, flag: Record) -> Field | None:
     return f if kept and f.on_write is OnWrite.STORE and f.name != write.field else None
 
 
-ROUND_A_GATE = 16  # maximum cycles between a module's request and the PIEIFR flag that it sets
+MAX_REQUEST_CYCLES = 16  # maximum cycles between a module's request and the PIEIFR flag that it sets
 
 
 def walk_back(run: Run, row: int, depth: int) -> Iterator[Link]:
@@ -277,7 +276,7 @@ def _recorded(run: Run, record: Record) -> list[Link]:
 def _request(run: Run, row: int, record: Record) -> list[Link]:
     """Return a link to the request that set a PIEIFR flag.
 
-    The request is the rise of the module's flag that came last before the PIEIFR flag, within ROUND_A_GATE cycles.
+    The request is the rise of the module's flag that came last before the PIEIFR flag, within MAX_REQUEST_CYCLES.
     """
     unit, _, owner = record.where.rpartition(".")
     register, _, line = record.what.partition(".")
@@ -293,7 +292,7 @@ def _request(run: Run, row: int, record: Record) -> list[Link]:
     )
     asked = [run.last(rows[run.table.value[rows] != 0], record.tick, row) for rows in rose]
     found = max((one for one in asked if one is not None), default=None)
-    if found is None or run.clock(unit).cycles(int(run.table.tick[found]), record.tick) > ROUND_A_GATE:
+    if found is None or run.clock(unit).cycles(int(run.table.tick[found]), record.tick) > MAX_REQUEST_CYCLES:
         return []
     return [Link(found, run.record(found), INFERRED, "the request that set it")]
 

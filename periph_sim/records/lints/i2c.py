@@ -68,7 +68,7 @@ def flag_wiped(run: Run, options: Options) -> Iterator[Fault]:
 def stale_flag(run: Run, options: Options) -> Iterator[Fault]:
     """Yield reads in the middle of a transfer that end a wait at once, because the flag rose before the transfer began.
 
-    Only reads that name the flag are judged. Recordings of Python firmware contain such reads.
+    Only reads of a single named flag are judged. The recordings of Python firmware contain such reads.
     """
     table = run.table
     for group in accesses(run, "R", I2CSTR):
@@ -120,7 +120,10 @@ def xrdy_alone(run: Run, options: Options) -> Iterator[Fault]:
 
 
 def _sdir_wiped_by(run: Run, group: Group) -> Rows:
-    """Return, for each access, the firmware's write that cleared SDIR since the module was addressed, or -1."""
+    """Return, for each access, the row of the firmware's write that cleared SDIR after the module was addressed.
+
+    It is -1 if no write of the firmware did this.
+    """
     value = run.table.value
     changes = run.changes(group.unit, group.module, I2CSTR, I2CSTR["SDIR"])
     addressed = run.changes(group.unit, group.module, I2CSTR, I2CSTR["AAS"])
@@ -138,7 +141,10 @@ OVERWRITTEN = "writes I2CDXR while XRDY = 0: the byte written before was not tak
 
 @finds("I2CDRR read with RRDY = 0: no byte came since the read before")
 def receive_register_early(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield reads of I2CDRR that return no new byte, because none was received or the last byte was already read."""
+    """Yield reads of I2CDRR that return no new byte, because none was received or the last byte was already read.
+
+    FIFO mode and a disabled module (IRS = 0) are not judged.
+    """
     for group in accesses(run, "R", I2CDRR):
         changes = run.changes(group.unit, group.module, I2CSTR, I2CSTR["RRDY"])
         last = np.append(changes, -1)[np.searchsorted(changes, group.rows) - 1]
@@ -153,7 +159,10 @@ def receive_register_early(run: Run, options: Options) -> Iterator[Fault]:
 
 @finds("I2CDRR never read though RRDY rose")
 def receive_register_unread(run: Run, options: Options) -> Iterator[Fault]:
-    """Yield the first access that saw RRDY = 1, for each module whose received bytes the firmware never reads."""
+    """Yield one access for each module whose received bytes the firmware never reads.
+
+    It is the first read that returned RRDY = 1. If there is no such read, it is the first access of the unit.
+    """
     for unit, modules in run.units.items():
         for module in (module for module in modules if module.startswith("I2C")):
             rises = run.rises(unit, module, I2CSTR, I2CSTR["RRDY"])

@@ -28,7 +28,7 @@ class RecordingWriter:
     KINDS: the kinds of records that the format needs.
     write: the method that is called with each record.
     sink: the RecordSink that receives the records instead of `write`; None if the writer needs Record objects.
-    clocks: the history of SYSCLKOUT of each unit, which is set before `close` is called.
+    clocks: the history of SYSCLKOUT of each unit. It is set only just before `close` is called.
     """
 
     SUFFIX: ClassVar[str]
@@ -52,7 +52,7 @@ class BadRecording(ValueError):
     """Error: the recording cannot be written. The message is one sentence."""
 
 
-NOT_TOLD: Clocks = {}
+NO_CLOCKS: Clocks = {}
 Subscribe = Callable[[Recorder, Timebase], None]
 
 
@@ -87,7 +87,7 @@ def recording(path: Path | None, modules: dict[str, tuple[str, ...]]) -> Iterato
     """
     writers: list[RecordingWriter] = []
 
-    def ended_at(tick: int, clocks: Clocks = NOT_TOLD) -> None:
+    def ended_at(tick: int, clocks: Clocks = NO_CLOCKS) -> None:
         for writer in writers:
             _close(writer, tick, clocks)
 

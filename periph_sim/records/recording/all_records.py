@@ -40,9 +40,9 @@ class PsrWriter(RecordingWriter):
 class JsonlWriter(RecordingWriter):
     """Writer of .jsonl: one JSON array per line with number, tick, kind, where, what, value, text, cause and field.
 
-    The first line has the version and the number of ticks per second. The value of an address or byte on the bus, or of
-    a byte of a UART frame, is text: "0x21 R ACK", "0x11 ACK", "0x55". The value of a START, a STOP or the start of a
-    frame is null.
+    The first line has the version, the number of ticks per second and the names of the columns. The value of an address
+    or byte on the bus, or of a byte of a UART frame, is text: "0x21 R ACK", "0x11 ACK", "0x55". The value of a START,
+    a STOP or the start of a frame is null.
     """
 
     SUFFIX = ".jsonl"

@@ -2,7 +2,8 @@
 
     records --> process "dsp":        threads "firmware" and "interrupts", slices that nest; notes
                 process "dsp.I2C-A":  a counter for each register field that changed
-                process "bus":        transfers with their bytes, decoded from SCL and SDA; bus records of each party
+                process "bus":        transfers with their bytes, decoded from SCL and SDA;
+                                      BUS and FRAME records of each party
                 process "wires":      a counter for each wire, 0 or 1
 
 `ts` is in microseconds with three decimals, rounded down to a nanosecond, the resolution of the viewers. `args.tick` of
@@ -152,7 +153,7 @@ class PerfettoWriter(RecordingWriter):
 
 
 def _title(transfer: i2c.Transfer) -> str:
-    """Return the title of a transfer: `0x68 W 0x68 R`."""
+    """Return the title of a transfer, such as `0x68 W 0x68 R`; "cut off" if it has no complete address."""
     named = (phase for phase in transfer.phases if phase.address is not None)
     return " ".join(f"0x{phase.address:02X} {'R' if phase.read else 'W'}" for phase in named) or "cut off"
 

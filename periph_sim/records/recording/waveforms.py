@@ -190,7 +190,7 @@ def _bus_state(lines: Capture) -> list[Signal]:
 
 
 def _while(name: str, table: I2cTable, rows: NDArray[np.bool_]) -> Signal:
-    """Return a signal that is 1 from the start to the end of each chosen row of the table, such as a byte or an ACK."""
+    """Return a signal that is 1 during the chosen rows of the table. A row is a part of a transfer, such as a byte."""
     signal = Signal(name)
     at = np.column_stack((table.at[rows], table.end[rows])).ravel()
     signal.put_all(at, np.tile(np.array([1, 0], np.int64), len(at) // 2))

@@ -79,20 +79,33 @@ NOTHING: Any = msgspec.UNSET  # marks a message that quotes no value, and a key 
 
 
 class Before(msgspec.Struct, frozen=True):
-    """A conversion before the check, like `After`. said: the type in the file; None if it is the annotated type."""
+    """A conversion before the type of the value is checked.
+
+    function: returns the new value, or raises ValueError with a description.
+    said: the type of the value in the file, for the JSON schema; None if it is the annotated type.
+    """
 
     function: Callable[[Any], object]
     said: Any = None
 
 
 class After(msgspec.Struct, frozen=True):
-    """A conversion after the check. `function` returns the new value, or raises ValueError with a description."""
+    """A conversion after the type of the value is checked.
+
+    function: returns the new value, or raises ValueError with a description.
+    """
 
     function: Callable[[Any], object]
 
 
 class Mistake(msgspec.Struct, frozen=True):
-    """One mistake and its place. error: the exception of a check. known: the valid keys for an unknown key."""
+    """One mistake and its place.
+
+    what: a description; "" for a missing or an unknown key.
+    found: the invalid value; NOTHING if no value is quoted.
+    error: the exception that a conversion or a check raised; None if none raised one.
+    known: the valid keys of the table, if the mistake is an unknown key; otherwise None.
+    """
 
     place: Place
     what: str = ""
@@ -133,7 +146,11 @@ def convert(kind: type[T], tree: object) -> T:
 
 
 class Key:
-    """A key of a table. name: the name of its field. convert: its converter, which is made at the first use."""
+    """A key of a table.
+
+    name: the name of the field that gets the key's value.
+    convert: the converter of the value, which is made at the first use.
+    """
 
     def __init__(self, kind: type, name: str, default: object) -> None:
         self._owner = next(base for base in kind.__mro__ if name in own_annotations(base))
@@ -320,7 +337,7 @@ def _made(kind: type, value: Any) -> Any:
 
 
 def _keeps(limits: msgspec.Meta, value: Any) -> bool:
-    """Return True if a value that a `Before` or `After` function returned is within limits."""
+    """Return True if a value is within limits. msgspec does not check the results of `Before` and `After` functions."""
     if limits.min_length is not None and len(value) < limits.min_length:
         return False
     return (limits.ge is None or value >= limits.ge) and (limits.le is None or value <= limits.le)
@@ -373,7 +390,10 @@ def _union(converters: list[Converter], takes_none: bool) -> Converter:
 
 
 def _list(kind: type, entries: tuple[Any, ...]) -> Converter:
-    """Return the converter of a list or tuple. All entries have one type, or each place of a tuple has its own."""
+    """Return the converter of a list or tuple.
+
+    entries: the type of all entries, followed by `...` for a tuple; or one type for each entry of a tuple.
+    """
     of_entry = [converter_of(entry) for entry in entries if entry is not ...]
     places = None if kind is list or entries[-1] is ... else len(entries)
     phrase = "expected a list" if places is None else f"expected a list of {places}"

@@ -45,13 +45,17 @@ def similar_file(path: Path) -> str:
 
 
 def _similar_paths(path: Path) -> list[Path]:
-    """Return the existing paths that differ from `path` in their folder or else in their name, and resemble it."""
+    """Return the existing paths that resemble `path`.
+
+    If the folder of `path` exists, these are files in it with a similar name. Otherwise they are files with the same
+    name in a similar folder.
+    """
     if path.exists() or path == path.parent:
         return []
     if not path.parent.exists():
         return [folder / path.name for folder in _similar_paths(path.parent) if (folder / path.name).exists()]
-    # Two names with the same suffix must resemble each other without the suffix. The missing name itself is in the
-    # folder if it is a broken link; it is no suggestion.
+    # Two names with the same suffix must also resemble each other without the suffix. A broken link is in the listing
+    # although `path` does not exist, so `path` itself is excluded.
     return [
         path.parent / name
         for name in nearest(path.name, os.listdir(path.parent))
@@ -95,7 +99,7 @@ def read_input(path: Path, most: int = MOST) -> bytes:
 
 
 def note_input(path: Path) -> Path:
-    """Remember a file as input of the command that runs, and return its path. Without a command nothing is done."""
+    """Remember a file as input of the command that runs, and return its path. If no command runs, only return it."""
     note_inputs_of((path,))
     return path
 

@@ -102,9 +102,10 @@ KINDS: dict[type, type[TextOption | IntOption | BoolOption]] = {str: TextOption,
 
 
 class Answers:  # core: python
-    """Immutable answers. Each field of a subclass, which becomes a dataclass, is the answer to one question.
+    """Base of classes of immutable answers. Each field of a subclass is the answer to one question.
 
-    The methods of a frozen dataclass are written here once, because generating them for each class slows the import.
+    Each subclass becomes a dataclass. The methods of a frozen dataclass are written here once, because generating them
+    for each subclass would slow down the import.
     """
 
     def __init_subclass__(cls) -> None:
@@ -142,7 +143,7 @@ def allowed(field: dataclasses.Field[Any]) -> str:
     return f"{field.metadata['least']} to {field.metadata['most']} {field.metadata['unit']}"
 
 
-@cache  # answers are immutable, so all scenes that use only default answers share one object
+@cache  # answers are immutable, so all scenes that use only default answers can share one object
 def _defaults(kind: Any) -> object:
     return kind()
 

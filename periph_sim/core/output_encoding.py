@@ -21,7 +21,7 @@ def _substitute(error: UnicodeError) -> tuple[str, int]:
 
 
 def writes_utf8() -> bool:
-    """Return True if standard output is encoded as UTF-8, or is no stream with an encoding."""
+    """Return True if standard output is encoded as UTF-8, or if it is not a text file and so has no encoding."""
     return not isinstance(sys.stdout, TextIOWrapper) or sys.stdout.encoding.lower() in ("utf-8", "utf8")
 
 

@@ -1,6 +1,6 @@
 """Phrases for messages: suggestions for misspelled names, counts such as "2 resets", and shortened text.
 
-Files and options may contain text of any length, so messages quote only its two ends.
+Files and options may contain text of any length. Of a long text, messages quote only the beginning and the end.
 """
 
 from __future__ import annotations
@@ -11,7 +11,10 @@ LONGEST = 60  # maximum number of characters of a name that are compared and sho
 
 
 def nearest(name: str, known: Iterable[str], least: float = 0.6) -> list[str]:
-    """Return up to three of the known names that resemble `name`, best first. least: the minimum ratio of difflib."""
+    """Return up to three of the known names that resemble `name`, best first.
+
+    least: the minimum similarity, from 0 to 1, as in `difflib.get_close_matches`.
+    """
     from difflib import get_close_matches  # imported here, because only errors need it
 
     folded = {k.casefold(): k for k in reversed(list(known))}

@@ -32,23 +32,23 @@ class Kind(Enum):
     ACCESS = "access"  # a CPU access: what = R or W with the register, value = the word
     FLAG = "flag"  # hardware or an access changed a register field
     IRQ = "irq"  # an interrupt is requested, entered or left
-    SPAN = "span"  # a span of firmware begins (value 1) or ends (value 0)
+    SPAN = "span"  # a part of the firmware to which the firmware gave a name begins (value 1) or ends (value 0)
     BUS = "bus"  # an event on a bus: START, address, byte, ACK, STOP
     FRAME = "frame"  # a UART frame on the wire
-    NOTE = "note"  # a violated duty, lost data, unknown behaviour
-    WAIT = "wait"  # firmware begins (value 1) or ends (value 0) a wait: what = the fields it polls, or IDLE
+    NOTE = "note"  # a note for the user: firmware broke a rule of the manual, data was lost, or behaviour is unknown
+    WAIT = "wait"  # firmware begins (value 1) or ends (value 0) a wait: what = the fields that it polls, or IDLE
     HOLD = "hold"  # the set of parties that pull a wire has changed, and the wire stays low: text = the pulling parties
     # `scene/derived_records.py` derives the following kinds from the kinds above, if a subscriber names them.
     # A derived record has the number of the record before it. Its tick may be earlier than the tick of that record.
     TRANSFER = "transfer"  # a complete I2C transfer: its phases, acknowledges, stretches
-    ROUND = "round"  # a round of requests is due, complete or missed
+    ROUND = "round"  # a round, one execution of the controller's periodic list of requests, is due, complete or missed
     RECEIVER = "receiver"  # an SCI's number of waiting words changes, or a character is received or lost
     DATA = "data"  # bytes that were read, with their correctness, age or error
 
     __hash__ = object.__hash__  # by identity, because each member is a single object and Enum's own hash is slow
 
 
-TIMED_OUT = "timeout"  # the text of the end of a wait that its timeout has ended; other ends of waits have none
+TIMED_OUT = "timeout"  # the text of the WAIT record at the end of a wait that timed out; "" if the wait ended otherwise
 DERIVED = frozenset({Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA})
 RECORDED = tuple(kind for kind in Kind if kind not in DERIVED)  # the kinds that a recording of a whole run contains
 
@@ -67,7 +67,7 @@ class Record(NamedTuple):
     field: str = ""
 
 
-_made = tuple.__new__  # makes a Record without a call in Python
+_made = tuple.__new__  # makes a Record faster than `Record(...)`, which calls a Python function
 
 RecordCallback = Callable[[Record], None]
 Party: TypeAlias = "Listener | RecordSink | RecordCallback"
@@ -176,7 +176,7 @@ class Topic:
         self._last_listener: _ListenerEntry | None = None
         self._sinks: _SinkEntry | None = None
         self._last_sink: _SinkEntry | None = None
-        self._step: int = 0 if kind in DERIVED else 1  # the number of a record minus the number of the record before it
+        self._step: int = 0 if kind in DERIVED else 1  # by how much `Recorder.number` increases with each record
         self._callbacks: list[RecordCallback] = _NO_CALLBACKS
 
     def add(self, party: Party) -> None:

@@ -24,10 +24,10 @@ def registered(what: str) -> ModuleType:
 
 
 def lazy_names(package: str, homes: Mapping[str, tuple[str, ...]]) -> Callable[[str], object]:
-    """Return the `__getattr__` of a package. homes: for each module, the names that it defines."""
+    """Return a function for the `__getattr__` of a package. homes: for each module, the names that it defines."""
     places = {name: module for module, names in homes.items() for name in names}
 
-    imported: dict[str, ModuleType] = {}  # maps a name that the package offers to the imported module of this name
+    imported: dict[str, ModuleType] = {}  # maps a name that the package offers to the imported module that defines it
 
     def found(name: str) -> object:
         module = imported.get(name)

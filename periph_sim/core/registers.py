@@ -146,7 +146,7 @@ class Register(Struct, frozen=True, dict=True):
     protected: bool = False  # True if writes need EALLOW
     width: int = 16
     yields: Yields = Yields.STATE
-    read_acts: bool = False  # True if a read takes a word from a FIFO, clears a flag elsewhere, or has a similar effect
+    read_acts: bool = False  # True if a read has an effect beyond its fields: it takes a word from a FIFO, for example
     data: str = ""  # the name of the field that contains the data word, if `yields` is DATA
     # `upper` is the name of the register with bits 31:16, if C headers join both registers to one 32-bit register.
     upper: str = ""
@@ -188,12 +188,12 @@ class Register(Struct, frozen=True, dict=True):
 
     @cached_property
     def reads_are_harmless(self) -> bool:
-        """True if a CPU read changes nothing."""
+        """True if a CPU read changes neither this register nor anything else."""
         return not self.read_acts and all(f.on_read is OnRead.KEEP for f in self.fields)
 
     @cached_property
     def reads_take(self) -> bool:
-        """True if a read removes the word or flag that it returns."""
+        """True if a read removes the data word that it returns, or clears a field of this register."""
         word = self.yields is Yields.DATA and self.read_acts
         return word or any(f.on_read is OnRead.CLEAR for f in self.fields)
 
@@ -219,7 +219,7 @@ class Register(Struct, frozen=True, dict=True):
         return shown, ~cleared
 
     def read(self, stored: int) -> tuple[int, int]:
-        """Return the value that the CPU reads, and the stored value after that. Bits without a field read 0."""
+        """Return the value that the CPU reads, and the stored value after the read. Bits without a field read 0."""
         shown, kept = self._read_masks
         return stored & shown, stored & kept
 
@@ -249,7 +249,7 @@ Bits = tuple[tuple[str, str], ...]  # names of fields with their bits: ("Measure
 
 
 def byte_register(offset: int, name: str, access: str, reset: int, source: str, fields: Bits = ()) -> Register:
-    """Return a register of eight bits. Without `fields` it is one field with the register's name."""
+    """Return a register of eight bits. Without `fields`, the register has one field, which has the register's name."""
     parts = [field(n, bits, access) for n, bits in fields or ((name, "7:0"),)]
     parts = [field(f.name, f.bits, access, f.extract(reset)) for f in parts]
     return Register(name, offset, source, tuple(parts), width=8)

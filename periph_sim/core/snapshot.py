@@ -33,10 +33,10 @@ KEYED_BY_OBJECTS = "dict keyed by objects"
 
 
 class Keyed(NamedTuple):
-    """Functions for the objects of one class that a scene finds again by a key.
+    """Functions for a class whose objects are not stored in a snapshot, because the scene can find them by a key.
 
     key_of: a function that returns the key of an object, or None if the object has no key.
-    find: a function that returns the scene's object with a key; its arguments are the items of the key.
+    find: a function that returns the scene's object for a key; its arguments are the items of the key.
     """
 
     key_of: Callable[[Any], tuple[object, ...] | None]
@@ -46,8 +46,9 @@ class Keyed(NamedTuple):
 class Module(NamedTuple):
     """A named part of a scene.
 
+    target: the object whose declared attributes (`core.state`) are the state of the module.
     cycle: the present cycle of the module's clock; 0 for a module without a clock.
-    keys: a dictionary from a class whose objects the scene finds again by a key to the functions of this class.
+    keys: for each class whose objects the scene can find by a key, the functions that do so.
     """
 
     target: object
@@ -73,7 +74,7 @@ class Found(NamedTuple):
 
 
 class Made(NamedTuple):
-    """Entry of a value that consists of other values, such as an object or a list. Each of these has an entry itself.
+    """The entry of an object or container in a snapshot. Each of its attributes or items has an entry of its own.
 
     keys: the keys, indices or field names of the items, or the name of a method; empty for an object with declared
         state (`core.state`).
@@ -84,7 +85,10 @@ class Made(NamedTuple):
 
 
 class Group(NamedTuple):
-    """A container of plain values. items: the values, the pairs of a dict, or the state of a random generator."""
+    """A container of plain values, or a random generator.
+
+    items: the values of the container, the pairs (key, value) of a dict, or the state of the generator.
+    """
 
     kind: str
     items: tuple[Any, ...]
@@ -120,7 +124,8 @@ class Snapshot(NamedTuple):
     number: the number of the last record.
     cycles: a dictionary from a module to its present cycle, which is 0 for a module without a clock.
     values: a dictionary from the name of a collected attribute or item to its value.
-    logs: a dictionary from a unit to the log with which its program, if it has a stack, can be executed again.
+    logs: for each unit that runs C sources, the log of their accesses. The stack of such a program is restored by
+        executing the program again with this log.
     base: an earlier snapshot with logs, from which a run leads to this snapshot; None if there is none.
     """
 

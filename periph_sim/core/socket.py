@@ -33,7 +33,7 @@ _NO_PINS: list[Pin] = []  # shared by all outputs that are not connected, so it 
 
 
 class PinReleaseGate:
-    """Decides whether the pin of a module's first output, which the chip releases, is released now or later."""
+    """Decides whether the pin of a chip's first output is released when the chip sets this output to 1, or later."""
 
     __slots__ = ()
 
@@ -323,7 +323,7 @@ class Socket(Agent):
         return self._out == self.chip.out
 
     def accept_output(self) -> None:
-        """Note that the pins have the chip's present outputs. The caller sets their wires."""
+        """Note that the pins have the chip's present outputs. The caller sets the levels of the wires."""
         self._out = self.chip.out
 
     def present_cause(self) -> int:

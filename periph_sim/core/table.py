@@ -47,7 +47,7 @@ class Table(Struct, frozen=True, kw_only=True):
         return convert(cls, tree)
 
     def model_copy(self, *, update: Mapping[str, Any]) -> Self:
-        """Return a copy with other values, which are not checked."""
+        """Return a copy in which the fields in `update` have other values. These values are not checked."""
         new = copy.copy(self)
         for name, value in update.items():
             force_setattr(new, name, value)
@@ -117,7 +117,7 @@ def duration(value: object) -> Fraction:
 
 @lru_cache(maxsize=4096)  # scenes of one case repeat the same texts
 def _length(text: str) -> Fraction | str:
-    """Return seconds, or a message if the text is not a duration."""
+    """Return a duration in seconds, or an error message if the text is not a duration."""
     try:
         length = seconds(text)
     except TimeError as error:
@@ -195,7 +195,7 @@ def frequency(value: object, usual: str = "kHz") -> Fraction:
 
 
 def _no_unit(value: object, unit: str) -> str:
-    """Return a phrase about a value that is no text with a unit. unit: the unit in the example."""
+    """Return an error message for a value that is not a text with a unit. unit: the unit in the example."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         return f'expected a number with its unit, as in "20 {unit}"'
     return f'{value!r} has no unit; write for instance "{value} {unit}"'
@@ -215,18 +215,18 @@ def hex_bytes(value: object) -> bytes:
     raise ValueError(f'{value!r} is not a sequence of bytes; write for instance "1d 00 ff"')
 
 
-def _said(pattern: str, *examples: str) -> Any:
-    """Return the type of a text in a file, for the schema that editors read. The converters check the text."""
+def _text_type(pattern: str, *examples: str) -> Any:
+    """Return a type for the JSON schema that editors read: a text with this pattern. The converters check the text."""
     schema = {"pattern": pattern, "examples": [*examples]}  # `Meta(pattern=...)` would compile the pattern
     return Annotated[str, Meta(extra_json_schema=schema)]
 
 
 _TIME = rf"\s*[-+0-9._eE/]+\s*({'|'.join(TIMES)}|[\u00b5\u03bc]s)\s*"
-DURATION_TEXT = _said(f"^{_TIME}$", "250 us", "1.5 ms")
-_RANGE = _said(f"^{_TIME}( to {_TIME})?$", "240 us to 260 us")
-FREQUENCY_TEXT = _said(rf"^\s*[-+0-9._eE/]+\s*({'|'.join(HERTZ)})\s*$", "100 kHz")
-_BYTES = _said(r"^[0-9a-fA-F\s]*$", "1d 00 ff") | list[Annotated[int, Meta(ge=0, le=255)]]
-_SHARE = _said(r"^\s*[-+0-9._eE/]+\s*%\s*$", "90 %")
+DURATION_TEXT = _text_type(f"^{_TIME}$", "250 us", "1.5 ms")
+_RANGE = _text_type(f"^{_TIME}( to {_TIME})?$", "240 us to 260 us")
+FREQUENCY_TEXT = _text_type(rf"^\s*[-+0-9._eE/]+\s*({'|'.join(HERTZ)})\s*$", "100 kHz")
+_BYTES = _text_type(r"^[0-9a-fA-F\s]*$", "1d 00 ff") | list[Annotated[int, Meta(ge=0, le=255)]]
+_SHARE = _text_type(r"^\s*[-+0-9._eE/]+\s*%\s*$", "90 %")
 
 Duration = Annotated[Fraction, Before(duration, DURATION_TEXT)]
 DurationRange = Annotated[Spread, Before(spread, _RANGE)]

@@ -13,7 +13,7 @@ from textwrap import wrap
 
 WIDTH = 80
 GAP = "  "  # the space between two columns
-FOLD = 16  # minimum width of a column in which words are broken
+FOLD = 16  # words are not broken to make a column narrower than this
 KEPT = "\u00a0"  # a space at which lines are not broken
 ROOM = 24  # minimum width of a column whose continuation lines are indented by two spaces
 
@@ -52,7 +52,7 @@ def table_rows(
 
 
 def columns(rows: Sequence[Cells], right: Collection[int] = (), width: int = WIDTH, indent: str = "  ") -> list[str]:
-    """Return the lines of rows without titles; empty columns are left out."""
+    """Return the lines of a table without titles. Columns whose cells are all empty are left out."""
     if not rows:
         return []
     used = [n for n in range(len(rows[0])) if any(row[n] for row in rows)]

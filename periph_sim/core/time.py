@@ -23,9 +23,9 @@ GHZ = 1_000_000_000
 NO_TIME = -1
 LAST_TICK = NEVER - 1  # the last valid tick, also in recordings, whose ticks are int64
 DAY = 86_400
-LONGEST = 365_250 * DAY  # maximum length of time in seconds that a user can write: more than 64-bit ticks can count
+LONGEST = 365_250 * DAY  # maximum length of time, in seconds, that a user can write: 1000 years
 MOST_TICKS = LAST_TICK  # maximum length of time in ticks
-MOST = NEVER  # maximum product of two numbers that are 64-bit integers in the compiled form
+MOST = NEVER  # maximum product that compiled code, whose integers have 64 bits, computes
 USUAL_PER_NS = 1000  # above this number of ticks per nanosecond, messages suggest a crystal of a round frequency
 
 UNITS: dict[str, Fraction] = {
@@ -210,7 +210,7 @@ class Clock:
         return self._cycle0 - whole * self._den - (left - whole * num) * self._den // num
 
     def _wide_ticks(self, cycles: BigInt) -> BigInt:
-        """Return cycles in ticks, computed with Python's integers because products do not fit 64 bits."""
+        """Return a number of cycles in ticks. It is computed with Python's integers: products may exceed 64 bits."""
         num, den = self._exact
         return cycles * num // den
 

@@ -42,7 +42,10 @@ def parse_tolerance(text: str) -> Tolerance:
 
 
 def _with_cycles(error: str, text: str) -> str:
-    """Return the message that a text is no time. If its unit is the reason, the message names the unit cycles, too."""
+    """Return the message for a text that is not a time. If the unit is wrong or missing, the message suggests cycles.
+
+    error: the message of `seconds`, which suggests only units of time.
+    """
     number, unit = number_and_unit(text)
     if unit in UNITS or not unit.isascii():
         return error

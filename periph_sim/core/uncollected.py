@@ -12,7 +12,7 @@ from contextlib import contextmanager
 
 @contextmanager
 def uncollected() -> Iterator[None]:
-    """Switch the collector off in a block or in a decorated function; its previous state is restored afterwards."""
+    """Switch garbage collection off in a block or in a decorated function; afterwards its old state is restored."""
     if not gc.isenabled():
         yield
         return

@@ -2,9 +2,10 @@
 
     Pin.drive --> settle: level, low if any party pulls --> SampledParty --> watcher(tick, levels)
 
-A wire has a pull-up and any number of parties that may pull it low. `level` is the settled level. It changes when all
-parties of an instant have acted, whatever their order, so a level that does not outlast the instant is never seen. A
-party that samples several wires is called once for all of them that changed in the same instant.
+A wire has a pull-up and up to MAX_PARTIES parties that may pull it low. `level` is the settled level. It changes only
+at the end of a phase of a tick (`kernel`), when all agents of this phase have acted. So the order in which they act
+does not matter, and a level that ends within the phase is never seen. A party that samples several wires is called once
+for all wires that changed in the same phase.
 """
 
 # core: compiled without checks for None
@@ -60,7 +61,7 @@ class Wire(Settleable):
         self._pulling_recorded = 0  # the value of `_pulling` at the last record of this wire
         self._parties: list[str] = []
         self._names_of: dict[int, str] = {}  # maps a mask of pulling parties to the names of these parties, for records
-        self._named = 0  # mask of the pulling parties in the last record; `_names` has the names of these parties
+        self._named = 0  # mask of the parties whose names are in `_names`, a cache for the next record
         self._names = ""
         self._watches: _Watch | None = None  # the first entry in the linked list of subscribers to the level
         self._pull_watches: PullWatch | None = None
@@ -191,7 +192,7 @@ class Wire(Settleable):
         self._pulled_under = self._released_under = 0
 
     def jump(self, pulling: int) -> None:
-        """Set the mask of the pulling parties without records and notifications, because edges were skipped."""
+        """Set the mask of the pulling parties without records and notifications, because a shortcut skips the edges."""
         self._pulling = self.pulling = pulling
         level = 0 if pulling else 1
         if level != self.level:

@@ -2,13 +2,13 @@
 
 Each file in this folder with a function `attach` is one kind of fault, and is found automatically. It defines
 
-    Settings                  a dataclass of the keys of [[fault]]: those of `When`, and its own
+    Settings                  a subclass of `When` that adds the keys of this kind to those of every [[fault]]
     attach(settings, place)   attaches the agent, returns the `Repeated` that triggers it; ValueError for bad settings
 
     at ---- every ---- every ---- ...     `When`: times is the maximum number of faults
     |~spread~|   maximum random delay of each fault, drawn from the case's seed
 
-Wires list the agent of a fault like any other party that pulls. No other module depends on a kind of fault.
+On a wire, the agent of a fault is a party that pulls, like any other. No other module depends on a kind of fault.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ Count = Annotated[int, Meta(ge=1)]
 
 @dataclass(frozen=True, kw_only=True)
 class When:
-    """A fault disturbs a wire or resets a unit at these times. Its key `kind` names one of the kinds below.
+    """A fault that disturbs a wire or resets a unit at certain times. The key `kind` names the kind of fault.
 
     at: time of the first fault, from the start of the run
     every: time from one fault to the next; without it there is only one fault
@@ -67,7 +67,10 @@ class When:
 
 
 class SdaPuller(Agent):
-    """Base of the faults that pull SDA low during a clock of SCL, after `arm`. `sampled` receives the level of SCL."""
+    """Base of the faults that pull SDA low during one clock of SCL. `arm` requests the next disturbance.
+
+    Subclasses define `sampled`, which is called with the level of SCL after each change.
+    """
 
     STATE = State("_armed _pulls")
 
@@ -159,7 +162,10 @@ def kinds() -> dict[str, FaultKind]:
 
 
 class Repeated:
-    """Calls `strike` at each time of `when`. Only the next call is scheduled. next_at: the tick of this call."""
+    """Calls `strike` at each time of `when`.
+
+    next_at: the tick of the next call, or of the last one after all calls are made. Only this call is scheduled.
+    """
 
     STATE = State("_place _strike _number", ticks="next_at")
 

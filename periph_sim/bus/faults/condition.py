@@ -54,7 +54,7 @@ class Condition(SdaPuller):
             self._kernel.call_at(now + self._late, partial(self._strike, rise))
 
     def _strike(self, rise: int) -> None:
-        """Make the condition, unless the bit is 0 or the clock of this rise is over. Called `late` after the rise."""
+        """Make the condition, unless the bit is 0 or SCL has fallen since. Called `late` after rise number `rise`."""
         if not self._armed or rise != self._rise or not self._scl.level:
             return
         others = len(self._sda.held_by()) > self._pulls

@@ -37,7 +37,7 @@ class Flip(SdaPuller):
             self._pull(True)
 
     def pulled(self, line: int, now: int, pulling: int) -> None:
-        """Release SDA if the last other party does so while SCL is high, which is a STOP of that party."""
+        """Release SDA when the last other party releases it while SCL is high, so that its STOP is not hidden."""
         if self._pulls and self._scl.level and not self._is_one and self._alone():
             self._pull(False)
 

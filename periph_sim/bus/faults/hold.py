@@ -18,8 +18,8 @@ class Settings(When):
     """A wire that is held low, for a time or for a number of falls of SCL.
 
     wire: the wire, such as "SDA"
-    length: time
-    clocks: number of falls of SCL
+    length: time for which the wire is held low
+    clocks: number of falls of SCL after which the wire is released
     """
 
     wire: str

@@ -18,7 +18,7 @@ from . import FaultContext, Length, Repeated, When, pulse
 class Settings(When):
     """A reset of a unit's I2C module by I2CMDR.IRS, without the firmware's knowledge.
 
-    unit: the unit
+    unit: the unit whose I2C module is reset
     length: time from IRS = 0 to IRS = 1
     """
 

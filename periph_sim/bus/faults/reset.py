@@ -15,7 +15,7 @@ from . import FaultContext, Length, Repeated, When, pulse
 class Settings(When):
     """A reset of a unit by its XRS pin. The firmware restarts.
 
-    unit: the unit
+    unit: the unit that is reset
     length: time for which XRS is low
     """
 

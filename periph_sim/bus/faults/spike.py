@@ -18,7 +18,7 @@ class Settings(When):
     """A short low pulse on a wire.
 
     wire: the wire, such as "SCL"
-    width: time
+    width: duration of the pulse
     """
 
     wire: str

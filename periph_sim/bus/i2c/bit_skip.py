@@ -70,12 +70,12 @@ class CycleTimes(BitTimes):
 
 
 class BitParty(Agent):
-    """Base of parties on SCL and SDA whose state can be set at once to that after the first seven bits of a byte."""
+    """Base of parties on SCL and SDA that can enter their state after the first seven bits of a byte in one step."""
 
     __slots__ = ()
 
     def pulls(self, line: int) -> int:
-        """Return the mask of the party's own pulls on a line, SCL or SDA; 0 if it never pulls the line."""
+        """Return the party's bits in `Wire.pulling` of a line, SCL or SDA; 0 if the party never pulls this line."""
         return 0
 
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
@@ -151,7 +151,7 @@ class BitSkip(Shortcut):
         """Initialize without parties, which are collected at the first byte.
 
         controller: the agent that clocks the bus, or None if only units clock it.
-        stand_in: for each agent on the lines that is no BitParty, such as a socket, the BitParty to use in its place.
+        stand_in: for each agent on the lines that is no BitParty, such as that of a unit, the BitParty to use instead.
         """
         self.passed = 0
         self._kernel = kernel
@@ -192,7 +192,8 @@ class BitSkip(Shortcut):
     def skips_for(self, party: BitParty, times: BitTimes, fell: int, ends: int) -> bool:  # core: C only
         """Skip seven bits and return True, or return False if they are observable.
 
-        party: the clocking party, which has a clock of its own and wakes itself at `ends`.
+        party: the party that clocks the bus. It has a clock of its own.
+        ends: the tick at which the skip ends. The party acts by itself at this tick.
         fell: the tick of the last fall of SCL.
         """
         if self._since == self._kernel.now:

@@ -29,7 +29,7 @@ from .filtered_bus import FilteredBus
 from .line_events import SCL
 from .transfer import BusTiming, Phase, Transfer
 
-# Purposes of the controller's events, which are the tags of the events.
+# Tags of the controller's events. Each names the next step of a transfer; STUCK checks for a stuck line.
 BEGIN, FIRST_LOW, SDA_FOLLOWS, RELEASE, BIT_END, STOP_RISES, STUCK = range(7)
 
 OF_AGENT = ("arbitration lost", "clear", "stuck")  # events that an observer of the wires cannot report
@@ -40,7 +40,7 @@ NO_BYTE = 1 << 30  # in place of a data byte's number, if a STOP or repeated STA
 class I2cController(BitParty):
     """An agent that makes transfers on SCL and SDA.
 
-    who: its name on the wires and in records.
+    who: the controller's name on the wires and in records.
     beside_others: True if a `BusRecorder` records the events on the wires, so the controller records only OF_AGENT.
     stuck_after: a time in ticks, or 0 for never. If SCL does not change for this time while the controller waits for
         the bus or for the rise of SCL, `on_stuck` is called with the stuck line.
@@ -189,7 +189,10 @@ class I2cController(BitParty):
     # Transfers ----------------------------------------------------------------
 
     def begin(self, transfer: Transfer, done: Callable[[Transfer], None]) -> None:
-        """Start as soon as the bus has been free long enough. At the STOP `done(transfer)` is called."""
+        """Start a transfer as soon as the bus has been free long enough.
+
+        done: called with the transfer at its STOP, or earlier if the transfer is lost.
+        """
         if self.busy:
             raise ValueError(f"{self.who}: asked for transfer {transfer.name!r} while {self._transfer.name!r} runs")
         self.busy = True

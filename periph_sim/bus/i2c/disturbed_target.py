@@ -1,6 +1,6 @@
 """A target that stretches the clock or has faults: rules change its answers by held lines, NACKs and wrong bytes.
 
-    answer, send_byte, receive_byte --> each rule: this phase, byte, time, by chance? --> the target's answer, changed
+    call of answer, send_byte or receive_byte --> the target's answer --> changed by each rule whose `When` is true
 
 Bytes are numbered from 0, which is the address. A phase is a START with the target's address. Phases are numbered from
 1. A rule with `access` counts only the phases whose R/W bit equals `access`. A target without power does not answer
@@ -81,7 +81,7 @@ def stretch(random: Random, least: int, most: int, hold_clock: Callable[[int], N
 
 
 def replaced(sent: int, value: int) -> int:
-    """Return `sent` in place of each byte."""
+    """Return `sent` in place of the byte `value`."""
     return sent
 
 

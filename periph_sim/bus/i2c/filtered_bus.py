@@ -90,7 +90,10 @@ class FilteredBus:
         return self._filter <= shortest
 
     def jump(self, level: int, scl_fell: int, sda_moved: int) -> None:
-        """Enter the state after skipped bits: SCL low since tick `scl_fell`, SDA at `level` since tick `sda_moved`."""
+        """Enter the state after bits that were skipped (`bit_skip`).
+
+        SCL has been low since tick `scl_fell`, and SDA has been at `level` since tick `sda_moved`.
+        """
         self._lines = SDA if level else 0
         self._sda_seen, self._sda_event, self._sda_moved = level, NOTHING, sda_moved
         self._scl_seen, self.scl_moved = SCL, scl_fell

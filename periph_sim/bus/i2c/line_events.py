@@ -1,6 +1,6 @@
 """Events between two successive samples of an I2C bus: START, STOP, a rise or a fall of SCL.
 
-    EVENTS >> 3 * (before << 2 | now) & 7, levels as SCL | SDA: bit 0 is SCL, bit 1 is SDA
+    event = EVENTS >> 3 * (before << 2 | now) & 7      before, now: the levels, with SCL in bit 0 and SDA in bit 1
 
 START and STOP are changes of SDA with SCL high in both samples. If both lines change at once, only the rise or fall of
 SCL is an event: data may change with the fall of SCL (a hold time of 0), and a bit is the level of SDA while SCL is

@@ -3,7 +3,8 @@
     SCL, SDA --BusRecorder--> START, address, byte, NACK, STOP, as a controller agent records them; number of bytes
     one wire --StuckWatch---> stuck
 
-They allow budgets on a bus whose master is firmware or a replayed capture, which report nothing themselves.
+They make it possible to check time limits on a bus whose master is firmware or a replayed capture, because such a
+master reports nothing itself.
 
 Source: UM10204 sections 3.1.4 to 3.1.10. SMBus specification section 3.1.1.3 for the default of 25 ms (tTIMEOUT) after
 which a line is stuck; UM10204 has no limit.
@@ -31,7 +32,7 @@ STUCK_AFTER = Fraction(25, 1000)
 class BusRecorder(BitParty):
     """Counts the bytes on one bus, and makes BUS records if any subscriber wants them.
 
-    The text of a record is the address of the phase, for example "0x68".
+    The text of a record is the last 7-bit address of the transfer, for example "0x68".
     bytes: number of whole bytes with their acknowledge bit. Bytes that a START or STOP cuts off do not count.
     """
 

@@ -155,7 +155,7 @@ class I2cMonitor(BitParty):
     def _condition(self, now: int, before: int, levels: int) -> None:
         """Detect START and STOP while SCL is high and released by the master."""
         pulled, self._pulls_sda = self._pulls_sda, bool(self._sda.pulling & self._sda_mask)
-        # Another party made a STOP in mid-transfer, and the master made no clock for two periods.
+        # The master has given up its transfer: another party made a STOP, and no clock followed for two periods.
         given_up = self._ended_at != NO_TIME and now - self._pulled_at > 2 * self._clock_length
         if before & ~levels & SDA and given_up:
             self._over(self._ended_at)
@@ -235,5 +235,5 @@ class I2cMonitor(BitParty):
 
 
 def _mask(wire: Wire, parties: set[str]) -> int:
-    """Return the mask of these parties on a wire. The pins of a unit count as the unit."""
+    """Return the mask of these parties on a wire. A unit's pin, named UNIT.PIN, counts as UNIT."""
     return sum(1 << place for place, who in enumerate(wire.parties()) if who.partition(".")[0] in parties)

@@ -23,10 +23,10 @@ from ...core.wire import Wire
 from .bit_skip import ONES, SKIPPED_BITS, BitParty
 from .line_events import EVENTS, FALL, IDLE, RISE, SCL, SDA, START
 
-# Activities of the target; NOT_MEANT: not addressed, or no START yet.
+# What the target is doing. NOT_MEANT: it is not addressed, or the bus is idle.
 NOT_MEANT, RECEIVES_ADDRESS, RECEIVES_DATA, SENDS_DATA = range(4)
 
-# Purposes of events: SDA changes its level, SCL is released.
+# Tags of events: DRIVE changes the level of SDA, LET_GO releases SCL.
 DRIVE, LET_GO = range(2)
 
 Stretches = tuple[tuple[int, int, int], ...]
@@ -35,8 +35,8 @@ Stretches = tuple[tuple[int, int, int], ...]
 class Reply(Protocol):
     """Reply to a START with its address.
 
-    stretches: triples (byte, bit, ticks): SCL is held low for these ticks after its fall before that bit. Byte -1 is
-    the address, of which only bit 8, the ACK, can be stretched, because the address is not complete before.
+    stretches: triples (byte, bit, ticks). SCL is held low for `ticks` after the fall that precedes the bit. Byte -1 is
+        the address. Of the address only bit 8, the ACK, can be stretched, because there is no reply before.
     """
 
     @property
@@ -225,8 +225,8 @@ class TargetSide(BitParty):
     def ready(self, low: int, high: int, hold: int, each: bool) -> bool:
         """Return True if the target is not addressed, or if it waits for a first bit and has no stretches left.
 
-        An addressed target must change SDA at least `hold` after the fall of SCL. From that change to the rise of SCL,
-        at least its own hold time must pass if `each`, otherwise at least `hold`.
+        The hold time of an addressed target must be at least `hold`. From the target's change of SDA to the rise of
+        SCL, at least the target's hold time must pass if `each` is True, otherwise at least `hold`.
         """
         if self._does == NOT_MEANT:
             return True

@@ -17,7 +17,7 @@ from ...core.time import NO_TIME
 
 
 class BusTiming(Struct, frozen=True):
-    """Actual times of a controller, not limits, in ticks. filter: shorter levels of SDA are ignored."""
+    """Actual times of a controller, not limits, in ticks. filter: levels of SDA shorter than this are ignored."""
 
     low: int  # from the fall of SCL to its release
     high: int  # from the rise of SCL to its fall
@@ -34,6 +34,7 @@ class Phase:
     """One addressed part of a transfer: START or repeated START, address, bytes.
 
     address: the 7-bit address, right-aligned.
+    read: True if the R/W bit is 1.
     data: the bytes to write.
     count: the number of bytes to read.
     expect: the bytes that a read should return, or None if they are not compared.
@@ -105,7 +106,10 @@ class Phase:
 
 @final
 class Transfer:
-    """The phases between a START and its STOP, and their results. lost: True if arbitration was lost."""
+    """The phases between a START and its STOP, and their results.
+
+    lost: True if arbitration was lost, or if a bus clear replaced a repeated START.
+    """
 
     STATE = State("name phases lost", ticks="stop_at", made=True)
 
@@ -119,7 +123,7 @@ class Transfer:
 
     @property
     def acked(self) -> bool:
-        """True if every address was acknowledged and arbitration was not lost."""
+        """True if every address was acknowledged and the transfer was not lost."""
         acked = not self.lost
         phase: Phase
         for phase in self.phases:

@@ -24,8 +24,10 @@ from .sender import EdgeSender
 
 
 class Character(NamedTuple):
-    """A character to send. address: the address bit, in formats that have one.
+    """A character to send.
 
+    address: the address bit, in formats that have one.
+    wrong_parity: True if the parity bit is inverted.
     missing_stop: True if the stop bits are 0; then an idle bit follows.
     """
 

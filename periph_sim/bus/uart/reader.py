@@ -129,9 +129,9 @@ class UartReader(Agent):
         for bit in range(form.bits):
             value |= levels[1 + bit] << bit
         address = levels[1 + form.bits] if form.address else 0
-        heard = Heard(self._start, self._kernel.now, value, form.is_kept_by(levels), address)
+        frame = Heard(self._start, self._kernel.now, value, form.is_kept_by(levels), address)
         for callback in self.on_end:
-            callback(heard)
+            callback(frame)
 
 
 class UartMonitor:
@@ -148,9 +148,9 @@ class UartMonitor:
     def _begin(self, now: int) -> None:
         self._begins.emit(now)
 
-    def _end(self, heard: Heard) -> None:
-        topic = self._ends if heard.good else self._errors
-        topic.emit(heard.end, heard.value)
+    def _end(self, frame: Heard) -> None:
+        topic = self._ends if frame.good else self._errors
+        topic.emit(frame.end, frame.value)
 
 
 @final

@@ -93,7 +93,8 @@ class Transceiver:
     """One transceiver on a pair, with its lines TX, RX and DE.
 
     line: returns the length of a bit in ticks, and the format of the frames on `tx`.
-    at_first: the level at DE while it is not driven.
+    hears_itself: True if the receiver stays on while the driver is on.
+    at_first: the level at DE while no party drives it.
     on_cut: called with (tick, ticks) when the driver is switched off `ticks` before the end of a frame, and with
         (tick, 0) when a frame begins while the driver is off.
     """
@@ -132,7 +133,7 @@ class Transceiver:
         if not self.driver.on:
             self._cut(0)
 
-    def _over(self, heard: Heard) -> None:
+    def _over(self, frame: Heard) -> None:
         self._ends_at = NO_TIME
 
     def _cut(self, ticks: int) -> None:

@@ -72,7 +72,7 @@ class EdgeSender(Agent):
 
 @lru_cache(maxsize=16)
 def _known_edges(frame_format: UartFormat) -> dict[int, list[int]]:
-    """Return a cache for a format: for each byte so far, the numbers of the bits that begin with an edge."""
+    """Return the cache of a format, which `send` fills: for each byte, the numbers of bits that begin with an edge."""
     return {}
 
 
@@ -120,7 +120,7 @@ class UartSender(EdgeSender):
         self._format = frame_format or UartFormat()
         self._length = self._format.length
         self._edges_of = _known_edges(self._format)
-        self._gap: Fraction | None = None  # number of idle bits between bytes for which `_begins` was computed
+        self._gap: Fraction | None = None  # the gap between bytes, in bits, for which `_begins` was computed
         self._begins: list[int] = []  # ticks from the start of a burst to each bit, and to the end of each frame
         self._ends_at = 0
         self._done: Callable[[int], None] = lambda tick: None

@@ -9,7 +9,7 @@ from .supervisor import supervise
 
 
 def command_line() -> None:
-    gc.disable()  # imported modules stay in memory; `get_command` enables collection after the command's import
+    gc.disable()  # collection during imports would only take time; `get_command` enables it after the last import
     from .cli import run_command
 
     run_command()

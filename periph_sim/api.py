@@ -48,8 +48,8 @@ def run(
     case: the result of `load` or `make_case`, or the path of a case file.
     changes: texts "key=value" that change a case file as `--set` does. They are only accepted with a path.
     seconds: the duration of the run, as a text such as "10 ms" or as a Fraction; None for the duration of the case.
-    programs: a dictionary from units to firmware given as functions (dsp, settings). The key `firmware` of such a unit
-        is then only a name.
+    programs: a dictionary from the name of a unit to its firmware, as a function (dsp, settings) or a Firmware. The key
+        `firmware` of such a unit in the case is then only a name for messages.
     record: the path of a file for the records of the run. Its suffix determines the format.
 
     Raise BadCase or FirmwareError if the case cannot be run, BadRecording if `record` has no known suffix, cannot be

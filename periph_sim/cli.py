@@ -3,8 +3,8 @@
 The exit status is 0 if all budgets hold or the replay agrees, and 1 if not. It is 2 for incorrect usage or input, and 3
 for an internal error or if user code has ended the process (see `supervisor`).
 
-A file in a package of `PACKAGES` is a subcommand if its decorator `command` defines a command with the file's name.
-Only the subcommand that is run is imported: `periph-sim decode` starts without chips and boards.
+A Python file in one of the `PACKAGES` defines a subcommand if it has a function with the file's name and the decorator
+`command`. Only the subcommand that is run is imported: `periph-sim decode` starts without chips and boards.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ import click
 from . import __version__, form
 from .core.output_encoding import substitute_unencodable
 
-MISTAKE, FAULT = 2, 3
+MISTAKE, FAULT = 2, 3  # exit statuses for incorrect usage or input, and for an internal error
 CLOSED_PIPE = 141  # exit status that shells report for a process ended by SIGPIPE; 0 and 1 would be a verdict
-CANNOT_WRITE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
+CANNOT_WRITE = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)  # errors of an output that has no room
 COMPLETING = "_PERIPH_SIM_COMPLETE"  # environment variable by which a shell requests completion, see click
 LONGEST_MESSAGE = 2000  # maximum number of characters of an error message, enough for a path and a few quotes
 

@@ -10,8 +10,8 @@ User code can end the worker without Python's knowledge. If it does so by `os._e
 the pipe, and the command exits with status 3 and a message. If a signal ends the worker, as `abort` in C does, the
 command ends by the same signal. If the worker's standard output was closed or redirected, 3 replaces status 0 or 1.
 
-Temporary files of outputs, which the worker names by `remove_unless_complete`, are removed if it ends before it is
-complete.
+The worker names the temporary files of its outputs by `remove_unless_complete`. The waiting process removes them if the
+worker ends before its output is complete.
 
 SIGTERM and SIGHUP raise KeyboardInterrupt in the worker, as Ctrl-C does. If the waiting process is killed, the worker
 receives SIGTERM. On Windows, which has no `fork`, the command runs without a worker.
@@ -32,12 +32,12 @@ from typing import NoReturn, TextIO
 
 NO_VERDICT = 3
 REPEATED = 1.0  # maximum time, in seconds, between a signal to the process group and its forwarded copy
-FORWARDED = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2")
-STOPPING = ("SIGINT", "SIGTERM", "SIGHUP")
+FORWARDED = ("SIGINT", "SIGTERM", "SIGHUP", "SIGQUIT", "SIGUSR1", "SIGUSR2")  # sent on to the worker
+STOPPING = ("SIGINT", "SIGTERM", "SIGHUP")  # raise KeyboardInterrupt in the worker
 PR_SET_PDEATHSIG = 1
 
 can_fork = hasattr(os, "fork")
-_temporary_files = -1  # the worker's end of the pipe for their names; -1 if no process waits
+_temporary_files = -1  # the worker's end of the pipe for names of temporary files; -1 if no process waits
 
 
 class Completion:
@@ -72,7 +72,7 @@ class Completion:
 
 
 def remove_unless_complete(file: str) -> None:
-    """Request that the waiting process remove a file if the worker ends before its output is complete."""
+    """Ask the waiting process to remove a file if the worker ends before its output is complete."""
     if _temporary_files >= 0:
         with suppress(OSError):  # user code has closed the pipe
             os.write(_temporary_files, os.fsencode(os.path.abspath(file)) + b"\0")
@@ -224,7 +224,7 @@ def _interrupt(number: int, _: FrameType | None) -> None:
 
 
 def _end_with(caller: int) -> None:
-    """Request that Linux send SIGTERM to this process when the waiting process ends."""
+    """Ask Linux to send SIGTERM to this process when the waiting process ends."""
     if sys.platform == "linux":
         import ctypes
 

@@ -5,6 +5,7 @@ simulator, serial port, driver --apply--> Session --advance--> changes of the ca
 
 Terms of this package:
 
+case: a simulated circuit of DSPs, chips and wires, as a file describes it. Its time is counted in ticks.
 the outside: the code that uses a session.
 line that leads outside: a wire of the case that the outside may release or pull low.
 move: a change of a line by the outside, at a tick.
@@ -40,7 +41,7 @@ def replay(
 ) -> Result:
     """Run the case with the moves of lines in a log. The run has the same records as the session that wrote the log.
 
-    Raise OutsideError if the log is damaged or has ticks of another length.
+    Raise OutsideError if the log is damaged, or if its ticks have another length than those of the case.
     """
     case = case if isinstance(case, Case) else load(Path(case))
     try:

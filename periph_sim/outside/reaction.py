@@ -7,6 +7,8 @@ An I2C module that is not a master receives an edge after its noise filter, and 
 synchroniser. An I2C module does not answer in the middle of a byte. It states the number of further SCL edges to which
 it will not answer. The number is valid if all pulses pass the filter and SDA changes only while SCL is low. All other
 listeners are assumed to answer at once. Firmware moves a pin when one of its writes arrives at a register.
+
+Up to this tick, a simulator that uses a session and moves no line itself can run without the session.
 """
 
 # core: compiled

@@ -31,7 +31,7 @@ PORT = re.compile(r"sci-?([abc])", re.IGNORECASE)
 
 Wrong = Literal["", "parity", "stop"]
 WRONG = ("", "parity", "stop")
-# After a change of client, waiting bytes of the previous one are still sent if this takes at most this many seconds.
+# When the client changes, the waiting bytes of the previous client are still sent if this takes at most LAST seconds.
 LAST = Fraction(1, 10)
 
 
@@ -40,7 +40,7 @@ class SerialLine:
 
     rx: the name of the wire RX.
     received: number of bytes received from the SCI.
-    wrong: number of received bytes with a wrong parity or stop bit.
+    wrong: number of received bytes with a wrong parity, stop or address bit.
     waiting: number of bytes in the queue.
     sent: number of bytes whose edges have been scheduled.
     broken: True during a break, and if a break will begin after the waiting bytes.
@@ -203,7 +203,7 @@ class SerialLine:
 
 
 def parts_of_format(form: str) -> tuple[int, str, int]:
-    """Return data bits, parity as a letter, and stop bits of "8n1". Raise OutsideError for an invalid format."""
+    """Return (data bits, parity, stop bits) of a format: (8, "n", 1) for "8n1". Raise OutsideError if it is invalid."""
     match = re.fullmatch(r"([5-8])([noems])([12])", form.strip().lower())
     if match is None:
         raise OutsideError(f"format {form!r}: expected data bits 5 to 8, n, o, e, m or s, and 1 or 2 stop bits: 8n1")

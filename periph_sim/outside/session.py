@@ -1,6 +1,6 @@
 """A case that external code, called the outside, runs step by step. The outside also moves some lines of the case.
 
-    apply(at, levels) --> Door --> wires of the scene <-- units, chips, agents of the case
+    apply(at, levels) --> OutsidePins --> wires of the scene <-- units, chips, agents of the case
     advance(until)    --> kernel runs up to `until` --> changes of the pins of the case
     finish()          --> Result, as from a run
 
@@ -51,7 +51,7 @@ class Change(NamedTuple):
 
 
 @final
-class Door(Agent):
+class OutsidePins(Agent):
     """The pins of the outside on the wires.
 
     on_instant: a function that is called for each tick in which the outside moves lines, with the tick and the levels
@@ -119,7 +119,11 @@ class Door(Agent):
             self._changes.append(Change(now, name, level))
 
     def changes(self) -> list[Change]:
-        """Return the changes since the last call, in order of time, except those that were undone in the same tick."""
+        """Return the changes by the case since the last call, in order of time.
+
+        Changes that were undone in the same tick are left out. Of several changes of a line in one tick, only the last
+        one is returned.
+        """
         found = self._changes
         if not found:
             return []
@@ -175,7 +179,7 @@ class Session:
             self.ticks_per_second = self.scene.timebase.per_second
             self._kernel = self.scene.kernel
             self._start = self.scene.start
-            self._door = Door(self._kernel, {name: self.scene.wire(name) for name in self.lines}, self._acted)
+            self._pins = OutsidePins(self._kernel, {name: self.scene.wire(name) for name in self.lines}, self._acted)
             self._log = None if log is None else LogWriter(Path(log), case, self.ticks_per_second, self.lines)
         self._reaction = Reaction(self.scene, self.lines)
         self._now = 0
@@ -215,14 +219,14 @@ class Session:
         if until > self._now:
             if self._log is not None:
                 self._log.begin()
-            self._door.plan()
+            self._pins.plan()
             try:
                 self.scene.advance(self._start + until - 1)
             finally:
-                self._door.withdraw()
+                self._pins.withdraw()
             self._now = until
             self._reaction.advanced(self._start + until)
-        changes = self._door.changes()
+        changes = self._pins.changes()
         return [change._replace(at=change.at - self._start) for change in changes] if changes else changes
 
     def next_output(self) -> int | None:
@@ -258,7 +262,7 @@ class Session:
                 raise OutsideError(f"{name} at {self._at(at)}: found {level!r}, expected 0, pulled low, or 1, let go")
         tick = self._start + at
         for name, level in levels.items():
-            self._door.put(tick, name, int(level))
+            self._pins.put(tick, name, int(level))
             self._reaction.put(tick, name, int(level))
 
     def pulls(self, line: Text) -> bool:
@@ -268,7 +272,7 @@ class Session:
         """
         if line not in self.lines:
             raise OutsideError(f"line {line!r} does not lead outside; {did_you_mean(line, self.lines)}")
-        return not self._door.held(line)
+        return not self._pins.held(line)
 
     def level(self, line: Text) -> int:
         """Return the level of a wire, as driven by case and outside, at the end of the last tick that has run."""

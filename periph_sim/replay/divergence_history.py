@@ -95,7 +95,7 @@ class FlagHistory:
         return self._frozen[moment]
 
 
-Run = Callable[[FlagHistory, int], None]  # a function that repeats a run up to a tick and records it in a history
+RunAgain = Callable[[FlagHistory, int], None]  # a function that repeats a run up to a tick and records it in a history
 
 
 class Role(NamedTuple):
@@ -116,7 +116,7 @@ AS_RECEIVER = Role("SCI-A", {})
 
 
 def with_history(
-    divergences: tuple[Divergence, ...], scene: Scene, origin: int, after: int, unit: str, role: Role, again: Run
+    divergences: tuple[Divergence, ...], scene: Scene, origin: int, after: int, unit: str, role: Role, again: RunAgain
 ) -> list[Divergence]:
     """Return the divergences with their histories and causes.
 
@@ -125,7 +125,8 @@ def with_history(
     after: the number of ticks after a divergence for which its history is shown.
     again: a function that repeats the run.
 
-    The tick of a divergence is that of the replayed event, or that of the captured event if the replay has none. The
+    The tick of a divergence is that of the replayed event, or that of the captured event if the replay has none. If
+    neither exists, it is the end of the run. The
     cause of a divergence is the statement that wrote the wrong value, or else the statement that is executed at the
     tick of the divergence. If only the time differs, the cause is the statement that is executed at the time of the
     captured event.

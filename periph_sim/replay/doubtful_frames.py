@@ -6,8 +6,8 @@
 Receivers may read an ambiguous frame in different ways. After a glitch in a data, parity or stop bit, this bit may be
 read as 0 or 1. After a glitch in the start bit, or a nearly valid start bit, a receiver may read a frame or none. If
 the receiver decides differently from the decoder, it may also read other frames up to the next pause. The comparison
-then skips some frames and words. It resumes at the frame after which the most words agree, but not
-later than at the first frame after the pause.
+then skips some frames and words. It resumes at the frame after which the most words agree, but not later than at the
+first frame after the pause.
 
 An item is a decoded frame, or a rejected start that some receivers accept. A word is what the firmware received.
 
@@ -73,7 +73,8 @@ class Settled:
             if event.kind is UartRowKind.FRAME
             or (event.kind is UartRowKind.REJECTED and event.end - event.at >= LIKELY * width)
         ]
-        # If the next start is at least this many positions later, a receiver has finished the frame in any case.
+        # If a start bit begins at least this many positions after the one before, every receiver has then finished the
+        # earlier frame.
         self._pause = 2 * line.frame * width
         item = word = 0
         while item < len(self._items):

@@ -66,6 +66,7 @@ AGENTS = "the replay's own controller and targets"
 class Plan:
     """The settings with which the agents play a capture.
 
+    part: the part of the capture that is played.
     own: the addresses of the firmware.
     origin: the tick of the beginning of the capture.
     longest_low: the maximum time, in positions, for which the controller holds SCL low. None: as long as captured.
@@ -116,7 +117,9 @@ class CapturedController:
         self._captured: list[Edge] = []
         self._edges: list[Edge] = []  # as captured, but with low phases shortened to `longest_low`
         self._moves: list[Move] = []
-        self._answers: deque[tuple[int, int]] = deque()  # (number of a phase, number of moves up to its ninth bit)
+        self._answers: deque[tuple[int, int]] = (
+            deque()
+        )  # (index of a phase, number of moves up to its ACK bit)
         self._plan = plan
         self._kernel = kernel
         self._on_end = on_end
@@ -267,9 +270,11 @@ class I2cReplay(SlaveReplay):
     addresses: the addresses of the firmware; if empty, `answering` determines them.
     first: the maximum number of transfers; None for all.
     longest_low: the maximum time, in seconds, for which the controller holds SCL low. None: as long as captured.
-    tolerance: the allowed difference in time; None: a sample period plus a cycle, and larger ones are not judged.
+    tolerance: the allowed difference in time. None: a sample period plus a SYSCLKOUT cycle; larger differences are then
+        reported, but they do not make the replay fail.
     lead: the time from the start of the firmware to the beginning of the capture, in seconds.
-    patience: the maximum time, in seconds, for which SCL may be held low. After a longer time, the replay ends.
+    patience: the maximum time, in seconds, for which SCL may be held low, and for which the firmware may refuse its
+        address where the captured target acknowledged. After a longer time, the replay ends.
 
     Raise BadCase or BadReplay if the replay cannot be built; LookupError if there is no such channel.
     """

@@ -24,7 +24,7 @@ from .report import Change, Divergence, Happened
 BEFORE, AFTER = 22, 13  # numbers of bits that are shown before and after the divergence
 # Fields whose lanes are shown first, in this order, even if they do not change within the picture.
 ALWAYS = ("AAS", "SDIR", "RRDY", "XRDY", "XSMT", "SCD", "NACK", "BB", "RXFFST", "RXRDY")
-MOST_FLAGS = 9
+MOST_FLAGS = 9  # maximum number of lanes of fields, and also of lanes of accesses
 LINES = ("SCL", "SDA")
 CONDITIONS = (I2cRowKind.START, I2cRowKind.REPEATED_START, I2cRowKind.STOP)
 

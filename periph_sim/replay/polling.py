@@ -3,12 +3,15 @@
     captured transfers --> PolledCapture --> transfers to play
     answer of the firmware to its address --^      |--> expected events: the captured ones, with polls added or removed
 
-A poll is an address without data that is not acknowledged. Polls are added and removed only between a write with data,
-which a STOP ends, and the next acknowledge of the same target, because the target may be busy with these data. If the
-firmware acknowledges a poll that the captured target refused, the remaining polls are removed, and the controller
-continues with the access that it polled for, or stops if the capture ends before it. If the firmware refuses an access
-that the captured target acknowledged, a poll is added: the controller does what it did after a captured poll, and
-repeats the access after the captured wait. Any other difference is an error.
+A poll is an address without data that is not acknowledged. A target may be busy after a write with data that a STOP
+ends. Polls are added and removed only from such a write up to the next acknowledge of the same target:
+
+- If the firmware acknowledges a poll that the captured target refused, the remaining polls are removed. The controller
+  continues with the access for which it polled, or stops if the capture ends before this access.
+- If the firmware refuses an access that the captured target acknowledged, a poll is added. The controller does what it
+  did after a captured poll, and repeats the access after the captured wait.
+
+Any other difference is an error.
 
 Later transfers keep their distances, so they move by the time of the added or removed polls. Positions are those of the
 capture, plus this time.
@@ -29,7 +32,11 @@ from .report import Happened, i2c_words
 
 
 class _Poll(NamedTuple):
-    """A captured poll that was repeated. stop: the STOP after it, or None. repeated: the START of the repetition."""
+    """A captured poll after which the controller repeated the address.
+
+    stop: the STOP after the poll; None if a repeated START follows.
+    repeated: the START of the repetition.
+    """
 
     phase: Phase
     stop: Condition | None
@@ -43,7 +50,7 @@ class PolledCapture:
 
     transfers: the transfers that have begun, as they are played.
     left: the captured transfers that have not begun.
-    notes: a note if the firmware acknowledged a poll and the capture ends before its target does.
+    notes: a note, if the firmware acknowledged a poll and the captured target did not do so before the capture ends.
     """
 
     def __init__(self, captured: Sequence[Transfer], own: Sequence[int]) -> None:
@@ -51,7 +58,8 @@ class PolledCapture:
         self.left = deque(captured)
         self.notes: list[str] = []
         self._shift = 0  # positions by which the transfers in `left` move
-        self._captured = Transfer((), None, None)  # the last transfer as captured; after a change, its end
+        # The captured transfer that is being played. After polls were added or removed, it is the rest of this transfer.
+        self._captured = Transfer((), None, None)
         # From the position after `_from[i]` on, times are `_shifts[i]` later than in the capture.
         self._from: list[int] = [-1]
         self._shifts: list[int] = [0]
@@ -192,7 +200,10 @@ class PolledCapture:
         return [*self.transfers, *(_moved(transfer, self._shift) for transfer in self.left)]
 
     def expected(self, rate: Fraction) -> list[Happened]:
-        """Return the events of `played` as text. at: the captured time. due: the time with polls added and removed."""
+        """Return the events of `played` as text.
+
+        `at` of an event is its captured time. `due` is its time in the replay, with polls added and removed.
+        """
         events = [event for transfer in self.played() for event in events_of(transfer)]
         captured = (event.at - self._shifts[bisect_left(self._from, event.at) - 1] for event in events)
         return [

@@ -8,7 +8,7 @@ comparison, since later events still correspond to each other; any other differe
 pass         everything judged is as in the capture
 ambiguous    as pass, except for places that receivers may read either way
 not judged   nothing is proved: the capture requires nothing of the firmware, a serial line does not fit its format, or
-             the firmware did not cause the first difference
+             the first difference is certainly no error of the firmware
 fail         something differs
 """
 

@@ -65,7 +65,7 @@ class SessionScene(Scene):
     def on_frame(self, callback: OnFrame) -> None:
         self.frame_callbacks.append(callback)
 
-    def tell_frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
+    def report_frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         for callback in self.frame_callbacks:
             callback(number, values, tick)
 
@@ -155,7 +155,7 @@ class SessionReplay(I2cReplay):
             if len(data) != kind.FRAME_BYTES:
                 continue
             tick = self._serial_origin + int(burst[-1].at * per_position + character)
-            scene.kernel.call_at(tick, partial(scene.tell_frame, number, kind.decode(data), tick))
+            scene.kernel.call_at(tick, partial(scene.report_frame, number, kind.decode(data), tick))
 
     # Running the replay ------------------------------------------------------------------------
 

@@ -45,9 +45,9 @@ def unit_with(case: Case, module: str) -> str:
 
 
 def settings_of(case: Case, unit: str) -> frozenset[str]:
-    """Return the settings of a unit's firmware that a replay may fill in.
+    """Return the names of the settings of a unit's firmware that a replay may fill in; none if there is no firmware.
 
-    Raise BadCase if there is no such firmware.
+    Raise BadCase if the firmware cannot be loaded.
     """
     if not case.unit[unit].firmware:
         return frozenset()

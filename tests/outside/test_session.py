@@ -15,7 +15,7 @@ from periph_sim.core.records import Kind, Recorder
 from periph_sim.core.sampler import watch
 from periph_sim.core.wire import Wire
 from periph_sim.outside import OutsideError, replay
-from periph_sim.outside.session import Change, Door, Session
+from periph_sim.outside.session import Change, OutsidePins, Session
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.outside_log import LogReader
@@ -373,7 +373,7 @@ def test_a_hold_that_does_not_outlast_its_instant_is_no_change() -> None:
     """A chip lets SDA go as soon as its fall has settled; at 7 it pulls again, and holds it."""
     kernel = Kernel()
     sda, scl = (Wire(kernel, name, Recorder()) for name in ("SDA", "SCL"))
-    door = Door(kernel, {"SDA": sda, "SCL": scl}, lambda tick, levels: None)
+    door = OutsidePins(kernel, {"SDA": sda, "SCL": scl}, lambda tick, levels: None)
     chip, clock = sda.attach("chip"), scl.attach("chip")
     held = iter([1, 1, 0])  # what the chip does once its pull has settled
     watch([sda], lambda tick, level: None if level else chip.drive(next(held)))

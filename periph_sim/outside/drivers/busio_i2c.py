@@ -18,7 +18,8 @@ ADDRESSES = range(0x08, 0x78)  # the 7-bit addresses that are not reserved
 class I2C:
     """A `busio.I2C` on the bus of a session. frequency: the frequency of SCL in Hz.
 
-    pause: the simulated time that passes before each call, because a driver's `time.sleep` does not advance it.
+    pause: the simulated time that passes before each transfer, because a driver's `time.sleep` does not advance
+        simulated time.
 
     Raise OSError with the same codes as on hardware: ENODEV if the address is not acknowledged, EIO if a byte is not
     acknowledged, ETIMEDOUT if another party holds the bus.

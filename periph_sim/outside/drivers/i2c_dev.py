@@ -1,4 +1,4 @@
-"""Files `/dev/i2c-N` that access sessions within a block. Unmodified drivers can open them, for example smbus2.
+"""Files `/dev/i2c-N` that access sessions within a `with` block. Unmodified drivers, such as smbus2, can open them.
 
     os.open, open --unused file number-------> ioctl: address, SMBus transfer, messages --> Master --> SDA, SCL
                                                read, write: plain transfers
@@ -110,7 +110,7 @@ READS = 1  # value of `read_write` for a read, and flag of a message that reads
 FIRST_FILE = 1 << 20  # file number of the first open `/dev/i2c-N`; the process's other file numbers are lower
 
 
-class _SmbusTransfer(ctypes.Structure):
+class _SmbusRequest(ctypes.Structure):  # struct i2c_smbus_ioctl_data
     _fields_ = [
         ("read_write", ctypes.c_uint8),
         ("command", ctypes.c_uint8),
@@ -119,7 +119,7 @@ class _SmbusTransfer(ctypes.Structure):
     ]
 
 
-class _Message(ctypes.Structure):
+class _Message(ctypes.Structure):  # struct i2c_msg
     _fields_ = [
         ("address", ctypes.c_uint16),
         ("flags", ctypes.c_uint16),
@@ -128,7 +128,7 @@ class _Message(ctypes.Structure):
     ]
 
 
-class _Messages(ctypes.Structure):
+class _Messages(ctypes.Structure):  # struct i2c_rdwr_ioctl_data
     _fields_ = [("messages", ctypes.POINTER(_Message)), ("count", ctypes.c_uint32)]
 
 
@@ -157,7 +157,7 @@ class Adapter:
         elif request in (RETRIES, TIMEOUT):
             pass  # both settings are ignored: there are no retries, and a held bus times out after 25 ms
         elif request == SMBUS:
-            self._on_bus(self._smbus, _SmbusTransfer.from_address(ctypes.addressof(argument)))
+            self._on_bus(self._smbus, _SmbusRequest.from_address(ctypes.addressof(argument)))
         elif request == RDWR:
             self._on_bus(self._messages, _Messages.from_address(ctypes.addressof(argument)))
         else:
@@ -190,7 +190,7 @@ class Adapter:
         except OutsideError as error:
             raise OSError(errno.ETIMEDOUT, str(error)) from None
 
-    def _smbus(self, master: Master, asked: _SmbusTransfer) -> None:
+    def _smbus(self, master: Master, asked: _SmbusRequest) -> None:
         reads, command, size = asked.read_write == READS, asked.command, asked.size
         bus = SmbusTransfer(master, self._address, self._checks and size not in (QUICK, I2C_BLOCK))
         data = asked.data.contents if asked.data else (ctypes.c_uint8 * (MOST_BLOCK + 2))()
@@ -261,9 +261,10 @@ class _Opened(io.RawIOBase):
 
 @contextmanager
 def i2c_dev(sessions: Mapping[int, Session], pause: str = "100 us") -> Iterator[None]:
-    """Let `/dev/i2c-N` access the bus of the session `sessions[N]` within a block. This requires Linux.
+    """Let `/dev/i2c-N` access the bus of the session `sessions[N]` within a `with` block. This requires Linux.
 
-    pause: the simulated time that passes before each transfer, because `time.sleep` does not advance it.
+    pause: the simulated time that passes before each transfer, because a driver's `time.sleep` does not advance
+        simulated time.
 
     Access raises OSError with the codes of the Linux kernel: ENXIO if the address is not acknowledged, EIO if a byte is
     not acknowledged, ETIMEDOUT if another party holds the bus, EAGAIN if arbitration is lost, ENOENT if `sessions` has

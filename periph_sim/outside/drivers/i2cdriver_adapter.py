@@ -159,7 +159,11 @@ class I2cDriver:
         self._say(0x30 | self._lines())
 
     def _bang(self) -> Service:
-        """Apply each byte up to '@'. Its bits, lowest first: drive SDA, SDA's level, drive SCL, SCL's level, report."""
+        """Set the lines as each byte of the client states, up to the byte '@'.
+
+        The bits of a byte, lowest first: drive SDA, SDA's level, drive SCL, SCL's level, report. The two bits that
+        state which lines are driven are ignored: a line is released if its level is 1.
+        """
         session = self._session
         self._master.let_go()
         while (bits := (yield)) != ord("@"):

@@ -1,4 +1,4 @@
-"""An I2CDriver adapter that is connected to a case's bus. Programs can open its serial port within a block.
+"""An I2CDriver adapter that is connected to a case's bus. Programs can open its serial port within a `with` block.
 
 program --/dev/pts/N, or LINK--> I2cDriverDoor, in the thread that owns the session --> SDA, SCL
 """
@@ -100,7 +100,10 @@ class I2cDriverPort:
         self._ready.set()
 
     def _serve(self, session: Session, door: I2cDriverDoor) -> None:
-        """Let the door transfer bytes until the block is left. Without transfers, time passes only during a capture."""
+        """Let the door transfer bytes until the block is left.
+
+        Simulated time passes only during transfers on the bus and while the client captures the bus.
+        """
         while True:
             writes = [door.file] if len(door.back) else []
             turn = TURN if door.adapter.capturing else None

@@ -1,1 +1,4 @@
-"""Sessions in real time. A loop advances the session in steps. A `Door` transfers bytes between session and clients."""
+"""Sessions whose simulated time follows real time. A loop advances a session in steps.
+
+Between two steps, the doors of the loop transfer bytes between the session and its clients.
+"""

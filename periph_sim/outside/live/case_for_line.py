@@ -27,7 +27,10 @@ def case_for_line(path: str | Path, port: str, changes: tuple[str, ...] = ()) ->
 
 
 def case_for_bus(path: str | Path, changes: tuple[str, ...] = ()) -> Case:
-    """Load a case for a party at SDA and SCL. Raise BadCase if it has errors; `Session` rejects one without a bus."""
+    """Load a case for a party at SDA and SCL. Raise BadCase if it has errors.
+
+    A case without a bus is rejected later, by `Session`.
+    """
     return _driven(load(Path(path), list(changes)), *LINES)
 
 

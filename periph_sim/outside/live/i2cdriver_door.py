@@ -2,9 +2,11 @@
 
 client --/dev/pts/N, or LINK--> I2cDriver --> SDA, SCL
 
-A transfer is executed at once and advances the session by its duration on the wires. The loop then waits for the clock.
-If a client does not read its answers, its commands are not executed while a megabyte of answers waits. When it leaves,
-these answers and a command that is not complete are discarded.
+A transfer is executed at once and advances the session by its duration on the wires. The loop then waits until real
+time has caught up.
+
+If a client does not read its answers, its commands are not executed while a megabyte of answers waits. When the client
+leaves, these answers and a command that is not complete are discarded.
 """
 
 from __future__ import annotations

@@ -28,6 +28,7 @@ class Pacer:
         "catch-up": the simulation runs without waiting until it is on time; "stop": OutsideError is raised.
     worst: the largest lateness, in seconds.
     late: the number of steps whose lateness was above TOLERATED.
+    slips: the number of times that the due times of later ticks were moved.
     """
 
     def __init__(

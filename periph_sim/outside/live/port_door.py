@@ -23,7 +23,8 @@ HELD = "another program has it open; close it there first"
 FORBIDDEN = "no permission to open it; join the group that has it, often dialout"
 GONE = "it is gone: unplugged, closed at its other end, or read by another program, too"
 NO_PORT = "it is no serial port"
-USED = ("read failed", "write failed", "device reports readiness")  # pyserial's messages if an open port fails
+# Beginnings of pyserial's messages for a port that fails while it is open.
+USED = ("read failed", "write failed", "device reports readiness")
 WHY = {
     errno.ENOENT: "there is no such port",
     errno.ENXIO: "there is no such port",

@@ -3,8 +3,8 @@
     client's thread --write--> queue --.                        .--> SerialLine --> RX
                     <--read--  queue <-- loop, in its own thread      <--        TX
 
-pace: the number of simulated seconds per second of real time. With pace=0 there is no such thread. The session then
-runs at full speed while the client reads or flushes, and the client's time-outs are in simulated time.
+pace: the number of simulated seconds per second of real time. With pace=0 the loop has no thread: the session runs at
+full speed while the client reads or flushes, and the client's time-outs are in simulated time.
 
 Source: pyserial 3.5, serial.serialutil.SerialBase, and its protocol handlers.
 """
@@ -42,15 +42,16 @@ FOREVER = 3600  # limit in simulated seconds for a read without time-out at full
 class _Queue:
     """A door between a session and a client in another thread of this process.
 
-    line: the line; None after the end of its session.
+    line: the serial line of the session; None after the end of the session.
     came: bytes from the line that the client has not read.
-    changed: the condition that guards the queue; it is notified of each turn and of the end of the session.
+    changed: the condition that guards the queue. Its waiters are notified after each turn and when the session ends.
     """
 
     def __init__(self, line: SerialLine) -> None:
         self.line: SerialLine | None = line
         self._to_line = bytearray()
-        # Changes of the line, for the next turn, with the number of bytes in `_to_line` that come before each.
+        # The changes of the line's settings that the next turn makes: (number of bytes in `_to_line` to write before
+        # the change, function that makes the change).
         self._requests: list[tuple[int, Callable[[SerialLine], None]]] = []
         self.came = Backlog()
         self.changed = threading.Condition()

@@ -26,7 +26,11 @@ Span = tuple[int, int, str]  # start and end of the waveform in ticks, and its t
 
 
 class Line(TypedDict):
-    """One line of a waveform. first: the level at its start. edges: times in microseconds since its start."""
+    """One line of a waveform.
+
+    first: the level at the start of the waveform.
+    edges: the times of the edges, in microseconds since the start of the waveform.
+    """
 
     name: str
     first: int
@@ -34,7 +38,7 @@ class Line(TypedDict):
 
 
 class Wave(TypedDict):
-    """A waveform. at_s: its start, in seconds after that of the run. length: its length in microseconds."""
+    """A waveform. at_s: its start in seconds since the start of the run. length: its length in microseconds."""
 
     title: str
     at_s: float

@@ -12,7 +12,7 @@ from fractions import Fraction
 from typing import TYPE_CHECKING
 
 from ..core.time import NO_TIME
-from ..timing.rounds import Asked, BusRounds
+from ..timing.rounds import BusRounds, MasterSchedule
 from .plugins import sensors_of
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ class BusSide:
 
     def __init__(self, case: Case, wires: Mapping[str, Wire], spike: int) -> None:
         self._case = case
-        self.asked: Asked | None = None
+        self.asked: MasterSchedule | None = None
         self.before: list[Callable[[Transfer], None]] = []
         self.wire_bytes = self.nacked = 0
         self.bit_skip: BitSkip | None = None

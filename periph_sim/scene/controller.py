@@ -20,7 +20,7 @@ from ..bus.i2c.transfer import BusTiming, Transfer
 from ..core.phrases import counted
 from ..devices.sensor_head import SensorHead
 from ..devices.sensor_rounds import ChipData, Request, Schedule
-from ..timing.rounds import Asked
+from ..timing.rounds import MasterSchedule
 from .case.model import Case
 from .case.optimizations import BITS
 from .case.party_tables import Controller, RequestTable, RoundsTable
@@ -47,7 +47,7 @@ class HeadPlan(Struct, frozen=True):
     startup: tuple[Request, ...]
     timing: BusTiming
     schedule: Schedule
-    asked: Asked
+    asked: MasterSchedule
     stuck_after: int
     clear_after: int
 
@@ -96,7 +96,7 @@ def head_plan(scale: CaseTicks) -> HeadPlan:
     if startup and schedule.starts and schedule.starts[0] < set_up_at:
         way = "start it later, or make controller.first earlier or controller.initialise longer"
         raise scale.case.mistake(f"the round starts before the chips are set up; {way}", "inputs", "rounds", 0)
-    asked = Asked(
+    asked = MasterSchedule(
         requests=_transfers(requests, by_stop),
         period=schedule.period,
         startup=_transfers(startup, by_stop),
@@ -140,7 +140,7 @@ def build_head(
     )
 
 
-def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:
+def rounds_of(context: SceneContext, table: RoundsTable) -> MasterSchedule:
     """Return the requests in [rounds]. The master that makes them is not simulated as an agent.
 
     Raise BadCase for a wrong request.
@@ -148,7 +148,7 @@ def rounds_of(context: SceneContext, table: RoundsTable) -> Asked:
     requests = _requests(context.case, table, "rounds")
     transfers = _transfers(requests, table.pointer_by == "STOP")
     period = context.exact_ticks(table.period, Fraction(0))
-    return Asked(transfers, period, rounds=table.rounds, ack_polling=table.ack_polling)
+    return MasterSchedule(transfers, period, rounds=table.rounds, ack_polling=table.ack_polling)
 
 
 def _requests(case: Case, table: Controller | RoundsTable, name: str) -> list[Request]:

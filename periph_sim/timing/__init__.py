@@ -1,14 +1,20 @@
-"""Measures, budgets and verdicts. For recorded runs: `between`, `periods`, `happened`, `races` and `lost_flags`.
+"""Measures, budgets and verdicts. The functions in `__all__` apply measures to recorded runs.
 
 Terms of this package:
 
+measure: a rule that takes values from the records of a run, such as the times from one event to another.
+budget: a measure with limits. Its verdict says whether a run has kept them; "refuted" means broken whatever the values.
+scene: the simulated wires with all units, chips and other parties on them.
+unit: one simulated F28335 with its firmware.
 round: one execution of the list of transfers that a controller repeats periodically; it is due at its planned start.
 frame: the values that the [host] sends in one message over UART.
 occurrence: an event, or a time between two events, that has one value of a measure.
-occasion: an event at which a measure should take a value.
+occasion: an event at which a measure should take a value. "Asked" means that a value should be taken.
+phase: the part of an I2C transfer from a START or repeated START to the next one, or to the STOP.
 clause: a part of a measure's text after a comma that names one more event, such as "given EVENT".
 place, thing: the `where` and the `what` of a record, such as "dsp.I2C-A" and "I2CSTR.XRDY". A place in the firmware is
     a statement.
+topic: all records of one kind, place and thing.
 tag: a number that a measure gives to the records of one kind, place and thing that it needs.
 model run: one execution of the firmware's sensor models; "run" alone is a run of the simulation.
 """

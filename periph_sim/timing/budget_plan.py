@@ -1,4 +1,4 @@
-"""Plans of budgets: how each budget is measured, and its checked limits in ticks.
+"""Plans of budgets. A plan contains the function that makes the budget's measure, and the checked limits as numbers.
 
     Budget, Scope --> BudgetPlan --> BudgetJudge, one in each scene
 
@@ -43,10 +43,11 @@ class BudgetPlan(Struct, frozen=True):
     """Plan for measuring and judging one budget in a scene.
 
     text: the text of the measure, in which the names of other measures are replaced by their texts.
-    make: returns a new measure.
-    given: the limits as they are written in the table.
+    after: the key `after` of the budget, in seconds from the start of the run: earlier occurrences are left out.
+    make: a function that returns a new measure.
+    given: the limits as they are written in the table of the budget.
     limits: the same limits in ticks, millionths or counts.
-    not_before: occurrences that begin before this tick are left out.
+    not_before: `after` as a tick; NO_TIME if no occurrence is left out.
     joined: the conditions under the key `and`, each as a pair of a budget and its plan.
     same_as: the index of the earlier budget that has the same measure; -1 if there is none.
     """
@@ -100,7 +101,10 @@ def plan_of(
 def _joined(
     budget: Budget, measure: Measure, entry: int, timebase: Timebase, scope: Scope | None, start: int
 ) -> tuple[Budget, BudgetPlan]:
-    """Return condition number `entry` of a budget as a budget of its own, with its plan."""
+    """Return a condition under the budget's key `and` as a budget of its own, with its plan.
+
+    measure: the measure of the budget. entry: the index of the condition.
+    """
     given = budget.also[entry]
     try:
         name = f"{budget.name} and {given.measure}"
@@ -118,9 +122,10 @@ def _joined(
 
 
 def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, given: str | int) -> int:
-    """Return a limit of the table in ticks, millionths or counts, according to the unit of the measure.
+    """Return a limit as a number of ticks, millionths or counts, according to the unit of the measure.
 
-    A share is given as "40 %", a value in LSB as 2 or "2.5 LSB". Raise BadBudget if the limit has another unit.
+    which: the key of the limit. given: the limit as written in the table: a share as "40 %", a value in LSB as 2 or
+    "2.5 LSB". Raise BadBudget if the limit has another unit.
     """
     unit = measure.unit
     try:
@@ -146,7 +151,7 @@ def _limit(budget: Budget, measure: Measure, timebase: Timebase, which: str, giv
 
 
 def _check(budget: Budget, measure: Measure, limits: dict[str, int], given: dict[str, str | int]) -> None:
-    """Raise BadBudget if no run can keep all limits, or if one limit makes another limit redundant."""
+    """Raise BadBudget for limits that do not fit the measure, that no run can keep, or that are redundant."""
     others = [key for key in limits if key != "exactly"]
     if "exactly" in limits and others:
         raise BadBudget(f"exactly says all that {' and '.join(others)} could; leave one of them out", "exactly")

@@ -1,6 +1,6 @@
-"""Budgets as a case file states them, with checked limits.
+"""The table of a budget in a case file, with its checked keys.
 
-The measures are plain text here; `budget_plan.py` parses them.
+The text of the measure is not parsed here, but in `budget_plan.py`.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ def _limit(value: object) -> object:
 
 Extent = Annotated[str | int, Before(_limit)]
 
-# The following prefixes begin measures that consist of a prefix and a name, such as "span:models".
+# Some measures are named by one of the following prefixes and a name, such as "span:models".
 SPAN = "span:"
 REPLY = "reply:"
 SILENCE = "silence:"
@@ -42,7 +42,7 @@ class Limited(Table, frozen=True, kw_only=True):
             raise ValueError(f"a budget needs a limit: {', '.join(keys[:-1])} or {keys[-1]}")
 
     def limits(self) -> dict[str, str | int]:
-        """Return a dictionary from the key of each limit that is given to the limit."""
+        """Return the given limits by key, such as {"max": "250 us"}."""
         given: dict[str, str | int | None] = {key: getattr(self, key, None) for key in LIMITS}
         return {key: limit for key, limit in given.items() if limit is not None}
 
@@ -59,8 +59,8 @@ class Condition(Limited, frozen=True, kw_only=True):
 class Budget(Limited, frozen=True, kw_only=True):
     """A measure with at least one limit. A budget with too few measurements is *not judged*, which is not a pass.
 
-    name: name
-    measure: a measure
+    name: name in verdicts
+    measure: measured quantity: `"response"`
     max: upper limit: duration, `"40 %"`, `"2.5 LSB"`, or a count
     min: lower limit
     exactly: only allowed value; excludes other limits

@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 
-class _Seen(Struct, frozen=True):
+class _ComparedLimit(Struct, frozen=True):
     """A limit, and the measured value that is compared with it.
 
-    which: the key of the limit.
+    which: the key of the limit, such as "max" or "p99".
     at: the tick of the value.
     slack: the distance from the value to the limit; negative if the limit is broken.
     """
@@ -46,7 +46,7 @@ class Values(Struct, frozen=True, eq=False):
 
     values: int64[n], in ticks if `unit` is "time", in millionths if it is "LSB", else counts.
     at: int64[n], the tick of each value, counted from the start of the run.
-    limits: a dictionary from a key to the limit of the budget, in the same unit as the values.
+    limits: a dictionary from the key of a limit, such as "max", to the limit, in the same unit as the values.
     """
 
     unit: str
@@ -60,8 +60,8 @@ class BudgetJudge:
     """Judges one budget in a scene. Call `verdict` after the run.
 
     others: the judges of the earlier budgets in the scene.
-    joined: the judges of the conditions that are joined to the budget.
-    same_as: the earlier judge whose measure this judge shares, or None.
+    joined: the judges of the conditions under the budget's key `and`, which limit further measures.
+    same_as: the judge of an earlier budget with the same measure, which both judges then share; else None.
     own_measures: the measures that this judge and its joined conditions add to the run; empty if `same_as` is not None.
     """
 
@@ -89,7 +89,10 @@ class BudgetJudge:
         return [self, *self.joined]
 
     def finish(self, now: int) -> None:
-        """End the measures. An occurrence that the end of the run cuts off counts with the value reached so far."""
+        """End the measures at tick `now`.
+
+        If the end of the run cuts off an occurrence, its value so far is taken only if it exceeds all complete values.
+        """
         if self.same_as is not None:
             self._found = self.same_as._found
             return
@@ -104,18 +107,19 @@ class BudgetJudge:
                     part._found = f"{part.budget.measure!r} has no value for {lacks} of {what}"
 
     def verdict(self, start: int = 0) -> Verdict:
-        """Return the verdict of a run that began at `start`.
+        """Return the verdict of a run that began at tick `start`.
 
-        If values were measured on too few occasions, the budget is not judged, so it does not pass. If the budget has
-        joined conditions, the result is the verdict of `shown`, with a text `found` that describes all conditions.
+        If no limit is broken, but values were measured on too few occasions, the budget is not judged, so it does not
+        pass. If the budget has joined conditions, the result is the verdict of the condition that `shown` returns, and
+        its text `found` describes all conditions.
         """
         if not self.joined:
             return self._judge(start)
         parts = self.parts
         verdicts = [part._judge(start) for part in parts]
         shown = verdicts[parts.index(self.shown)]
-        told = [verdict.found or part._in_words(verdict) for part, verdict in zip(parts, verdicts, strict=True)]
-        return replace(shown, name=self.budget.name, why=self.budget.why, found="; ".join(told))
+        texts = [verdict.found or part._in_words(verdict) for part, verdict in zip(parts, verdicts, strict=True)]
+        return replace(shown, name=self.budget.name, why=self.budget.why, found="; ".join(texts))
 
     @property
     def shown(self) -> BudgetJudge:
@@ -146,9 +150,9 @@ class BudgetJudge:
             found = f"measured {measure.measured} of {measure.occasions} {measure.asked}, less than {percent}"
         if silent:
             key, limit = next(iter(self.plan.limits.items()))
-            nearest = _Seen(key, limit, 0, NO_TIME, 0)
+            nearest = _ComparedLimit(key, limit, 0, NO_TIME, 0)
         else:
-            nearest = min([self._beside(key, limit) for key, limit in limits], key=attrgetter("slack"))
+            nearest = min([self._compared(key, limit) for key, limit in limits], key=attrgetter("slack"))
         at = NO_TIME if silent else nearest.at
         until = measure.worst_until
         if measure.refuted and nearest.slack >= 0:
@@ -172,10 +176,10 @@ class BudgetJudge:
         )
 
     def _can_judge(self, which: str, limit: BigInt) -> bool:
-        """Return True if the values that were measured can decide on this limit.
+        """Return True if the values that were measured can decide on a limit. which: the key of the limit.
 
-        The value of an occurrence that the end of the run cut off is only a lower bound. If all values are lower
-        bounds, they decide only on some kinds of limits.
+        If the end of the run cut off an occurrence, its value is only a lower bound. If all values are lower bounds,
+        they cannot decide on `min`. They can decide on `exactly` only if they exceed it.
         """
         measure = self.measure
         if measure.count > measure.cut_off or not measure.series:
@@ -183,7 +187,10 @@ class BudgetJudge:
         return which not in ("min", "exactly") or (which == "exactly" and measure.worst > limit)
 
     def typical(self, start: int = 0) -> Verdict | None:
-        """Return the verdict on the value furthest from the limit; None if the measure has fewer than two values."""
+        """Return the verdict on the least critical value, which is the one furthest from the limit.
+
+        Return None if the measure has fewer than two values.
+        """
         part = self.shown
         measure, worst = part.measure, self.verdict(start)
         low = worst.which == "min"
@@ -213,20 +220,21 @@ class BudgetJudge:
         at = "" if verdict.at_s is None else f" at {verdict.at_s:.6f} s"
         return f"{self.budget.measure} {value}{at} ({verdict.which} {self.plan.given[verdict.which]})"
 
-    def _beside(self, which: str, limit: BigInt) -> _Seen:
+    def _compared(self, which: str, limit: BigInt) -> _ComparedLimit:
+        """Compare a limit with the value that is most critical for it. which: the key of the limit."""
         measure = self.measure
         if which == "max":
-            return _Seen(which, limit, measure.worst, measure.worst_at, limit - measure.worst)
+            return _ComparedLimit(which, limit, measure.worst, measure.worst_at, limit - measure.worst)
         if which == "min":
-            return _Seen(which, limit, measure.least, measure.least_at, measure.least - limit)
+            return _ComparedLimit(which, limit, measure.least, measure.least_at, measure.least - limit)
         if which == "exactly":
             over, under = measure.worst - limit, limit - measure.least
             if over >= under:
-                return _Seen(which, limit, measure.worst, measure.worst_at, -abs(over))
-            return _Seen(which, limit, measure.least, measure.least_at, -abs(under))
+                return _ComparedLimit(which, limit, measure.worst, measure.worst_at, -abs(over))
+            return _ComparedLimit(which, limit, measure.least, measure.least_at, -abs(under))
         assert measure.tally is not None
         value, at = measure.tally.percentile(PER_MILLE[which])
-        return _Seen(which, limit, value, at, limit - value)
+        return _ComparedLimit(which, limit, value, at, limit - value)
 
     def show(self, value: BigInt) -> float | int:
         """Convert a value of the measure to the unit of verdicts, for example ticks to microseconds."""
@@ -238,14 +246,14 @@ class BudgetJudge:
             return value
         tenths, rest = divmod(value * 10_000_000_000, self._timebase.per_second)  # tenths of a nanosecond
         middle = 2 * rest - self._timebase.per_second
-        return (tenths + (middle > 0 or (middle == 0 and tenths % 2))) / 10_000  # a half is rounded to an even number
+        return (tenths + (middle > 0 or (middle == 0 and tenths % 2))) / 10_000  # half a tenth is rounded to even
 
 
 def combine(measures: list[Measure]) -> list[int]:
-    """Drop the values of the other measures at occurrences at which the first measure has no value.
+    """Drop the values of joined measures at occurrences at which the first measure has no value.
 
         age            a   b       c    d            the first measure determines which occurrences count
-        value error    a   b   x        d   y        x and y are dropped; c has no value error, so nothing is proven
+        value error    a   b   x        d   y        x and y are dropped; no value belongs to c, so nothing is proven
 
     Occurrences are the same if they begin at the same tick. All measures must store their values (`Measure.keep`).
     Return one number for each measure: the number of occurrences of the first measure at which this measure has no

@@ -1,16 +1,17 @@
 """Rounds on a bus, and the request that each transfer fulfils.
 
-    transfers --.                          .--> transfers with the request's name, bytes asked, bytes expected
-                +--> recognized in order --+--> rounds: due, begin, end, refused requests
-    Asked ------'                          '--> rounds due, rounds missed
+    transfers -------.                          .--> transfers with the request's name, bytes asked, bytes expected
+                     +--> recognized in order --+--> rounds: due, begin, end, refused requests
+    MasterSchedule --'                          '--> rounds due, rounds missed
 
 A transfer fulfils a request if it begins with the same address and R/W bit, and writes the same bytes. A transfer that
 matches no request belongs to no round. A round begins with its first START, or at the latest time that its schedule
 allows if the START comes later. It ends with the STOP of its last request. A round is missed if it does not begin. It
 is also missed if a request is not made: a later request, or the first request of the next round, comes in its place.
 
-The rounds of an agent are due by a fixed schedule. Firmware and captures have a clock of their own: a round is due one
-period after the start of the round before, and is missed if it has not begun half a period after its due time.
+If the master is a simulated controller, its rounds are due by a fixed schedule. If the master is firmware, or a party
+in a capture, its clock is not known: a round is due one period after the start of the round before, and is missed if it
+has not begun half a period after its due time.
 """
 
 # core: compiled
@@ -29,14 +30,14 @@ from ..devices.sensor_rounds import Round
 from ..form.c_types import BigInt
 
 
-class Asked(Struct, frozen=True):
-    """The requests of a master. Times are ticks.
+class MasterSchedule(Struct, frozen=True):
+    """The requests of a master, and the times at which its rounds are due. Times are ticks.
 
     requests: the transfers of each round.
     startup: the transfers before the first round, which are the set-up.
     first: the due time of the first round; None if it is not known.
-    late: the maximum delay of the start of a round after its due time.
-    rounds: the number of rounds that are due; None if rounds are due until the end of the run.
+    late: the delay after the due time that is allowed. If a round starts later, its time counts from this limit.
+    rounds: the number of rounds that are due; None if rounds are due until the run ends.
     starts: the due times of all rounds; None if they follow from `first` and `period`.
     ack_polling: True if a write of only the address polls whether a device is ready. This write is then no request.
     """
@@ -54,14 +55,14 @@ class Asked(Struct, frozen=True):
 class Schedule:
     """Due times of rounds.
 
-    If the due time of the first round is known, as for an agent, round n is due n periods later. The round is missed if
-    it has not begun when the next round is due. Otherwise, as for firmware or a capture, a round is due one period
-    after the start of the round before. The round is missed if it has not begun half a period after its due time.
-    After the requested number of rounds, no further round is due.
+    If the due time of the first round is known, as for a simulated controller, round n is due n periods after it. A
+    round is missed if it has not begun when the next round is due. If the due time is not known, as for firmware or a
+    capture, a round is due one period after the start of the round before. It is missed if it has not begun half a
+    period after its due time. After the requested number of rounds, no further round is due.
     """
 
-    def __init__(self, asked: Asked) -> None:
-        self._asked: Asked = asked
+    def __init__(self, asked: MasterSchedule) -> None:
+        self._asked: MasterSchedule = asked
         self._starts: Sequence[int] | None = asked.starts
         self._is_fixed: bool = asked.first is not None
         self._since: int = NO_TIME if asked.first is None else asked.first  # the tick from which periods are counted
@@ -75,7 +76,7 @@ class Schedule:
     def begins(self, start: int) -> tuple[list[int], int]:
         """Return the due times of the rounds missed since the last round, and the due time of the round that begins.
 
-        A round after the last one in `Asked.starts`, which another master has made, is due when it begins.
+        If `MasterSchedule.starts` has no further entry, another master has made the round; it is due when it begins.
 
         start: the tick at which the round begins.
         """
@@ -133,17 +134,17 @@ class BusRounds:
 
     on_transfer: called with each transfer at its end.
     on_round: called with each complete round at its end.
-    on_other: called with each transfer that is none of the requests.
-    on_due: called with the due time of a round once it is known whether the round began.
-    on_missed: called with the due time of a round that did not begin, or with the tick of the START of the transfer
-        that was made in place of a missing request.
+    on_other: called with each transfer that matches no request.
+    on_due: called with the due time of a round when the round is complete, broken off or missed.
+    on_missed: called with the due time of a round that did not begin. If a request of a round was not made, called with
+        the tick of the START of the transfer that was made in its place.
     begun_at: a function that returns, at the end of the run, the tick of the START of an unfinished transfer; NO_TIME
         if there is none.
     completed: number of complete rounds so far.
     missed: number of missed rounds so far.
     """
 
-    def __init__(self, asked: Asked | None, begun_at: Callable[[], int]) -> None:
+    def __init__(self, asked: MasterSchedule | None, begun_at: Callable[[], int]) -> None:
         self.on_transfer: list[Callable[[Transfer], None]] = []
         self.on_round: list[Callable[[Round], None]] = []
         self.on_due: list[Callable[[int], object]] = []
@@ -165,10 +166,10 @@ class BusRounds:
         """Assign a complete transfer to the set-up, to a round, or to neither."""
         first: Phase = transfer.phases[0]
         if self._ack_polling and not first.read and not first.data:
-            self._tell(transfer)
+            self._report(transfer)
             return
         if self._startup and may_be(first, self._startup[0]):
-            self._tell(asked_for(transfer, self._startup.pop(0)))
+            self._report(asked_for(transfer, self._startup.pop(0)))
             return
         place: int = self._made
         while place < len(self._requests) and not may_be(first, self._requests[place]):
@@ -179,82 +180,85 @@ class BusRounds:
             self._broken_off(first.start_at)
             self._request(transfer, 0)
         else:
-            self._tell(transfer)
-            for told in self.on_other:
-                told(transfer)
+            self._report(transfer)
+            for callback in self.on_other:
+                callback(transfer)
 
     def at_start(self) -> bool:
         """Return True if neither a round nor the set-up is in progress, so that the next START may begin a round."""
         return self._round is None and not self._startup
 
     def finish(self, now: int) -> None:
-        """Report, when the run ends, the rounds that were due but did not begin, except one that the end cuts off."""
+        """Report the rounds that were due but did not begin before the run ended at tick `now`.
+
+        If a transfer is in progress at the end, a round has begun with it.
+        """
         begun_at = self._begun_at()
         if self._schedule is not None:
             if self._round is None and begun_at != NO_TIME and not self._startup:
                 self._begin(begun_at)
             over = None if self._round is not None or self._startup else self._over
-            self._told_missed(self._schedule.missed_by(now, over))
+            self._report_missed(self._schedule.missed_by(now, over))
 
-    def _tell(self, transfer: Transfer) -> None:
-        for told in self.on_transfer:
-            told(transfer)
+    def _report(self, transfer: Transfer) -> None:
+        for callback in self.on_transfer:
+            callback(transfer)
 
     def _request(self, transfer: Transfer, place: int) -> None:
-        """Take a transfer as request number `place` of the round. Earlier requests that were not made are skipped."""
+        """Assign a transfer to request number `place` of the round. Earlier requests that were not made are skipped."""
         phase: Phase = transfer.phases[0]
         start: int = phase.start_at
         current = self._round or self._begin(start)
         made = asked_for(transfer, self._requests[place])
         if place > self._made and current.transfers == self._made:  # a missing request, reported once per round
-            self._tell_incomplete(start)
+            self._report_incomplete(start)
         self._made = place + 1
         current.transfers += 1
         current.nacked += not made.acked
-        self._tell(made)
+        self._report(made)
         if self._made == len(self._requests):
             current.end = self._over = transfer.stop_at
             self._made, self._round = 0, None
             self.completed += 1
-            for told in self.on_due:
-                told(current.due)
-            for heard in self.on_round:
-                heard(current)
+            for on_due in self.on_due:
+                on_due(current.due)
+            for on_round in self.on_round:
+                on_round(current)
 
     def _begin(self, start: int) -> Round:
         assert self._schedule is not None
         missed, due = self._schedule.begins(start)
-        self._told_missed(missed)
+        self._report_missed(missed)
         self._number += 1
         self._round = Round(self._number, due, min(start, due + self._late))
         return self._round
 
     def _broken_off(self, start: int) -> None:
         assert self._round is not None
-        for told in self.on_due:
-            told(self._round.due)
+        for callback in self.on_due:
+            callback(self._round.due)
         if self._round.transfers == self._made:
-            self._tell_incomplete(start)
+            self._report_incomplete(start)
         self._made, self._round = 0, None
 
-    def _tell_incomplete(self, start: int) -> None:
+    def _report_incomplete(self, start: int) -> None:
         """Report that a request of the round was not made. start: the START of the transfer that was made instead."""
         self.missed += 1
-        for told in self.on_missed:
-            told(start)
+        for callback in self.on_missed:
+            callback(start)
 
-    def _told_missed(self, missed: list[int]) -> None:
+    def _report_missed(self, missed: list[int]) -> None:
         self.missed += len(missed)
         for due in missed:
-            for told in (*self.on_due, *self.on_missed):
-                told(due)
+            for callback in (*self.on_due, *self.on_missed):
+                callback(due)
 
 
 def asked_for(transfer: Transfer, request: Transfer) -> Transfer:
-    """Complete a transfer from the request that it fulfils, and return the result.
+    """Return a transfer, completed with the data of the request that it fulfils.
 
-    The result has the name, the counts and the expected bytes of the request. Phases of the request that never began
-    are added, and received bytes beyond the requested count are removed.
+    The result has the name, the byte counts and the expected bytes of the request. Phases of the request that never
+    began are added, and received bytes beyond the requested count are removed.
     """
     phases = transfer.phases[: len(request.phases)]
     place: int = 0

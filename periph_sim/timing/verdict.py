@@ -1,4 +1,4 @@
-"""Verdicts: the figures of one budget, and functions that return them as text for tables and sentences.
+"""Verdicts: the figures of a budget after a run, and functions that return figures as text for tables and sentences.
 
 This module imports no other module of the package, so that showing verdicts does not load the measures.
 """
@@ -116,7 +116,7 @@ def in_words(value: float | int, unit: str) -> str:
 
 
 def limit(value: float | int, unit: str, which: str) -> str:
-    """Return a limit as text, to the nanosecond: `60 us`, `= 150`, `p99 3.4 us`. which: its key."""
+    """Return a limit as text, exact to the nanosecond: `60 us`, `= 150`, `p99 3.4 us`. which: the key of the limit."""
     number, blank, symbol = figure(value, unit).partition(" ")
     if symbol == "ms":
         number = f"{value / 1000:.6f}"
@@ -158,7 +158,10 @@ def broken(verdict: Verdict) -> str:
 
 
 def assumes(names: Sequence[str]) -> str:
-    """Return the clause that names the undocumented behaviours that a failure assumes, by unit and group."""
+    """Return a phrase with the undocumented behaviours that a failure assumes, grouped by unit and module, or by chip.
+
+    names: the behaviours as options, such as "dsp.i2c.aas_sdir_point".
+    """
     groups: dict[str, list[str]] = {}
     for name in names:
         group, _, option = name.rpartition(".")
@@ -176,6 +179,6 @@ def assumes_lines(names: Sequence[str]) -> list[str]:
 
 
 def legend(words: Collection[str]) -> list[str]:
-    """Return what the columns and words of a table of verdicts mean. words: the words in the table."""
+    """Return the lines of the legend below a table of verdicts. words: the values of `Verdict.word` in the table."""
     count = "count: occurrences" + "; seen: held in this run, other timings are not covered" * (SEEN in words)
     return [count, *["not judged: too little was measured; no pass"] * (NOT_JUDGED in words)]

@@ -22,7 +22,7 @@ from periph_sim.core.table import Spread
 from periph_sim.core.time import NO_TIME, Timebase
 from periph_sim.scene.case.model import Case
 from periph_sim.scene.firmware_loader import Firmware, settings_for
-from periph_sim.timing.rounds import Asked, BusRounds
+from periph_sim.timing.rounds import BusRounds, MasterSchedule
 from tests.scene.runs import TIMING
 
 US = Fraction(1, 1_000_000)
@@ -146,7 +146,7 @@ def test_the_slack_of_a_round_reaches_to_the_next_listed_start():
 
 def test_rounds_of_another_master_are_due_when_they_begin_after_the_list():
     asked = [Transfer("", [Phase(0x20, True, count=1, start_at=tick)], tick + 10) for tick in (50, 70)]
-    rounds = BusRounds(Asked(tuple(asked[:1]), 20, first=10, starts=(50,)), lambda: NO_TIME)
+    rounds = BusRounds(MasterSchedule(tuple(asked[:1]), 20, first=10, starts=(50,)), lambda: NO_TIME)
     seen: list[tuple[int, int]] = []
     rounds.on_round.append(lambda one: seen.append((one.due, one.start)))
     for transfer in asked:

@@ -16,7 +16,7 @@ from periph_sim.devices.sensor_rounds import Request, Round
 from periph_sim.scene.case.load import load
 from periph_sim.scene.case.model import BadCase
 from periph_sim.scene.scene import Scene
-from periph_sim.timing.rounds import Asked, BusRounds
+from periph_sim.timing.rounds import BusRounds, MasterSchedule
 from tests.scene.runs import TIMING
 
 A, B, C = 0x10, 0x20, 0x30
@@ -29,7 +29,7 @@ class Heard:
     def __init__(self, **asked: object) -> None:
         self.begun_at = NO_TIME
         rounds = self.rounds = BusRounds(
-            Asked(**({"requests": ONE, "period": 1000, "first": 100} | asked)), lambda: self.begun_at
+            MasterSchedule(**({"requests": ONE, "period": 1000, "first": 100} | asked)), lambda: self.begun_at
         )
         self.over: list[Round] = []
         self.due: list[int] = []

@@ -133,7 +133,7 @@ NOTHING_SENT = Sent(BEFORE_ANY, (), NO_TIME)
 class Origins:
     """Finds the host frame whose values each read of a chip returned.
 
-    Call `transfer` with a complete transfer, then `of` with each phase of this transfer.
+    Call `transfer` with each complete transfer, and after this call `of` with each phase of the transfer.
 
     addresses: the addresses of the chips whose reads are examined.
     """
@@ -163,7 +163,7 @@ class Origins:
 
 
 class FrameOrigins(Origins):
-    """Origins for chips that return the numbers in a frame: angles, accelerations, and the angles again.
+    """Origins for chips that return the values of a frame as they are: `HostFrames.data` gives the bytes of each chip.
 
     Before the first frame, chips return zeros. Zeros are right until 8 frames have been sent. After that, zeros are
     wrong if the chip has already returned the values of a frame; otherwise they are not judged.
@@ -198,7 +198,7 @@ class Chain:
     """A possible sequence of the frames that the model runs used, of which only the end is stored.
 
     sent: the frame that the last model run of the chain used.
-    before: the number of the frame that the model run before it used, on which the values of the last one depend, too.
+    before: the number of the frame that the model run before the last one used. The last model run depends on both.
     shown: the values that the last model run produced.
     """
 
@@ -211,8 +211,8 @@ class Chain:
 
 
 @final
-class Run:
-    """A complete model run. sent: the frames that this model run may have used, oldest first."""
+class ModelRun:
+    """A complete model run. number: its number, from 0. sent: the frames that it may have used, oldest first."""
 
     __slots__ = ("number", "sent")
 
@@ -240,26 +240,29 @@ class ModelOrigins(Origins):
         self._left_out = False  # True if chains were left out after the last read that agreed with a chain
         self._before: list[Chain] = []  # the chains without the last model run
         self._runs = 0
-        self._over: list[Run] = []  # complete model runs that are not in a chain yet
-        self._last: Run | None = None
+        self._over: list[ModelRun] = []  # complete model runs that are not in a chain yet
+        self._last: ModelRun | None = None
         self._may_take: list[Sent] = []
 
     def frame(self, number: int, values: tuple[int, ...], tick: int) -> None:
         self._sent.append(Sent(number, values, tick))
 
     def model_pin(self, now: int, level: int) -> None:
-        """Handle a change of the MODEL pin, which is high during a model run. It may use frames that ended before."""
+        """Handle a change of the MODEL pin. It rises when a model run begins, which may use the frames that have ended.
+
+        It falls when the model run is complete.
+        """
         if level:
             self._may_take = list(self._sent)
         elif self._pulled_up:  # the pin falls because it becomes an output, not because a model run ends
             self._pulled_up = False
         else:
-            self._last = Run(self._runs, self._may_take)
+            self._last = ModelRun(self._runs, self._may_take)
             self._over.append(self._last)
             self._runs += 1
 
     def origin(self, address: int, got: bytes) -> Origin:
-        run: Run
+        run: ModelRun
         for run in self._over:
             self._before, self._chains = self._chains, self._longer(run)
         self._over.clear()
@@ -275,7 +278,7 @@ class ModelOrigins(Origins):
         nearest = _nearest(got, [(chain.sent, chain.shown.data(address)) for chain in self._chains])
         return nearest._replace(judged=False) if self._left_out else nearest
 
-    def _longer(self, run: Run) -> list[Chain]:
+    def _longer(self, run: ModelRun) -> list[Chain]:
         """Return all possible extensions of the chains by `run`.
 
         If there are too many, return only those with the youngest frames.
@@ -297,8 +300,8 @@ class ModelOrigins(Origins):
                     longer[key] = self._chain(run.number, sent, chain)
         return list(longer.values())[:MOST] if many else list(longer.values())
 
-    def _may_be(self, chain: Chain, run: Run) -> list[Sent]:
-        """Return the frames that `run` may have used, oldest first, if the model runs before used those of `chain`.
+    def _may_be(self, chain: Chain, run: ModelRun) -> list[Sent]:
+        """Return the frames that `run` may have used, oldest first, if the earlier model runs used those of `chain`.
 
         These are the last frame of the chain and all later frames in `run.sent`.
         """

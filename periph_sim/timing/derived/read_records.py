@@ -7,7 +7,7 @@
 
     thing         tick                        value
     chip read     START of the read           chip's address; for each read that begins after the first frame ended
-    age           START of the read           ticks since the end of the frame whose values were read
+    age           START of the read           ticks since the end of the frame whose values the read returned
     unknown age   START of the read           chip's address; the values may be of a frame that was not compared
     model age     START of the read           ticks since the end of the frame that the last model run used
     model run     end of the span "model"     0; for each model run that began after the first frame ended
@@ -67,7 +67,7 @@ class ChipTopics:
 
 
 class AgeRecords(Listener):
-    """Makes the records of the ages of sensor reads and of model runs.
+    """Makes the records of the ages of the data that chips returned, and of model runs.
 
     origins: the object that finds the frame whose values a read returned; None if only model ages are needed.
     """

@@ -78,7 +78,7 @@ class TransferRecords:
                 if phase.answer_at != NO_TIME:
                     self._acknowledge.emit(phase.answer_from)
                     self._answer.emit(phase.answer_at)
-        if phase.acked and phase.data:  # empty for a read
+        if phase.acked and phase.data:  # `data` has the bytes written, so it is empty for a read
             self._write_end.emit(transfer.stop_at, phase.address)
 
     def finish(self, now: int, unfinished: Transfer | None, held_since: int) -> None:
@@ -102,7 +102,7 @@ class RoundRecords:
     """Makes the records of rounds. A round is one execution of the master's periodic list of requests.
 
     thing     tick                      value
-    due       due time of a round       0; recorded for each round, once it is known whether the round began
+    due       due time of a round       0; recorded when the round is complete, broken off or missed
     missed    due time of a round       0; recorded if the round did not begin
     missed    START of a transfer       0; recorded if a request of the round is missing and this transfer came instead
     begin     start of the round        0; recorded for each complete round, when it ends
@@ -111,7 +111,7 @@ class RoundRecords:
     refused   due time of the round     number of requests whose address was not acknowledged; recorded if not 0
 
     period: the number of ticks from the due time of a round to the due time of the next round.
-    starts: the due times of all rounds, between which `period` does not apply; empty if they follow from it.
+    starts: the due times of all rounds, if the case lists them; else empty. `period` then applies only after the last.
     """
 
     def __init__(self, recorder: Recorder, rounds: BusRounds, period: int, starts: Sequence[int] = ()) -> None:

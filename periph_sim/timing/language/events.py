@@ -171,7 +171,7 @@ def read_event(words: Words) -> Event:
 
 
 def _read_nth(words: Words) -> int:
-    """Read an ordinal and return 1 for "first" or "1st", -1 for "last"; 0 if the next word is no ordinal."""
+    """Read an ordinal. Return its number, or -1 for "last"; 0, with nothing read, if the next word is no ordinal."""
     for word, nth in (("first", 1), ("last", -1)):
         if words.took(word):
             return nth
@@ -214,7 +214,10 @@ def group_of(event: Event, scope: Scope) -> Group:
 
 
 def stretch_of(name: str, scope: Scope, whose: str, hint: str = "") -> Group:
-    """Return the group for a transfer or a round. Raise BadEvent, whose text begins with `whose`, if there is none."""
+    """Return the group of transfers or of rounds. Raise BadEvent if the scene has none.
+
+    whose, hint: the begin and the end of the text of the error.
+    """
     if not (scope.rounds if name == "round" else scope.bus):
         needs = "[controller] or [rounds]" if name == "round" else "SCL and SDA"
         raise BadEvent(f"{whose} needs {needs} in the scene, which has none{hint}")
@@ -225,7 +228,10 @@ Parts = tuple[str, str, str, int | None]
 
 
 def _read_named(expected: str, *hows: str) -> Callable[[Words], Parts]:
-    """Return the parser of a name that is followed by one of the words `hows`."""
+    """Return a function that reads a name and one of the words `hows` after it.
+
+    expected: a description of the name for messages.
+    """
 
     def read(words: Words) -> Parts:
         unit, name = words.name(expected)

@@ -1,6 +1,6 @@
 """Measures of events as text, such as "from EVENT to EVENT": their syntax and its parser.
 
-    text --> words --> Said(form, events or names, rule), or BadEvent with the wrong word and the expected words
+    text --> words --> ParsedMeasure(form, events or names, rule), or BadEvent with the wrong and the expected words
 
     measure = pair { clause }
             | ( "count" | "value" | "sum" ) "of" event { clause }
@@ -32,7 +32,7 @@
     rule    = "in" "order" | "next" | "last" | "same" ( "transfer" | "round" | "unit" )
     clause  = "," ( "for" "each" | "measured" "at" | "given" | "unless" | "unfinished" ) event
     event   = see `events`
-    field, register, vector, span, variable: [ unit ":" ] name; a name with blanks is quoted
+    field, register, vector, span, variable = [ unit ":" ] name        a name with blanks is quoted
 
 Words are separated by blanks. A span's name may have several words before "begin" or "end". The name must be quoted if
 its first word is one with which another state begins.
@@ -63,7 +63,7 @@ CLAUSES = {
 }
 
 
-class Said(Struct, frozen=True):
+class ParsedMeasure(Struct, frozen=True):
     """The parsed text of a measure.
 
     form: a key of FORMS.
@@ -77,7 +77,7 @@ class Said(Struct, frozen=True):
     instant: for a value error, "first bit" or "frame": the instant at which the true value is taken.
     window: the length of the window of a share, as text; "" for the whole run.
     of: for a jitter, the measure whose successive values are compared; None for an event or another form.
-    access: True if an interrupt's latency is measured up to the first access.
+    access: True if the latency of an interrupt is measured up to the first register access of its routine.
     clauses: pairs of a clause at the end of the text, such as "given", and the event in this clause.
     """
 
@@ -91,7 +91,7 @@ class Said(Struct, frozen=True):
     group: str = ""
     instant: str = ""
     window: str = ""
-    of: Said | None = None
+    of: ParsedMeasure | None = None
     access: bool = False
     clauses: tuple[tuple[str, Event], ...] = ()
 
@@ -108,7 +108,7 @@ def near_form(text: str) -> str:
 
 
 @lru_cache(maxsize=1024)  # the scenes of one case have the same measures
-def measure_of(text: str) -> Said:
+def measure_of(text: str) -> ParsedMeasure:
     """Return the parsed text of a measure. Raise BadEvent if it cannot be parsed."""
     words = Words(text)
     said = _parsed(words)
@@ -116,12 +116,12 @@ def measure_of(text: str) -> Said:
     return replace(said, text=text)
 
 
-def _parsed(words: Words) -> Said:
+def _parsed(words: Words) -> ParsedMeasure:
     form = words.one_of(list(FORMS))
     return replace(_MEASURES[form][1](words), form=form)
 
 
-def _from(words: Words) -> Said:
+def _from(words: Words) -> ParsedMeasure:
     begin = read_event(words)
     words.one_of(["to"])
     end = read_event(words)
@@ -134,7 +134,7 @@ def _from(words: Words) -> Said:
             group = words.one_of(["transfer", "round", "unit"])
         else:
             pairing = f"in {words.one_of(['order'])}" if said == "in" else said
-    return Said(events=(begin, end), pairing=pairing, group=group, clauses=_clauses(words))
+    return ParsedMeasure(events=(begin, end), pairing=pairing, group=group, clauses=_clauses(words))
 
 
 def _clauses(words: Words) -> tuple[tuple[str, Event], ...]:
@@ -147,47 +147,47 @@ def _clauses(words: Words) -> tuple[tuple[str, Event], ...]:
     return tuple(found)
 
 
-def _of_event(words: Words, clauses: bool = True) -> Said:
+def _of_event(words: Words, clauses: bool = True) -> ParsedMeasure:
     words.one_of(["of"])
-    return Said(events=(read_event(words),), clauses=_clauses(words) if clauses else ())
+    return ParsedMeasure(events=(read_event(words),), clauses=_clauses(words) if clauses else ())
 
 
-def _count(words: Words) -> Said:
+def _count(words: Words) -> ParsedMeasure:
     words.one_of(["of"])
     counted = read_event(words)
     if not words.took("from"):
-        return Said(events=(counted,), clauses=_clauses(words))
+        return ParsedMeasure(events=(counted,), clauses=_clauses(words))
     pair = _from(words)
     return replace(pair, events=(counted, *pair.events))
 
 
-def _jitter(words: Words) -> Said:
+def _jitter(words: Words) -> ParsedMeasure:
     words.one_of(["of"])
     form = words.next
     if form in EVENTS and words.following not in ("latency", "load"):
-        return Said(events=(read_event(words),))
+        return ParsedMeasure(events=(read_event(words),))
     if form not in FORMS:
         words.take("a measure or an event")
-        return Said(name=" ".join(filter(None, (form, words.rest()))))
-    return Said(of=_parsed(words))
+        return ParsedMeasure(name=" ".join(filter(None, (form, words.rest()))))
+    return ParsedMeasure(of=_parsed(words))
 
 
-def _level(words: Words) -> Said:
+def _level(words: Words) -> ParsedMeasure:
     words.one_of(["of"])
     kind = "variable" if words.took("variable") else "flag"
     begin = words.place
     unit, name = words.name("a variable of an image" if kind == "variable" else "a field")
     change = Event(kind, f"{kind} {words.between(begin)} change", unit, name, "change")
     events = (read_event(words),) if words.took("at") else ()
-    return Said(events=(change, *events), unit=unit, name=name)
+    return ParsedMeasure(events=(change, *events), unit=unit, name=name)
 
 
-def _calls(words: Words) -> Said:
+def _calls(words: Words) -> ParsedMeasure:
     words.one_of(["of"])
-    return Said(events=read_span(words)[:1])
+    return ParsedMeasure(events=read_span(words)[:1])
 
 
-def _latency(words: Words) -> Said:
+def _latency(words: Words) -> ParsedMeasure:
     said = _phrase(words, "latency", "an interrupt's name")
     if words.took("to"):
         _phrase(words, "first access")
@@ -195,16 +195,16 @@ def _latency(words: Words) -> Said:
     return said
 
 
-def _time(words: Words) -> Said:
-    return Said(state=read_state(words))
+def _time(words: Words) -> ParsedMeasure:
+    return ParsedMeasure(state=read_state(words))
 
 
-def _each(words: Words) -> Said:
+def _each(words: Words) -> ParsedMeasure:
     words.one_of(["time"])
     return _time(words)
 
 
-def _share(words: Words) -> Said:
+def _share(words: Words) -> ParsedMeasure:
     words.one_of(["of"])
     if words.one_of(["time", "any"]) == "time":
         return _time(words)
@@ -212,29 +212,29 @@ def _share(words: Words) -> Said:
     while words.next and words.next != "in":
         length.append(words.take("the length of a window"))
     window = _checked_window(words, " ".join(length))
-    return Said(state=read_state(words), window=window)
+    return ParsedMeasure(state=read_state(words), window=window)
 
 
-def _busy(words: Words) -> Said:
+def _busy(words: Words) -> ParsedMeasure:
     _phrase(words, "time of")
     address = words.next
     if words.number(0x7F) is None:
         raise BadEvent(f"{words.text!r}: the address of a memory is expected after of; write for instance 0x50")
-    return Said(name=address)
+    return ParsedMeasure(name=address)
 
 
-def _margin(words: Words) -> Said:
+def _margin(words: Words) -> ParsedMeasure:
     words.one_of(["of"])
     unit, name = words.name("I2CDXR")
     if name.removeprefix("I2C-A.") != "I2CDXR":
         raise BadEvent(f"{words.text!r}: only I2CDXR has a margin; write margin of I2CDXR")
-    return Said(unit=unit)
+    return ParsedMeasure(unit=unit)
 
 
-def _load(words: Words, of_unit: bool) -> Said:
+def _load(words: Words, of_unit: bool) -> ParsedMeasure:
     words.one_of(["load"])
     unit = words.take("a unit") if of_unit and words.took("of") else ""
-    return Said(unit=unit, window=_checked_window(words, words.rest()) if words.took("per") else "")
+    return ParsedMeasure(unit=unit, window=_checked_window(words, words.rest()) if words.took("per") else "")
 
 
 def _checked_window(words: Words, given: str) -> str:
@@ -250,22 +250,22 @@ def _checked_window(words: Words, given: str) -> str:
     return given
 
 
-def _lost(words: Words) -> Said:
+def _lost(words: Words) -> ParsedMeasure:
     words.one_of(["flags"])
     unit, name = words.name("a register") if words.next else ("", "")
-    return Said(unit=unit, name=name)
+    return ParsedMeasure(unit=unit, name=name)
 
 
-def _model_age(words: Words) -> Said:
+def _model_age(words: Words) -> ParsedMeasure:
     words.one_of(["age"])
-    return Said(name=_chip(words))
+    return ParsedMeasure(name=_chip(words))
 
 
 def _chip(words: Words) -> str:
     return words.one_of(list(known_sensors())) if words.took("of") else ""
 
 
-def _value(words: Words) -> Said:
+def _value(words: Words) -> ParsedMeasure:
     if words.next == "of":
         return _of_event(words)
     words.one_of(["error"])
@@ -275,10 +275,10 @@ def _value(words: Words) -> Said:
         instant = words.one_of(["first", "frame"])
         if instant == "first":
             instant = f"first {words.one_of(['bit'])}"
-    return Said(instant=instant, name=chip)
+    return ParsedMeasure(instant=instant, name=chip)
 
 
-def _phrase(words: Words, fixed: str = "", name: str = "", unit: str = "") -> Said:
+def _phrase(words: Words, fixed: str = "", name: str = "", unit: str = "") -> ParsedMeasure:
     """Read the words `fixed`, then a name and a unit.
 
     name: a description of the name for messages; "" for no name. unit: the word before the unit; "" for no unit.
@@ -288,10 +288,10 @@ def _phrase(words: Words, fixed: str = "", name: str = "", unit: str = "") -> Sa
     whose, found = words.name(name) if name else ("", "")
     if unit and words.took(unit):
         whose = words.take("a unit")
-    return Said(unit=whose, name=found)
+    return ParsedMeasure(unit=whose, name=found)
 
 
-_MEASURES: dict[str, tuple[str, Callable[[Words], Said]]] = {
+_MEASURES: dict[str, tuple[str, Callable[[Words], ParsedMeasure]]] = {
     "from": ("from EVENT to EVENT", _from),
     "period": ("period of EVENT", lambda words: _of_event(words, clauses=False)),
     "jitter": ("jitter of EVENT", _jitter),
@@ -315,7 +315,7 @@ _MEASURES: dict[str, tuple[str, Callable[[Words], Said]]] = {
     "race": ("race MODULE.REGISTER.FIELD", lambda words: _phrase(words, name="a field or a register")),
     "lost": ("lost flags", _lost),
     "cleared": ("cleared along MODULE.REGISTER.FIELD", lambda words: _phrase(words, "along", "a field")),
-    "age": ("age of CHIP", lambda words: Said(name=_chip(words))),
+    "age": ("age of CHIP", lambda words: ParsedMeasure(name=_chip(words))),
     "model": ("model age of CHIP", _model_age),
     "value": ("value error of CHIP", _value),
 }

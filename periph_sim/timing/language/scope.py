@@ -2,12 +2,12 @@
 
     Case, RecordTable --> Scope --> where a record of a named thing comes from, or BadEvent with near names
 
-A scope accepts each name that a record of the run can have, whether there is such a record or not. `RECORDS` lists the
-things that are derived from other records of a run. The modules that make them, in `timing/derived` and
-`scene/sci_monitor.py`, describe their ticks and values.
+A scope accepts each name that a record of the run can have, even if the run has no such record. `RECORDS` lists the
+things of derived records. The modules that make these records, in `timing/derived` and `scene/sci_monitor.py`, describe
+their ticks and values.
 
     "record round missed" --> Kind.ROUND, "missed"; needs rounds in the scene
-    "value of record data age" --> its value is a time; there is one record for each read
+    "value of record data age" --> the value of the record is a time; there is one record for each read
 """
 
 from __future__ import annotations
@@ -32,7 +32,8 @@ class Thing(NamedTuple):
     needs: what the scene must contain; one of the values of `Measure.needs`.
     unit: the unit of the record's value.
     by_read: True if there is one record for each read phase.
-    of: what an event may name after "of": an "address", which is the record's value, a "unit", or "" for nothing.
+    of: the kind of name that an event may have after "of": "address" for the value of the record, "unit" for the
+        unit of the record, or "" for none.
     """
 
     needs: str

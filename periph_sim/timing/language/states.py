@@ -81,7 +81,10 @@ def _events(words: Words) -> tuple[tuple[Event, ...], tuple[Event, ...]]:
 
 
 def _check_spelling(words: Words) -> None:
-    """Raise BadEvent if the next word is a mistyped state, not the begin of a span's name, because the rest fits it."""
+    """Raise BadEvent if the next word resembles the first word of a state, and later words fit this state.
+
+    Without this check, the mistyped word would be read as the name of a span.
+    """
     for state in nearest(words.next, ENDS):
         if not ENDS[state].isdisjoint(words.coming):
             raise BadEvent(f"{words.text!r}: {words.next!r} where {state} is expected; a span's name is quoted")

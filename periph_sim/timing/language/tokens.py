@@ -17,10 +17,8 @@ class Words:
         self.text = text
         self._words = WORD.findall(text)
         self.place = 0
-        self._optional: tuple[int, list[str]] = (
-            0,
-            [],
-        )  # a value of `place`, and words that `took` did not find there
+        # `_optional` has a value of `place`, and the words that `took` did not find there.
+        self._optional: tuple[int, list[str]] = (0, [])
         if '"' in self._words or "'" in self._words:
             raise BadEvent(f"{text!r}: a quote is not closed, or nothing is in it; write for instance 'time update'")
 

@@ -1,9 +1,9 @@
 """Bytes on an I2C bus, derived from the levels of its wires and the parties that pull them.
 
-    SCL, SDA, who pulls --> START, address, ACK, first bit of each byte, STOP; when other parties released SCL
+    SCL, SDA, parties that pull them --> START, address, ACK, first bit of each byte, STOP; when others released SCL
 
-Only the wires are read, so all controllers are treated alike. All changes within one tick form one sample. START and
-STOP are changes of SDA while SCL is high before and after them.
+Only the wires are read, so a simulated controller and a unit that is the master are treated alike. All changes within
+one tick form one sample. START and STOP are changes of SDA while SCL is high before and after them.
 
 Source: UM10204 sections 3.1.4 to 3.1.10.
 """
@@ -110,7 +110,7 @@ class BusFromWires(BitParty):
         return self._scl_pulling & ~self._scl_ours != 0
 
     def _know_parties(self) -> None:
-        """Update the masks of the unit's parties; parties may be attached at any time and are never removed."""
+        """Update the masks of the unit's parties if further parties were attached to the wires since the last call."""
         scl, sda = self._scl_wire, self._sda_wire
         if scl.attached + sda.attached != self._parties:
             self._parties = scl.attached + sda.attached

@@ -1,12 +1,12 @@
 """Measures of events that the text of a measure names: how often they happen, and with which values.
 
-    topic  --tag_of--> events that a record of the topic can be, and with which values; determined once for each topic
+    topic  --tag_of--> tests: with which value a record of the topic is which event; made once for each topic
     record --on_record--> event that counts immediately ------------------.
                    '---> "last ... of transfer": decided at its end ------+--in order--> happened(place, tick, value)
                                                                           '--> occasions, things that cannot be judged
 
-A topic is a kind of record about one thing at one place. Events are counted in the order of their records. Of two
-events with the same tick, the event that was recorded first counts as the earlier event.
+Events are counted in the order of their records. Of two events with the same tick, the event that was recorded first
+counts as the earlier event.
 """
 
 # core: compiled
@@ -27,9 +27,10 @@ from .measure import READ, Measure, MeasuredScene
 from .registry import UNNAMED, Sentence
 
 
-class _Seen:
+class _QueuedEvent:
     """An event that happened, in the queue of events to be measured.
 
+    place: the index of the event in the measure.
     counts: 1 if the event is to be measured, 0 if it is ignored. WAITS while this is not known: for "last ... of
         transfer", a later event of the same transfer may take the place of this event.
     """
@@ -60,7 +61,7 @@ NO_CLAUSES = Clauses()
 
 
 class ValueTest:
-    """Test of a record's value: `value & mask == want`. It also fits if the alternative test `others` fits."""
+    """Test of a record's value. It fits if `value & mask == want`, or if the alternative test `others` fits."""
 
     __slots__ = ("mask", "others", "want")
 
@@ -78,12 +79,13 @@ class ValueTest:
         return False
 
 
-class Hearing:
-    """The relation of the records of one topic to one event of a measure.
+class TopicTests:
+    """Tests that show what a record of one topic means for one event of a measure.
 
-    place: the index of the event.
-    test: the test of values with which a record is the event; None if no value makes it the event.
-    begins, ends: the tests of values with which a record begins or ends a group of the event; None as for `test`.
+    place: the index of the event in the measure.
+    test: the test of whether a record is the event; None if no record of the topic can be the event.
+    groups: the groups in which the event is counted; None if every event counts.
+    begins, ends: the tests of whether a record begins or ends such a group; None if no record of the topic does.
     """
 
     __slots__ = ("begins", "ends", "groups", "place", "test")
@@ -104,7 +106,7 @@ class Hearing:
 
 
 class EventMeasure(Measure):
-    """The occurrences of an event, measured in a form of the language of budgets.
+    """Measure of the occurrences of an event. The form says what is measured:
 
     count   the number of events. `worst` is that number, `worst_at` the tick of the first event. A count of 0 is a
             measured value, unless the event's name is free text, which may be misspelled. If the measure has occasions,
@@ -116,7 +118,7 @@ class EventMeasure(Measure):
     ""      the values that a subclass takes in `happened`
 
     order: indices of `matchers`. If one record is several events, these events count in this order.
-    weighs: True if the records of clauses have numbers of things as values, which are added up.
+    weighs: True for a sum: an event of a clause then counts for as many things as the value of its record.
     """
 
     STATE = State("_groups _queue _queued _newest _level")
@@ -157,9 +159,11 @@ class EventMeasure(Measure):
         self._order: Sequence[int] = [*order, *range(self._own, len(matchers))]
         self._heard: tuple[Matcher, ...] = matchers
         self._groups = [None if m.group is None else Groups(m.group, m.nth) for m in matchers]
-        self._queue: deque[_Seen] = deque()
+        self._queue: deque[_QueuedEvent] = deque()
         self._queued = False  # True if an event waits in `_queue`
-        self._newest: dict[int, _Seen] = {}  # maps the index of an event to its last occurrence in the present group
+        self._newest: dict[
+            int, _QueuedEvent
+        ] = {}  # maps the index of an event to its last occurrence in the present group
         starts = [one for groups in self._groups if groups is not None for one in groups.matchers]
         each = [one for m in (*matchers, *starts) for one in m.each]
         self.kinds = frozenset(one.kind for one in each)
@@ -169,7 +173,7 @@ class EventMeasure(Measure):
         if self.spans is not None:  # all spans are needed, so that the right name can be suggested
             self._every.add(Kind.SPAN)
         self._needed: dict[Kind, frozenset[str]] = subjects_of([*matchers, *starts])
-        self._plans: list[list[Hearing]] = []  # for each tag, the events that a record with this tag can be
+        self._plans: list[list[TopicTests]] = []  # for each tag, the events that a record with this tag can be
         self._names: list[str] = []  # for each tag, the name of the span; "" if the records are not about a span
 
     @property
@@ -191,7 +195,7 @@ class EventMeasure(Measure):
     def tag_of(self, kind: Kind, where: str, what: str) -> int:
         if kind not in self._every and (kind, what) not in self._wanted:
             return UNWANTED
-        plan = [one for place in self._order if (one := self._hearing(place, kind, where, what)) is not None]
+        plan = [one for place in self._order if (one := self._tests(place, kind, where, what)) is not None]
         name = what if self.spans is not None and kind is Kind.SPAN else ""
         if not plan and not name:
             return UNWANTED
@@ -199,19 +203,20 @@ class EventMeasure(Measure):
         self._names.append(name)
         return len(self._plans) - 1
 
-    def _hearing(self, place: int, kind: Kind, where: str, what: str) -> Hearing | None:
+    def _tests(self, place: int, kind: Kind, where: str, what: str) -> TopicTests | None:
+        """Return the tests of a topic for event number `place`; None if the topic has no records for the event."""
         groups = self._groups[place]
         test = _test(self._heard[place], kind, where, what)
         begins = ends = None
         if groups is not None:
             begins, ends = (_test(one, kind, where, what) for one in groups.matchers)
-        return None if test is begins is ends is None else Hearing(place, test, groups, begins, ends)
+        return None if test is begins is ends is None else TopicTests(place, test, groups, begins, ends)
 
     def on_record(self, tag: int, tick: int, value: int) -> None:
         if self.spans is not None and self._names[tag]:
             self.spans.add(self._names[tag])
         plan = self._plans[tag]
-        one: Hearing
+        one: TopicTests
         for one in plan:
             if one.groups is not None:
                 self._hear_of_group(one, tick, value)
@@ -221,9 +226,9 @@ class EventMeasure(Measure):
             self._drain()
 
     def _counts(self, place: int, tick: int, value: int) -> None:
-        """Report an event, or queue it if earlier events are still in the queue."""
+        """Report an event that counts, or queue it if earlier events are still in the queue."""
         if self._queued:
-            self._queue.append(_Seen(place, tick, value, 1))
+            self._queue.append(_QueuedEvent(place, tick, value, 1))
         else:
             self._report(place, tick, value)
 
@@ -251,13 +256,13 @@ class EventMeasure(Measure):
             self._unfinished.append((value, tick))
 
     def measured_at(self, tick: int, number: int) -> None:
-        """Add `number` to the events at which a value was measured."""
+        """Count `number` values as measured at tick `tick`."""
         if self.weighs:
             self.count += number
         elif tick >= self.not_before:
             self._measured += number
 
-    def _hear_of_group(self, one: Hearing, tick: int, value: int) -> None:
+    def _hear_of_group(self, one: TopicTests, tick: int, value: int) -> None:
         """Handle a record that may begin or end an event's group, or be the event that counts in it."""
         groups, place = one.groups, one.place
         assert groups is not None
@@ -269,31 +274,31 @@ class EventMeasure(Measure):
         if groups.nth < 0:
             self._settle(place, 0)
             if groups.inside:
-                self._newest[place] = _Seen(place, tick, value, WAITS)
+                self._newest[place] = _QueuedEvent(place, tick, value, WAITS)
                 self._queue.append(self._newest[place])
                 self._queued = True
         elif groups.is_nth():
             self._counts(place, tick, value)
 
     def _settle(self, place: int, counts: int) -> None:
-        """Decide whether the last occurrence of event number `place` in its group counts.
+        """Decide whether the last occurrence so far of event number `place` in its group counts.
 
         counts: 1 if this event counts, 0 if a later event of its group replaces it.
         """
-        newest: _Seen | None = self._newest.pop(place, None)
+        newest: _QueuedEvent | None = self._newest.pop(place, None)
         if newest is not None:
             newest.counts = counts
 
     def _drain(self) -> None:
         queue = self._queue
         while queue and queue[0].counts != WAITS:
-            seen: _Seen = queue.popleft()
+            seen: _QueuedEvent = queue.popleft()
             if seen.counts:
                 self._report(seen.place, seen.tick, seen.value)
         self._queued = bool(queue)
 
     def happened(self, place: int, tick: int, value: int) -> None:
-        """Handle event number `place` of `matchers`. Called for each event in order."""
+        """Handle an occurrence of event number `place` of `matchers`. Called for each event in order."""
         if place:
             self._level = value
         elif self.series:
@@ -323,7 +328,7 @@ class EventMeasure(Measure):
 
     @property
     def proves_no_zero(self) -> bool:
-        """True if a count of zero proves nothing, because the name of what is counted is free text."""
+        """True if a count of 0 proves nothing: the name of the counted event is free text and may be misspelled."""
         return self.counts and self.matchers[0].free
 
     @property
@@ -365,7 +370,7 @@ class EventMeasure(Measure):
 
 
 def _test(matcher: Matcher, kind: Kind, where: str, what: str) -> ValueTest | None:
-    """Return the test of the value that decides if a record of this topic is the event; None if no value can."""
+    """Return the test of whether a record of a topic is the event; None if no record of the topic can be."""
     test: ValueTest | None = None
     for one in reversed(matcher.each):
         if one.may_be(kind, where, what):

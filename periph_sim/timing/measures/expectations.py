@@ -24,13 +24,15 @@ from .measure import Measure, MeasuredScene
 if TYPE_CHECKING:
     from ...devices.watchers import WireWatcher
 
-WRONG = "whose first wrong character ended at"  # only the text about a wrong reply contains these words
+WRONG = "whose first wrong character ended at"  # explanations recognize the text about a wrong reply by these words
 BAD = 0x100  # this number is added to the value of a character with a wrong parity or without a stop bit
 
 
 class Expected(Struct, frozen=True):
     """An expected reply.
 
+    characters: the characters of the reply.
+    source: the SCI that should send the reply, such as "dsp.SCI-A".
     show: a function that returns characters as text for messages.
     within: the maximum time of the reply, in ticks.
     anywhere: True if other characters may come before the reply.
@@ -44,7 +46,7 @@ class Expected(Struct, frozen=True):
 
 
 class _Occasion(Struct):
-    """One request for a reply, and what was received after the request.
+    """One request for a reply, and the characters that were received after the request.
 
     window: the tick from which characters on the line can be part of the reply.
     since: the tick at which the request ended, from which the reply's time counts; NO_TIME while the request is sent.
@@ -119,7 +121,7 @@ class Reply(Measure):
                 one.next_send = tick
 
     def others_turn(self, tick: int) -> None:
-        """End the wrong replies, because another request begins and later characters belong to the next reply."""
+        """Close the replies that are wrong so far: from `tick` on, characters belong to another request's reply."""
         for one in self._open:
             if one.wrong_at != NO_TIME and (one.ends == NO_TIME or one.ends > tick):
                 one.ends = tick
@@ -173,7 +175,11 @@ class Reply(Measure):
         self._judged += occasion.since >= self.not_before
 
     def _refute(self, occasion: _Occasion) -> None:
-        """Record that the right reply did not come. This lasts up to its limit, or to the next send before it."""
+        """Mark the budget as broken, because the right reply did not come. Ignore a request before `not_before`.
+
+        The fault lasts to the end of the last character that came. If no character was wrong, it lasts to the limit of
+        the reply, or to an earlier send.
+        """
         if occasion.since < self.not_before:
             return
         self._judge(occasion)
@@ -228,12 +234,12 @@ class Reply(Measure):
 
 
 class Unsolicited(Measure):
-    """Number of characters that nothing asked for: after a send (`silence:NAME`) or in a run (`unsolicited replies`).
+    """Number of characters that belong to no expected reply, in a silence (`silence:NAME`) or in the whole run.
 
     A silence is a time in which no character may come.
 
-    name: the send with which a silence begins. The silence lasts until `within` is over or other data is sent. "" for
-        the whole run, in which each character must belong to an expected reply.
+    name: the send with which a silence begins. The silence lasts until the time `within` after the send is over, or
+        until other data is sent. "" for the measure `unsolicited replies`, which counts in the whole run.
     source: the SCI that sent the first of these characters.
     """
 
@@ -298,7 +304,7 @@ class Unsolicited(Measure):
         return in_time or not self.name
 
     def character(self, source: str, begin: int, end: int, value: int) -> None:
-        """Handle a character that belongs to no expected reply. value: plus BAD if the character has an error."""
+        """Handle a character that belongs to no expected reply. value: its value, plus BAD if it has an error."""
         if not self.forbids(begin):
             return
         self.worst += 1

@@ -1,7 +1,7 @@
-"""Makers of measures. A maker is a function that returns a new measure, as the text of a budget names it.
+"""Makers of measures. A maker is a function without arguments that returns a new measure of the kind that a text names.
 
 text --registry--> the sentence of that name --.
-  '--------------------------------------------+--language--> Said --events, names--> Matchers --> Maker --> Measure
+  '--------------------------------------------+--language--> ParsedMeasure --> Matchers of its events --> Maker
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ...devices.sensor_rounds import known_sensors
 from ...f28335.pie.register_map import LINES
 from ..budget_schema import REPLY, SILENCE, SPAN, WATCH
 from ..language.events import ANYTHING, OF_AGENT, Group, Matcher, matcher, stretch_of
-from ..language.language import FORMS, Said, is_form, measure_of, near_form
+from ..language.language import FORMS, ParsedMeasure, is_form, measure_of, near_form
 from ..language.scope import BadEvent, Scope
 from ..language.tokens import name_text
 from .event import FOR_EACH, GIVEN, MEASURED_AT, UNFINISHED, UNLESS, Clauses, EventMeasure
@@ -42,8 +42,8 @@ ROLES = {
     "unfinished": UNFINISHED,
 }
 JITTER = "jitter of "
-UNSAID = Said()
-# A `Maker` is a function that returns a new measure. No run changes it, so all scenes of a case use the same function.
+NO_PARAMETERS = ParsedMeasure()
+# A `Maker` is a function that returns a new measure. It has no state, so all scenes of a case use the same function.
 Maker: TypeAlias = Callable[[], Measure]
 
 
@@ -79,7 +79,10 @@ def check_measure(name: str, sentences: Mapping[str, str]) -> None:
 
 
 def measure_named(text: str, scope: Scope) -> Measure:
-    """Return the measure that a text names. Raise BadEvent if it names none, or events that this scene cannot have."""
+    """Return the measure that a text names.
+
+    Raise BadEvent if the text names no measure, or an event that this scene cannot have.
+    """
     return maker_of(text, scope)()
 
 
@@ -92,23 +95,23 @@ def maker_of(text: str, scope: Scope) -> Maker:
 
 
 def _called(name: str, scope: Scope) -> Maker:
-    """Return the maker of a measure with a fixed name, or of a span, a reply or a watched wire."""
+    """Return the maker of a measure with a fixed name, or with a prefix such as "span:" and a name after it."""
     if name.startswith(SPAN):
         span = name.removeprefix(SPAN)
         quoted = f"'{span}'" if '"' in span else f'"{span}"'
-        return _of_sentence(PHRASES["span"], UNSAID, scope, name=span, quoted=quoted)
+        return _of_sentence(PHRASES["span"], NO_PARAMETERS, scope, name=span, quoted=quoted)
     if name == UNSOLICITED:
         return partial(Unsolicited, "")
     for prefix, kind in PREFIXES.items():
         if name.startswith(prefix):
             return partial(kind, name.removeprefix(prefix))
     if name in MEASURES:
-        return _of_sentence(MEASURES[name], UNSAID, scope)
+        return _of_sentence(MEASURES[name], NO_PARAMETERS, scope)
     if name == OVERFLOWS:
         if scope.uncounted:
             what = "overflows are counted by Python firmware that reports them"
             raise BadEvent(f"{name!r}: {what}, and {scope.uncounted} does not run such firmware; leave the budget out")
-        return _of_sentence(PHRASES[OVERFLOWS], UNSAID, scope)
+        return _of_sentence(PHRASES[OVERFLOWS], NO_PARAMETERS, scope)
     raise _unknown(name, scope.measures)
 
 
@@ -128,7 +131,7 @@ def _unknown(name: str, sentences: Mapping[str, str]) -> BadEvent:
 
 
 # WORDS maps each parameter in the texts of named measures to a function that returns the words in its place.
-WORDS: dict[str, Callable[[Said, Scope], str]] = {
+WORDS: dict[str, Callable[[ParsedMeasure, Scope], str]] = {
     "event": lambda said, scope: said.events[0].text,
     "cpu": lambda said, scope: scope.unit(said.unit),
     "i2c": lambda said, scope: scope.owner(said.unit, "I2C-A"),
@@ -140,7 +143,7 @@ WORDS: dict[str, Callable[[Said, Scope], str]] = {
 }
 
 
-def _of_sentence(sentence: Sentence, said: Said, scope: Scope, **given: str) -> Maker:
+def _of_sentence(sentence: Sentence, said: ParsedMeasure, scope: Scope, **given: str) -> Maker:
     """Return the maker of a named measure. said: the parsed text of the budget. given: parameters not in WORDS."""
     named = f"{sentence.text} {sentence.nothing} {sentence.cut_off}"
     words = given | {name: word(said, scope) for name, word in WORDS.items() if f"{{{name}}}" in named}
@@ -151,13 +154,13 @@ def _of_sentence(sentence: Sentence, said: Said, scope: Scope, **given: str) -> 
     return _of_events(meant, scope, replace(sentence, nothing=nothing, cut_off=sentence.cut_off.format_map(words)))
 
 
-def _phrase(said: Said, scope: Scope) -> Maker:
+def _phrase(said: ParsedMeasure, scope: Scope) -> Maker:
     """Return the maker of a measure whose form is a key of PHRASES: it has parameters or depends on the scene."""
     return _of_sentence(PHRASES[said.form], said, scope)
 
 
-def _of_events(said: Said, scope: Scope, sentence: Sentence = UNNAMED) -> Maker:
-    """Return the maker of a count, a value, a sum or a time from one event to another."""
+def _of_events(said: ParsedMeasure, scope: Scope, sentence: Sentence = UNNAMED) -> Maker:
+    """Return the maker of a count, value or sum of one event, or of a time or a count between two events."""
     first, *others = (matcher(event, scope) for event in said.events)
     clauses = _clauses(said, scope, sentence)
     if not others:
@@ -168,7 +171,7 @@ def _of_events(said: Said, scope: Scope, sentence: Sentence = UNNAMED) -> Maker:
     return partial(Between, others[0], others[1], said.pairing, group, clauses, first, by_unit)
 
 
-def _clauses(said: Said, scope: Scope, sentence: Sentence) -> Clauses:
+def _clauses(said: ParsedMeasure, scope: Scope, sentence: Sentence) -> Clauses:
     asked = [event.text for clause, event in said.clauses if clause == "for each"]
     if said.group not in ("", "unit") and asked:
         what = f"pairs of one {said.group} are counted {said.group} by {said.group}"
@@ -187,13 +190,13 @@ def _clauses(said: Said, scope: Scope, sentence: Sentence) -> Clauses:
     )
 
 
-def _group(said: Said, scope: Scope) -> Group | None:
+def _group(said: ParsedMeasure, scope: Scope) -> Group | None:
     if said.group in ("", "unit"):
         return None
     return stretch_of(said.group, scope, f"'same {said.group}'", "; leave it out")
 
 
-def _jitter(said: Said, scope: Scope) -> Maker:
+def _jitter(said: ParsedMeasure, scope: Scope) -> Maker:
     if said.events:
         make_of = _of_sentence(PHRASES["period"], said, scope)
     else:
@@ -212,27 +215,27 @@ def _jittering(make_of: Maker) -> Measure:
     return measure
 
 
-def _level(said: Said, scope: Scope) -> Maker:
+def _level(said: ParsedMeasure, scope: Scope) -> Maker:
     change, *at = (matcher(event, scope) for event in said.events)
     if at:
         return partial(EventMeasure, at[0], change, form="level", order=(1, 0))
     return partial(EventMeasure, change, form="value")
 
 
-def _stack(said: Said, scope: Scope) -> Maker:
-    """Return the maker of the stack's high-water mark, which is recorded whenever it grows."""
+def _stack(said: ParsedMeasure, scope: Scope) -> Maker:
+    """Return the maker of the measure of the largest depth of the stack, which is recorded whenever it grows."""
     text = "stack high-water"
     high = Matcher(text, Kind.FLAG, frozenset((f"{scope.image(said.unit)}.CPU",)), "stack")
     return partial(EventMeasure, high, form="value")
 
 
-def _gap(said: Said, scope: Scope) -> Maker:
+def _gap(said: ParsedMeasure, scope: Scope) -> Maker:
     if not scope.rounds:
         raise BadEvent(f"{said.text!r} needs [controller] or [rounds] in the scene, which has none")
     return _phrase(said, scope)
 
 
-def _latency(said: Said, scope: Scope) -> Maker:
+def _latency(said: ParsedMeasure, scope: Scope) -> Maker:
     """Return the maker of an interrupt's latency, from the rise of its PIEIFR flag to its routine or first access."""
     unit = scope.vector(said.unit, said.name)
     if said.name not in LINES:
@@ -244,11 +247,11 @@ def _latency(said: Said, scope: Scope) -> Maker:
     return _of_sentence(sentence, said, scope, asked=asked, vector=vector, unit=unit)
 
 
-def _time(said: Said, scope: Scope) -> Maker:
+def _time(said: ParsedMeasure, scope: Scope) -> Maker:
     return partial(TimeIn, _state(said, scope), said.form, duration(said.window) if said.window else None)
 
 
-def _state(said: Said, scope: Scope) -> StateEvents:
+def _state(said: ParsedMeasure, scope: Scope) -> StateEvents:
     assert said.state is not None
     if said.state.cpu:
         unit = frozenset((scope.unit(said.state.unit),))
@@ -262,8 +265,8 @@ def _state(said: Said, scope: Scope) -> StateEvents:
     return StateEvents(said.state.text, tuple(enters), tuple(leaves))
 
 
-def _of_a_race(said: Said, scope: Scope) -> Maker:
-    """Return the maker of a race, of lost flags, or of flags that are cleared along with others."""
+def _of_a_race(said: ParsedMeasure, scope: Scope) -> Maker:
+    """Return the maker of the measure of a race, of lost flags, or of a flag that is cleared along with others."""
     from .modifies import LostFlags, clearing, losing, raced
 
     if said.form == "race":
@@ -274,11 +277,11 @@ def _of_a_race(said: Said, scope: Scope) -> Maker:
     return partial(LostFlags, watched(said.unit, said.name, scope))
 
 
-def _value(said: Said, scope: Scope) -> Maker:
+def _value(said: ParsedMeasure, scope: Scope) -> Maker:
     return _of_events(said, scope) if said.events else _phrase(said, scope)
 
 
-_MAKERS: dict[str, Callable[[Said, Scope], Maker]] = {
+_MAKERS: dict[str, Callable[[ParsedMeasure, Scope], Maker]] = {
     "from": _of_events,
     "period": _phrase,
     "jitter": _jitter,

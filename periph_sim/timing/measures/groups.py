@@ -23,16 +23,18 @@ PAUSE = 2  # number of character times without a frame after which a burst ends
 class Groups:
     """Counts an event within each group, such as a transfer, to find the n-th occurrence.
 
-    nth: which event of each group is wanted, counted from 1; -1 for the last event.
+    nth: the number of the event in each group that counts, from 1; -1 for the last event.
+    inside: True while a group is in progress.
+    matchers: the events that begin and end a group.
     """
 
     STATE = State("inside _seen", ticks="_frame_began _frame_ended")
 
     def __init__(self, group: Group, nth: int) -> None:
         self.nth = nth
-        self.inside = False  # True while a group is in progress
+        self.inside = False
         self._group = group
-        self.matchers: tuple[Matcher, ...] = (group.begin, group.end)  # the events that begin and end a group
+        self.matchers: tuple[Matcher, ...] = (group.begin, group.end)
         self._ends: bool = group.name == "interrupt"  # False if a group lasts until the next group begins
         self._seen = 0
         self._begins_round: Callable[[], bool] | None = None

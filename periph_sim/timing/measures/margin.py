@@ -25,7 +25,7 @@ THINGS = {(Kind.ACCESS, "W I2C-A.I2CDXR"), (Kind.FLAG, "I2CSTR.XRDY")}
 
 
 class _Reads(BusFromWires):
-    """Finds the bytes that the unit sends as a slave, and the tick at which each of them is needed."""
+    """Finds the bytes that the unit sends as a slave, and the tick at which the controller needs each of them."""
 
     def __init__(self, unit: str, measure: Margin) -> None:
         super().__init__(unit)
@@ -89,7 +89,10 @@ class Margin(Measure):
             self._shifting, self._waiting = self._waiting, NO_TIME
 
     def needed(self, let_go: int, rose: int) -> None:
-        """Take the margin of a byte, after SCL has risen for the first bit of this byte."""
+        """Take the margin of a byte, after SCL has risen for its first bit.
+
+        let_go: the tick at which the controller released SCL. rose: the tick at which SCL rose.
+        """
         self.occasion(rose)
         self._copied()
         written, self._shifting = self._shifting, NO_TIME

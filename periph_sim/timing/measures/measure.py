@@ -1,8 +1,8 @@
 """Base class of all measures, which follow the records of a run and keep the worst value and its tick.
 
 Values are not stored, so memory does not grow with the run, unless `keep` is called. For percentiles, `Tally` counts
-equal values in bounded memory. Measures with a fixed name are rows in `registry`. A measure gets from the scene
-(`MeasuredScene`) what records do not show.
+equal values in bounded memory. `registry` has a table of the measures with fixed names. The scene (`MeasuredScene`)
+gives a measure information that records do not contain.
 """
 
 # core: compiled
@@ -103,21 +103,22 @@ LOOKS_BACK = (
     "the whole run",
 )
 MILLIONTHS = 1_000_000  # shares of time and values in LSB are counted in millionths
-READ = "read"  # `occurrence` of measures with a value for each addressed phase, which its START identifies
+READ = "read"  # the `occurrence` of measures that take one value for each addressed phase, at the tick of its START
 
 
 class Measure(Listener):
     """Base of all measures.
 
     worst, least: the largest and the smallest value.
-    worst_until: the end of what was counted, for a measure that is one number for a run; NO_TIME if it is unknown.
+    worst_until: for a count of characters, the end of the first ones, which begin at `worst_at`; else NO_TIME.
     not_before: occurrences before this tick do not count.
     occasions: the number of times at which a value should have been measured, counted on the bus and not by the
         firmware; None if the measure does not count them.
     unit: "time" (ticks), "%" and "LSB" (millionths), or a word for the things that are counted.
     series: True if the measure takes a series of values, which has percentiles; False if it is one number for a run.
-    occurrence: the kind of thing that has a value, such as READ; measures of the same kind can be joined.
-    asked: the name of the occasions, in the plural.
+    occurrence: the kind of thing that has a value, such as READ; "" for other kinds. A budget may join measures of the
+        same kind.
+    asked: the name of the occasions, in the plural, such as "reads asked".
     looks_back: the range of past records on which the next value can depend; one of LOOKS_BACK. STATE lists what the
         measure remembers of these records. Values that were taken are results, not state.
     is_jitter: True if the measure takes the differences between successive values (cycle-to-cycle jitter).
@@ -126,7 +127,7 @@ class Measure(Listener):
     STATE = State("_before _uncompared")
     unit = "time"
     series = True
-    needs = ""  # what the scene must contain: "controller", "rounds", "host", "serial", "SCI"; "" for nothing
+    needs = ""  # what the scene must contain: "I2C-A", "rounds", "host", "serial" or "SCI"; "" for nothing
     asked = ""
     kinds: frozenset[Kind] = frozenset()
 
@@ -144,7 +145,7 @@ class Measure(Listener):
         self.occasions: int | None = 0 if self.asked else None
         self.is_jitter = False
         self._before: int | None = None  # for a jitter: the last value; None before the first value
-        # `_uncompared` is 1 before the first value of a jitter, which has no earlier value to compare with; else 0.
+        # `_uncompared` is 1 for a jitter before its first occasion, at which no difference can be taken; else 0.
         self._uncompared = 0
         self._kept: tuple[array[int], array[int]] | None = None
         self.tally: Tally | None = None  # set before the first value if percentiles are needed
@@ -190,7 +191,7 @@ class Measure(Listener):
         return ""
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
-        """Return (value so far, tick at which it began) of each occurrence that is not over at tick `now`."""
+        """Return (value so far, tick at which the occurrence began) of each occurrence that is not over at `now`."""
         return []
 
     def unfinished_text(self) -> str:
@@ -198,10 +199,10 @@ class Measure(Listener):
         return ""
 
     def close(self, now: int) -> str:
-        """Take the values of unfinished occurrences that exceed all complete values.
+        """Take the values of unfinished occurrences that exceed all complete values. A jitter takes none.
 
-        Return a phrase about these occurrences, or "". In a longer run, the values of these occurrences would have
-        grown, so they never count as the smallest value.
+        Return a phrase about these occurrences; "" if none was taken. In a longer run, their values would have grown,
+        so they do not count as the smallest value if there are complete values.
         """
         if self.is_jitter:
             return ""
@@ -265,14 +266,17 @@ class Measure(Listener):
             self.take(value, when)
 
     def occasion(self, at: int, number: int = 1) -> None:
-        """Count `number` occasions at which a value should be measured. at: the tick that `take` gets with it."""
+        """Count `number` occasions at which a value should be measured. at: the tick that the value will have."""
         if at >= self.not_before:
             assert self.occasions is not None
             self.occasions += number - self._uncompared
             self._uncompared = 0
 
     def refute(self, why: str, at: int, until: int = NO_TIME) -> None:
-        """Mark the budget as broken, whatever values follow. The fault lasts from tick `at` to tick `until`."""
+        """Mark the budget as broken, whatever values follow. The fault lasts from tick `at` to tick `until`.
+
+        Only the first fault is stored. Faults before `not_before` are ignored.
+        """
         if not self.refuted and at >= self.not_before:
             self.refuted, self.refuted_at, self.refuted_until = why, at, at if until == NO_TIME else until
 
@@ -296,7 +300,7 @@ class Measure(Listener):
             self.tally.add(value, at)
 
     def take_unfinished(self, value: int, at: int) -> None:
-        """Take the value of an unfinished occurrence. The value must exceed all earlier values."""
+        """Take the value of an occurrence that is not over. The value must exceed all earlier values."""
         least, least_at, alone = self.least, self.least_at, not self.count
         self.take(value, at)
         self.cut_off += 1
@@ -319,7 +323,7 @@ class MeasuredScene(Protocol):
         """Return the wire watcher with the name of the measure. The watcher passes its results to the measure."""
 
     def rounds_at_start(self) -> Callable[[], bool]:
-        """Return a function to call at the first START of each transfer; it returns True if a round begins."""
+        """Return a function that measures call at each START of a transfer: it returns True if a round begins."""
 
     def began(self) -> int:
         """Return the tick at which the run begins."""
@@ -335,6 +339,7 @@ class MeasuredScene(Protocol):
         """Return pairs (tick, SYSCLKOUT in Hz from then on) of a unit, up to now; of the first unit if `unit` is ""."""
 
     def i2c_release_delay(self, unit: str) -> Callable[[int], int]:
-        """Return a function that maps the tick of a write of I2CDXR, for which SCL is held low, to the ticks up to the
-        release of SCL, with the module's present settings.
+        """Return a function from the tick of a write of I2CDXR to the delay of the release of SCL after it, in ticks.
+
+        The module has held SCL low until this write. The delay is that of the module's present settings.
         """

@@ -11,7 +11,7 @@ flags that may have been lost are counted by place, so memory does not grow with
 The measure of lost flags counts these flags. `raced`, `losing` and `clearing` return the register that a measure of
 races or of lost flags names.
 
-Reads and writes are matched as `records/read_modify_write.py` matches them in a recording of a whole run. Both modules
+`records/read_modify_write.py` matches reads and writes in the same way, in the recording of a whole run. Both modules
 use `records/cleared_flags.py` to judge the cleared flags.
 """
 
@@ -156,12 +156,13 @@ class Recent:
 
 
 @final
-class Topic:
-    """All records of one kind, place and thing.
+class JudgedTopic:
+    """A topic: accesses to one register, or changes of one flag.
 
-    flag: the flag whose changes are recorded; None for accesses.
-    register: the register; None for accesses to registers that are not judged.
     recent: the accesses of the unit in the last cycles.
+    register: the register, or that of the flag; None if its flags are not judged.
+    reads: True if the records are reads of the register.
+    flag: the flag whose changes are recorded; None for accesses.
     """
 
     __slots__ = ("flag", "reads", "recent", "register")
@@ -176,9 +177,9 @@ class Topic:
 class Modifies(RecordSink):
     """Finds the flags that read-modify-writes cleared unintentionally.
 
-    concerns: a function that returns True if records of a kind, place and thing are evaluated.
-    is_about: a function that returns True if records of a kind, place and thing access a register whose flags are
-        judged. Accesses to other registers are only counted.
+    concerns: a function from (kind, place, thing) that returns True if such records are evaluated.
+    is_about: a function from (kind, place, thing) that returns True if such accesses are to a register whose flags are
+        judged. Other accesses only count as passed when the read that belongs to a write is searched.
     status: True if all status registers are judged, and no other registers.
     writes: the number of writes to the judged registers, with or without a read.
     recent: a dictionary from a unit to its accesses in the last cycles.
@@ -196,13 +197,16 @@ class Modifies(RecordSink):
         self._clocks: list[tuple[int, Fraction]] = []  # pairs (tick, SYSCLKOUT in Hz from then on) up to now
         self._known = 0  # number of entries of `_clocks` that were evaluated
         self._spare: Access | None = None  # the first of a linked list of Access objects that can be used again
-        self._topics: list[Topic] = []  # the topics, indexed by tag
+        self._topics: list[JudgedTopic] = []  # the topics, indexed by tag
         self.recent: dict[str, Recent] = {}  # maps a unit to its accesses in the last cycles
         # `_registers` maps the unit and the name of a register to the judged register.
         self._registers: dict[tuple[str, str], ClearedRegister] = {}
 
-    def clock_is(self, per_second: int, clocks: list[tuple[int, Fraction]]) -> None:
-        """Set the clocks: pairs (tick, SYSCLKOUT in Hz from then on). Later changes are appended to this list."""
+    def set_clocks(self, per_second: int, clocks: list[tuple[int, Fraction]]) -> None:
+        """Set the number of ticks per second, and the history of SYSCLKOUT.
+
+        clocks: pairs (tick, SYSCLKOUT in Hz from then on). The owner appends later changes to this list.
+        """
         self._per_second, self._clocks = Fraction(per_second), clocks
         self._retuned()
 
@@ -221,13 +225,13 @@ class Modifies(RecordSink):
             flag: Flag | None = None if register is None else register.flag(field)
             if flag is None:
                 return UNWANTED
-            topic = Topic(Recent(), register, False, flag)
+            topic = JudgedTopic(Recent(), register, False, flag)
         else:
             about = self._status or self._is_about(kind, where, what)
             register = self._register(where, what[2:]) if about else None
             if where not in self.recent:
                 self.recent[where] = Recent()
-            topic = Topic(self.recent[where], register, what.startswith("R "), None)
+            topic = JudgedTopic(self.recent[where], register, what.startswith("R "), None)
         self._topics.append(topic)
         return len(self._topics) - 1
 
@@ -241,15 +245,15 @@ class Modifies(RecordSink):
         return self._registers[key]
 
     def places(self, tag: int) -> int:
-        """Return for which accesses with this tag the statement must be recorded (see `RecordSink.places`).
+        """Return NOWHERE or OF_MODIFIES: for which accesses with this tag the sink needs the statement.
 
-        A write belongs to an earlier read only if the same statement made both.
+        The statement is needed because a write belongs to an earlier read only if the same statement made both.
         """
         topic = self._topics[tag]
         return NOWHERE if topic.register is None or topic.flag is not None else OF_MODIFIES
 
     def keep(self, tag: int, number: int, tick: int, value: int, text: Text, cause: int, field: Text) -> None:
-        topic: Topic = self._topics[tag]
+        topic: JudgedTopic = self._topics[tag]
         if topic.flag is not None:
             topic.flag.register.flag_changed(topic.flag, number, tick, value, cause)
             return
@@ -281,7 +285,10 @@ class Modifies(RecordSink):
             newest.after = one
 
     def _landed(self, write: Access, register: ClearedRegister, recent: Recent) -> None:
-        """Handle a write. The nearest read of the same field in the same statement, if there is one, belongs to it."""
+        """Handle a write: find the nearest earlier read of the same field in the same statement, to which it belongs.
+
+        If there is no such read, the write is not judged.
+        """
         passed: int
         passed, one = 0, recent.newest
         while one is not None and passed < OVERTAKEN:
@@ -319,9 +326,9 @@ class Modifies(RecordSink):
                 self._forget(recent, recent.newest.tick + 1)
 
     def cleared(self, name: str = "") -> Cleared:
-        """Return the flags that were cleared unintentionally.
+        """Return the number of flags that were cleared unintentionally, and when.
 
-        name: a flag to return, whether firmware had read it or not; "" for all flags that firmware had not read.
+        name: the only flag to count, whether or not firmware had read it; "" for all flags that firmware had not read.
         """
         found = Cleared()
         for _, gone in self._cleared(name):
@@ -329,7 +336,10 @@ class Modifies(RecordSink):
         return found
 
     def named(self, name: str = "") -> str:
-        """Return a phrase with the flags that `cleared` counts, how often each was cleared, and where; "" for none."""
+        """Return a phrase with the flags that `cleared` counts, how often each was cleared, and where; "" for none.
+
+        name: as for `cleared`.
+        """
         counts = {what: gone.count for what, gone in self._cleared(name)}
         return "; ".join(f"{what}, {counted(count, 'time')}" for what, count in counts.items() if count)
 
@@ -377,7 +387,7 @@ class LostFlags(Measure):
         return {Kind.FLAG: [f"{unit}.{register}" for unit in watched.units for register in CLEARABLE]}
 
     def listen(self, scene: MeasuredScene) -> None:
-        self.modifies.clock_is(scene.ticks_per_second(), scene.clock_history(self.watched.unit))
+        self.modifies.set_clocks(scene.ticks_per_second(), scene.clock_history(self.watched.unit))
 
     def subscribe(self, recorder: Recorder) -> None:
         recorder.subscribe((Kind.ACCESS,), self.modifies)

@@ -7,7 +7,7 @@
 results of `periph-sim races` (`records/races.py`, `records/read_modify_write.py`). The measure of races stores its
 records in such a table and evaluates them when the run is over:
 
-    records --Kept--> records.Run, when the run is over --> distances in cycles
+    records --RaceRecords--> records.Run, when the run is over --> distances in cycles
 """
 
 from __future__ import annotations
@@ -89,7 +89,8 @@ def between(
 def rows_of(matcher: Matcher, table: RecordTable) -> NDArray[np.int64]:
     """Return the rows at which an event happened, in order.
 
-    Raise BadEvent for an event that is limited to one per group, such as "last ... of transfer": only budgets find it.
+    Raise BadEvent for an event that is limited to one per group, such as "last ... of transfer", which only budgets in
+    a scene can recognize.
     """
     if matcher.group is not None:
         raise BadEvent(f"{matcher.text!r}: over a recorded run every one is found; leave first, last or the number out")
@@ -119,8 +120,8 @@ def happened(table: RecordTable, event: str) -> Ticks:
     return table.tick[rows_of(matcher(event, scope_of_table(table)), table)]
 
 
-class Kept(Columns):
-    """Stores the records that concern the watched register."""
+class RaceRecords(Columns):
+    """Stores the records for a measure of races: accesses of the register's unit, and changes of the register."""
 
     def __init__(self, watched: Watched) -> None:
         super().__init__()
@@ -133,8 +134,8 @@ class Kept(Columns):
 class Race(Measure):
     """Distance, in SYSCLKOUT cycles, of each CPU read of a status register to the nearest change of the bits read.
 
-    All records of the register are stored, and evaluated after the run like a recorded run.
-    Nothing is proven if a wait was skipped and its polls near a change cannot be reconstructed.
+    The records are stored, and evaluated after the run like a recorded run. The simulator can skip the polls of a
+    wait. Nothing is proven if skipped polls near a change cannot be reconstructed.
     """
 
     STATE = State("_kept_records")
@@ -145,7 +146,7 @@ class Race(Measure):
         super().__init__()
         self.looks_back = "the whole run"
         self.watched = watched
-        self._kept_records: Columns = Kept(watched)
+        self._kept_records: Columns = RaceRecords(watched)
         self._unplaced = 0
 
     @property
@@ -171,7 +172,7 @@ class Race(Measure):
         self._kept_records.clear()
         try:
             cycles, ticks, self._unplaced = distances(run, self.watched.name)
-        except NotInRun:  # never accessed: nothing was measured, and `missing` says so
+        except NotInRun:  # firmware never accessed the register, so no value is taken
             return
         for value, at in zip(cycles.tolist(), ticks.tolist(), strict=True):
             self.take(value, at)

@@ -1,4 +1,4 @@
-"""Measures of pairs of events: time from each first event to its second, and number of third events in between.
+"""Measures of pairs of events: the time from the first event to the second, or the number of third events between.
 
     A1   A2        B1   B2
     |----+---------|    |      in order: the n-th A with the n-th B
@@ -8,8 +8,8 @@
          |---------|           last: each B with only the last A since the previous B; B2 has no such A
 
 If no pairing is given and another A comes before the B of the first A, it is not known which events belong together,
-so nothing is proven. With the rule `same unit`, only events of the same unit are paired. A period is the time from an
-event to the next event of the same kind.
+so nothing is proven. With the rule `same unit`, only events of the same unit are paired. A third event is an event of
+another kind that is counted between A and B. A period is the time from an event to the next event of the same kind.
 """
 
 # core: compiled
@@ -30,7 +30,7 @@ FIRST, SECOND, START, STOP = range(4)  # indices in `matchers`: the events of a 
 
 
 class _Waiting:
-    """First events that wait for their second event, with the number of third events that came before each of them.
+    """First events that wait for their second event, with the number of third events before each of them.
 
     oldest: the tick of the event that has waited longest; NO_TIME if no event waits.
     oldest_counted: the number of third events before it.
@@ -76,7 +76,7 @@ class _Waiting:
 
 
 class Between(EventMeasure):
-    """Time from each event to the event of another kind that belongs to it, or number of third events in between.
+    """Time from each first event to the second event that belongs to it, or number of third events between the two.
 
     counted: the third event, which is counted between the two events of a pair; None to measure the time.
     pairing: "in order", "next" or "last"; empty if only one first event may wait at a time.
@@ -198,7 +198,7 @@ class Between(EventMeasure):
             self._group_over()
 
     def unfinished(self, now: int) -> list[tuple[int, int]]:
-        if self._rule is not None and self._stopped:  # not every first event has a second event in its group
+        if self._rule is not None and self._stopped:  # after the STOP, a first event may remain alone
             return []
         found: list[tuple[int, int]] = []
         for waiting in self._of_unit.values():

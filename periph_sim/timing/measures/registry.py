@@ -22,13 +22,13 @@ class Sentence(Struct, frozen=True):
     """A named measure.
 
     about: a description for the documentation; "" if the text of the measure explains it.
-    cost: the number of records that the measure handles in 0.1 s (five rounds) of timing/imu_hil_published.toml.
+    cost: the number of records that the measure handles when timing/imu_hil_published.toml runs for 0.1 s (5 rounds).
     looks_back: the range of past records on which the next value can depend; one of LOOKS_BACK. If the measure needs
         records that `timing/derived` makes, the range includes the records from which they are made.
     asked: a noun in the plural for the events of the clause `for each`, at which a value should be measured.
     nothing: a phrase that says why nothing was measured; None if the measure finds the reason itself.
-    unproven: a phrase that says why nothing is proven if the event of the clause `given` did not happen.
-    cut_off: a phrase that names the event of the clause `unfinished`.
+    unproven: for a clause `given`, a phrase that says why nothing is proven if its event did not happen.
+    cut_off: a phrase that says which occurrence was not over when the run ended, for a clause `unfinished` or a pair.
     unknown: for each clause `unless`, a pair (noun, reason). If the event of the clause happened, the budget is not
         judged, with a reason such as "3 reads may carry other frames" from ("read", "may carry other frames").
     """
@@ -65,7 +65,7 @@ MEASURES = {
     ),
     "round": Sentence(
         "from record round begin to record round end, for each record round due",
-        "From a round's begin to its last STOP. How late the controller itself begins is left out.",
+        "From the start of a round to its last STOP. If the controller itself begins late, this delay does not count.",
         "this round",
         asked=ROUNDS,
         nothing="no round was completed",
@@ -96,7 +96,7 @@ MEASURES = {
     "wrong bytes": Sentence(
         "sum of record data wrong bytes, for each record data bytes asked, measured at record data bytes compared, "
         "unless record data zeros, unless record data unknown bytes",
-        "Bytes read that are not what they should be: `expect` of the request, or what a host frame makes them.",
+        "Bytes read that differ from `expect` of the request, or from the values of host frames.",
         "the whole run",
         asked="bytes asked",
         unknown=(
@@ -115,7 +115,7 @@ MEASURES = {
     ),
     "model age": Sentence(
         "value of record data model age{of}, for each record data chip read{of}, given record data model run",
-        "From the end of the last host frame that was whole when the models began to every read of what they made.",
+        "From the end of the last host frame before the models began to each read of the values that they computed.",
         "the whole run",
         asked=READS,
         nothing="no chip was read after a host frame had come",

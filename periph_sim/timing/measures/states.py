@@ -26,7 +26,7 @@ from .event import EventMeasure
 from .measure import MILLIONTHS, MeasuredScene
 
 if TYPE_CHECKING:
-    from .event import Hearing
+    from .event import TopicTests
 
 WAIT, ROUTINE = 0, 1  # indices in `StateEvents.nests`
 
@@ -70,7 +70,8 @@ class StateEvents(Struct, frozen=True):
 class BusiestWindow:
     """Finds the window of a given length in which a state lasts longest.
 
-    This window begins when the state begins, or it ends when the state ends, so no other windows are evaluated.
+    A busiest window can be found among the windows that begin or end with the state or with the run. So only these
+    windows are evaluated.
     most: the share of the state in this window, in millionths; -1 until the first window is over.
     """
 
@@ -179,7 +180,7 @@ class TimeIn(EventMeasure):
             self.spans.add(self._names[tag])
         plan = self._plans[tag]
         enters = leaves = False
-        one: Hearing
+        one: TopicTests
         for one in plan:
             if self._nests:
                 enters = self._is_idle == self._waits(one.place, value)
@@ -196,7 +197,10 @@ class TimeIn(EventMeasure):
             self._ends(tick)
 
     def _waits(self, place: int, value: int) -> bool:
-        """Store the start (1) or the end (0) of a wait or service routine. Return True if the CPU waits after this."""
+        """Store the start or the end of a wait or service routine. Return True if the CPU waits after this event.
+
+        place: WAIT or ROUTINE. value: 1 for the start, 0 for the end.
+        """
         under_way = self._under_way
         if value:
             under_way.append(place)
@@ -217,7 +221,7 @@ class TimeIn(EventMeasure):
             self.count += 1
 
     def _ends(self, at: int) -> None:
-        """End a time in the state, because the state was left or the run ends."""
+        """End the present time in the state at tick `at`, because the state was left or the run ends."""
         since, self._since = self._since, NO_TIME
         if self._windows is not None:
             self._windows.ends(at)

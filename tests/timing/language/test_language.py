@@ -6,7 +6,7 @@ import pytest
 from msgspec.structs import replace
 
 from periph_sim.timing.language.events import Event, event_of
-from periph_sim.timing.language.language import FORMS, Said, is_form, measure_of, near_form
+from periph_sim.timing.language.language import FORMS, ParsedMeasure, is_form, measure_of, near_form
 from periph_sim.timing.language.scope import BadEvent
 from periph_sim.timing.language.tokens import Words
 
@@ -113,34 +113,34 @@ def test_a_measure(text: str, form: str, events: list[str], rules: str, unit: st
     said = measure_of(text)
     assert [event.text for event in said.events] == events
     pairing, _, group = rules.partition(",")
-    assert said == Said(form, said.events, text, unit=unit, name=name, pairing=pairing, group=group)
+    assert said == ParsedMeasure(form, said.events, text, unit=unit, name=name, pairing=pairing, group=group)
 
 
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("value error", Said("value", instant="first bit")),
-        ("value error of gyroscope at first bit", Said("value", name="gyroscope", instant="first bit")),
-        ("value error at frame", Said("value", instant="frame")),
-        ("cpu load of imu per 20 ms", Said("cpu", unit="imu", window="20 ms")),
-        ("bus load per 1.5 s", Said("bus", window="1.5 s")),
-        ("interrupt latency XINT1 to first access", Said("interrupt", name="XINT1", access=True)),
-        ("jitter of slack", Said("jitter", of=Said("slack"))),
-        ("jitter of interrupt latency XINT1", Said("jitter", of=Said("interrupt", name="XINT1"))),
-        ("jitter of bus load", Said("jitter", of=Said("bus"))),
-        ("jitter of age of gyroscope", Said("jitter", of=Said("age", name="gyroscope"))),
-        ("jitter of span:model and more", Said("jitter", name="span:model and more")),
-        ("SCL held per transfer", Said("SCL")),
-        ("SCL held per transfer by imu", Said("SCL", unit="imu")),
-        ("margin of imu:I2CDXR", Said("margin", unit="imu")),
-        ("margin of I2C-A.I2CDXR", Said("margin")),
-        ("reaction", Said("reaction")),
-        ("model age of magnetometer", Said("model", name="magnetometer")),
-        ("model age", Said("model")),
-        ("interrupt latency imu:XINT1", Said("interrupt", unit="imu", name="XINT1")),
+        ("value error", ParsedMeasure("value", instant="first bit")),
+        ("value error of gyroscope at first bit", ParsedMeasure("value", name="gyroscope", instant="first bit")),
+        ("value error at frame", ParsedMeasure("value", instant="frame")),
+        ("cpu load of imu per 20 ms", ParsedMeasure("cpu", unit="imu", window="20 ms")),
+        ("bus load per 1.5 s", ParsedMeasure("bus", window="1.5 s")),
+        ("interrupt latency XINT1 to first access", ParsedMeasure("interrupt", name="XINT1", access=True)),
+        ("jitter of slack", ParsedMeasure("jitter", of=ParsedMeasure("slack"))),
+        ("jitter of interrupt latency XINT1", ParsedMeasure("jitter", of=ParsedMeasure("interrupt", name="XINT1"))),
+        ("jitter of bus load", ParsedMeasure("jitter", of=ParsedMeasure("bus"))),
+        ("jitter of age of gyroscope", ParsedMeasure("jitter", of=ParsedMeasure("age", name="gyroscope"))),
+        ("jitter of span:model and more", ParsedMeasure("jitter", name="span:model and more")),
+        ("SCL held per transfer", ParsedMeasure("SCL")),
+        ("SCL held per transfer by imu", ParsedMeasure("SCL", unit="imu")),
+        ("margin of imu:I2CDXR", ParsedMeasure("margin", unit="imu")),
+        ("margin of I2C-A.I2CDXR", ParsedMeasure("margin")),
+        ("reaction", ParsedMeasure("reaction")),
+        ("model age of magnetometer", ParsedMeasure("model", name="magnetometer")),
+        ("model age", ParsedMeasure("model")),
+        ("interrupt latency imu:XINT1", ParsedMeasure("interrupt", unit="imu", name="XINT1")),
     ],
 )
-def test_what_else_a_measure_says(text: str, said: Said):
+def test_what_else_a_measure_says(text: str, said: ParsedMeasure):
     assert replace(measure_of(text), text="") == said
 
 

@@ -58,7 +58,7 @@ class Both:
 
     def __init__(self) -> None:
         self.all, self.made, self.recorder = Columns(), Modifies(every, every, True), Recorder()
-        self.made.clock_is(CYCLE, [(0, Fraction(1))])
+        self.made.set_clocks(CYCLE, [(0, Fraction(1))])
         for party in (self.all, self.made):
             self.recorder.subscribe(KINDS, party)
         self.now = 0

@@ -6,6 +6,9 @@
 
 pytest loads this module wherever periph_sim is installed, so this module imports only pytest. Models and numpy are
 imported when the first case is built. `-p no:periph-sim` turns the plugin off.
+
+A case is a TOML file with a simulated system and its budgets, which are limits for measured values. The figures of a
+budget are its worst value, its limit, its margin and other numbers of its verdict.
 """
 
 from __future__ import annotations
@@ -29,7 +32,7 @@ MARKER = (
     "case(file, *changes, seconds=None, record=False): "
     "the case that fixture case_run runs, with KEY=VALUE changes as for periph-sim run --set"
 )
-_in_tests: list[pytest.Item] = []  # the running tests; more than one while a test runs a pytest session of its own
+_in_tests: list[pytest.Item] = []  # the running tests; more than one if a test itself runs a pytest session
 _completion: Completion | None = None  # reports the end of the session to the parent process (see `_begin`)
 
 
@@ -57,10 +60,10 @@ def pytest_load_initial_conftests(early_config: pytest.Config) -> Iterator[None]
 
 @pytest.hookimpl(wrapper=True, tryfirst=True)
 def pytest_cmdline_main(config: pytest.Config) -> Generator[None, int | None, int | None]:
-    """Start the child process of a session with cases if there is none yet. Report the end of the session.
+    """Start the child process (see `_begin`) of a session with cases if it has none yet. Report the session's end.
 
-    In the environment of a pytest-xdist worker, `pytest_load_initial_conftests` starts no child process. A session that
-    a test starts inherits this environment, although the session is not a worker.
+    The session has none yet if PYTEST_XDIST_WORKER is set, because `pytest_load_initial_conftests` then regards the
+    process as a worker of pytest-xdist. It may be no worker, but a session that a test in a worker has started.
     """
     if _in_tests:
         return (yield)
@@ -88,9 +91,9 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Col
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_protocol(item: pytest.Item) -> Iterator[None]:
-    """Store which test is running. The figures of all budgets that are judged meanwhile are added to this test.
+    """Store which test is running. The figures of all budgets that are judged during the test are added to it.
 
-    A run does not determine its test, because fixtures of any scope make runs, and a run may outlive a test.
+    A run cannot be assigned to one test when it is made, because several tests may share the run of a fixture.
     """
     item.config.stash[current] = item
     _in_tests.append(item)

@@ -24,7 +24,7 @@ KNOWN = "known to break"
 
 
 def case_file(path: Path, parent: pytest.Collector) -> CaseFile | None:
-    """Return the collector of a case file; None if the file is not a case or is outside the ini option's folders."""
+    """Return the collector of a case file; None if it is no case or is not at a path of ini option periph_sim_cases."""
     wanted = [place.resolve() for place in parent.config.getini(CASES)]
     if not any(path.resolve().is_relative_to(place) for place in wanted) or not is_case(path):
         return None

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...timing.verdict import Verdict
 
 HEAD = "periph-sim/"
-FIRST = "verdict"  # the first figure of each budget
+FIRST = "verdict"  # the name of the first property of each budget
 UNBROKEN = 10_000  # number of columns of a table with names of tests, so that a long name is on one line
 VALUES = ("worst", "limit", "margin")
 
@@ -51,7 +51,7 @@ Judged = tuple[str, str, dict[str, Any]]  # "case/budget"; the test; a dictionar
 def judged(longest: Mapping[str, Sequence[Property]]) -> list[Judged]:
     """Return the budgets that tests have judged, in the order of the tests.
 
-    longest: a dictionary from each test to its properties.
+    longest: a dictionary from each test to the properties in that of its reports that has the most.
 
     A budget that a test judged several times with the same figures is returned once.
     """

@@ -101,7 +101,7 @@ class Run:
     timebase: Timebase
     start: int  # the tick at which the run began
     records: RecordTable | None
-    hangs: tuple[str, ...]  # sentences about lines and firmware that are stuck forever
+    hangs: tuple[str, ...]  # sentences about wires that are held, and firmware that waits, until the end of the run
     _transfers: list[Transfer]
     _edges: Capture | None
     _typical: list[Verdict]
@@ -137,11 +137,11 @@ class Run:
         return self._edges
 
     def explained(self, verdicts: Sequence[Verdict]) -> list[tuple[Window, Chain | None]]:
-        """Return the window and the explanation of the worst occurrence, for each verdict that has an instant.
+        """Return, for each verdict that has an instant, a window and the explanation of the worst occurrence.
 
-        The case is run once more for this purpose. Firmware that is given as a function is not run again. Instead, the
-        window is made from the records of the run, if they were kept. Otherwise, it is made from the edges of the
-        wires, and the explanation is None.
+        A window contains the records around an occurrence. To get them, the case is run once more. Firmware that is
+        given as a function is not run again: its window is made from the records of the run or, if they were not kept,
+        from the edges of the wires. In the last case, the explanation is None.
         """
         case = self.plan.case
         if not self.plan.programs:

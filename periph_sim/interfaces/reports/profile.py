@@ -111,7 +111,7 @@ def speedscope(
     """Return the flame graph as JSON. It has the call stacks of each unit in alphabetical order, with their seconds.
 
     name: the title of the flame graph.
-    place_of: as `PlaceOf`.
+    place_of: a function from a unit and a function's name to the location of the function.
     """
     frames: dict[Frame, int] = {}
 
@@ -241,12 +241,15 @@ class Profiled(Struct, frozen=True):
 
 
 def profiled(
-    case: Case, length: Fraction | None = None, told: Callable[[float], None] | None = None, coverage: bool = False
+    case: Case,
+    length: Fraction | None = None,
+    on_progress: Callable[[float], None] | None = None,
+    coverage: bool = False,
 ) -> Profiled:
     """Run a case and return the profiles of its images.
 
     length: the duration of the run in seconds; None for the duration that the case states.
-    told: a function that is called with the completed share, 0 to 1.
+    on_progress: a function that is called with the completed share, 0 to 1.
     coverage: True to count the executions of each instruction, too.
 
     Raise BadCase if no unit runs an image, or if an image lacks the line information that coverage needs.
@@ -265,7 +268,7 @@ def profiled(
         if coverage:
             found.coverage[name] = Coverage()
             program.watch_instructions(found.coverage[name])
-    scene.run(length, told)
+    scene.run(length, on_progress)
     for name, profile in found.profiles.items():
         since = programs[name].asleep_since
         if since is not None:

@@ -142,7 +142,8 @@ def check(
     """Run cases and compare them with their baselines.
 
     jobs: the number of processes; None for one per core. With 1, all cases run in this process.
-    tolerance: the largest allowed difference of times: an int is a number of cycles, a Fraction is in seconds.
+    tolerance: the largest allowed difference of times: an int or `Cycles` is a number of SYSCLKOUT cycles, a Fraction
+        is in seconds.
     update: True to write the figures as new baselines, all or none.
     changes: "key=value" texts that are applied to every case, to see their effect.
     keep_values: True to keep the values of budgets in the outcomes.
@@ -239,7 +240,7 @@ def _compared(outcome: Outcome, baseline: Baseline | None, tolerance: int | Tole
 
 
 def _cycles(tolerance: int | Tolerance, figures: Baseline) -> Fraction | int:
-    """Return a tolerance in cycles of the case with these figures."""
+    """Convert a tolerance to cycles. figures: the figures of the case, with the length of its cycle in ticks."""
     if isinstance(tolerance, int):
         return tolerance
     return in_cycles(tolerance, Fraction(figures.ticks_per_second, figures.ticks_per_cycle))
@@ -286,11 +287,12 @@ def _explain(
 def _chains(
     outcome: Outcome, baseline: Baseline | None, start: Start, every: bool
 ) -> Callable[[], dict[str, EventLine]] | None:
-    """Start a run that finds the chains of all budgets in the baseline. Return a function that waits for the chains.
+    """Start a run that finds the chains of the budgets in the baseline. Return a function that waits for the chains.
 
-    Return None if no run is needed. If the chains must be equal to those in the baseline, store them in the outcome.
+    If this run certainly has the chains of the baseline (see `Baseline.chains_of`), copy them to the outcome and return
+    None. Also return None if no budget has an occurrence with a chain.
 
-    every: True to find the chains of all budgets of the case.
+    every: True to find the chains of all budgets of the case, in the baseline or not.
     """
     kept = None if baseline is None else outcome.figures.chains_of(baseline)
     if kept is not None:
@@ -345,7 +347,7 @@ def workers(jobs: int | None, calls: int) -> Iterator[Start]:
 
         yield here
         return
-    gc.collect()  # firmware of earlier runs must be stopped by the thread that ran it, and not by a thread of the pool
+    gc.collect()  # deletes earlier scenes here: their firmware must not be stopped by a thread of the pool
     with ThreadPoolExecutor(min(jobs or os.cpu_count() or 1, calls)) as threads:
 
         def there(work: Callable[[Path, *Ts], T], path: Path, *rest: *Ts) -> Callable[[], T]:

@@ -51,7 +51,10 @@ def in_repository(path: Path) -> str:
 
 
 def _cause(budget: str, chain: Chain, title: str) -> list[str]:
-    """Return a `::warning` for the firmware line that the explanation blames, if it is in a file below this folder."""
+    """Return a `::warning` for the firmware line that the explanation blames, if its file is below the current folder.
+
+    Otherwise, return an empty list.
+    """
     part = chain.blamed
     if part is None or part.place is None or part.place.file is None:
         return []

@@ -128,7 +128,7 @@ def first_divergence(before: list[str], now: list[str], cycles: Callable[[int], 
     The phrase names the event that moved most. If the first event that differs is another event, the phrase names it,
     too. The first event alone is not sufficient, because it may differ only by the duration of a poll. The n-th event
     with a text is compared with the n-th event with the same text. Therefore, an event that moved past another event is
-    described as later.
+    described as later, and not as missing.
 
     cycles: a function that formats ticks as cycles.
     """

@@ -1,6 +1,6 @@
 """Run of a case in a worker process, with an Outcome that can be sent between processes.
 
-This module uses no terminal, command line or table.
+This module prints nothing and parses no command line, because it is imported in worker processes.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from .files import BadCheck, Baseline, Figures
 class Outcome:
     """The result of running a case file.
 
-    breaks: the names of the budgets that must break.
+    breaks: the names of the budgets that must break according to the case.
     lines: a dictionary from each budget to its line in the file, or to 0 if the line is unknown. A condition that is
         joined to a budget by `and` has the line of the budget.
     breaks_line, name_line: the lines of the keys `breaks` and `name` in the file; 0 if unknown.

@@ -97,9 +97,9 @@ def _table(check: CaseCheck, since: tuple[str, Baselines] | None) -> list[str]:
 
 
 def _change(verdict: Verdict, before: Baseline | str, now: Baseline) -> str:
-    """Return the change of a budget's value since the earlier baseline, exactly, or why there is none.
+    """Return the exact change of a budget's value since the earlier baseline, or the reason why there is none.
 
-    Baselines contain no percentiles, so for a percentile it is the change of the largest value.
+    Baselines contain no percentiles. For a percentile, the change of the largest value is returned.
     """
     if isinstance(before, str):
         return before
@@ -125,5 +125,5 @@ def _change(verdict: Verdict, before: Baseline | str, now: Baseline) -> str:
 
 
 def _cell(text: str) -> str:
-    """Return a text that is one line of a Markdown table's cell."""
+    """Escape a text for a cell of a Markdown table, and replace its line feeds by spaces."""
     return text.replace("\\", "\\\\").replace("|", "\\|").replace("<", "&lt;").replace("\n", " ")

@@ -1,7 +1,8 @@
 """Undocumented behaviours that a run assumes in an occurrence or shortly before it.
 
-A run collects the names of all options whose answers it has used. To know the names for an occurrence, the run is
-repeated, and the collected names are removed at the ends of the occurrence. Only failures are worth this.
+Each of these behaviours has an option, and a run collects the names of all options that it has used. To find the names
+for one occurrence, the run is repeated: the collection is emptied shortly before the occurrence and read at its end.
+Because this takes time, it is done only for failures.
 """
 
 from __future__ import annotations
@@ -18,7 +19,7 @@ from ....traces.capture.capture import Span
 from .occurrence import occurrence
 
 SHORTLY = Fraction(180, 1_000_000)  # seconds before an occurrence that count as shortly before it: 18 bits at 100 kHz
-LATEST = 1.0  # seconds of a run that are repeated at most, only for the names of these options
+LATEST = 1.0  # in seconds; `assumed_in` repeats a run only for occurrences up to this instant
 
 
 def shortly_before(begin: int, end: int, timebase: Timebase) -> Span:
@@ -27,7 +28,7 @@ def shortly_before(begin: int, end: int, timebase: Timebase) -> Span:
 
 
 def advance(scene: Scene, until: int, spans: Sequence[Span | None]) -> list[tuple[str, ...]]:
-    """Run a scene up to a tick. Return for each span the sorted names of the options whose answers were used in it."""
+    """Run a scene up to a tick. Return, for each span, the sorted names of the options that were used in this span."""
     found: list[set[str]] = [set() for _ in spans]
     since = scene.kernel.now
     for tick in sorted({tick for span in spans if span for tick in span if since < tick < until} | {until}):
@@ -44,7 +45,8 @@ def advance(scene: Scene, until: int, spans: Sequence[Span | None]) -> list[tupl
 def assumed_in(case: Case, result: Result, length: Fraction | None) -> dict[str, tuple[str, ...]]:
     """Repeat a failed run. Return a dictionary from each broken budget to the options used in its worst occurrence.
 
-    It has no options for occurrences that have no instant or come later than LATEST. They are not worth the second run.
+    Budgets whose worst occurrence has no instant or is later than LATEST are left out, because a long second run is not
+    worth its time. Return {} if the firmware fails in the second run.
 
     length: the duration of the run in seconds; None for the duration that the case states.
     """
@@ -59,6 +61,6 @@ def assumed_in(case: Case, result: Result, length: Fraction | None) -> dict[str,
         ]
         try:
             found = advance(scene, min(max(span.end for span in spans), end), spans)
-        except FirmwareError:  # the firmware does not repeat itself
+        except FirmwareError:  # the firmware behaves differently in the second run
             return {}
     return {verdict.name: names for verdict, names in zip(broken, found, strict=True)}

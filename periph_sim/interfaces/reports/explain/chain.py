@@ -107,7 +107,8 @@ class Chain:
     typical_holds: True if the least critical occurrence keeps the limit. In this case, the difference from it explains
         why the occurrence exceeds the limit.
     more: for each part, the length minus the length in the least critical occurrence; the largest difference first.
-    assumed: as in `Window`.
+    assumed: the options that decided undocumented behaviours in the occurrence or shortly before it, if a limit is
+        broken; otherwise empty.
     """
 
     verdict: Verdict
@@ -125,8 +126,9 @@ class Chain:
     def blamed(self) -> Part | None:
         """The cause of the occurrence: `blame`, or the part with a place in the firmware that explains the length best.
 
-        If the least critical occurrence keeps the limit, the best part is the part that differs most from it in the
-        direction in which the limit is exceeded. Otherwise, the best part is the longest part.
+        If the least critical occurrence keeps the limit, this is the part whose length differs most between the two
+        occurrences, in the direction in which the limit is exceeded. Otherwise, or without such a difference, it is the
+        longest part. None if these parts have no place.
         """
         if self.blame is not None:
             return self.blame

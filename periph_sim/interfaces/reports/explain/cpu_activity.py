@@ -94,7 +94,7 @@ def timeline(window: Window, unit: str, begin: int, end: int, kinds: Collection[
             stack, at, hole, bottom = [], hole.begin, None, UNKNOWN
         found.append(_top(stack, at, record.tick, bottom))
         if record.value and record.kind is not Kind.IRQ and not stack:
-            bottom = CODE  # before and after an outermost span or wait, the firmware executes other code
+            bottom = CODE  # after this outermost span or wait, the firmware executes other code
         at = max(at, record.tick)
         _move(stack, record)
     found.append(_top(stack, at, end, bottom))
@@ -159,8 +159,9 @@ def _top(stack: Sequence[Record], begin: int, end: int, bottom: Doing) -> Stretc
 def all_episodes(window: Window, unit: str, begin: int, end: int) -> list[Stretch]:
     """Return the service routines, spans and waits of a unit that overlap the time between two ticks.
 
-    They are in the order in which they begin. If one record ends several activities, each of them has the enclosing
-    activities of the outermost of them. For example, a service routine of an image ends together with its function.
+    They are in the order in which they begin. If one record ends several nested activities, `Stretch.within` is the
+    same for all of them: the activities around the outermost one. For example, the service routine of an image and the
+    function that implements it end together.
     """
     stack: list[Record] = []
     over: list[tuple[Record, Sequence[Record], int]] = []

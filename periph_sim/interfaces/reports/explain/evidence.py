@@ -92,7 +92,7 @@ class Evidence:
         return next(reversed(open_at(self.window, self.unit, tick)), None)
 
     def doing_at(self, tick: int) -> tuple[str, FirmwarePlace | None]:
-        """Return the firmware's activity at a tick, or in other code the last access, as a phrase with its place."""
+        """Return the firmware's activity at a tick as a phrase, and its place. In other code, name the last access."""
         part = self.blame_at(tick)
         if part is not None:
             return f"{part}, begun {self.span(part.length)} before", part.place
@@ -224,7 +224,7 @@ class Evidence:
         return self.window.timebase.ticks(table.low or Fraction(1, 2) / table.rate, "nearest")
 
     def due_before(self, due: int) -> int:
-        """Return the tick at which the round before the one at `due` was due; `due` if there are no rounds."""
+        """Return the tick at which the round before the round at tick `due` was due; `due` if there are no rounds."""
         ticks, controller = CaseTicks(self.case, self.window.timebase, self.window.start), self.case.controller
         starts = ticks.starts("rounds") or ()
         table = controller or self.case.rounds
@@ -235,8 +235,8 @@ class Evidence:
     def stretches(self, begin: int, end: int) -> list[tuple[int, int]]:
         """Return the stretches of SCL between two ticks.
 
-        Each is a pair of ticks: the end of the controller's own low time, and the rise of SCL. A low phase that is one
-        tick longer is not stretched: the ticks of edges are rounded if the controller's clock has an error in ppm.
+        Each is a pair of ticks: the end of the controller's own low time, and the rise of SCL. A low time that is only
+        one tick longer than the controller's is no stretch, because the ticks of edges may be rounded.
         """
         return [
             (max(fall + self.low, begin), min(rise, end))

@@ -93,9 +93,9 @@ def _of_bus(evidence: Evidence, begin: int, end: int) -> list[Stretch]:
 
 
 def _activities(evidence: Evidence, party: str, begin: int, end: int, what: str) -> list[Stretch]:
-    """Return the activities of the unit for which the bus waits.
+    """Return stretches for a time in which the bus waits for a party.
 
-    If the party is not a unit, return one stretch with the text `what`.
+    For a unit, these are the activities of its firmware. For another party, return one stretch with the text `what`.
     """
     return (
         evidence.for_unit(party).timeline(begin, end)
@@ -207,7 +207,7 @@ def _on_the_bus(evidence: Evidence, ends: Ends) -> list[Step]:
 
 
 def _stopped(evidence: Evidence, end: int) -> list[Step]:
-    """Return steps for a wait that does not end, for the firmware's last access before the wait, and for its causes."""
+    """Return steps for a wait that does not end, for the last access before the wait, and for causes of this access."""
     wait = waited_for(evidence, end)
     since = evidence.window.at + wait[0].at if wait else end
     accesses = [r for r in evidence.window.records if r.kind is Kind.ACCESS and r.where == evidence.unit]

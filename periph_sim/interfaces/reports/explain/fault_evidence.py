@@ -1,8 +1,10 @@
 """Causes of a wrong byte, a NACK or a hang: Steps with the write or read that is the cause.
 
-byte on the bus --> the write of I2CDXR from which it came, possibly for another read; FF --> why SDA is not driven
-NACK of an address --> the write of I2COAR, IRS = 0, or the missing write; NACK of a byte --> NACKMOD = 1
-wait that ended at once in a transfer, by a flag that was set before the transfer --> the rise of the flag
+byte on the bus --> the write of I2CDXR that put it there, which may have been meant for an earlier read
+byte 0xFF on the bus --> the reason why no party drives SDA
+NACK of an address --> the write of a wrong I2COAR or of IRS = 0, or the missing write
+NACK of a byte --> the write of NACKMOD = 1
+wait that a flag from before the transfer ended at once --> the read of this flag, and when the flag rose
 RSFULL --> I2CDRR was not read
 read of a memory --> the word address of each byte, and the last write to this address among the recorded transfers
 notes of a device on broken rules --> the last note before the end of the read; this note is the cause if it
@@ -123,12 +125,12 @@ def refusing(evidence: Evidence, tick: int) -> list[Step]:
 
 
 def is_master(evidence: Evidence, tick: int) -> bool:
-    """Return True if the unit's module is the master at a tick. In this case, another party sends the NACKs."""
+    """Return True if the unit's module is the master at a tick. Another party then answers the bytes that it sends."""
     return evidence.last_set(tick, "I2CMDR.MST") is not None
 
 
 def stale(evidence: Evidence, phase: RecordedPhase) -> list[Step]:
-    """Return a step for the first read in a transfer of a flag that was set before the transfer.
+    """Return a step for the first read, during a phase, of a flag that rose before the START of the transfer.
 
     Such a flag ends a wait at once. Return an empty list if there is no such read.
     """
@@ -176,7 +178,7 @@ WORD = re.compile(r"0x[0-9a-f]{4}\b")  # a word address in a note
 
 
 def sender(evidence: Evidence, phase: RecordedPhase) -> str:
-    """Return the device that sends the bytes of a read to the unit; "" if a unit sends the bytes."""
+    """Return the device that sends the bytes of a read to the unit; "" if a unit sends them or the phase is a write."""
     if not phase.read or not is_master(evidence, phase.begin) or any(_answers(evidence, phase)):
         return ""
     return evidence.devices.get(phase.address, "") or phase.name or f"the device at 0x{phase.address:02X}"

@@ -3,9 +3,9 @@
 wrong reply                        --> the request, and the writes of characters that differ from the expected ones
                                        (the expected text comes from the case and not from a record)
 characters that nothing asked for  --> their writes, after a send or in the whole run
-reply that never came              --> the interrupts, the characters read and the waits that gave up since the request
-                                       began, and the firmware's
-                                       activity at its limit, or at the next send before it
+reply that never came              --> the interrupts, the characters read and the waits that timed out since the
+                                       request began, and the firmware's activity at the time limit of the reply, or at
+                                       the next send of the host if this is earlier
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from .evidence import Evidence
 from .occurrence import never_came
 
 MOST_CHARACTERS = 8  # maximum number of wrong characters that are listed
-MOST_TIMEOUTS = 4  # maximum number of waits that gave up, and are listed
+MOST_TIMEOUTS = 4  # maximum number of waits that are listed because they timed out
 MOST_READ = 16  # maximum number of characters that are listed as read
 
 
-WrongCharacter = tuple[Record, Step, int | None]  # the start of its frame, its write, and the expected value if any
+WrongCharacter = tuple[Record, Step, int | None]  # start of its frame, write of SCITXBUF, expected value or None
 
 
 def request_of(evidence: Evidence) -> list[Step]:
@@ -87,8 +87,8 @@ def wrong_characters(evidence: Evidence) -> list[WrongCharacter]:
 def _unsolicited(evidence: Evidence, name: str) -> list[tuple[Record, Record]]:
     """Return the frames of the occurrence, with their writes, from the SCI that sent the first frame.
 
-    name: the name of the send after which the SCI must be silent. UNSOLICITED for the whole run; then only the SCIs are
-        judged to which the case sends, or from which it expects replies.
+    name: the name of the send after which the SCI must be silent; UNSOLICITED for the whole run. In the whole run, the
+        SCIs are judged to which the case sends or from which it expects replies.
     """
     serial, begin = evidence.case.serial, evidence.window.begin
     assert serial is not None
@@ -138,7 +138,7 @@ def _wrong(evidence: Evidence, asked: list[Record]) -> list[WrongCharacter]:
 
 
 def _expected(evidence: Evidence) -> tuple[int, ExpectTable]:
-    """Return the number and the table of the expected reply."""
+    """Return the position of the expected reply among the replies of the case, from 0, and its table."""
     assert evidence.case.serial is not None
     name = evidence.window.verdict.measure.removeprefix(REPLY)
     return next((n, one) for n, one in enumerate(evidence.case.serial.expect) if one.name == name)

@@ -4,8 +4,9 @@
     recorded run, verdicts ------------------------------------------------------^
 
 Runs are deterministic, so the second run has the same occurrences. It ends after the last range. The records in the
-ranges and shortly before them are kept, and of earlier records with the same `kind`, `where` and `what` the last one,
-as the state at the start of a range. The needed memory does not grow with the length of the run.
+ranges and shortly before them are kept. Of the earlier records, only the last one with each combination of `kind`,
+`where` and `what` is kept: together they are the state at the start of a range. The needed memory does not grow with
+the length of the run.
 """
 
 from __future__ import annotations
@@ -45,8 +46,8 @@ BITS = 18  # minimum extent of a picture in bits: two bytes with their ACKs
 BIT = Fraction(1, 100_000)  # length of a bit in seconds if there is no SCL
 
 WRONG_BYTES, I2C_BUS = "wrong bytes", "I2C"  # the measure whose verdict has expected bytes, and their bus
-# A wrong byte: the bus, and the tick of the START and the place of the byte in the read, from 0; or the wire of a
-# character, the tick of its start bit, and 0.
+# Identification of a wrong byte. On I2C: I2C_BUS, the tick of the phase's START, and the position of the byte in the
+# read, from 0. On a serial line: the wire, the tick of the start bit, and 0.
 WrongByte = tuple[str, int, int]
 
 
@@ -246,13 +247,13 @@ class _Keeper:
 
     @property
     def failures(self) -> list[Span | None]:
-        """For each occurrence that breaks a limit, the ticks of it and shortly before it; None for the others."""
+        """The ticks of each occurrence, and shortly before it, if its limit is broken; None for other occurrences."""
         spans = ((one.verdict.broken, shortly_before(one.begin, one.end, self._timebase)) for one in self._wanted)
         return [span if broken else None for broken, span in spans]
 
     @property
     def awaits_bytes(self) -> bool:
-        """True if the expected bytes of a wrong read are not known yet, because they come with its STOP."""
+        """True if the expected bytes of a wrong read are not known yet, because they are recorded at its STOP."""
         known = {tick for _, tick, _ in self._expected}
         return any(one.verdict.measure == WRONG_BYTES and one.begin not in known for one in self._wanted)
 

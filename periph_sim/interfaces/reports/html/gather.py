@@ -51,7 +51,7 @@ class BudgetReport:
     distribution, over_time: None if the budget has a single number per run.
     timeline: the timeline around the worst value; None if the worst value has no instant.
     explanation: the explanation of the worst value; None if the worst value has no instant.
-    failure: a description of the failure, also of one that the case expects; None if the budget holds.
+    failure: a description of the failure, also of one that the case expects; None if the budget holds as it should.
     per_second: the number of ticks per second.
     others: more occurrences beyond a limit, in order of time: for each, its instant in ticks from the start of the run,
         and its timeline.
@@ -131,11 +131,12 @@ def case_report(
 
     result: the result of the run.
     values: the values of each budget, in the order of the budgets.
-    typical: the result of `Scene.typical`.
+    typical: the least critical occurrence of each budget, as verdicts (the result of `Scene.typical`).
     per_second: the number of ticks per second.
     length: the duration of the run in seconds; None for the duration that the case states.
     changes: the "key=value" texts with which the case was read.
-    findings: the findings of `check`; the case passes if there are none. With None, it passes if the run passes.
+    findings: the findings of `periph-sim check`; the case passes if the list is empty. None without a check; the case
+        then passes if the run passes.
 
     Raise the errors of a Scene and its run.
     """
@@ -191,15 +192,16 @@ def report_of_file(
 def _others(
     case: Case, per_second: int, verdicts: Sequence[Verdict], overs: Sequence[OverTime | None]
 ) -> list[Verdict]:
-    """Return further occurrences beyond the limits of failed budgets, as verdicts.
+    """Return further occurrences beyond the limits of broken budgets, as verdicts.
 
-    The worst value and the instant of such a verdict are those of the occurrence.
+    The worst value and the instant of such a verdict are those of the occurrence. Budgets that the case expects to
+    break are left out.
     """
     found = []
     for verdict, over in zip(verdicts, overs, strict=True):
         if over is None or not verdict.broken or verdict.name in case.breaks or verdict.at_s is None:
             continue
-        size = {"us": 1_000_000 / per_second, "LSB": 1e-6}.get(verdict.unit, 1)  # the factor from values to the unit
+        size = {"us": 1_000_000 / per_second, "LSB": 1e-6}.get(verdict.unit, 1)  # a stored value 1, in verdict.unit
         shown = shown_violations(over, _ticks(verdict.at_s, per_second))
         found += [replace(verdict, worst=value * size, at_s=at / per_second) for at, value in shown]
     return found
@@ -250,8 +252,8 @@ def _ticks(seconds: float | None, per_second: int) -> int:
 def _limits(budget: Budget, verdict: Verdict) -> list[tuple[str, str]]:
     """Return the key and the text of each limit.
 
-    The text is the limit as the case states it. If conditions are joined to the budget, the key contains the measure.
-    For the limit that the verdict names, the text is the limit as it was compared with the worst value.
+    The text is the limit as the case states it. Only for the limit that the verdict names, it is the number with which
+    the worst value was compared. If the budget has further conditions (key `and`), each key begins with its measure.
     """
     found = []
     parts: list[Budget | Condition] = [budget, *budget.also]
@@ -329,8 +331,8 @@ class Failure:
     count: the number of occurrences beyond the limit, or "".
     why: the cause, or "".
     place: the location in the firmware with which the sentence `why` ends, or "".
-    source: the firmware's line at this location. If there is none, the line of the last step of the explanation that
-        has a location. None if there is no such step.
+    source: the line of the firmware at this location. If the cause has no location, the line at the location of the
+        last step of the explanation that has one. None if no step has one, or if the file cannot be read.
     """
 
     what: str

@@ -127,7 +127,7 @@ def shown_violations(over: OverTime, worst_at: int) -> tuple[tuple[int, int], ..
 
 FIELD_WIDTH = 1000  # width of the field (the plot area) in the units of the SVG paths
 NEAR = 1.5  # a limit is drawn if its distance from the values is at most this multiple of the values' range
-ROOM = 0.08  # margin above and below, as a fraction of the height of the field
+ROOM = 0.08  # margin above and below the values and the drawn limits, as a fraction of their range
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ class TimePlot:
 
 
 def shown_unit(over: OverTime, per_second: int) -> tuple[str, int]:
-    """Return the unit to show, and the size of this unit in units of the values."""
+    """Return the unit in which values are shown, and its size in the unit of the stored values, such as ticks."""
     largest = max(max(abs(c.low), abs(c.high)) for c in over.columns)
     return scale_of(over.unit, largest, per_second // 10**9)[:2]
 

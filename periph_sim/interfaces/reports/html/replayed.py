@@ -98,7 +98,7 @@ def _whole(report: Report) -> BudgetReport:
 
 
 def _budget(case: Case, per_second: int, verdict: Verdict, window: Window | None) -> BudgetReport:
-    """Return the report of a session's budget."""
+    """Return the report of a budget, which only the replay of a session (I2C and UART together) judges."""
     timeline = None if window is None else _lanes(case, per_second, window).timeline()
     wrong = failure(verdict, False, None, None, per_second)
     limits = ((verdict.which, f"{verdict.limit}"),)
@@ -147,7 +147,7 @@ def _place(divergence: Divergence, window: Window) -> SourceLocation | None:
 
 
 def _expected(divergence: Divergence, window: Window) -> dict[WrongByte, int]:
-    """Return the expected value of a wrong byte that the firmware sent."""
+    """Return the wrong byte of a divergence with its expected value; {} if the firmware did not send a wrong byte."""
     if not divergence.expected.startswith("data read "):
         return {}
     for transfer in i2c.transfers(window.edges):
@@ -159,7 +159,10 @@ def _expected(divergence: Divergence, window: Window) -> dict[WrongByte, int]:
 
 
 def _with_capture(timeline: Timeline, agreed: float, side: Side, divergence: Divergence, window: Window) -> Timeline:
-    """Add lanes with the capture. agreed: the tick, in the replay, of the last event that is equal in both."""
+    """Add lanes with the capture.
+
+    agreed: the tick in the replay of the last event that is equal in the capture and in the replay.
+    """
     says = Texts({text: number for number, text in enumerate(timeline.says)})
     kept = window.kept[0].begin - window.begin, window.kept[-1].end - window.begin
 

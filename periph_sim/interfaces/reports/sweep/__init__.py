@@ -2,5 +2,6 @@
 
 case, {key: values} --plan--> changes of each run --workers--> a Row for each run --columns--> Sweep
 
-The order of the rows is that of the changes, and does not depend on the number of workers.
+A row is the result of one run, or the reason why the run could not be made. The order of the rows is that of the
+changes, and does not depend on the number of workers.
 """

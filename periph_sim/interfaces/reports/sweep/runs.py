@@ -32,7 +32,7 @@ from ....scene.prepared import PreparedScene
 from ....scene.result import Result
 from .. import REFUSED
 
-Value: TypeAlias = object  # a number, a boolean, a text as after "=" in `--set`, or a list or table of these
+Value: TypeAlias = object  # a number, a boolean, a text as after "=" in `--set`, or a list of these
 Run: TypeAlias = Mapping[str, Value]
 Changes: TypeAlias = Mapping[str, Iterable[Value]] | Iterable[Run | str | Sequence[str]]
 

@@ -171,7 +171,7 @@ Program = Callable[[Any, Any], None]
 
 
 class SweepStopped(KeyboardInterrupt):
-    """Error that Ctrl-C or SIGTERM stopped a sweep. finished: the completed runs. runs: the number of all runs."""
+    """Raised after Ctrl-C or SIGTERM. finished: the figures of the completed runs. runs: the number of all runs."""
 
     def __init__(self, finished: Sweep, runs: int) -> None:
         super().__init__(f"the sweep was stopped after {len(finished)} of {runs} runs")

@@ -176,7 +176,10 @@ def _largest(
 
 
 def _measurable(case: Case) -> Case:
-    """Return the case without budgets that belong to other firmware, so that its units cannot have these budgets."""
+    """Return the case without the budgets that its units cannot measure.
+
+    If a row takes its units from another case, budgets about the original firmware may not fit these units.
+    """
     try:
         Scene(case)
     except BadCase:

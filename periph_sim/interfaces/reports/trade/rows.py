@@ -1,6 +1,6 @@
 """The choices for a scene. Each is a row, and the most accurate row is the first.
 
-firmware     an image, C sources, or Python with stated costs, from other cases
+firmware     that of the case or of other cases: an image, C sources, or Python with stated costs
 arithmetic   the number format of sensor models in Python firmware, at the cost that the case states
 recording    none, .psr or .vcd
 """

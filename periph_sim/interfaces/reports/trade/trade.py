@@ -69,7 +69,7 @@ def costs_of(rows: Mapping[str, tuple[Case, str]], start: Fraction, length: Frac
 
 
 def are_apart(costs: Sequence[Cost]) -> bool:
-    """Return True if any two of the costs differ by more than the sum of their spreads."""
+    """Return True if each cost differs from every other cost by more than the sum of both spreads."""
     return all(one.is_below(other) for one, other in pairwise(sorted(costs, key=lambda cost: cost.cpu_s)))
 
 

@@ -58,7 +58,7 @@ class PolledCapture:
         self.left = deque(captured)
         self.notes: list[str] = []
         self._shift = 0  # positions by which the transfers in `left` move
-        # The captured transfer that is being played. After polls were added or removed, it is the rest of this transfer.
+        # The captured transfer that is being played; after polls were added or removed, the rest of this transfer.
         self._captured = Transfer((), None, None)
         # From the position after `_from[i]` on, times are `_shifts[i]` later than in the capture.
         self._from: list[int] = [-1]

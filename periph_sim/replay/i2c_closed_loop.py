@@ -117,9 +117,7 @@ class CapturedController:
         self._captured: list[Edge] = []
         self._edges: list[Edge] = []  # as captured, but with low phases shortened to `longest_low`
         self._moves: list[Move] = []
-        self._answers: deque[tuple[int, int]] = (
-            deque()
-        )  # (index of a phase, number of moves up to its ACK bit)
+        self._answers: deque[tuple[int, int]] = deque()  # (index of a phase, number of moves up to its ACK bit)
         self._plan = plan
         self._kernel = kernel
         self._on_end = on_end

@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING
 import click
 
 from ...timing.verdict import BROKEN, NOT_JUDGED, SEEN
-from .command_frame import apart, command, command_line, print_json, print_table, progress, running_user_code, say
+from .command_frame import (
+    command,
+    command_line,
+    print_json,
+    print_table,
+    progress,
+    require_distinct_outputs,
+    running_user_code,
+    say,
+)
 from .shared_options import CHANGES, GUARANTEED, JSON, tolerance_option
 from .watch import note_inputs
 
@@ -71,7 +80,7 @@ def check(
         raise click.UsageError("--update-baseline with --set: a baseline is of the unchanged case; remove one of them")
     if since is not None and summary_file is None:
         raise click.UsageError("--since is for --summary; give both")
-    apart(junit=junit_file, html=html_file, summary=summary_file)
+    require_distinct_outputs(junit=junit_file, html=html_file, summary=summary_file)
     refused: list[RejectedCase] = []
     with running_user_code(), ExitStack() as outputs:
         project = project_of(Path())

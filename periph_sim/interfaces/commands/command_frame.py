@@ -38,7 +38,7 @@ Section = Literal["run", "understand", "traces", "sensors"]
 class Command(click.Command):
     """A command whose messages about its command line suggest the fix."""
 
-    former: Mapping[str, str] = {}  # from former names of options to the present ones
+    former: Mapping[str, str] = {}  # a dictionary from former names of options to the present ones
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         args = [self._renamed(ctx, text) for text in args]
@@ -48,7 +48,7 @@ class Command(click.Command):
         except click.NoSuchOption as error:
             long = [name[2:] for one in self.params for name in one.opts if name[:2] == "--"]
             unknown, near = error.option_name, nearest(error.option_name.lstrip("-"), long)
-            for text in given:  # a long option with a missing dash is read as short ones
+            for text in given:  # click reads a long option with only one dash as several short options
                 meant = nearest(text[1:], long) if SINGLE_DASH.match(text) and unknown[1] in text else []
                 if meant:
                     unknown, near = text, meant[:1]
@@ -63,7 +63,7 @@ class Command(click.Command):
             raise
 
     def _renamed(self, ctx: click.Context, text: str) -> str:
-        """Return an argument with the present name of an option in place of a former one, with a notice."""
+        """Replace a former name of an option in an argument by the present name, and print a notice."""
         name, equals, value = text.partition("=")
         new = self.former.get(name)
         if new is None:
@@ -77,7 +77,7 @@ SINGLE_DASH = re.compile(r"-[A-Za-z][\w-]+")
 
 
 def _split_change(given: Sequence[str]) -> tuple[str, str]:
-    """Return key and value of a --set that has a blank beside "=" or instead of it; ("", "") if there is none."""
+    """Find a --set with a blank beside "=" or in place of it. Return its key and value; ("", "") if there is none."""
     for n, option in enumerate(given[:-2]):
         key = given[n + 1].rstrip(":= ")
         value, unit, *_ = *(word.removeprefix("=").strip() for word in given[n + 2 :] if word != "="), "", ""
@@ -355,7 +355,7 @@ def check_file_name(place: Path) -> None:
         raise click.ClickException(f"{place.name!r} is no name for files; expected letters, digits, '_' and '-'")
 
 
-def apart(**outputs: Path | None) -> None:
+def require_distinct_outputs(**outputs: Path | None) -> None:
     """Raise ClickException if two options name the same output file. outputs: the path that each option names."""
     taken: dict[Path, str] = {}
     for option, path in outputs.items():

@@ -62,7 +62,7 @@ def register_shells() -> None:
 
 
 def silently(offer: Complete) -> Complete:
-    """Return a function that offers the same values, prints nothing, and offers none if they cannot be found."""
+    """Return a function that offers the values of `offer` and prints nothing. It offers no values if `offer` raises."""
 
     def offered(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
         with open(os.devnull, "w", encoding="utf-8") as nowhere, redirect_stdout(nowhere), redirect_stderr(nowhere):
@@ -94,7 +94,7 @@ def complete_budget(context: click.Context, parameter: click.Parameter, begun: s
 
 @silently
 def complete_key(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Offer the keys of the case, each with the sign = behind it."""
+    """Offer the keys of the case, each followed by "="."""
     schema, definitions = _case_schema()
     return next_parts((f"{key}=" for key in _keys(_tree(context), schema, definitions)), begun)
 
@@ -116,7 +116,7 @@ def complete_field(context: click.Context, parameter: click.Parameter, begun: st
 
 @silently
 def complete_question(context: click.Context, parameter: click.Parameter, begun: str) -> list[str]:
-    """Offer wires and fields, each with the sign @ behind it."""
+    """Offer wires and fields, each followed by "@"."""
     return next_parts((f"{name}@" for name in (*WIRES, *_fields())), begun)
 
 
@@ -155,7 +155,10 @@ def _fields() -> Iterator[str]:
 
 
 def _tree(context: click.Context) -> dict[str, Any]:
-    """Return the tables in the case on the command line. Raise OSError or ValueError if there is none."""
+    """Return the tables in the case on the command line.
+
+    Raise StopIteration if the line names no case, and OSError or ValueError if the case cannot be read.
+    """
     named = [context.params.get(name) for name in ("case", "case_file")]
     given = [*named, *(context.params.get("paths") or ()), *context.args]  # args: arguments that are not assigned yet
     path = next(Path(one) for one in given if one is not None and str(one).endswith(".toml"))
@@ -213,7 +216,7 @@ def _is_obsolete(schema: Schema) -> bool:
 
 
 def _entries(tables: list[Any]) -> dict[str, Any]:
-    """Return the tables in a list by their names, or by their numbers if they have none."""
+    """Return a dictionary from names to the tables in a list. A table without a name has its index, from 0, as name."""
     return {str(one.get("name", n)): one for n, one in enumerate(tables) if isinstance(one, dict)}
 
 

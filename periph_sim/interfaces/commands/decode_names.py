@@ -43,8 +43,8 @@ class NamedDevice:
 
     device: an object with `addresses`, `answer` and `on_end`.
     label: the model, or the name of its table in the case.
-    assumed: the end of a note on the scale that was assumed for quantities, if the capture shows no earlier write of
-        the registers; otherwise "".
+    assumed: the end of a note. The note says which scale of quantities was assumed, because the capture shows no write
+        to the registers before the quantities are read. "" if nothing was assumed.
     """
 
     def __init__(self, scene: Scene, device: Any, label: str) -> None:

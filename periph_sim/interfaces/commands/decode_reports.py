@@ -51,7 +51,8 @@ def counts(rows: Rows, first: Numbers, buses: Sequence[Bus], capture: Capture) -
     counted = (data, data & (rows.detail == READ), refusals(rows), is_fault | (rows.event == CUT))
     sums = [np.add.reduceat(column.astype(np.int64), begins) for column in counted] if len(begins) else []
     ends = np.maximum.reduceat(rows.end, begins) if len(begins) else rows.end
-    again = np.append(rows.event[begins[1:]] == AGAIN, False)[: len(begins)]  # a repeated START ends this message
+    # For each message, `again` is True if the message ends with a repeated START.
+    again = np.append(rows.event[begins[1:]] == AGAIN, False)[: len(begins)]
     ends = np.where(again, np.append(rows.at[begins[1:]], 0)[: len(begins)], ends)
     transfers = np.searchsorted(first, begins, side="right")
     columns = zip(

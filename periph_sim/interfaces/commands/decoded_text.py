@@ -94,11 +94,11 @@ def in_style(style: str, named: NamedByte) -> str:
     return f"({text})" if style == "transfer" else f", {text}"
 
 
-Shown = Callable[[str, int | None, int, str], str]  # a function from event, value, bits and detail to a text
+EventFormat = Callable[[str, int | None, int, str], str]  # a function from event, value, bits and detail to a text
 
 
 def said_in_transfer(event: int, value: int, bits: int, detail: int) -> str:
-    """Return the text of a row as `in_transfer` does. The arguments are the cells of the row."""
+    """Format a row as `in_transfer` does. The arguments are the numbers in the cells of the row."""
     return in_transfer(EVENTS[event], None if value < 0 else value, bits, DETAILS[detail])
 
 
@@ -142,7 +142,7 @@ def _value(event: str, value: int | None, bits: int) -> str:
     return f"0x{value:0{-(-bits // 4)}X}{character}"
 
 
-SHOWN: dict[str, Shown] = {"table": in_table, "csv": in_csv, "json": in_json}
+SHOWN: dict[str, EventFormat] = {"table": in_table, "csv": in_csv, "json": in_json}
 TITLES = {"table": f"{'event':<14}{GAP}value\n", "csv": "event,value,bits,detail\n", "json": ""}
 NAMED_TITLES = TITLES | {"csv": "event,value,bits,detail,register,meaning\n"}
 
@@ -237,7 +237,7 @@ def _when(rows: Rows, clock: Clock | None, full: bool, pad: bytes) -> list[tuple
     return columns
 
 
-def events_column(rows: Rows, shown: Shown) -> Words:
+def events_column(rows: Rows, shown: EventFormat) -> Words:
     """Return the column of events. The column has few different texts, even if there are many rows."""
     held = rows.value >= 0
     bits = np.where(held, rows.bits, 0).astype(np.int64)

@@ -1,4 +1,4 @@
-"""The files that `new --live` writes: the case of a live session, in which the session's log moves the lines.
+"""The files that `new --live` writes: the case of a live session, in which the log of the session drives the wires.
 
 case file, its changes --+
 log --> wires, duration -+--> case with [outside], and with new budgets if the case file has none

@@ -10,7 +10,7 @@ from pathlib import Path
 import click
 
 from ...scene.case.load import load
-from .command_frame import apart, command, print_answer, progress, running_user_code
+from .command_frame import command, print_answer, progress, require_distinct_outputs, running_user_code
 from .shared_options import CHANGES, JSON, SECONDS
 
 
@@ -43,7 +43,7 @@ def profile(
     from ...traces.formats import atomic_write
     from ..reports import profile as report
 
-    apart(speedscope=speedscope, lcov=lcov)
+    require_distinct_outputs(speedscope=speedscope, lcov=lcov)
     with running_user_code(), ExitStack() as outputs:
         flames = None if speedscope is None else outputs.enter_context(atomic_write(speedscope))
         lines = None if lcov is None else outputs.enter_context(atomic_write(lcov))

@@ -139,10 +139,11 @@ class LoopCalls(CallListener):
     def once_per_pass(self, handlers: set[str], since: int) -> str:
         """Return the function that the outermost loop calls once in each pass; "" if no loop calls a function.
 
-        It is the first of those that the loop calls least often. It is "", too, if the loop has made too few passes.
+        This is the function with the fewest calls from the loop, the first one if there are several. Also return "" if
+        it was called fewer than OFTEN times.
 
-        handlers: names of service routines, which no function calls. since: functions whose last call was up to this
-            tick are not in the loop.
+        handlers: names of service routines, which no function calls.
+        since: a tick; a function whose last call was not after this tick is not in the loop.
         """
         for caller in self.callers:
             recent = {name: count for name, (count, last) in caller.callees.items() if last > since}
@@ -202,7 +203,7 @@ def _case(path: Path, program: Tree, comments: list[str], notes: list[str]) -> W
     program: the keys of the case that name the program.
     comments, notes: lines that precede the other comments and notes.
     """
-    name = re.sub(r"[^\w.-]", "_", Path(abspath(path)).stem)  # "." and ".." have names, too
+    name = re.sub(r"[^\w.-]", "_", Path(abspath(path)).stem)  # abspath replaces "." and ".." by the folder's name
     target = Path(f"{name}.toml")
     if target.exists():
         raise click.ClickException(f"{target}: exists already; move it, or type the command in another folder")
@@ -259,7 +260,7 @@ def _work(dsp: Dsp, seen: Seen) -> int:
 
 
 def _measures(scene: Scene, dsp: Dsp, seen: Seen, calls: LoopCalls) -> dict[str, str]:
-    entered = {topic.what: topic.records // 2 for topic in seen.of(Kind.IRQ)}  # an entry and a return each
+    entered = {topic.what: topic.records // 2 for topic in seen.of(Kind.IRQ)}  # two records: entry and return
     found = {f"latency of {vector}": f"interrupt latency {vector}" for vector in entered}
     found |= {
         f"period of {vector}": f"period of interrupt {vector} enter"
@@ -347,6 +348,8 @@ def _notes(scene: Scene, dsp: Dsp, seen: Seen) -> Iterator[str]:
 
 def _as_seen(tree: Tree, target: Path, measures: dict[str, str]) -> list[Tree]:
     """Run the case. Return a budget for each measure that has a value, with this value plus MARGIN % as the limit.
+
+    Periods with fewer than OFTEN - 1 values, and measures that do not fit the case, have no budget.
 
     Pins without an edge in the run are removed from the unit in `tree`.
     """

@@ -11,7 +11,6 @@ import click
 
 from ...core.text_table import columns
 from .command_frame import (
-    apart,
     command,
     command_line,
     i2c_address_given,
@@ -19,6 +18,7 @@ from .command_frame import (
     print_table,
     progress,
     read_capture,
+    require_distinct_outputs,
     running_user_code,
     say,
     time_given,
@@ -136,7 +136,7 @@ def replay(
     from ...traces.formats import atomic_write
 
     svg = None if svg is None else diagram_file(svg, DIVERGENCE)
-    apart(record=record, svg=svg, html=html)
+    require_distinct_outputs(record=record, svg=svg, html=html)
     with running_user_code():
         case = load(case_file, list(changes))
         given = read_capture(capture, rate, salvage)

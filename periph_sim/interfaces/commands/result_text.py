@@ -26,7 +26,7 @@ from .command_frame import print_table, say
 A_BUDGET = 'budget = [{ name = "CPU load", measure = "cpu load", max = "50 %" }]'
 # A dictionary from names of counts to their singular. Names that are not in it are used for all numbers: `2 missed`.
 THINGS = {"rounds": "round", "frames": "frame", "overruns": "overrun", "resets": "reset"}
-NOTHING: Mapping[str, Sequence[str]] = {}  # no options that a failure assumed
+NOTHING: Mapping[str, Sequence[str]] = {}  # the value of `assumed` if no options are known
 MOST_WRONG = 12  # maximum number of places of wrong bytes that are listed
 STYLES = {PASS: "", FAIL: "red", NOT_JUDGED: "yellow"}  # styles of a budget's row
 HEADLINES = {**STYLES, PASS: "green"}  # styles of the line that states a run's verdict
@@ -105,8 +105,9 @@ def broken_lines(
 ) -> list[str]:
     """Return a line for each broken budget with the reason and, if it is known, the instant.
 
-    assumed: as for `show`; their number is a further line.
-    verbose: True to list them.
+    assumed: a dictionary from broken budgets to the options that decided undocumented behaviours in their occurrences.
+        A further line states how many they are.
+    verbose: True to list these options instead.
     """
     lines = []
     for each in budgets:

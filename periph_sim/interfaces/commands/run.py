@@ -17,7 +17,7 @@ from ...records.recording import recording
 from ...scene.case.load import load
 from ...scene.result import Result
 from ...scene.scene import Scene
-from .command_frame import apart, command, command_line, print_json, progress, running_user_code
+from .command_frame import command, command_line, print_json, progress, require_distinct_outputs, running_user_code
 from .completion import complete_optimization
 from .result_text import show
 from .shared_options import CHANGES, GUARANTEED, JSON, SECONDS
@@ -65,7 +65,7 @@ def run(
     as_json: bool,
 ) -> int:
     """Run CASE and judge its budgets: exit status 0 if all hold, else 1."""
-    apart(record=record, html=html)
+    require_distinct_outputs(record=record, html=html)
     with running_user_code(), ExitStack() as outputs:
         if disable:
             changes += (f"disable={json.dumps(disable, ensure_ascii=False)}",)

@@ -103,7 +103,7 @@ def serve(
     from ...outside.live.loop import Loop, signals_calling
     from ...outside.live.pacing import Pacer
     from ...outside.session import Session
-    from .live_shown import Shown
+    from .live_display import LiveDisplay
 
     if sum(place is not None for place in (link, real, tcp, bus)) != 1:
         raise click.UsageError("give one of --pty, --rfc2217, --port and --i2cdriver as the place of the port")
@@ -121,7 +121,7 @@ def serve(
 
     with running_user_code() if as_json else usage_errors_in_one_sentence(), signals_calling(end_it):
         served = case_for_line(case, sci, changes) if bus is None else case_for_bus(case, changes)
-        shown = Shown(view, None if browser is None else address_given("--browser", browser))
+        shown = LiveDisplay(view, None if browser is None else address_given("--browser", browser))
         with Session(served, log=log, subscribe=shown.subscribe) as session:
             ticks = session.scene.timebase.ticks
             with shown:
@@ -193,7 +193,7 @@ def _door(
 
 
 def _not_handed_over(line: SerialLine | None, door: PtyDoor | PortDoor | Rfc2217Door | I2cDriverDoor) -> Iterator[str]:
-    """Yield remarks on bytes that were not sent, not read or discarded when the session ended."""
+    """Yield remarks on bytes that were not sent or not read when the session ended, and on discarded bytes."""
     whose = "the I2CDriver" if line is None else "the SCI"
     waiting = door.unread + (0 if line is None else line.waiting)
     if waiting:

@@ -13,7 +13,7 @@ WRITE_STOP = 0x6E20  # FREE, STT, STP, MST, TRX, IRS
 def main(dsp, settings):
     start_i2c(dsp)
     i2c = dsp.module("I2C-A")
-    i2c.I2CCLKL.all = 45  # 100 kHz of the 10 MHz that start_i2c sets
+    i2c.I2CCLKL.all = 45  # 100 kHz, from the module clock of 10 MHz that start_i2c sets
     i2c.I2CCLKH.all = 45
     i2c.I2CMDR.IRS = 1
     with dsp.span("store"):

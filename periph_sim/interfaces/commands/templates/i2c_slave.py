@@ -5,7 +5,7 @@ A controller writes the number of a register. Then it writes values, or reads th
 
 from periph_sim.firmware import start_i2c
 
-SCD = 0x0020  # mask of SCD in I2CSTR; a write of this word clears SCD alone, a write of the field also other flags
+SCD = 0x0020  # mask of SCD; I2CSTR.all = SCD clears only SCD, but I2CSTR.SCD = 1 would clear other flags, too
 
 
 def main(dsp, settings):

@@ -9,7 +9,7 @@ from itertools import chain, cycle, repeat
 
 from periph_sim.firmware import HexBytes, start_i2c
 
-SCD = 0x0020  # mask of SCD in I2CSTR; a write of this word clears SCD alone, a write of the field also other flags
+SCD = 0x0020  # mask of SCD; I2CSTR.all = SCD clears only SCD, but I2CSTR.SCD = 1 would clear other flags, too
 REPLAY = ("address", "replies")  # settings that a replay sets from the capture
 
 

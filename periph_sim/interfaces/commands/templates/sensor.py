@@ -6,7 +6,7 @@ from periph_sim.firmware import start_i2c, start_pie
 
 PERIOD = Fraction(5, 1000)
 COST = Fraction(40, 10**6)  # run time of the model in seconds, measured on the chip or estimated
-SCD = 0x0020  # mask of SCD in I2CSTR; a write of this word clears SCD alone, a write of the field also other flags
+SCD = 0x0020  # mask of SCD; I2CSTR.all = SCD clears only SCD, but I2CSTR.SCD = 1 would clear other flags, too
 
 
 def main(dsp, settings):

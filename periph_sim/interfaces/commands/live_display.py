@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 WIRES = ("SCL", "SDA", "RX", "TX")
 
 
-class Shown:
+class LiveDisplay:
     """The display of a live session. At the end of the context, the session's last snapshot is displayed.
 
     in_terminal: True to display the session in the terminal.
@@ -56,7 +56,7 @@ class Shown:
             self._browser = Browser(self._board, address[1], address[0])
             self.url = self._browser.url
 
-    def __enter__(self) -> Shown:
+    def __enter__(self) -> LiveDisplay:
         return self
 
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:

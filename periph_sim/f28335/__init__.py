@@ -1,9 +1,13 @@
 """Models of the TMS320F28335's modules: chips in the sense of `core.chip`, one folder for each kind of module.
 
 Terms of this package:
-owner: the code that calls a chip, which is its socket (`core.socket`) or a test.
+owner: the code that calls a chip: its socket (`core.socket`), the simulated unit, or a test.
 request: one pulse on an interrupt line. "X requests at once" means that the interrupt is requested in this cycle.
 option: a question that TI's documents leave open, with its possible answers (`core.options`). The docstrings of the
     modules list further behaviour that these documents leave open under "Chosen"; it has no option.
+use of an option: a step of the run that depends on the answer. `assume` returns the answer and records the use, by the
+    name of the option in the set `touched`; `unrecorded` only returns the answer.
+XRS: the reset of the chip, by its pin of this name or by the watchdog.
+standard mode: the mode of an SCI or SPI without FIFOs (SCIFFENA = 0, SPIFFENA = 0).
 Times are cycles of SYSCLKOUT unless a docstring says otherwise.
 """

@@ -26,7 +26,7 @@ from .gpio.pin_mux_table import FUNCTIONS
 from .pie.register_map import CPU_VECTORS, VECTORS
 from .system_control.register_map import PCLKCR0, PCLKCR3
 
-ARGUMENTS = frozenset(("name", "options"))  # arguments that the class of a chip can have
+ARGUMENTS = frozenset(("name", "options"))  # arguments that the constructor of a chip can have
 CLOCKS = ("SYSCLKOUT", "LSPCLK")
 FLASH = range(0x30_0000, 0x34_0000)  # addresses of flash in the F28335, the part with the most flash
 
@@ -46,8 +46,8 @@ class DescriptorError(ValueError):
 class Interrupt(Struct, frozen=True):
     """An interrupt of a module.
 
-    vector: name in the PIE's table of vectors.
-    fields: "REGISTER.FIELD" of the flags that request it and of the bits that enable it.
+    vector: the name of the interrupt in the PIE's table of vectors.
+    fields: the flags that request it and the bits that enable it, each as "REGISTER.FIELD".
     shared: True if another module can also request it.
     """
 
@@ -61,20 +61,20 @@ class ModuleDescriptor(Struct, frozen=True, dict=True, kw_only=True):
 
     base, size: address and length of its registers, in 16-bit words.
     header: the structure that TI's C headers place at `base`, or several structures with their offsets.
-    chip: the class of its chip, as "i2c.module.I2c" in this package; empty for modules that every unit has.
-    takes: arguments of that class: "name" and "options".
-    options: the group of options that it uses.
+    chip: the class that models the module, such as "i2c.module.I2c" in this package; "" if every unit has the module.
+    takes: the arguments of the constructor of this class, among "name" and "options".
+    options: the group of options that the module uses.
     options_class: the class of these options, written like `chip`.
-    gate: the field of PCLKCR0 or PCLKCR3 that switches its clock; empty if there is none.
-    input_gate: the field that switches the clock of its input paths only.
-    clock: the clock that it runs on, "SYSCLKOUT" or "LSPCLK".
+    gate: the field of PCLKCR0 or PCLKCR3 that switches the module's clock; "" if there is none.
+    input_gate: the field of PCLKCR0 or PCLKCR3 that switches the clock of its input paths only; "" if there is none.
+    clock: the clock that the module runs on, "SYSCLKOUT" or "LSPCLK".
     interrupts: its interrupts, in the order of the bits of the chip's `requests`.
     inputs, outputs: signals of the multiplexer's table, in the order of the chip's pins. inputs is None if any pin can
-    be an input of the module.
-    pins: the GPIO numbers to which TI's start-up code assigns its signals.
+        be an input of the module.
+    pins: for each signal of the module, the GPIO number to which TI's start-up code assigns it.
     wires: a dictionary from the names that a case uses to the signals of the module.
-    bus: True if all modules of this kind are on the same wires.
-    plain: True if the names in `wires` are used without the module's name before them.
+    bus: True if the modules of this kind in all units are connected to the same wires.
+    plain: True if a case uses the names in `wires` without the module's name before them.
     """
 
     name: str
@@ -153,10 +153,10 @@ def named_class(name: str) -> Any:
 class Part(Struct, frozen=True, dict=True):
     """A chip of the family.
 
-    modules: in the order in which they are listed to users.
+    modules: its modules, in the order in which they are listed to users.
     flash: the addresses of its flash. A part with less flash than the F28335 lacks the low addresses, and has no other
-    differences.
-    part_id: the value of PARTID.
+        differences.
+    part_id: the value at the address PARTID, by which firmware identifies the chip.
     """
 
     name: str

@@ -4,8 +4,9 @@
                |                     SCIFFRX, SPIFFRX, I2CFFRX: RXFFINT when RXFFST >= RXFFIL
                +--> level, flag --enable--> request
 
-The FIFOs of all serial modules have these fields at the same bits. Each module decides when the level is watched, and
-whether setting the enable later requests. It also handles resets, FIFO mode, and a word that finds the FIFO full.
+The FIFOs of all serial modules have these fields at the same bits. Each module decides when the number of words is
+compared with the level, and whether setting the enable bit while the flag is 1 requests the interrupt. It also handles
+resets, FIFO mode, and a word that arrives while the FIFO is full.
 
 Source: SPRUFZ5A tables 2-9, 2-10; SPRUEU3 section 2.1.9; SPRUG03B sections 5.11 and 5.12.
 """
@@ -35,10 +36,11 @@ class InterruptFifo:
     """FIFO with its register.
 
     register: SCIFFTX, SCIFFRX or the corresponding register of another module.
-    receives: True if the flag is set from the level upwards, False if from the level downwards.
+    receives: True for a receive FIFO, whose flag is set if the number of words is the level or more. False for a
+        transmit FIFO, whose flag is set if the number of words is the level or less.
     mode: the module's option `fifo_int_mode`.
-    words: oldest first.
-    control: the register without the number of words, which is counted.
+    words: the words in the FIFO, the oldest first.
+    control: the value of the register, with 0 in the field for the number of words.
     """
 
     STATE = State("words control _was_reached")
@@ -80,7 +82,10 @@ class InterruptFifo:
         return self.control & FLAG > 0 and self.control & ENABLE > 0
 
     def watch(self, on: bool) -> bool:
-        """Set the flag if the level has been reached. Return True if that is a request. on: the level is watched."""
+        """Set the flag if the number of words has reached the level. Return True if this requests the interrupt.
+
+        on: if it is False, the level counts as not reached.
+        """
         waiting, level = len(self.words), self.control & LEVEL
         reached = on and (waiting >= level if self.receives else waiting <= level)
         requests = False
@@ -91,7 +96,7 @@ class InterruptFifo:
         return requests
 
     def write(self, value: int) -> bool:
-        """Write the register. Return True if its enable was set while the flag is set."""
+        """Write the register. Return True if this sets the enable bit while the flag is 1."""
         before = self.control
         self.control, strobes = self.register.write(before, value)
         if strobes & FLAG_CLEAR:
@@ -103,10 +108,10 @@ class InterruptFifo:
         return not before & ENABLE and self.is_requesting()
 
     def show(self) -> int:
-        """Return the register as the CPU reads it."""
+        """Return the value that the CPU reads from the register."""
         return self.control | min(len(self.words), DEPTH) << STATUS
 
     def clear(self) -> None:
-        """Empty the FIFO and clear its flags."""
+        """Empty the FIFO, and clear its interrupt flag and, in a receive FIFO, its overflow flag."""
         self.words.clear()
         self.control &= ~(FLAG | OVERFLOW if self.receives else FLAG)

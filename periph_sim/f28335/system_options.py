@@ -1,6 +1,6 @@
 """Open questions about the CPU and the system around the peripherals: one field each, the default first.
 
-Clocks, PIE, timers, GPIO, the bus and the CPU share this one class, because one scene answers each question once.
+Clocks, PIE, timers, GPIO, the bus and the CPU share this class, so that a unit has one answer to each question.
 """
 
 from __future__ import annotations

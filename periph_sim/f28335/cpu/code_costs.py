@@ -1,6 +1,7 @@
 """Cycles of C28x instructions in SYSCLKOUT, alone and in compiled C code, without the wait states of memory and bus.
 
-These are the instructions that the processor executes itself; `c28x/encodings.toml` has the cycles of all others.
+The constants are for instructions that are executed without machine code, as in Python firmware. For programs that are
+images of machine code, `processor/c28x/encodings.toml` has the cycles of all instructions.
 
 The figures in `CodeCosts` were counted in the 127 different F28335 images (COFF, TI compilers 5.2 to 22.6, 3380
 functions) of eight public repositories, without pipeline stalls. docs/fidelity.md describes the method and shows the
@@ -29,7 +30,7 @@ IRET = 8
 IDLE = 5
 
 # Cycles on the path of an interrupt.
-IFR_DELAY = 4  # cycles from a request to the CPU's IFR bit (share of the 14 cycles of `int_latency`, E2E thread)
+IFR_DELAY = 4  # cycles from a request to the CPU's IFR bit; `int_latency` includes them (a thread in TI's E2E forum)
 VECTOR_AND_SAVE = 9  # cycles from the vector fetch to the first instruction, SPRUFB0D section 8
 
 
@@ -38,10 +39,10 @@ class CodeCosts(Struct, frozen=True):
 
     The defaults are the median or the most frequent case; the comments give the range found.
 
-    between_accesses: code before an access: addresses, data, tests, branches.
-    poll_pass: one pass of a loop that polls a register of peripheral frame 2.
-    isr_prologue: saving of registers in a service routine, beyond the 14 words that the CPU saves by itself.
-    isr_epilogue: restoring of these registers, without IRET.
+    between_accesses: cycles of the code before a register access, for addresses, data, tests and branches.
+    poll_pass: cycles of one pass of a loop that polls a register of peripheral frame 2, with the access itself.
+    isr_prologue: cycles in which a service routine saves registers, beyond the 14 words that the CPU saves by itself.
+    isr_epilogue: cycles in which a service routine restores these registers, without IRET.
     """
 
     between_accesses: int = 5  # quartiles 1 and 15; 0 between consecutive stores

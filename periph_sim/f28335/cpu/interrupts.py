@@ -64,7 +64,10 @@ ST1_WORD, IER_WORD = 8, 10  # indices of ST1 and IER among the words of the cont
 
 
 def frame_of(sp: int) -> int:
-    """Return the address of the first word of the context. SP first rises by 1; 32-bit stores go to even addresses."""
+    """Return the address of the first word of the context that is saved when SP has the value `sp`.
+
+    SP first rises by 1, and 32-bit stores go to even addresses.
+    """
     return sp + 1 & 0xFFFE
 
 
@@ -77,7 +80,7 @@ class Context(NamedTuple):
     """Context that is saved when an interrupt is taken.
 
     number: the number of the interrupt.
-    sp, st1, ier: the values of these registers before it was taken.
+    sp, st1, ier: the values of these registers before the interrupt was taken.
     """
 
     number: int
@@ -117,12 +120,13 @@ class CpuInterrupts:
         self.sp = SP_RESET
         self.nested = 0  # number of routines that were entered and have not returned
         self.ready = now  # no interrupt is taken before this cycle
-        # `owes_instruction`: after an IRET one instruction must be executed first; the owner then sets this to False.
+        # `owes_instruction` is True if no interrupt is taken before one more instruction has been executed after an
+        # IRET. The owner sets it to False when this instruction has been executed.
         self.owes_instruction = False
         self.next_wake = NEVER  # cycle at which the next request reaches the IFR
         self._coming.clear()
         self._latched = 0  # IFR bits that hardware set in the cycle `_latched_at`
-        self._nonmaskable = 0  # bit 0 EMUINT, bit 1 NMI: in order of priority
+        self._nonmaskable = 0  # pending nonmaskable interrupts: bit 0 is EMUINT, which has priority; bit 1 is NMI
         self._pieack_end = -1  # cycle at which the latest instruction that wrote PIEACK ends
 
     # Status -------------------------------------------------------------------
@@ -205,7 +209,10 @@ class CpuInterrupts:
         return context
 
     def trap(self, now: int, number: int) -> Context:
-        """Execute TRAP #number, 0 to 31: enter its routine regardless of the masks. IFR and IER keep their values."""
+        """Execute TRAP #number: enter the routine of vector `number`, 0 to 31, even if the interrupt is masked.
+
+        IFR and IER keep their values.
+        """
         self.wake(now)
         return self.save(number, now + cpu_costs.TRAP + self._options.vector_fetch_waits.assume(self.touched))
 
@@ -215,7 +222,7 @@ class CpuInterrupts:
         return self.sp - CONTEXT_SP & 0xFFFF
 
     def iret(self, now: int, st1: int, ier: int) -> None:
-        """Execute IRET. st1, ier: the values that it pops from the stack, where firmware may have changed them."""
+        """Execute IRET. st1, ier: the words that it pops from the stack, where firmware may have changed them."""
         self.wake(now)
         if not self.st1 & INTM:
             self.notes.append(

@@ -53,7 +53,7 @@ class CpuTimer(Chip):
         self._tcr: int = TCR.reset
         self._prd: int = PRDH.reset << 16 | PRD.reset  # PRDH:PRD
         self._tddr = 0  # TDDRH:TDDR
-        self._since = now  # cycle for which `_tim` and `_psc` hold
+        self._since = now  # cycle at which count and prescaler had the values `_tim` and `_psc`
         self._tim = 0
         self._psc = 0
         self.requests = 0

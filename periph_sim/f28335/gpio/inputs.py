@@ -9,7 +9,8 @@ two SYSCLKOUT edges is reported with exact=False and the cycle of the later one.
 
 A synchronised pin shows an edge at the first SYSCLKOUT edge strictly after it, and an asynchronous pin at the first one
 at or after it. `seen_at` returns that cycle, so these pins feed a peripheral without a wake-up. The changes of a
-sampled pin are reported in `changed`. So are level changes of an input signal that a new route or mode causes.
+sampled pin, which is a pin with a qualifier, are reported in `changed`. So are level changes of an input signal that a
+new route or mode causes.
 
 Source: SPRUFB0D section 6, PCLKCR3 in section 5.1.
 
@@ -255,7 +256,7 @@ class GpioInputs(GpioSettings):
     # Paths --------------------------------------------------------------------
 
     def _update_paths(self, now: int) -> None:
-        """Compute the masks of directions and input paths; create and delete samplers."""
+        """Compute the masks of directions and input paths; create and delete qualifiers."""
         shown = self._shown(now)
         self._pull_ups: BigInt = ALL & ~self._ports(PULL_UPS)  # mask: pins whose pull-up is on
         self._outputs: BigInt = self._ports(DIRECTIONS) & self._settings.gpio  # mask: general-purpose outputs
@@ -287,8 +288,9 @@ class GpioInputs(GpioSettings):
             self._settle_at = now + 1
 
     def _update_sampler(self, now: int, pin: int, samples: int, shown: int) -> None:
-        """Apply the active settings to the sampler of a pin. If the input path of the pin is off, the sampler restarts
-        from 0.
+        """Apply the active settings to the qualifier of a pin. If the pin has none, create it with the level `shown`.
+
+        If the input path of the pin is off, the qualifier restarts with the level 0.
         """
         dead = self._dead >> pin & 1
         period, origin = self._periods[pin // 8], self._origins[pin // 8]

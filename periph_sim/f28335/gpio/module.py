@@ -14,8 +14,8 @@ Every other pad takes the level that this chip drives on it, or the level of its
 Source: SPRUFB0D section 6, PCLKCR3 in section 5.1; SPRZ272N section 3.2 (qualifier).
 
 Chosen:
-- MUX, QSEL and CTRL take effect 2 cycles after the write (the manual says "such as"). DIR, PUD, the interrupt selects
-  and the latches take effect at once. All outputs then reach the pad after `gpio_out_delay`.
+- MUX, QSEL and CTRL take effect 2 cycles after the write. The manual writes "such as" before this delay. DIR, PUD, the
+  interrupt selects and the latches take effect at once. All outputs then reach the pad after `gpio_out_delay`.
 - Bits of GPIO without a pin, and words between registers, read 0.
 - GPIOLPMSEL and GPIOXNMISEL are only stored.
 """
@@ -40,7 +40,7 @@ from .settings import ALL
 CONFIGURATION_DELAY = 2  # cycles from a write to MUX or QSEL to its effect
 CONFIGURES = ("CTRL", "QSEL1", "QSEL2", "MUX1", "MUX2")
 
-HALVES = {  # maps a word offset to the register and the shift of its half
+HALVES = {  # maps a word offset to the register, and to the lowest bit, 0 or 16, of the half that is at this offset
     register.offset + shift // 16: (register, shift) for register in at.GPIO for shift in range(0, register.width, 16)
 }
 PADS = tuple(f"GPIO{n}" for n in range(PINS))
@@ -79,7 +79,7 @@ class Gpio(GpioInputs):
     def edges(self, now: int, levels: BigInt, exact: bool = True) -> None:
         """Set the levels of all wired pads. The owner calls this instead of `pins`.
 
-        exact: they changed on the SYSCLKOUT edge of cycle `now`.
+        exact: True if they changed exactly on the SYSCLKOUT edge of cycle `now`; False if between two edges, before it.
         """
         if self.next_wake < now:
             self._advance(now - 1)
@@ -109,7 +109,7 @@ class Gpio(GpioInputs):
         return sum((shown >> self._xint_pin(i) & 1) << i for i in range(len(at.XINT_SELECTS)))
 
     def watch_xints(self, now: int, lines: int) -> None:
-        """Report changes of the XINT lines in this mask in `changed`; the others are not evaluated."""
+        """From now on, add changes of the XINT lines in the mask `lines` to `changed`; do not evaluate other lines."""
         levels = self.xint_levels(now)
         self._xints = self._xints & self._watching | levels & ~self._watching
         self._watching = lines
@@ -251,7 +251,9 @@ class Gpio(GpioInputs):
             return
         delay = self.gpio_out_delay.assume(self.touched)
         when = now + delay
-        if self._outs and last[0] == when:  # replaces the change that the other half of the same access scheduled
+        # An access of 32 bits writes two halves in one cycle. The second half replaces the change that the first half
+        # has scheduled.
+        if self._outs and last[0] == when:
             self._outs.pop()
         self._outs.append((when, driven, out))
         if not delay:

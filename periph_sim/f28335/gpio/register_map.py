@@ -24,7 +24,7 @@ CONTROL_WORDS, DATA_WORDS = 0x10, 0x08
 DATA = 0x40  # offset of port A's data block
 SELECT = 0x60  # GPIOXINT1SEL
 XINT_SELECTS = (0x60, 0x61, 0x63, 0x64, 0x65, 0x66, 0x67)  # GPIOXINT1SEL ... GPIOXINT7SEL
-XINT_FIRST_PIN = (0, 0, 32, 32, 32, 32, 32)  # number of the pin that the value 0 of each select means
+XINT_FIRST_PIN = (0, 0, 32, 32, 32, 32, 32)  # for each of these registers, the GPIO number that its value 0 selects
 
 
 def _bits(pins: range, access: str = "R/W", reset: int = 0) -> tuple[Field, ...]:
@@ -101,5 +101,8 @@ GPIO = RegisterMap(
 
 
 def control_register(what: str, pin: int) -> str:
-    """Return the name of the register that has the field of this kind for a pin: "GPBMUX1" for "MUX" and GPIO32."""
+    """Return the name of the control register of kind `what` that has the field of a pin.
+
+    For example, it is "GPBMUX1" for "MUX" and GPIO32.
+    """
     return next(one.name for one in GPIO if one.name[3:].rstrip("12") == what and f"GPIO{pin}" in one)

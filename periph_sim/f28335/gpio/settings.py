@@ -1,6 +1,6 @@
-"""Settings of the GPIO control registers: routes, samplers and notes derived from MUX, QSEL and CTRL.
+"""Settings of the GPIO control registers: routes, qualifiers and notes derived from MUX, QSEL and CTRL.
 
-    stored --2 cycles--> active --activate--> routes, samplers, periods
+    stored --2 cycles--> active --activate--> routes, qualifiers, periods
 
 A route is the pin that feeds an input signal, or the pins that an output signal drives.
 
@@ -77,7 +77,10 @@ STEADY = tuple(  # word offsets of all registers but GPxDAT, which shows the pad
 
 
 def _pairs(name: str, pins: int) -> tuple[tuple[int, int], ...]:
-    """Return (register offset, shift) of the two bits of each pin in GPxMUXn or GPxQSELn."""
+    """Return (register offset, lowest bit) of the two bits of each pin in GPxMUXn or GPxQSELn, for GPIO0 and up.
+
+    name: "MUX" or "QSEL". pins: number of pins.
+    """
     places = ((port, half, i) for port in "ABC" for half in (1, 2) for i in range(16))
     first = list(places)[:pins]
     return tuple((at.GPIO[f"GP{port}{name}{half}"].offset, 2 * i) for port, half, i in first)
@@ -95,7 +98,7 @@ class PinSettings:  # core: python
     """Settings of all pins, from the values of the registers in CONFIGURED.
 
     mux: the multiplexer value of each pin, 0 to 3.
-    sampled: (pin, samples) for each pin with a sampling qualifier.
+    sampled: (pin, required number of equal samples) for each pin with a qualifier.
     asynchronous: mask of the pins without synchronisation and qualification.
     notes: (pin, note) for each pin with a reserved multiplexer value or a function of a module that is not modelled.
     source: for each input signal, the pin that feeds it; None if none or more than one is assigned to it.
@@ -153,7 +156,8 @@ class GpioSettings(Chip):
         self._stored = dict(AT_RESET)  # the values that a read returns
         self._active = dict(AT_RESET)  # the values in effect, for registers that act with a delay
         self._periods: list[int] = [1] * GROUPS  # sampling period of each group of eight pins
-        # `_origins` has a cycle in which each group was sampled, from which its sampling grid counts.
+        # `_origins` has, for each group, a cycle in which its pins are sampled. The other samples are at distances of
+        # whole sampling periods from it.
         self._origins: list[int] = [now] * GROUPS
 
     def restored(self) -> None:
@@ -161,7 +165,7 @@ class GpioSettings(Chip):
         self._settings = pin_settings_of(tuple([self._active[offset] for offset in CONFIGURED]))
 
     def activate(self, now: int) -> None:
-        """Derive routes, samplers and periods from the active values, in effect from cycle `now` on."""
+        """Derive routes, qualifiers and periods from the active values, in effect from cycle `now` on."""
         before = self._settings
         self.restored()
         settings = self._settings
@@ -185,7 +189,7 @@ class GpioSettings(Chip):
                 self._origins[4 * port : 4 * port + 4] = [now] * 4
 
     def _ports(self, offsets: tuple[int, ...]) -> BigInt:
-        """Combine one register per port into a mask of all pins."""
+        """Return the values of three registers, one for each port, as one mask of all pins."""
         pins = 0
         i: int
         for i, offset in enumerate(offsets):

@@ -61,7 +61,7 @@ class I2cLines(Chip):
         self.filter_width = self.state.filter_width
         self._bus_busy = False  # True between a START and a STOP, even if they came while IRS was 0
         self._frozen_pull = 0  # mask of the lines that a halted slave pulls until the CPU resumes
-        self._readable = -1  # result of `readable` after the last edge or timer; -1 after any other input
+        self._readable = -1  # result of `I2cRegisters.readable` after the last edge or timer; -1 after another input
 
     # Pins ------------------------------------------------------------------------
 
@@ -242,7 +242,7 @@ class I2cLines(Chip):
         return BOTH & ~(self.target.pulls | self.master.pulls)
 
     def _plan(self) -> None:
-        """Update timers and outputs. Call after an access, and after inputs of clock, debugger and reset."""
+        """Update timers and outputs. Call this after an access, a reset, or a change of clock or debugger halt."""
         self._readable = -1
         self._timer = self._next_timer() if self._clocked else NEVER
         self._show()

@@ -9,8 +9,8 @@ Source: SPRUG03B sections 2.3 to 2.8, 5.7, Tables 5, 6.
 
 Chosen:
 - SDA changes one module clock after SCL fell.
-- A hold ends with the write that sets STT or STP, even if the bit was 1 already.
-- With hold_scl_after_nack = no, a STOP follows a NACK automatically if STP = 1.
+- If the master holds SCL low for a command, a write of 1 to STT or STP is one, even if the bit was 1 already.
+- With hold_scl_after_nack = false, a STOP follows a NACK automatically if STP = 1.
 - In loopback the module acknowledges itself.
 """
 
@@ -67,7 +67,10 @@ class I2cMaster(I2cMasterData):
 
     active: True while this module owns the bus.
     sees_idle: True while both lines are high after the filter.
-    skip_release: the cycle in which SCL was released for the first bit of a byte.
+
+    Attributes for a byte whose bits are skipped (see `begin_skip`):
+
+    skip_release: the cycle in which SCL was released for the first bit of the byte.
     skip_fell: the cycle in which the module pulled SCL low before this release.
     skip_low: the low time of SCL in skipped bits, in cycles.
     skip_high: the time from a release of SCL to the next fall of the output, in cycles.
@@ -356,7 +359,7 @@ class I2cMaster(I2cMasterData):
         return not (self.frozen or self.halting) and self._n == SKIPPED_BITS + 1 and self.due == NEVER
 
     def byte(self) -> int:
-        """Return the byte that the master puts on SDA; 0xFF where it receives."""
+        """Return the byte that the master puts on SDA; 0xFF if it receives."""
         return ONES if self._kind == RECEIVE else self._byte
 
     def keeps_bus(self, shown: int) -> bool:
@@ -364,7 +367,9 @@ class I2cMaster(I2cMasterData):
         return self._kind == RECEIVE or shown == self._byte
 
     def begin_skip(self, delay: int) -> None:
-        """Store the state at the release of SCL for the first bit. delay: cycles from the output to the pin.
+        """Store the state in which bits begin to be skipped: SCL has been released for the first bit of a byte.
+
+        delay: cycles from an output of the module to its pin.
 
         output SCL  __|~~|__|~~|_ ... _|~~|_      bit n is released at `skip_release` + n (low + high)
                       ^ bit position 0      ^ 7: the module wakes to release SCL for the eighth bit

@@ -26,7 +26,8 @@ from .registers import I2cRegisters
 # Steps: none, release SCL, set SDA for a condition or a bit, pull SCL low, START and its end, STOP, repeated START.
 NO_STEP, RELEASE, CONDITION, SET_SDA, FALL, START, STARTED, STOP, RESTART = range(9)
 
-# Reasons to wait: none; with SCL low for a command, data or room for a byte; with SCL high for a command.
+# What the master waits for: nothing; with SCL low, a command, a byte to send, or room for a received byte; with SCL
+# high, a command.
 HELD_FOR_NOTHING, HELD_FOR_COMMAND, HELD_FOR_DATA, HELD_FOR_ROOM, LEFT_HIGH = range(5)
 
 
@@ -36,7 +37,7 @@ class I2cMasterLines:
     counter: number of bytes left in the transfer.
     pulls: mask of the lines held low.
     due: the cycle of the next step, or NEVER.
-    lines: levels before the filter.
+    lines: levels of SCL and SDA before the noise filter.
     """
 
     STATE = State(
@@ -133,8 +134,9 @@ class I2cMasterLines:
             self.halting, self.frozen = False, True
 
     def _begin_condition(self, now: int, sda: int, then: int) -> None:
-        """Prepare a condition while SCL is low: set SDA and release SCL. One high time after SCL rises, step `then`
-        follows.
+        """Prepare a repeated START or STOP while SCL is low: set SDA, and then release SCL.
+
+        One high time after SCL has risen, the step `then` follows.
         """
         self._holds = HELD_FOR_NOTHING
         self._after_high = then
@@ -161,7 +163,7 @@ class I2cMasterLines:
     # Conditions --------------------------------------------------------------------------
 
     def reset_conditions(self) -> None:
-        """Clear the state of the transfer."""
+        """Clear the counter, the addresses and the pending conditions of the transfer."""
         self.counter = 0
         self._addresses: list[int] = []
         self._starting = False  # True from the module's START or repeated START until it is detected behind the filter

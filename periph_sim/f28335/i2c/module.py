@@ -78,7 +78,7 @@ class I2c(I2cLines):
             looped = state.mdr & MDR_DLB
             self._write_mdr(now, value & ~(1 << 12))
             if looped and not state.mdr & MDR_DLB:
-                self._update_lines(now, self._pins)  # applies the pins now, because their next edge may come much later
+                self._update_lines(now, self._pins)  # the pins count again now, and their next edge may come much later
         elif offset == at.IER:
             state.ier = value & 0x7F
             self.limits.fifo_enables()

@@ -135,7 +135,10 @@ class I2cRegisters(I2cRequests):
         return self.options.fifo_extra_stage.assume(self.touched) == "dxr_drr_behind"
 
     def copy_to_xsr(self, now: int, xrdy: bool = True) -> bool:
-        """Copy I2CDXR, or the TX FIFO's oldest byte, to I2CXSR. Return False if there is none. xrdy: also set XRDY."""
+        """Copy I2CDXR, or the TX FIFO's oldest byte, to I2CXSR. Return False if there is no byte.
+
+        xrdy: without FIFO mode, True to set XRDY at the copy.
+        """
         if self.fifo:
             if self._extra_stage():
                 if not self.dxr_full:
@@ -167,7 +170,7 @@ class I2cRegisters(I2cRequests):
     # Data path, receiving --------------------------------------------------------
 
     def rx_blocked(self) -> bool:
-        """Return True if there is no room for another byte."""
+        """Return True if there is no room for another received byte."""
         if self.fifo:
             room = DEPTH + (1 if self._extra_stage() else 0)
             return self.rx_fifo.is_released() and len(self.rx_fifo) >= room
@@ -289,7 +292,7 @@ class I2cRegisters(I2cRequests):
         return self.mdr & MDR_BC or 8
 
     def setup(self) -> int:
-        """Return the cycles from a bit on SDA to the release of SCL: at least 1, since SDA must change first."""
+        """Return the number of cycles from a change of SDA to the release of a held SCL: at least 1."""
         return max(1, self.options.sda_setup_before_scl_release.assume(self.touched) * self.tm)
 
     def nack_received(self, now: int, as_slave: bool, refused: Text) -> None:

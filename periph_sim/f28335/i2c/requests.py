@@ -35,6 +35,7 @@ class I2cRequests:
     str: I2CSTR.
     fifo: True in FIFO mode.
     requests: mask of the lines requested since the owner last set this to 0.
+    code: I2CISRC.INTCODE; 0 if there is none.
     code_at: the cycle at which a code is loaded into INTCODE, or NEVER.
     """
 
@@ -94,7 +95,10 @@ class I2cRequests:
         return active
 
     def update(self, now: int) -> None:
-        """Record new requests and schedule a code if none is loaded. Call after any change of flags or enables."""
+        """Record new requests. Schedule the load of a code, unless an unread code must stay in INTCODE.
+
+        Call this after any change of flags or enables.
+        """
         if not self.ier and not self._active:
             return
         active = self.sources()
@@ -131,9 +135,10 @@ class I2cRequests:
         return codes[0] if codes else 0
 
     def load_code(self, now: int) -> None:
-        """Load INTCODE with the pending request that goes first. An unread code may stay (option isrc_preempt).
+        """Load INTCODE with the code of the pending request that goes first, and request I2CINT1A.
 
-        Call after the arbiter's delay.
+        An unread code stays, unless the option isrc_preempt lets the new code replace it. Call this after the arbiter's
+        delay (`code_at`).
         """
         self.code_at = NEVER
         code = self._first()

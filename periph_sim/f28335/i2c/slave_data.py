@@ -9,8 +9,9 @@
 Source: SPRUG03B sections 2 and 3, Tables 1, 8, 10, Figure 17.
 
 Chosen:
-- In free data format a transmitter is loaded at the fall after START.
-- With BCM = 0 the copy follows one module clock after the write of I2CDXR, and SCL is released after the setup time.
+- In free data format I2CXSR is loaded at the fall of SCL after START.
+- With BCM = 0 and SCL held low, I2CDXR is copied to I2CXSR one module clock after it was written. SCL is released after
+  the setup time.
 """
 
 # core: compiled
@@ -82,7 +83,7 @@ class I2cSlaveData:
     # Sending ------------------------------------------------------------------------
 
     def _copies_at(self, point: str) -> bool:
-        """Return True if a byte in I2CDXR is copied to I2CXSR at this point."""
+        """Return True if the option dxr_to_xsr_copy_point is `point`: then I2CDXR is copied to I2CXSR there."""
         return self._copy_point.assume(self.state.touched) == point
 
     def _copies_at_once(self) -> bool:
@@ -134,7 +135,10 @@ class I2cSlaveData:
         self.due = min(self._copy_at, self._release_at)
 
     def _begin_byte(self, now: int, first: bool) -> None:
-        """Begin the next data byte at fall 9 of an acknowledged byte (or the fall after START)."""
+        """Begin to send a data byte at fall 9 of an acknowledged byte, or in free data format at the fall after START.
+
+        first: True for the first data byte of a read.
+        """
         state, options = self.state, self.state.options
         self.bit = 0
         self._n = state.bits()
@@ -178,7 +182,7 @@ class I2cSlaveData:
         self._waits_for_data = True
 
     def _send(self, now: int) -> None:
-        """Begin to shift out I2CXSR: its first bit goes to SDA."""
+        """Begin to shift out I2CXSR: put its first bit on SDA."""
         state = self.state
         state.xsr_full = False
         self._shifting = True
@@ -211,7 +215,10 @@ class I2cSlaveData:
         state.nack_received(now, as_slave=True, refused="a byte")
 
     def _copy_at_rise9(self, now: int) -> None:
-        """Copy I2CDXR to I2CXSR at rise 9, if the option selects it. XRDY rises at the copy or at fall 9 (option)."""
+        """Copy I2CDXR to I2CXSR at rise 9 if dxr_to_xsr_copy_point is "ack_rise9".
+
+        XRDY rises at the copy or at fall 9, as the option xrdy_rise_point selects.
+        """
         state = self.state
         if state.bcm and state.tx_ready() and self._copies_at("ack_rise9"):
             state.copy_to_xsr(now, xrdy=state.options.xrdy_rise_point.assume(state.touched) == "at_copy")
@@ -226,7 +233,10 @@ class I2cSlaveData:
         return state.options.rx_overrun_policy.assume(state.touched).partition("_")[0]
 
     def _stretches(self, point: str) -> bool:
-        """Return True if SCL is held from this point on, "before_ack" or "after_fall9", if a byte cannot be stored."""
+        """Return True if SCL is held low from this point on while a received byte cannot be stored.
+
+        point: "before_ack" or "after_fall9".
+        """
         return self.state.options.rsfull_stretch_point.assume(self.state.touched) == point
 
     def _data_complete(self, now: int) -> None:

@@ -145,7 +145,11 @@ def module_at(address: int) -> ModuleDescriptor | Module | None:
 
 
 def register_name(address: int) -> tuple[str, str]:
-    """Return (module, register) at an address; "+0x01" for an unnamed one, ("", "0x000900") outside all modules."""
+    """Return the names (module, register) for an address.
+
+    A register without a name has its offset in place of the name, such as "+0x01". Outside all modules, the result is
+    "" and the address, such as "0x000900".
+    """
     if address in pie_map.VECTOR_TABLE:
         return VECTORS, f"+{address - pie_map.VECTOR_TABLE.start:#04x}"
     module = module_at(address)
@@ -161,7 +165,7 @@ def register_name(address: int) -> tuple[str, str]:
 
 
 def full_name(address: int) -> str:
-    """Return a name like "ADC.ADCST" or "eCAN-A + 0x08"; the address itself outside all modules."""
+    """Return a name like "ADC.ADCST" or "eCAN-A + 0x08"; outside all modules, the address as text."""
     module, name = register_name(address)
     if not module:
         return name

@@ -32,7 +32,10 @@ class ModuleRange(Struct, frozen=True):
 
 
 class WaitStates:
-    """Extra cycles of an access, by frame. Where TI is unclear, options set them; `Bus` records their use."""
+    """Wait states of reads and writes: one number of cycles for each peripheral frame, PF0 to PF2.
+
+    For PF2, whose wait states TI does not document clearly, options give them. `processor.bus` records their use.
+    """
 
     def __init__(self, options: SystemOptions) -> None:
         self.read = (1, 2, options.pf2_read_ws.unrecorded())
@@ -50,7 +53,10 @@ class AddressMap:
         self.places: dict[str, ModuleRange] = {}
 
     def at(self, address: int) -> tuple[ModuleRange, Register, int] | None:
-        """Return (module, register, which 16-bit half of it) at an address; None if there is no register."""
+        """Return (module, register, half) at an address; None if there is no register.
+
+        half: 1 if the address is that of the upper 16 bits of a 32-bit register, else 0.
+        """
         place = self._place(address)
         if place is not None:
             offset = address - place.base

@@ -1,7 +1,7 @@
 """The memory of one F28335, apart from registers: 16-bit words and their wait states.
 
-Words that were never written read 0. L0 to L7 are created by the first write to them. Flash, OTP and boot ROM are not
-included; `processor.image.elsewhere` has them for programs that are images.
+Words that were never written read 0. The words of L0 to L7 are allocated at the first write to one of them. Flash, OTP
+and boot ROM are not included; `processor.image.elsewhere` has them for programs that are images.
 
 Source: SPRS439M Figure 3-2 (map), Table 3-5 (wait states); SPRUFB0D Tables 86 (EALLOW), 112 (vectors).
 """
@@ -26,7 +26,7 @@ HIGH, HIGH_WORDS = 0x8000, 0x8000  # first address and number of words of L0 to 
 
 
 class RamBlock(NamedTuple):
-    """Block of memory. base, size: in words. protected: a write of it needs EALLOW."""
+    """Block of memory. base, size: its address and length in words. protected: True if a write to it needs EALLOW."""
 
     name: str
     base: int

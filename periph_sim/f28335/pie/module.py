@@ -9,11 +9,11 @@ the delay from a request to the CPU's IFR.
 Source: SPRUFB0D sections 8.1 to 8.5.
 
 Chosen:
-- ENPIE = 0 changes only the vectors (Table 114): requests are still flagged and pulsed. A vector from boot ROM does not
-  clear a PIEIFR bit or change PIEVECT.
+- ENPIE = 0 changes only the vectors (Table 114): requests are still flagged and pulsed. The fetch of a vector from boot
+  ROM clears no PIEIFR bit and does not change PIEVECT.
 - If no flagged line is enabled at the vector fetch, the CPU takes line 1, whose PIEIFR bit is cleared if it was set.
 - TRAP and INTR use the vector of line 1 and clear no PIEIFR bit.
-- A request in the cycle of the vector fetch precedes it.
+- A request in the cycle of the vector fetch is flagged before the fetch.
 """
 
 # core: compiled
@@ -110,8 +110,9 @@ class Pie(Chip):
         return line, line_vector(group, line)
 
     def cpu_vector(self, number: int) -> int:
-        """Return the address of a vector of INT13 and above, TRAP #number or INTR. Numbers 1 to 12 mean line 1 of the
-        group.
+        """Return the address of a vector of INT13 and above, or of a vector that TRAP or INTR takes.
+
+        With ENPIE = 1, the numbers 1 to 12 mean line 1 of the group with this number.
         """
         if not self._piectrl & ENPIE or number == CPU_VECTORS["RESET"]:
             return BOOT_ROM_VECTORS + 2 * number

@@ -16,7 +16,7 @@ from ...core.state import State
 from .options import SciOptions
 from .register_map import ADDRIDLE_MODE, PARITY, PARITYENA, SCICHAR, STOPBITS
 
-# For each value of `rxrdy_point`: SCICLK periods from the start of the stop bit to the move to SCIRXBUF.
+# For each value of `rxrdy_point`: SCICLK periods from the start of the stop bit to the move of the word to SCIRXBUF.
 DUE = {"seven_eighths": 7, "drawing": 6, "stop_end": 8}
 BREAK_TICKS = {"10": 80, "9.625": 77}
 

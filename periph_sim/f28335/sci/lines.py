@@ -7,11 +7,12 @@
 The CPU's side in `module` configures receiver and transmitter.
 
 Chosen, where the manual is silent:
-- In loop-back the level passes the receiver's synchroniser as from the pin, and TXD also shows the frames.
+- In loop-back the level of TXD passes the receiver's synchroniser, as the level of RXD does otherwise. The pin TXD also
+  shows the frames.
 - rx_int_extra delays every receive request that the line causes (including break and errors); a request that a CPU
   write causes is immediate.
-- A debugger stop with SOFT = 1 lets a frame whose start bit was accepted finish; then the clock of the receiver or
-  transmitter stops. With SOFT = 0 both clocks stop at once.
+- With SOFT = 1 a debugger stop waits for the end of the present frame in each direction; then the clock of this
+  direction stops. A received frame is present when its start bit was accepted. With SOFT = 0 both clocks stop at once.
 - Autobaud: the character, ABD and the new divider take effect together, after 7/8 of the stop bit.
 
 Source: TI SPRUFZ5A; SPRUFB0D section 5.1 for the clock gate.
@@ -280,7 +281,7 @@ class SciLines(Chip):
             self.requests |= RXINT
 
     def _watch_idle(self, now: int) -> None:
-        """Let the bit receiver report the tenth idle bit only while that can set RXWAKE."""
+        """Let the bit receiver report the tenth idle bit only while it can set RXWAKE."""
         rx = self._rx
         watch = rx.enabled and not rx.status & ST_RXWAKE and not self._layout.address
         if watch != self._bits.watch_idle:
@@ -304,7 +305,10 @@ class SciLines(Chip):
         self._replan()
 
     def _arm_receiver(self, now: int) -> None:
-        """Connect RXD to autobaud while that waits for a character, else to the bit receiver; to neither in reset."""
+        """Connect RXD to the autobaud detector if it waits for a character, or else to the bit receiver.
+
+        In reset, connect RXD to neither of them.
+        """
         listening = self._tx.running
         waits = listening and self._ffct & (CDC | ABD) == CDC
         was_listening = self._listening

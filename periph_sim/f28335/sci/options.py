@@ -11,7 +11,7 @@ from ...core.options import Answers, BoolOption, IntOption, TextOption, choice, 
 
 
 class SciOptions(Answers):
-    """Answers for one SCI. The list of open questions has facts, contradictions and deciding measurements for each."""
+    """Answers for one SCI. For each question, the list of open questions has facts and a measurement to decide it."""
 
     # Receiver, line side.
     rxrdy_point: TextOption = choice(

@@ -8,10 +8,10 @@ The bit receiver calls `deliver` at the stop bit.
 
 Chosen, where the manual is silent:
 - Every move to SCIRXBUF with RXBKINTENA = 1 requests RXINT, including an overrun. Setting an enable bit while its flag
-  is 1 requests RXINT at once, as TXINT in the transmitter.
+  is 1 requests RXINT at once. The transmitter requests TXINT in the same way.
 - In FIFO mode RXWAKE is set by an address frame and cleared only by reading SCIRXBUF (and by the resets), in both
   multiprocessor modes.
-- A word read from the FIFO stays in SCIRXBUF as "the last word".
+- A word read from the FIFO stays in SCIRXBUF: it is "last_word" in the option `rxfifo_read_when_empty`.
 - Words blocked by RXFIFORESET = 0 still set their error flags.
 - RXFIFORESET does not change RXFFOVF; clearing SCIFFENA does not change RXFFINT.
 - RXFIFORESET = 0 does not stop RXFFINT: with RXFFIL = 0 an empty FIFO sets it.
@@ -38,7 +38,7 @@ CHARACTER_ERRORS = ST_FE | ST_OE | ST_PE
 
 @final
 class SciRx:
-    """CPU side of the receiver. request: RXINT was requested since the owner last set this to False."""
+    """CPU side of the receiver. request: True if RXINT was requested since the owner last set this to False."""
 
     STATE = State("bk_enabled enabled error_enabled fifo fifo_mode loaded parity request rxbuf sleep status")
 
@@ -70,7 +70,7 @@ class SciRx:
     # From the line ----------------------------------------------------------
 
     def deliver(self, word: int, address: int, break_like: bool) -> None:
-        """Receive a complete character. break_like: every bit of it, including the stop bit, was 0."""
+        """Receive a complete character. break_like: True if each of its bits, including the stop bit, was 0."""
         if not self.enabled:
             return
         self.framing_errors += word & FE > 0
@@ -123,7 +123,7 @@ class SciRx:
         self.request = requested
 
     def _to_fifo(self, word: int) -> int:
-        """Add a word to the FIFO. Return the mask of OE if that is an overrun, else 0."""
+        """Add a word to the FIFO. Return the mask of OE if OE must be set, else 0."""
         waiting = len(self.fifo)
         overrun = 0
         if waiting and self.options.oe_in_fifo_mode.assume(self.touched) == "per_unread_word":
@@ -202,7 +202,7 @@ class SciRx:
         self._watch_level()
 
     def set_enables(self, bk_enabled: bool, error_enabled: bool) -> None:
-        """Set RXBKINTENA and RXERRINTENA. An enable that is set while its flag is set requests at once."""
+        """Set RXBKINTENA and RXERRINTENA. Setting one of them while its flag is 1 requests RXINT at once."""
         if bk_enabled and not self.bk_enabled and not self.fifo_mode and self.status & (ST_RXRDY | ST_BRKDT):
             self.request = True
         if error_enabled and not self.error_enabled and self.show_status() & ST_RXERROR:

@@ -13,7 +13,7 @@ address bit (erratum).
 Chosen, where the manual is silent:
 - After a missing stop bit, a low level counts as a start bit only if a high level was sampled before it. An exception
   is a start bit that the erratum's early search has already accepted. A break thus yields one character. If a high
-  level is sampled during a break, its ten bits are counted again from the next missing stop bit.
+  level is sampled before ten bits of a break are over, the count begins again at the next missing stop bit.
 - Idle bits are counted from the end of the last programmed stop bit. Any low sample restarts the count, even if it is
   not part of a start bit. With exactly 80 high samples the line is idle.
 - If SW RESET is released while the line is low, four low samples are a start bit as usual.
@@ -39,7 +39,7 @@ FE = 1 << 15  # framing error, at its position in SCIRXBUF
 PE = 1 << 14  # parity error, at its position in SCIRXBUF
 
 IDLE_TICKS = 80  # length of ten bits
-SHORT_BREAK = 16  # length of two bits: a low level that lasts longer after a missing stop bit is meant as a break
+SHORT_BREAK = 16  # length of two bits: a low level that lasts longer after a missing stop bit was meant as a break
 VOTE = 0b11101000  # bit n: the majority of three samples, which are the bits of the number n
 
 
@@ -104,8 +104,9 @@ class SciRxBits:
         return True
 
     def set_layout(self, tick: int, layout: SciFormat, at_once: bool) -> None:
-        """Set the format of the next frames and, with `at_once`, of the present frame. tick: the last tick that is
-        over.
+        """Set the format of the next frames and, if `at_once` is True, of the present frame.
+
+        tick: the last tick that is over.
         """
         self.settle(tick)
         self._layout = layout
@@ -169,7 +170,7 @@ class SciRxBits:
         return NOTHING
 
     def _hunt(self, tick: int) -> None:
-        """Process the runs up to `tick` until a start bit is accepted."""
+        """Process the runs of equal samples up to `tick`, until a start bit is accepted."""
         toggles = self._toggles
         while True:
             end: int = toggles[0] if toggles else FAR
@@ -257,7 +258,7 @@ class SciRxBits:
         self.word = word
 
     def _after_missing_stop(self, stop: int, start: int, frame: SciFormat) -> None:
-        """Count towards a break while the line stays low, and accept no start bit in this low run."""
+        """Begin to count the bits of a break, if the line is still low. Accept no start bit in this low run."""
         voted = start + frame.voted_at
         since_vote = stop >> frame.voted_at - frame.stop_at
         if self._break_at == FAR and not since_vote & 1:

@@ -162,7 +162,7 @@ SCI_MAP = RegisterMap(
     ),
 )
 
-# Masks of the fields of registers, in the order of the table: of all fields, but of SCIFFTX only the first two.
+# Masks of the fields of seven registers, in the order of the table; of SCIFFTX, only the first two fields.
 STOPBITS, PARITY, PARITYENA, LOOPBKENA, ADDRIDLE_MODE, SCICHAR = (f.mask for f in SCI_MAP["SCICCR"].fields)
 RXERRINTENA, SWRESET, TXWAKE, SLEEP, TXENA, RXENA = (f.mask for f in SCI_MAP["SCICTL1"].fields)
 TXRDY, TXEMPTY, RXBKINTENA, TXINTENA = (f.mask for f in SCI_MAP["SCICTL2"].fields)

@@ -9,10 +9,10 @@ Times are SCICLK ticks. With the default options a word is loaded into TXSHF at 
 Chosen, where the manual is silent:
 - TXWAKE works in FIFO mode as in standard mode: it applies to the next word loaded.
 - A word that is written less than FFTXDLY after the end of the previous word waits for the rest of FFTXDLY.
-- SCITXBUF and FIFO keep their words when SCIFFENA changes; only words of the one that SCIFFENA selects are sent.
+- SCIFFENA selects whether words are sent from the FIFO or from SCITXBUF. When it changes, both keep their words.
 - Words written to the FIFO while SW RESET = 0 wait. So do words written while SCIRST = 0, if scirst_scope = "shifters".
 - If SW RESET sets TXRDY to 1, TXINT is not requested.
-- TXFIFOXRESET = 0 does not stop TXFFINT, since an empty FIFO has fallen to any level.
+- TXFIFOXRESET = 0 does not prevent TXFFINT: the FIFO is empty then, so TXFFST is not above any TXFFIL.
 
 Source: TI SPRUFZ5A sections 1.2.3 to 1.2.10, tables 2-4, 2-6, 2-9, 2-11.
 """
@@ -35,14 +35,15 @@ from .register_map import SCI_MAP, SCIFFENA, SCIRST, TXEMPTY, TXRDY
 
 @final
 class SciTx:
-    """The transmitter. The FIFO's entries are words of eight bits, each with its mark in the bits above them.
+    """The transmitter.
 
-    A bit lasts eight ticks.
+    An entry of the FIFO has a word in its low eight bits, and the mark of this word in the bits above.
 
     level: level of TXD.
+    wut: TXWAKE of the word in TXSHF, called WUT in the manual. In idle-line mode an idle time is sent in its place.
     request: True if TXINT was requested since the owner last set this to False.
     mark: the mark (see `WriteOrigins`) of the next word written to SCITXBUF, set by the owner.
-    out_mark: the mark of the word whose bits TXD shows; 0 after it was cut off.
+    out_mark: the mark of the word that was sent last or is being sent; 0 after a reset of the transmitter.
     """
 
     STATE = State(
@@ -88,7 +89,7 @@ class SciTx:
         self.fifo.reset()
 
     def halt(self) -> None:
-        """Reset the state machines: the words in SCITXBUF and TXSHF are lost, TXD goes to 1."""
+        """Reset the state machines: words in SCITXBUF and TXSHF that were not sent are lost, and TXD becomes 1."""
         self.running = False  # True if neither SW RESET nor SCIRST holds the transmitter in reset
         self.active = False  # True if a frame or an idle time is being sent
         self.wut = False

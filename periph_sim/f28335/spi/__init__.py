@@ -1,1 +1,1 @@
-"""SPI module: master and slave, FIFOs, loop-back and interrupts."""
+"""The SPI module: master and slave, FIFOs, loop-back and interrupts (SPRUEU3)."""

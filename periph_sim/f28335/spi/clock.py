@@ -38,7 +38,10 @@ class LspclkTimer:
         self.at = NEVER
 
     def edges_to_multiple(self, now: int, edges: int) -> int:
-        """Return the number of LSPCLK edges up to the next edge whose number is a multiple of `edges`."""
+        """Return how many LSPCLK edges after `now` one comes whose number is a multiple of `edges`.
+
+        LSPCLK edges are numbered in order; the edge at the cycle `phase` has the number 0.
+        """
         return edges - (now - self._phase) // self.divider % edges
 
     def stop(self, now: int) -> None:

@@ -13,7 +13,7 @@ the first bit is at the output before the first edge (`present`).
 
 Chosen, where the manual is silent:
 - A read of SPITXBUF returns the word last written, even after this word has moved to SPIDAT.
-- SPITXBUF and the FIFOs keep their words when SPIFFENA changes; only those that SPIFFENA selects are used.
+- SPIFFENA selects the FIFOs, or SPITXBUF and SPIRXBUF alone. When it changes, SPITXBUF and the FIFOs keep their words.
 - A word read from the receive FIFO stays in SPIRXBUF.
 - While a reset bit holds a FIFO empty, the interrupt flag of the FIFO does not change.
 - Setting an enable bit while its flag is 1 requests the interrupt at once.
@@ -63,8 +63,9 @@ class SpiFifo(InterruptFifo):
         return added
 
     def add_received(self, word: int) -> bool:
-        """Add a word, in place of the oldest one if the FIFO is full. Return True if the oldest word is now a different
-        one.
+        """Add a word. If the FIFO is full, its oldest word is dropped first.
+
+        Return True if another word than before is now the oldest one, which the CPU reads next.
         """
         if not self.accepts or self.add(word):
             return len(self) == 1
@@ -135,7 +136,7 @@ class TransmitBuffer:
         return bool(self.fifo.words) if self.fifo.on else self.full
 
     def write(self, value: int, enabled: bool) -> None:
-        """Write SPITXBUF. enabled: neither SW RESET nor SPIRST holds the SPI in reset."""
+        """Write SPITXBUF. enabled: True if neither SW RESET nor SPIRST holds the SPI in reset."""
         before, self.txbuf = self.txbuf, value
         if self.fifo.on:
             self._write_fifo(value)
@@ -258,7 +259,7 @@ class SpiShifter:
 
     @property
     def busy(self) -> bool:
-        """True if the next character has to wait for this one."""
+        """True if SPIDAT has a character to send, or a character is in progress, so that the next one must wait."""
         return self.loaded or self.bits > 0
 
     @property

@@ -14,15 +14,15 @@ side is in `module`.
 wired-AND wire behave like push-pull outputs with enables.
 
 Chosen, where the manual is silent:
-- A word that waits in SPITXBUF at the last edge of SPICLK follows without a gap, as one in the FIFO does if TXDLY = 0.
-  A word that is written later begins like the first; SPISTE stays low if it has not risen yet.
-- A slave loads the next word at the last edge of the previous one; TXDLY is for masters only.
+- A word that waits in SPITXBUF at the last edge of SPICLK follows without a gap, as a word in the FIFO does if
+  TXDLY = 0. A word that is written later begins like the first word; SPISTE stays low if it has not risen yet.
+- A slave loads the next word at the last edge of the previous word; TXDLY is for masters only.
 - An edge of SPICLK in the cycle in which SPISTE rises counts; an edge in the cycle in which it falls does not.
 - SIMO and SOMI keep their last output level, which is 0 after reset.
 - A change between master and slave drops the character.
 - With SOFT = 1 a debugger stop waits for all written words, if SPICLK has already made its first edge. A slave's
   character begins with its first latched bit.
-- Loop-back also shows on the pins, and has no effect on a slave.
+- In loop-back the pins of a master also show the transfer. Loop-back has no effect on a slave.
 
 Source: TI SPRUEU3 sections 1.3.2, 1.4.3, 1.5, 2.1.9 and 2.1.10; SPRS439M, SPI timing, for SPISTE of a master; SPRUFB0D
 section 5.1 for the clock gate.
@@ -108,7 +108,7 @@ class SpiLines(Chip):
         self._tx.full = False
 
     def _release(self) -> None:
-        """End the transfer of a master."""
+        """End the transfer of a master: SPISTE rises."""
         self._begun = False  # True if a master has made the first edge of SPICLK and has not released SPISTE yet
         self._ste = STE  # level that a master drives on SPISTE
 
@@ -289,7 +289,7 @@ class SpiLines(Chip):
         self._timer.plan(now, edges)
 
     def _fill(self, now: int) -> None:
-        """Load a waiting word into SPIDAT if that is free; a master also begins a transfer."""
+        """Load a waiting word into SPIDAT, unless SPIDAT still has a character. A master then begins a transfer."""
         if not self._enabled or self._shifter.busy or not self._tx.waiting or self._step == DELAY:
             return
         if not self._is_master:

@@ -108,7 +108,10 @@ class Spi(SpiLines):
             raise ValueError(f"{self.name} has offsets 0 to 0xF, not {offset:#x}")
 
     def _is_cut_off(self, what: str) -> bool:
-        """Add a note about an access without a clock. Return True if the access has no effect."""
+        """Add a note about an access while the module has no clock. Return True if the access has no effect.
+
+        what: "read" or "written".
+        """
         self._note("duty", f"was {what} while its PCLKCR0 bit is 0; turn its clock on first", "SPRUFB0D §5.1.1")
         return self.options.clock_gate_access.assume(self.touched) == "reads_0"
 

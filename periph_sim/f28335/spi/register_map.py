@@ -139,7 +139,7 @@ SPI_MAP = RegisterMap(
     ),
 )
 
-# Masks of the fields of registers, in the order of the table: of all fields, but of SPIFFTX only the first two.
+# Masks of the fields of five registers, in the order of the table; of SPIFFTX, only the first two fields.
 SPISWRESET, CLKPOLARITY, SPILBK, SPICHAR = (f.mask for f in SPI_MAP["SPICCR"].fields)
 OVERRUNINTENA, CLK_PHASE, MASTER_SLAVE, TALK, SPIINTENA = (f.mask for f in SPI_MAP["SPICTL"].fields)
 OVERRUN_FLAG, INT_FLAG, BUFFULL_FLAG = (f.mask for f in SPI_MAP["SPISTS"].fields)

@@ -5,9 +5,9 @@
     PCLKCR0/1/3    -->  gates, enabled()                        (2 cycles after the write)
     SCSR, WDCR, .. -->  reset_requested, WAKEINT in `requests`
 
-Times are SYSCLKOUT cycles as for every chip, but this chip sets the length of a cycle. The owner compares the ratio
-after every input. If it changed, cycles from that input's `now` on have the new length. OSCCLK counts (PLL lock,
-watchdog) continue exactly through such a change.
+Times are SYSCLKOUT cycles as for every chip, but this chip sets the length of a cycle. After every input the owner
+compares `sysclk_hz` with its old value. If it has changed, cycles from that input's `now` on have the new length.
+OSCCLK counts (PLL lock, watchdog) continue exactly through such a change.
 
 After `reset_requested` the owner resets every chip, including this one, and starts the CPU WDRST_CYCLES later, because
 the watchdog holds XRS low for that time.
@@ -109,7 +109,7 @@ class SystemControl(Chip):
         self.hspclk_divider = prescale(HISPCP.reset)
         self.lspclk_divider = prescale(LOSPCP.reset)
         self.lspclk_phase = now  # LSPCLK begins a period at this cycle and every `lspclk_divider` cycles from it
-        self.gates = self._gates()  # PCLKCR3 and PCLKCR0, as in effect
+        self.gates = self._gates()  # the values of PCLKCR3 (bits 31:16) and PCLKCR0 (bits 15:0) that are in effect
         self._gates_to_come.clear()
         self._watchdog.reset(self._clock.at(now))
         self.requests = 0

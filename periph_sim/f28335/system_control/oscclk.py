@@ -27,7 +27,10 @@ class OscClock:
         self._step = 4 * PARTS  # parts per SYSCLKOUT cycle
 
     def at(self, cycle: int) -> int:
-        """Return the OSCCLK position, in parts, at which a cycle begins. It must not precede the last `retune`."""
+        """Return the OSCCLK position, in parts, at which a cycle begins.
+
+        cycle: a cycle at or after the last `retune`.
+        """
         return self._position + (cycle - self._cycle) * self._step
 
     def cycle_at(self, position: int) -> int:

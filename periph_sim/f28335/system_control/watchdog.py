@@ -5,8 +5,8 @@
     WDKEY 0x55, 0xAA --------------+                                ^
     WDCR.WDCHK other than 5 ----------------------------------------+
 
-It is part of `SystemControl`, which converts between SYSCLKOUT cycles and OSCCLK positions (`oscclk`), delays WDINTS
-and WDFLAG, and owns the registers' addresses.
+The watchdog is part of `SystemControl`, which converts between SYSCLKOUT cycles and OSCCLK positions (`oscclk`), delays
+WDINTS and WDFLAG, and passes accesses of the watchdog's registers on.
 
 Source: SPRUFB0D section 5.4, Tables 26 to 30; SPRZ272N section 3.1.3.
 
@@ -39,9 +39,9 @@ PRESCALE = (1, 1, 2, 4, 8, 16, 32, 64)
 
 
 class Watchdog:
-    """Watchdog. All times are in parts, of which an OSCCLK period has `oscclk.PARTS`.
+    """Watchdog. All times and positions are in parts of an OSCCLK period, which has `oscclk.PARTS` of them.
 
-    touched: receives the names of the options used.
+    touched: the set to which the names of the used options are added.
     """
 
     STATE = State("wdcr scsr wdint interrupt reset_requested next_due _armed _origin _since _count _low_until")

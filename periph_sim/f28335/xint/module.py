@@ -1,11 +1,11 @@
-"""External interrupts XINT1 to XINT7, which edges of qualified pins request. XINT1 and XINT2 have time stamps.
+"""External interrupts XINT1 to XINT7, requested by edges at pins. XINT1 and XINT2 also have a counter as time stamp.
 
     level --> edge of the chosen polarity, if enabled --> requests
                               |
                               +--> XINTnCTR = 0, then +1 each SYSCLKOUT (XINT1, XINT2)
 
-Levels come from `Gpio` (GPIOXINTnSEL selects the pin). To avoid processing edges of lines that are not enabled, the
-owner makes these calls around each write to this module:
+The levels come from `Gpio`, behind the input qualifier of the pin that GPIOXINTnSEL selects. `Gpio` reports only edges
+of enabled lines. So the owner makes these calls around each write to this module:
 
     xint.settle(now, gpio.xint_levels(now))
     xint.write(now, offset, value)
@@ -48,12 +48,15 @@ class Xint(Chip):
     def reset(self, now: int) -> None:
         """Reset by XRS: all lines disabled, counters at 0. The lines keep their levels."""
         self.requests = 0
-        self.enabled = 0  # mask: lines that are enabled, so that their edges request
+        self.enabled = 0  # mask: lines that are enabled, so that their edges request an interrupt
         self._control = [0] * (LINES + 1)  # XINT1CR ... XINT7CR, XNMICR
         self._count = [0, 0]  # value of each stopped counter, XINT1CTR and XINT2CTR
 
     def settle(self, now: int, levels: int) -> None:
-        """Set the levels of the lines that are not enabled (bit 0: XINT1), without edges."""
+        """Set the levels of the lines that are not enabled. A change of such a level is not an edge.
+
+        levels: the levels of all lines; bit 0 is XINT1.
+        """
         self._level = self._level & self.enabled | levels & ~self.enabled
 
     def pins(self, now: int, levels: int) -> int:

@@ -50,14 +50,14 @@ class BusSide:
 
     @property
     def rounds(self) -> BusRounds:
-        """The rounds on the bus. The first use creates the monitor, so earlier transfers are not in the rounds."""
+        """The rounds on the bus. The first use creates the monitor, so transfers before it are in no round."""
         if self._rounds is None:
             self._rounds = BusRounds(self.asked, self._begun_at)
             if "SCL" in self._wires:
                 from ..bus.i2c.monitor import I2cMonitor
 
                 names = {sensor.address: name for name, sensor in sensors_of(self._case).items()}
-                self.monitor = I2cMonitor(self._wires["SCL"], self._wires["SDA"], self._heard, names, self._spike)
+                self.monitor = I2cMonitor(self._wires["SCL"], self._wires["SDA"], self._on_transfer, names, self._spike)
         return self._rounds
 
     @property
@@ -94,7 +94,7 @@ class BusSide:
     def _begun_at(self) -> int:
         return NO_TIME if self.monitor is None else self.monitor.begun_at
 
-    def _heard(self, transfer: Transfer) -> None:
-        for told in self.before:
-            told(transfer)
+    def _on_transfer(self, transfer: Transfer) -> None:
+        for callback in self.before:
+            callback(transfer)
         self.rounds.transfer(transfer)

@@ -3,7 +3,7 @@
     Case --head_plan--> HeadPlan, shared by all scenes of the case --build_head--> SensorHead of one scene
 
 The head counts its times by its own clock, which has an error of `ppm`. The low and high times of SCL are rounded to
-the nearest tick. Rounds do not drift from the clock, however long the run is.
+the nearest tick. The times of rounds are not, so rounds do not drift from this clock, however long the run is.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ class HeadPlan(Struct, frozen=True):
     """Requests of a [controller] and their schedule.
 
     requests: the requests of each round.
-    startup: the requests before the first round.
+    startup: the requests before the first round, which set up the chips.
+    schedule: the times at which the head begins rounds.
     asked: the transfers that these requests make on the bus, and their schedule.
     stuck_after, clear_after: durations in ticks; `I2cController` describes them.
     """
@@ -165,7 +166,10 @@ def _transfers(requests: list[Request], by_stop: bool) -> tuple[Transfer, ...]:
 
 
 def _sensors(case: Case, table: Controller | RoundsTable) -> Mapping[str, ChipData]:
-    """Return the known sensors by name. Installed plugins are searched only if the table names an unknown sensor."""
+    """Return the known sensors by name.
+
+    Plugins that are installed as packages are searched only if the table names a sensor that is otherwise unknown.
+    """
     names = [*table.order, *(request.chip for request in table.request if request.chip is not None)]
     return sensors_of(case, names)
 

@@ -94,7 +94,7 @@ def nothing_comes(
 
 
 def polls_for_input(dsp: Dsp) -> bool:
-    """Return True if firmware will poll an input without end, in a run in which every poll is simulated."""
+    """Return True if firmware will poll an input without end, in a run in which the simulator skips no polls."""
     spin, time = dsp.program.spin, dsp.processor.time
     waits = spin is not None and spin.ends == NEVER and spin.unchanged(time.cycle)
     return waits and time.lands == NEVER and dsp.core.earliest() == NEVER

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 
 KINDS = (Kind.TRANSFER, Kind.ROUND, Kind.RECEIVER, Kind.DATA, Kind.BUS)
+# The following sets contain the names of derived records that different objects make.
 OF_UNITS = {"held alone", "unfinished"}
 OF_BYTES = {"wrong bytes", "bytes compared", "expected byte"}
 OF_MODELS = {"model age", "model run"}
@@ -129,7 +130,7 @@ MODEL_PIN = "MODEL"  # name, in a case, of the pin that is high while the firmwa
 def _origins_of(scene: Scene) -> Origins:
     """Return an object that finds the host frame from which the bytes of a read come.
 
-    Raise BadCase if the case does not allow this.
+    Raise BadCase if the firmware has sensor models, but the case has no MODEL pin or does not set their arithmetic.
     """
     from ..core.sampler import watch
     from ..devices.host_frames import host_frames

@@ -1,7 +1,7 @@
 """The devices of a case on a scene's bus: targets connected to SCL and SDA, one for each `[device.NAME]` table.
 
 DeviceTable --> family of `devices.targets`, or a Python file --> Target
-SCL, SDA <--> TargetSide <--> DisturbedTarget, only if the table has stretches or faults <--> Target
+SCL, SDA <--> TargetSide <--> DisturbedTarget (only if the table has stretches or faults) <--> Target
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ..core.state import State
 from ..core.wire import Wire
 from ..devices.targets import BadDevice, Target, TargetContext, families
 from . import plugins
-from .case.device_tables import BusParty, DeviceTable, Strikes
+from .case.device_tables import BusParty, DeviceTable, FaultTrigger
 from .case.error_text import own_settings
 from .context import SceneContext
 
@@ -50,7 +50,10 @@ class NoteLog:
 
 
 class DeviceOnBus:
-    """A device on the bus. target: the target that its model built, without the disturbances in its table."""
+    """A device on the bus.
+
+    target: the I2C target that the device's model built. The disturbances in the device's table are not part of it.
+    """
 
     STATE = State("target log")
 
@@ -87,7 +90,7 @@ def put_on_bus(context: SceneContext, name: str, table: BusParty, target: Target
     def hold_clock(ticks: int) -> None:
         sides[0].hold_clock(ticks)
 
-    def when(number: int, of: Strikes) -> When:
+    def when(number: int, of: FaultTrigger) -> When:
         until = None if of.until is None else context.start + context.ticks(of.until)
         return When(
             Random(f"{context.case.seed} {name} {number}"),

@@ -2,9 +2,9 @@
 
 {"format": "periph-sim outside", "version": 1, "case": ..., "ticks_per_second": ..., "wires": [...],
  "file": ..., "set": [...]}             if the case has a file: its path from the log's folder, and its changes
-{"serial": "RX"}                        from here on, this wire is driven by bytes
-[tick, {"SCL": 0}, ["RX"]]              an instant: levels of wires, and the wires on which a byte begins, if any
-{"end": tick}                           the end of the session; without this line, one tick after the last instant
+{"serial": "RX"}                        from the next instant on, this wire is driven by bytes, not by levels
+[tick, {"SCL": 0}, ["RX"]]              an instant: new levels of wires; wires on which a byte begins, if there are any
+{"end": tick}                           the end of the session; if missing, the end is one tick after the last instant
 """
 
 from __future__ import annotations

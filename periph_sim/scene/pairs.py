@@ -48,11 +48,11 @@ class Pairs:
         return {name: partial(self._line, pair) for name, pair in self._pairs.items()}
 
     def notes(self) -> list[str]:
-        told = []
+        notes = []
         for text, (first, times) in self._notes.items():
             at = self._context.timebase.show(first - self._context.start)
-            told.append(f"{text}, first at {at} ({counted(times, 'time')})")
-        return told
+            notes.append(f"{text}, first at {at} ({counted(times, 'time')})")
+        return notes
 
     def _add(self, one: OnPair, line: Line) -> None:
         context, table, sci = self._context, one.table, one.sci

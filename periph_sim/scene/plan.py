@@ -29,8 +29,8 @@ class ScenePlan:
     """The plan of one case.
 
     case: the case without the parties that its [outside] replaces.
-    before: the plan of an earlier case that differs in some tables, or None. If its budgets are the
-        same, their plans are reused, because making them takes longer than making all other parts.
+    before: the plan of an earlier case, of which this case is a changed copy, or None. If both cases have the same
+        budgets, the plans of the budgets are reused, because making them takes longer than making all other parts.
     """
 
     def __init__(self, case: Case, before: ScenePlan | None = None) -> None:

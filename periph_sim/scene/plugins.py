@@ -33,7 +33,7 @@ GROUP = "periph_sim"  # name of the group of entry points that are plugins
 STALL_LIMIT = 10.0  # maximum seconds of the import of a plugin
 
 
-class Kind(Struct, frozen=True):
+class DefinitionKind(Struct, frozen=True):
     """A kind of definition in a plugin, such as a chip.
 
     what: a noun for the kind, for messages.
@@ -62,15 +62,16 @@ class Plugin(Struct, frozen=True):
         return file.name
 
 
+# DEFINES maps an attribute of a plugin's module to the kind of definitions that a module with this attribute has.
 DEFINES = {
-    "CHIP": Kind("chip", lambda plugin: {plugin.name: _chip(plugin)}),
-    "KIND": Kind("kind of watcher", lambda plugin: {plugin.module.KIND: plugin.module}),
-    "MODELS": Kind("device", lambda plugin: dict.fromkeys(plugin.module.MODELS, plugin.module)),
-    "NAME": Kind(
+    "CHIP": DefinitionKind("chip", lambda plugin: {plugin.name: _chip(plugin)}),
+    "KIND": DefinitionKind("kind of watcher", lambda plugin: {plugin.module.KIND: plugin.module}),
+    "MODELS": DefinitionKind("device", lambda plugin: dict.fromkeys(plugin.module.MODELS, plugin.module)),
+    "NAME": DefinitionKind(
         "capture format", lambda plugin: {plugin.name: plugin.module} if hasattr(plugin.module, "SUFFIXES") else {}
     ),
-    "SENSORS": Kind("sensor", lambda plugin: _sensors(plugin)),
-    "attach": Kind("kind of fault", lambda plugin: {plugin.name: plugin.module}),
+    "SENSORS": DefinitionKind("sensor", lambda plugin: _sensors(plugin)),
+    "attach": DefinitionKind("kind of fault", lambda plugin: {plugin.name: plugin.module}),
 }
 
 
@@ -78,7 +79,8 @@ def known(folder: Path, attribute: str, shipped: Mapping[str, T], names: Iterabl
     """Return a dictionary from names to the definitions of one kind: shipped definitions and those of plugins.
 
     folder: the folder whose project names the plugins.
-    attribute: the kind of definition, a key of `DEFINES`.
+    attribute: the kind of definition, as a key of `DEFINES`.
+    shipped: the definitions of periph_sim itself, by name.
     names: the names that a case uses. If any of them is unknown, the plugins of entry points are included.
 
     Raise BadCase if a plugin cannot be loaded, or if two plugins define the same name.

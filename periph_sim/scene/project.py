@@ -3,7 +3,7 @@
     [tool.periph-sim]
     cases = ["timing", "bench/line.toml"]   cases that `check` runs without arguments; default: timing, else this folder
     baselines = "ci/figures"                folder of their baselines; default: baselines/ beside each case
-    guaranteed = true                       rejected by `run`, `check` and `watch`, because nothing is proven yet
+    guaranteed = true                       `run`, `check` and `watch` reject it, since no verdict is guaranteed yet
     jobs = 2                                number of processes of `check`
     tolerance = 1                           number of cycles by which times may differ from a baseline
     plugins = ["barometer.py"]              Python files that define chips, sensors and more: see `plugins`

@@ -27,12 +27,15 @@ class ReleaseDelay:
         self._socket = socket
         self._setup: int = i2c.sda_setup_before_scl_release.unrecorded()
         self._pin: int = system.gpio_out_delay.unrecorded()
-        self._touched: frozenset[str] = frozenset()  # the chip's `touched` before the last call of `_look`
-        self._writes = -1  # the chip's `writes` at the last call of `_look`
+        self._touched: frozenset[str] = frozenset()  # the options that the chip had used before the last `_look`
+        self._writes = -1  # the number of writes of the chip's registers at the last call of `_look`
         self._cycles = 0  # the delay in cycles, computed by the last call of `_look`
 
     def ticks(self, written: int) -> int:
-        """Return the delay in ticks after a write at tick `written`. It varies if a cycle has a fraction of a tick."""
+        """Return the delay in ticks after a write at tick `written`.
+
+        The delay depends on `written` if a cycle is not a whole number of ticks.
+        """
         clock = self._clock
         if self._socket.chip.writes != self._writes:
             self._look(clock.cycle_at(self._kernel.now))

@@ -33,7 +33,9 @@ class Result:
     sci_bytes_sent: number of characters that SCIs of units sent.
     sci_errors: number of characters that SCIs of units received with each kind of error; empty without an SCI.
     estimated: names of the units that run C sources. The cycles between the accesses of these units are estimated.
-    ends: what each image does at the end, unless `stuck` or a note says that.
+    stuck: sentences about lines that stayed low, and about firmware that waits for an event that cannot occur.
+    wrong: the number of wrong bytes that were read, by place, such as "gyroscope byte 0".
+    ends: for each unit that runs an image, what the image does at the end, unless `stuck` or a note says that.
     """
 
     case: str
@@ -211,7 +213,7 @@ def _missed_rounds(scene: Scene) -> list[str]:
 def unwired_pins(dsp: Dsp) -> list[str]:
     """Return notes on modules that GPxMUX, at the end of the run, connects to pins without a wire."""
     gpio, part = cast("Gpio", dsp.sockets["GPIO"].chip), dsp.plan.part
-    told = []
+    notes = []
     for module in dsp.sockets:
         descriptor = part.by_name[module]
         if descriptor.bus:
@@ -223,10 +225,10 @@ def unwired_pins(dsp: Dsp) -> list[str]:
             keys = ", ".join(
                 f"{_key(dsp.plan.wires[part.pins[descriptor.wires[end]]].name)} = {pin}" for end, pin in bare.items()
             )
-            told.append(
+            notes.append(
                 f"{dsp.name}: {module} has {places}, where the case has no wire; add pins = {{ {keys} }} to the unit"
             )
-    return told
+    return notes
 
 
 def pins_of(gpio: Gpio, descriptor: ModuleDescriptor, signal: str) -> tuple[int, ...]:

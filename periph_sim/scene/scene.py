@@ -203,7 +203,10 @@ class Scene:
     # Building the scene ------------------------------------------------------------------
 
     def _check_needs(self, entry: int, limit: BudgetJudge) -> None:
-        """Raise BadCase for a budget on a part that this scene does not have, because the budget would always hold."""
+        """Raise BadCase if a budget needs a part that this scene does not have: it could never be broken.
+
+        entry: the index of the budget in the case. limit: the judge of the budget, or of one of its conditions.
+        """
         needs = limit.measure.needs
         if not self._there[needs]:
             measure = limit.budget.measure
@@ -250,21 +253,21 @@ class Scene:
 
     # Events and figures for measures and displays -------------------------------
 
-    def on_transfer(self, told: Callable[[Transfer], None]) -> None:
-        self.bus.rounds.on_transfer.append(told)
+    def on_transfer(self, callback: Callable[[Transfer], None]) -> None:
+        self.bus.rounds.on_transfer.append(callback)
 
-    def on_round(self, told: Callable[[Round], None]) -> None:
-        self.bus.rounds.on_round.append(told)
+    def on_round(self, callback: Callable[[Round], None]) -> None:
+        self.bus.rounds.on_round.append(callback)
 
-    def on_frame(self, told: Callable[[int, tuple[int, ...], int], None]) -> None:
+    def on_frame(self, callback: Callable[[int, tuple[int, ...], int], None]) -> None:
         if self.host is not None:
-            self.host.sent.append(told)
+            self.host.sent.append(callback)
 
     def bytes_on_bus(self) -> int:
         """Return the number of complete bytes on the I2C bus, including addresses.
 
-        They are counted on the wires if there is no controller agent, or if an outside party also drives the bus.
-        Otherwise, they are counted from the transfers of the agent.
+        The bytes are counted on the wires if there is no controller agent, or if an outside party also drives the bus.
+        Otherwise, they are counted in the transfers of the controller agent.
         """
         if self._counter is not None:
             return self._counter.bytes
@@ -301,7 +304,7 @@ class Scene:
         return self.finish(length)
 
     def advance(self, until: int) -> None:
-        """Run all events up to and including tick `until`. Do nothing once firmware has stalled."""
+        """Run all events up to and including tick `until`. Do nothing if firmware has let no simulated time pass."""
         if self.stalled:
             return
         wall = perf_counter()
@@ -314,10 +317,10 @@ class Scene:
         self._wall += perf_counter() - wall
 
     def state(self) -> Snapshot:
-        """Return the state between two runs as a dictionary from names to plain values. Times are relative to now.
+        """Return a snapshot of the scene between two runs: names with plain values. Times are relative to now.
 
-        It does not contain measures, nor the stacks of Python firmware and C sources. Scenes whose units all run images
-        continue equally if their states are equal.
+        A snapshot does not contain measures, nor the stacks of Python firmware and C sources. If all units run images,
+        two scenes with equal snapshots continue equally.
         """
         return parts.state.state_of_scene(self)
 
@@ -371,7 +374,7 @@ class Scene:
 
 
 def _raise_in_firmware(units: Mapping[str, Dsp], name: str, note: Note) -> None:
-    """Raise a note of the chip or device `name` as an error in the firmware, because the case is `strict`."""
+    """Raise an error in the firmware for a note of the chip or device `name`, because the case is `strict`."""
     for dsp in units.values():
         dsp.processor.notes.raise_if_strict(note, name, dsp.processor.kernel.now)
 

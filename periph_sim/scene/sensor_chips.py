@@ -31,7 +31,10 @@ class ChipOnBus:
     STATE = State("pointer log")
 
     def __init__(self, context: SceneContext, name: str, make: Callable[[int], RegisterChip], powered: int) -> None:
-        """make: a function from a tick to a new chip whose supply is switched on at this tick."""
+        """Make the chip. powered: the tick at which its supply was switched on, possibly before the run.
+
+        make: a function from such a tick to a new chip.
+        """
         self.log = NoteLog(context, name)
         self._kernel = context.kernel
         self._make = make
@@ -85,10 +88,10 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
         raise case.mistake(f"{others[0]} has the address {address:#04x} too", *place, "address")
     answers = checked_options(case, kind.OPTIONS, table.options, *place, "options")
     guard = UserCode(f"chip {name}", float(case.stall_limit))
-    feels: Source  # assigned below, because the source depends on the scale that `registers` sets
+    sensed: Source  # assigned below, because the source depends on the scale that `registers` sets
 
     def make(powered: int) -> RegisterChip:
-        chip: RegisterChip = guard(kind, timebase, lambda tick: feels(tick), address, answers, powered)
+        chip: RegisterChip = guard(kind, timebase, lambda tick: sensed(tick), address, answers, powered)
         return chip
 
     powered = context.kernel.now - context.ticks(table.powered)
@@ -105,7 +108,7 @@ def build_chip(context: SceneContext, name: str, source: Source | None) -> ChipO
             )
         chip.write(powered, chip.MAP[register].offset, value)
     try:
-        feels = source or _source(table.values, chip.lsb_per_unit, context.kernel.now, context.ticks)
+        sensed = source or _source(table.values, chip.lsb_per_unit, context.kernel.now, context.ticks)
     except ValueError as error:
         raise case.mistake(str(error), *place, "values") from None
     on_bus.take_notes()

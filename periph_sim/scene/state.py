@@ -140,7 +140,7 @@ def keep_logs(scene: Scene) -> bool:
 
 
 def run_to_checkpoint(scene: Scene, until: int) -> None:
-    """Run to an instant at which the logs of all C sources can end, in the last window before tick `until`.
+    """Run to an instant in the last window before `until` (see WINDOWS) at which the logs of all C sources can end.
 
     The state at this instant becomes the scene's checkpoint, unless a part of it cannot be restored. If there is no
     such instant, there is no checkpoint.

@@ -95,9 +95,9 @@ class UartSide:
         return counted + sum(self._sent.values()) + (0 if self._serial is None else self._serial.characters)
 
     def count(self, wires: Collection[str]) -> None:
-        """Decode and count the characters on each of these wires that leads to an SCI.
+        """Decode and count the characters on those of these wires that lead to an SCI.
 
-        The outside party drives these wires.
+        wires: the wires that the outside party drives.
         """
         for name in dict.fromkeys(sci.rx for sci in self._scis if sci.rx in wires):
             self._counter(name).on_character.append(partial(self._came, name))
@@ -124,7 +124,7 @@ class UartSide:
         return sum(chip.frames_sent for chip in self._chips())
 
     def errors(self) -> dict[str, int]:
-        """Return how many characters the SCIs of units have received with each kind of error; {} without an SCI."""
+        """Return, for each kind of error, the number of characters that SCIs received with it; {} without an SCI."""
         if not self._scis:
             return {}
         chips = self._chips()
@@ -138,18 +138,18 @@ class UartSide:
 
     def notes(self) -> list[str]:
         """Return notes on unequal rates, on errors on RS-485 pairs, and on sends that never began."""
-        told = [] if self._pairs is None else self._pairs.notes()
+        notes = [] if self._pairs is None else self._pairs.notes()
         for sci in self._scis:
             from .uart_lines import rate_register
 
             (sent, _), (own, _) = self._lines[sci.rx](), self._own[sci.unit, sci.module]()
             if abs(own / sent - 1) > LARGEST_DIFFERENCE and rate_register(self._units[sci.unit], sci.module):
                 rates = [float(self._per_second / bit) for bit in (sent, own)]
-                told.append(
+                notes.append(
                     f"{sci.unit} {sci.module}: characters on {sci.rx} come at {rates[0]:.0f} baud, but SCIHBAUD, "
                     f"SCILBAUD and LSPCLK give {rates[1]:.0f}; correct the registers, or the baud of the sender"
                 )
-        return told + ([] if self._serial is None else self._serial.notes())
+        return notes + ([] if self._serial is None else self._serial.notes())
 
     def finish(self, now: int) -> None:
         """Detect the last characters at tick `now`, the end of the run."""

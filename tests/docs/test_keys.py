@@ -13,7 +13,7 @@ from periph_sim.devices.targets import families
 from periph_sim.devices.watchers import watchers
 from periph_sim.f28335.parts.f28335 import PART
 from periph_sim.imu.sensors import SENSORS
-from periph_sim.scene.case.device_tables import BusParty, Strikes
+from periph_sim.scene.case.device_tables import BusParty, FaultTrigger
 from periph_sim.scene.case.json_schema import descriptions
 from periph_sim.scene.case.party_tables import Controller
 from periph_sim.scene.case.serial import SerialEntry
@@ -65,7 +65,7 @@ def test_a_key_without_a_description_and_another_default_are_found():
 
 def test_every_table_of_the_model_has_a_section():
     modules = {kind.__module__ for kind in SECTIONS.values()}
-    bases = (Table, BusParty, Strikes, Limited, SerialEntry)
+    bases = (Table, BusParty, FaultTrigger, Limited, SerialEntry)
     kinds = {kind for base in bases for kind in base.__subclasses__() if kind.__module__ in modules}
     inner = {kind for kind in kinds if kind.__name__ == "Sets"}  # described with the key `sets`
     assert kinds - {*bases, Condition} - inner <= {*SECTIONS.values()}

@@ -17,7 +17,7 @@ PhaseNumber = Annotated[int, Meta(ge=1)]
 Access = Literal["read", "write", "any"]
 
 
-class Strikes(Table, frozen=True, kw_only=True):
+class FaultTrigger(Table, frozen=True, kw_only=True):
     """The bytes that a stretch or a fault affects, and the time during which bytes are affected.
 
     bytes: byte numbers, `[3]`, in which 0 is the address; otherwise all
@@ -35,7 +35,7 @@ class Strikes(Table, frozen=True, kw_only=True):
     until: Duration | None = None
 
 
-class StretchTable(Strikes, frozen=True, kw_only=True):
+class StretchTable(FaultTrigger, frozen=True, kw_only=True):
     """Clock stretching: SCL is held low before the ACK of a received byte or the first bit of a sent byte.
 
     A duration in place of this table holds SCL low for this time at every byte.
@@ -51,11 +51,12 @@ def _length_alone(value: object) -> object:
 
 
 STRETCH = Annotated[StretchTable, Before(_length_alone, DurationRange | StretchTable)]
+# OWN maps each kind of fault to the keys that only this kind has.
 OWN = {"nack": (), "wrong": ("value",), "flip": ("bit",), "hold": ("length", "clocks"), "off": ()}
 WHICH_BYTES = ("bytes", "access", "phases", "share")  # the keys that a fault of kind "off" does not have
 
 
-class DeviceFault(Strikes, frozen=True, kw_only=True):
+class DeviceFault(FaultTrigger, frozen=True, kw_only=True):
     """A fault of a device.
 
     kind: `"nack"`: a byte is neither acknowledged nor stored. `"wrong"`: `value` is sent. `"flip"`: one bit of a
@@ -93,7 +94,7 @@ class DeviceFault(Strikes, frozen=True, kw_only=True):
 class BusParty(Table, frozen=True, kw_only=True):
     """Keys of each chip and device.
 
-    output_delay: SCL fall to SDA change
+    output_delay: time from an SCL fall to the SDA change
     stretch: clock stretching, `[device.NAME.stretch]`, or a duration for each byte: `"20 us"`
     fault: faults, `[[device.NAME.fault]]`
     """

@@ -33,14 +33,18 @@ def explain(source: Source, error: BadTable, tree: object = None, above: Place =
 
 
 def _header_place(source: Source, place: Place) -> str:
-    """Return file and line of the table that lacks a key. A table may have no header but those of tables inside it."""
+    """Return the file and line of the table that lacks the key at `place`.
+
+    If the table has no header of its own, return the line of the first header of a table inside it.
+    """
     return source.where(place if len(place) < 2 or line_of(source.text, place) else place[:-1])
 
 
 def _where_it_is(place: Place, tree: object) -> str:
-    """Return a phrase with the header of a table that has the key missing at `place`; "" if there is none.
+    """Return a phrase with the header of the table that has the key missing at `place`; "" if there is none.
 
-    A mistyped header, as in [unit.dspp] before [unit.dsp.settings], leaves a table without keys of its own.
+    If the header [unit.dsp] is mistyped as [unit.dspp], its keys are in a table `dspp`. A later [unit.dsp.settings]
+    then makes a table `dsp` that has only this inner table, and lacks the keys.
     """
     *above, name, key = place if len(place) > 1 else ("", *place)
     for part in above:
@@ -68,16 +72,16 @@ def complaint(first: Mistake, above: Place = ()) -> str:
         if is_list:
             return f"expected one table; write its header in single brackets, as in [{header}]"
         return f"{first.what}; write its header in double brackets, as in [[{header}]]"
-    told = first.found is NOTHING
+    quoted_already = first.found is NOTHING
     # The value is quoted only if the message of the check does not quote it, or a text in it, already.
     # A BadCase is about a file that the value names, so its message is complete without the value.
     if first.error is not None:
         quoted = [found, repr(first.found), *(repr(one) for one in tables if isinstance(one, str))]
-        told |= (
+        quoted_already |= (
             any(one in first.what for one in quoted) or "but it is" in first.what or isinstance(first.error, BadCase)
         )
-        told |= isinstance(first.found, dict) or first.what.endswith("?")
-    if told or len(found) > SHOWN:
+        quoted_already |= isinstance(first.found, dict) or first.what.endswith("?")
+    if quoted_already or len(found) > SHOWN:
         return first.what
     return f"{first.what[0].lower()}{first.what[1:]}, but it is {found}"
 
@@ -102,7 +106,11 @@ def own_settings(case: Case, kind: type[Table], table: DeviceTable | WatchTable,
 
 
 def checked_options(case: Case, kind: type[T], given: dict[str, Value], *place: str) -> T:
-    """Return the answers to open questions. Each is checked alone, so that a message has the line of the wrong one."""
+    """Return the answers to the open questions of a chip or module. Raise BadCase for a wrong answer.
+
+    kind: the class whose fields are the questions. given: the answers in the table at `place` of the case. Each answer
+    is checked alone, so that the message has the line of the wrong answer.
+    """
     for name, value in given.items():
         try:
             options_from(kind, {name: value})

@@ -10,8 +10,8 @@ class InputsTable(Table, frozen=True, kw_only=True):
 
     rounds: starts of the controller's rounds; without it, `[controller]` schedules them. A round is due when it starts
     frames: starts of the host's frames; without it, `[host]` schedules them
-    costs: by unit, the durations that its computations with a range take, in their order: `{ dsp = ["240 us"] }`;
-        further computations draw theirs
+    costs: for each unit, the durations of computations whose duration is a range, in their order:
+        `{ dsp = ["240 us"] }`; later computations draw random durations
     """
 
     rounds: tuple[Duration, ...] | None = None

@@ -141,14 +141,14 @@ def _property(key: Key, definitions: Schema) -> Schema:
     if default is None or "$ref" in schema:
         return schema
     try:
-        told = json.loads(json.dumps(default))
+        as_json = json.loads(json.dumps(default))
     except TypeError:
         return schema
     texts_only = schema.get("type") == "string"
     pattern = schema.get("pattern")
-    if (texts_only and not isinstance(told, str)) or (pattern is not None and re.search(pattern, told) is None):
+    if (texts_only and not isinstance(as_json, str)) or (pattern is not None and re.search(pattern, as_json) is None):
         return schema
-    return {**schema, "default": told}
+    return {**schema, "default": as_json}
 
 
 DIALECT = "http://json-schema.org/draft-07/schema#"  # the newest draft that editors of TOML support

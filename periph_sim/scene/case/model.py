@@ -37,10 +37,10 @@ class Case(Table, frozen=True, kw_only=True):
     """A case: the parts of a scene, how long it runs, and the budgets that must hold.
 
     name: name in messages and tables
-    about: description
-    duration: simulated time
+    about: description of the case
+    duration: simulated time of the run
     start: clock time at the run's begin
-    seed: of random values; equal seeds give equal runs
+    seed: seed of all random values; equal seeds give equal runs
     disable: names of optimizations to switch off, or `"all"`; they change no result
     fidelity: obsolete; accepted without effect
     strict: the run ends with status 2 and the firmware's line as soon as firmware breaks a rule of the manuals,
@@ -120,7 +120,7 @@ class Case(Table, frozen=True, kw_only=True):
         return case
 
     def _flaws_of_inputs(self) -> Iterator[Mistake]:
-        """Yield a mistake for each list in [inputs] that has no part of the case to apply to, or is not in order."""
+        """Yield a mistake for each list in [inputs] that applies to no part of the case, or is not in order of time."""
         inputs = self.inputs or InputsTable()
         if inputs.rounds is not None and self.controller is None:
             yield Mistake(("inputs", "rounds"), "there is no [controller] whose rounds could start then; leave it out")
@@ -200,14 +200,14 @@ class Case(Table, frozen=True, kw_only=True):
         """
         usual = ("SDA", "SCL", "RX", "TX")
         wires = {name: dict.fromkeys(pins.values()) for name, pins in wiring_of(self).pins.items()}
-        told: set[str] = set()
+        listed: set[str] = set()
         found: dict[str, tuple[str, ...]] = {}
         for name, unit in self.unit.items():
             pairs = [one.pair for one in self.transceiver if one.on.startswith(f"{name}.") or len(self.unit) == 1]
             all_wires = dict.fromkeys([*wires[name], *pairs])
-            new = [wire for wire in all_wires if wire not in told and wire not in usual]
+            new = [wire for wire in all_wires if wire not in listed and wire not in usual]
             found[name] = (*unit.modules, *(f"pin:{wire}" for wire in new))
-            told.update(new)
+            listed.update(new)
         return found
 
     def mistake(self, what: str, *place: str | int) -> BadCase:
@@ -218,7 +218,7 @@ class Case(Table, frozen=True, kw_only=True):
         return BadCase(f"{where}: {key}: {what}")
 
     def unknown(self, kind: str, name: str, known: Iterable[str], *place: str | int) -> BadCase:
-        """Return an error about a name that is none of the known ones. kind: a noun for the thing that it names."""
+        """Return an error about an unknown name, with similar names from `known`. kind: a noun for the named thing."""
         return self.mistake(f"there is no {kind} {name!r}; {did_you_mean(name, known)}", *place)
 
     def line(self, *place: str | int) -> int:
@@ -226,7 +226,7 @@ class Case(Table, frozen=True, kw_only=True):
         return 0 if self._source is None else line_of(self._source.text, self._written(place))
 
     def _named(self) -> dict[str, Any]:
-        """Return a tree with the structure of a case that has only the names of budgets, sends and replies."""
+        """Return a tree with the structure of this case, in which only the names of budgets, sends and replies are."""
         serial = self.serial or SerialTable()
         return {
             "budget": [{"name": budget.name} for budget in self._all_budgets or self.budget],

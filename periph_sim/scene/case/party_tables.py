@@ -65,17 +65,17 @@ class Controller(Table, frozen=True, kw_only=True):
     rate: SCL frequency, up to 5 MHz
     ppm: clock error, parts per million; rounds do not drift, SCL phases round to the nearest tick
     low, high: SCL low and high time; otherwise half a period
-    hold: SCL fall to SDA change; at most `low`
-    filter: shorter pulses on SDA are ignored (Fast-mode: 50 ns)
-    first: first round
+    hold: time from an SCL fall to the SDA change; at most `low`
+    filter: pulses on SDA shorter than this are ignored (Fast-mode: 50 ns)
+    first: time of the first round
     period: time between rounds
-    jitter: random delay of each round; at most `period`
+    jitter: largest random delay of a round; at most `period`
     gap: time between transfers of a round; at least the bus-free time
     rounds: number of rounds; otherwise until the end
     pointer_by: between pointer and read: `"repeated START"` or `"STOP"`
     order: known chips to read: gyroscope, accelerometer, magnetometer, or a plugin's
     request: further requests, `[[controller.request]]`
-    initialise: the known chips are identified and set up this long before `first`
+    initialise: time before `first` at which the known chips are identified and set up
     check: `"host"`: compare known chips with the host's frames or the firmware's sensor models; the latter need
         `pins = { MODEL = 34 }`, high while they run
     on_nack: after a refused data byte: `"go on"` with the next phase or `"give up"` with a STOP
@@ -213,16 +213,16 @@ class HostTable(Table, frozen=True, kw_only=True):
     baud: bits per second
     error: bit rate error in percent, -50 to 50
     ppm: error of the frame clock, parts per million
-    first: first frame
+    first: time of the first frame
     period: time between frames
-    jitter: random delay of each frame; at most `period`
+    jitter: largest random delay of a frame; at most `period`
     paced_by: `"schedule"`: frame n is due n periods after the first; `"pause"`: one period after the previous frame
         began, so delays add up
     gap: idle bits between bytes
     frames: number of frames; otherwise until the end
     lose: omitted bytes as [frame, byte] from 0: `[[3, 5]]`
     silent: spans without frames, [begin, length]: `[["1 s", "200 ms"]]`
-    twice: frames sent twice, from 0: `[7]`
+    twice: frames sent twice, numbered from 0: `[7]`
     motion: frame contents, `[host.motion]`; otherwise a ramp; see sensors.md
     encoding: scale, byte order and overflow, `[host.encoding]`; see sensors.md
     """

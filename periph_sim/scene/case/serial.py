@@ -42,9 +42,9 @@ class SerialEntry(Table, frozen=True, kw_only=True):
     text: the characters as text, with TOML escapes: `"\r\n"`
     bytes: the characters as bytes
     file: a file with the bytes
-    encoding: of texts: `"ascii"`, `"latin-1"` or `"utf-8"`
+    encoding: encoding of texts: `"ascii"`, `"latin-1"` or `"utf-8"`
     at: time from the start of the run
-    after: each such event: `"edge READY rise"`, `"frame TX 0x06"`
+    after: event that triggers the entry: `"edge READY rise"`, `"frame TX 0x06"`
     baud, bits, parity, stop, multiprocessor: replace those of `[serial]`
     """
 
@@ -81,18 +81,18 @@ class SendTable(SerialEntry, frozen=True, kw_only=True):
 
     The time is exactly one of `at`, `after`, `after_text` and `after_bytes`. A busy line delays the send.
 
-    name: for `after_send`, messages and `--set`
-    to: `"dsp.SCI-A"`, or `"SCI-A"` if one unit has it
+    name: name in messages, in `after_send` and in `--set`
+    to: receiving SCI: `"dsp.SCI-A"`, or `"SCI-A"` if one unit has it
     break: time the line is held low
     address: character sent first: with address bit 1 or after 11 idle bits, by `multiprocessor`
-    after_text, after_bytes: characters just received from the SCI
-    delay: from the event to the first start bit
-    period: repetition after the first event
-    times: maximum number: with `period` unlimited if omitted; otherwise 1, or `"all"` for every event
+    after_text, after_bytes: characters from the SCI that trigger the send
+    delay: time from the event to the first start bit
+    period: time between repetitions after the first event
+    times: maximum number of sends: with `period` unlimited if omitted; otherwise 1, or `"all"` for every event
     gap: idle time between characters
     wrong_parity: characters sent with wrong parity, numbered from 0, address included
     missing_stop: characters with low stop bits; an idle bit follows
-    ppm: replaces that of `[serial]`
+    ppm: clock error of this send; replaces that of `[serial]`
     expect, within: `"nothing"`: the SCI must send nothing from the start of the send until this time after its end, or
         until other data is sent or another reply is expected. This is a budget of the send's name with the measure
         `silence:NAME`
@@ -138,8 +138,9 @@ class ExpectTable(SerialEntry, frozen=True, kw_only=True):
     request it is not judged.
 
     name: name, distinct from those of budgets
-    from: the SCI, as in `to`
-    after_send: each send of this name: characters count from its start, as an echo begins during it; time from its end
+    from: sending SCI, written as in `to`
+    after_send: send after which the reply is expected each time. Characters count from the start of the send, as an
+        echo begins during it; the time counts from its end
     within: time limit for the last character's end; takes the place of `max`, also in `--set`. Refused if send and
         `within` are together shorter than the reply
     anywhere: `true`: other characters may precede the reply

@@ -82,7 +82,7 @@ def _not_toml(text: str, error: str) -> str:
     what = _PLACE.sub("", error)
     if what.startswith("Cannot"):
         return _given_twice(lines, number)
-    if what.startswith("Unclosed"):  # tomllib names a line after, which may be a header
+    if what.startswith("Unclosed"):  # the line that tomllib names may be a later header
         opens = (n for n in range(number, 0, -1) if _OPENS.match(lines[n - 1]) and not _TABLE.match(lines[n - 1]))
         number = next(opens, number)
     if what.startswith("Unescaped"):
@@ -92,7 +92,7 @@ def _not_toml(text: str, error: str) -> str:
 
 
 def _fix(line: str) -> str:
-    """Return the way to correct a line that is not TOML."""
+    """Return a phrase that says how to correct a line that is not TOML."""
     if line.startswith("["):
         header = _HEADER.match(line)
         if header:
@@ -124,7 +124,7 @@ def _fix(line: str) -> str:
 
 
 def _given_twice(lines: list[str], number: int) -> str:
-    """Return the line to correct, and the fix, if line `number` has a key or table that is in the file already."""
+    """Return the message for a key or table in line `number` that is in the file already: the line to correct and how."""
     line = lines[number - 1].partition(" #")[0].strip()
     name = line.partition("=")[0].strip("[] ")
     for n, above in reversed(list(enumerate(lines[: number - 1], 1))):

@@ -18,11 +18,11 @@ COMPILED = CodeCosts()
 class Code(Table, frozen=True, kw_only=True):
     """Cycles of code between the register accesses of Python firmware. The defaults were counted in compiled programs.
 
-    between_accesses: before each register access outside wait conditions; found: 1 to 15
-    poll_pass: of a wait that reads one register of frame 2 (SCI, I2C); found: 7 to 21; per wait: `dsp.spin(...,
-        pass_cycles=21)`
-    isr_prologue: register saves beyond the CPU's 14 words; found: 6 to 22
-    isr_epilogue: restores before IRET; found: 3 to 18
+    between_accesses: cycles before each register access outside wait conditions; compiled programs had 1 to 15
+    poll_pass: cycles of each pass of a wait that reads one register of frame 2 (SCI, I2C); compiled programs had 7 to
+        21; `dsp.spin(..., pass_cycles=21)` sets them for one wait
+    isr_prologue: cycles that save registers beyond the CPU's 14 words; compiled programs had 6 to 22
+    isr_epilogue: cycles that restore registers before IRET; compiled programs had 3 to 18
     """
 
     between_accesses: CodeCycles = COMPILED.between_accesses

@@ -34,7 +34,8 @@ if TYPE_CHECKING:
     from .model import BadCase, Case
 
 
-# Wires are built in the order of SIGNALS, the bus first. Edges of one instant are recorded in the same order.
+# SIGNALS maps each module to the GPIO numbers of its signals. Wires are built in this order, the bus first, so edges
+# of one instant are recorded in this order, too.
 SIGNALS: dict[str, dict[str, int]] = {
     module.name: {name: module.pins[signal] for name, signal in module.wires.items()}
     for module in sorted(PART.modules, key=lambda one: not one.bus)
@@ -187,7 +188,7 @@ def _wire_names(case: Case) -> list[str]:
 
 
 def _named(case: Case) -> Iterator[tuple[str, int, str]]:
-    """Yield (unit, pin, name of its wire) for each pin on the I2C bus and each pin that a unit's table names."""
+    """Yield (unit, GPIO number, name of the wire) for each pin on the I2C bus and each pin in a unit's key `pins`."""
     for unit, table in case.unit.items():
         if "I2C-A" in table.modules:
             yield from (

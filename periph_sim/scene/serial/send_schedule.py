@@ -44,14 +44,14 @@ class TextTrigger:
         self._happened = happened
         self._came = b""
 
-    def character(self, heard: Heard) -> None:
-        if not heard.good:
+    def character(self, frame: Heard) -> None:
+        if not frame.good:
             self._came = b""
             return
-        self._came = (self._came + bytes([heard.value]))[-len(self._wanted) :]
+        self._came = (self._came + bytes([frame.value]))[-len(self._wanted) :]
         if self._came == self._wanted:
             self._came = b""
-            self._happened(heard.end)
+            self._happened(frame.end)
 
 
 BEHIND = "its time is after the end of the run"
@@ -105,7 +105,8 @@ class Send:
     def happened(self, tick: int) -> None:
         """Start the bursts for a trigger at tick `tick`.
 
-        With a period, only the first trigger counts; without one, as many triggers as the key `times` allows.
+        If the entry has the key `period`, only the first trigger counts. Otherwise, as many triggers count as the key
+        `times` allows.
         """
         if (self._asked and self._table.period is not None) or self._asked == self._most:
             return
@@ -128,9 +129,9 @@ class Send:
 
     def _begins(self, tick: int) -> None:
         self.sent += 1
-        for told in self.on_begin:
-            told(tick)
+        for callback in self.on_begin:
+            callback(tick)
 
     def _ends(self, tick: int) -> None:
-        for told in self.on_end:
-            told(tick)
+        for callback in self.on_end:
+            callback(tick)

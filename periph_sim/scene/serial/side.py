@@ -133,11 +133,11 @@ class SerialSide:
     def notes(self) -> list[str]:
         """Return notes on sends that never began, and on characters that no entry of [[serial.expect]] expects.
 
-        What a verdict reports already is left out.
+        Sends and characters that a verdict reports already are left out.
         """
-        told = {expect.after_send for expect in self._table.expect}
-        told |= {send.name for send in self._table.send if send.expect is not None}
-        silent = [send for name, send in self.sends.items() if not send.sent and name not in told]
+        judged = {expect.after_send for expect in self._table.expect}
+        judged |= {send.name for send in self._table.send if send.expect is not None}
+        silent = [send for name, send in self.sends.items() if not send.sent and name not in judged]
         notes = [f"serial: {self._never_sent(send.name)}" for send in silent]
         first = self._unasked.close(self._context.kernel.now)
         if first and not self._is_judged:
@@ -294,19 +294,22 @@ class SerialSide:
         for reply in self._replies[number]:
             reply.due(tick)
 
-    def _character(self, number: int, heard: Heard) -> None:
+    def _character(self, number: int, frame: Heard) -> None:
         for reply in self._replies[number]:
-            reply.character(heard.begin, heard.end, heard.value, heard.good)
+            reply.character(frame.begin, frame.end, frame.value, frame.good)
 
-    def _unexpected(self, measure: Unsolicited, sci: SciLines, expects: list[int], heard: Heard) -> None:
-        """Pass a character to a measure of unsolicited characters, unless a reply or another verdict reports it."""
-        begin = heard.begin
-        told = any(reply.last == begin for number in expects for reply in self._replies[number])
+    def _unexpected(self, measure: Unsolicited, sci: SciLines, expects: list[int], frame: Heard) -> None:
+        """Pass a character to a measure of unsolicited characters, unless it belongs to a reply.
+
+        The measure for notes also ignores characters that a silence forbids, because a verdict reports them.
+        """
+        begin = frame.begin
+        reported = any(reply.last == begin for number in expects for reply in self._replies[number])
         if measure is self._unasked:
-            told |= any(silence.forbids(begin) for one, silence in self._silences if one == sci)
-        if not told:
-            value = heard.value if heard.good else BAD + heard.value
-            measure.character(f"{sci.unit}.{sci.module}", begin, heard.end, value)
+            reported |= any(silence.forbids(begin) for one, silence in self._silences if one == sci)
+        if not reported:
+            value = frame.value if frame.good else BAD + frame.value
+            measure.character(f"{sci.unit}.{sci.module}", begin, frame.end, value)
 
     def _silent(self, measure: Unsolicited, within: int, tick: int) -> None:
         measure.due(tick + within)
@@ -321,8 +324,8 @@ class SerialSide:
 
     # Reading lines ------------------------------------------------------------------------
 
-    def _listen(self, sci: SciLines, entry: SerialEntry | None, told: Callable[[Heard], None]) -> None:
-        """Call the callback with each frame that an SCI sends, read with the format of `entry`.
+    def _listen(self, sci: SciLines, entry: SerialEntry | None, callback: Callable[[Heard], None]) -> None:
+        """Call `callback` with each frame that an SCI sends, read with the rate and format of `entry`.
 
         On a pair, only frames that begin while the SCI's driver is on are frames of this SCI.
         """
@@ -332,8 +335,8 @@ class SerialSide:
         if key not in self._readers:
             self._readers[key] = UartReader(self._context.wire(wire), lambda: key[1:])
         if transceiver is not None:
-            told = partial(_if_driven, transceiver.driver, told)
-        self._readers[key].on_end.append(told)
+            callback = partial(_if_driven, transceiver.driver, callback)
+        self._readers[key].on_end.append(callback)
 
     def _line_of(self, sender: BurstSender) -> Line:
         idle = self._line()
@@ -346,7 +349,7 @@ class SerialSide:
         )
 
 
-def _if_driven(driver: Driver, told: Callable[[Heard], None], heard: Heard) -> None:
-    """Pass on a frame if it began while the driver was on, because then this driver has sent it."""
-    if driver.was_on(heard.begin):
-        told(heard)
+def _if_driven(driver: Driver, callback: Callable[[Heard], None], frame: Heard) -> None:
+    """Call `callback` with a frame if it began while the driver was on, because then this driver has sent it."""
+    if driver.was_on(frame.begin):
+        callback(frame)

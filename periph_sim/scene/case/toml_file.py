@@ -124,7 +124,7 @@ def _fix(line: str) -> str:
 
 
 def _given_twice(lines: list[str], number: int) -> str:
-    """Return the message for a key or table in line `number` that the file already has: the line to correct, and how."""
+    """Return the message for a key or table of line `number` that the file has already, with the line to correct."""
     line = lines[number - 1].partition(" #")[0].strip()
     name = line.partition("=")[0].strip("[] ")
     for n, above in reversed(list(enumerate(lines[: number - 1], 1))):
